@@ -113,7 +113,8 @@ impl MachineFileError {
             Self::Corner => "corner.square_corner".to_owned(),
             Self::Phases => "belt.phases".to_owned(),
             Self::Name(_) => "name".to_owned(),
-            Self::Settings(SettingsError::OutOfRange(key)) => (*key).to_owned(),
+            Self::Settings(SettingsError::OutOfRange(key)) => key.to_string(),
+            Self::Settings(SettingsError::OutOfRangeBeside(key)) => (*key).to_owned(),
             Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),
             Self::Settings(SettingsError::NoSuchMicrosteps(table)) => format!("{table}.microsteps"),
             Self::Settings(SettingsError::MicrostepsDiffer { keys, .. }) => {

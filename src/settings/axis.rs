@@ -1,6 +1,7 @@
 //! Axes: one value per axis, and what an axis is.
 
-use super::HomedAxis;
+use super::rows::rows;
+use super::{HomedAxis, Settings, ranges};
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
@@ -110,5 +111,42 @@ impl Homing {
 
     pub(super) const fn screw() -> Self {
         Self { fast: MmPerSec::const_from_int(8), slow: MmPerSec::const_from_int(1), back_off: Mm::const_from_int(2) }
+    }
+}
+
+fn parts(s: &mut Settings) -> [&mut AxisSettings; 4] {
+    [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z, &mut s.axes.e]
+}
+
+rows! {
+    for axis in parts, named &["axes.x", "axes.y", "axes.z", "axes.e"];
+
+    /// Steps a millimetre (M92).
+    20 "steps_per_mm" = axis.steps_per_mm, "steps/mm", [ranges::STEPS_PER_MM.spec()];
+    /// Speed limit (M203).
+    21 "max_speed" = axis.max_speed, "mm/s", [ranges::SPEED.spec()];
+    /// Acceleration limit (M201).
+    22 "max_acceleration" = axis.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+    /// How far the axis reaches from 0; for the extruder, the longest single move.
+    23 "length" = axis.length, "mm", [ranges::AXIS_LENGTH.spec()];
+}
+
+/// Rows of [`Homing`].
+pub(super) mod homing {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut Homing; 3] {
+        [&mut s.homing.x, &mut s.homing.y, &mut s.homing.z]
+    }
+
+    rows! {
+        for axis in parts, named &["homing.x", "homing.y", "homing.z"];
+
+        /// Speed of the first approach.
+        24 "fast" = axis.fast, "mm/s", [ranges::SPEED.spec()];
+        /// Speed of the second approach, which decides the position.
+        25 "slow" = axis.slow, "mm/s", [ranges::SPEED.spec()];
+        /// How far the axis backs off between the two.
+        26 "back_off" = axis.back_off, "mm", [ranges::BACK_OFF.spec()];
     }
 }

@@ -1,6 +1,7 @@
 //! The bed: where the machine can print, which may be less than where its tool can go.
 
-use super::{Axes, AxisSettings};
+use super::rows::rows;
+use super::{Axes, AxisSettings, Settings, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -23,4 +24,21 @@ impl Bed {
     pub const fn of_reach(axes: &Axes<AxisSettings>) -> Self {
         Self { width: axes.x.length, depth: axes.y.length, left: Mm::ZERO, front: Mm::ZERO }
     }
+}
+
+fn parts(s: &mut Settings) -> [&mut Bed; 1] {
+    [&mut s.bed]
+}
+
+rows! {
+    for bed in parts, named &["bed"];
+
+    /// Size in x.
+    27 "width" = bed.width, "mm", [ranges::AXIS_LENGTH.spec()];
+    /// Size in y.
+    28 "depth" = bed.depth, "mm", [ranges::AXIS_LENGTH.spec()];
+    /// x of its left edge.
+    29 "left" = bed.left, "mm", [ranges::BED_EDGE.spec()];
+    /// y of its front edge.
+    30 "front" = bed.front, "mm", [ranges::BED_EDGE.spec()];
 }

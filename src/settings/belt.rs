@@ -1,5 +1,7 @@
 //! The belt: what ties the motors of x and y together.
 
+use super::rows::{Choice, Chosen, Spec, rows};
+use super::{Settings, ranges};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +79,57 @@ impl Belt {
             phases: [Self::NO_PHASE; PHASES],
             limp_lift: Mm::const_from_int(10),
         }
+    }
+}
+
+impl Choice for Alignment {
+    const ALL: &'static [(Self, &'static str)] = &Self::ALL;
+}
+
+fn parts(s: &mut Settings) -> [&mut Belt; 1] {
+    [&mut s.belt]
+}
+
+rows! {
+    for belt in parts, named &["belt"];
+
+    /// Whether one closed belt runs over all motors that move x or y, each turning it the same way round when it turns
+    /// forward. Such a belt can circulate while the tool stands (C in G0 and G1). A file with a mechanism has none unless
+    /// it says so.
+    31 "closed" = belt.is_closed, "", [Spec::SWITCH];
+    /// Time between two motors of one belt that get power.
+    32 "settling" = belt.settling_ms, "ms", [ranges::SETTLING_MS.spec()];
+    /// Speed limit of the circulation.
+    33 "max_speed" = belt.max_speed, "mm/s", [ranges::SPEED.spec()];
+    /// Acceleration limit of the circulation.
+    34 "max_acceleration" = belt.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+    /// How far the belt circulates after x and y are homed, so that it does not always bend at the same teeth; 0 is not at
+    /// all.
+    35 "homing_advance" = belt.homing_advance, "mm", [ranges::HOMING_ADVANCE.spec()];
+    /// What happens with motors of one belt that were not aligned (M915) since they got power. Off: nothing. Warning: the
+    /// host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned when x
+    /// and y are homed.
+    36 "alignment" = Chosen(&mut belt.alignment), "", [Spec::choice::<Alignment>()];
+    /// How much aligned motors strain the belt, as the sum of their residual.
+    37 "preload" = belt.preload, "mm", [ranges::PRELOAD.spec()];
+    /// How far z is raised when a motor of the belt has failed, before the others park the tool; 0 cuts all power at once.
+    38 "limp_lift" = belt.limp_lift, "mm", [ranges::LIMP_LIFT.spec()];
+}
+
+/// Rows of [`Belt::phases`].
+pub(super) mod phases {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut u16; PHASES] {
+        s.belt.phases.each_mut()
+    }
+
+    rows! {
+        for phase in parts, named &["belt.phases"; PHASES];
+
+        /// Where the drivers of a belt's motors stood to each other when nothing strained the belt: a number for each
+        /// residual. M915 finds it. Left out, it is not known.
+        39 "" = *phase, "1/1024 of an electrical turn", [ranges::PHASE.spec()];
     }
 }
 

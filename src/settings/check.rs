@@ -1,18 +1,21 @@
 //! The check that every setting is legal: within its range, and in accord with the others.
 
-use super::ranges::{self, Range};
-use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
-use super::{AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Pause, Settings, Shaper};
-use crate::connectors::Heater;
+use super::ranges;
+use super::rows::{Field, Key, Value, Visitor};
+use super::thermal::{ThermalSettings, Thermistor};
+use super::{Endstop, HomedAxis, Settings};
+use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, multiple};
 use crate::motors::Motor;
-use crate::units::{Celsius, Mm, MmPerSec, Ratio, StepsPerMm, WattsPerKelvin};
+use crate::units::{Mm, MmPerSec, Seconds, StepsPerMm};
 
 /// What is wrong with a set of settings; the text names the setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SettingsError {
-    /// A value lies outside its range in [`ranges`].
-    OutOfRange(&'static str),
+    /// A value lies outside the range of its row.
+    OutOfRange(Key),
+    /// The value of this key lies outside the range that other settings leave it.
+    OutOfRangeBeside(&'static str),
     /// Speed times resolution of this axis or motor is above [`ranges::STEP_RATE`].
     TooManySteps(&'static str),
     /// Two axes share motors, so they need the same steps a millimetre.
@@ -42,7 +45,8 @@ pub enum SettingsError {
 impl core::fmt::Display for SettingsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::OutOfRange(what) => write!(f, "{what} is outside its legal range"),
+            Self::OutOfRange(key) => write!(f, "{key} is outside its legal range"),
+            Self::OutOfRangeBeside(key) => write!(f, "{key} is outside its legal range"),
             Self::TooManySteps(axis) => {
                 write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
             }
@@ -67,15 +71,21 @@ impl core::fmt::Display for SettingsError {
 
 impl core::error::Error for SettingsError {}
 
-fn within<T: PartialOrd + Copy>(range: Range<T>, value: T, what: &'static str) -> Result<(), SettingsError> {
-    if range.holds(value) { Ok(()) } else { Err(SettingsError::OutOfRange(what)) }
+/// Looks for a setting outside its range.
+struct Ranges {
+    first: Option<Key>,
 }
 
-fn axis(a: &AxisSettings, name: &'static str) -> Result<(), SettingsError> {
-    within(ranges::STEPS_PER_MM, a.steps_per_mm, name)?;
-    within(ranges::SPEED, a.max_speed, name)?;
-    within(ranges::ACCELERATION, a.max_acceleration, name)?;
-    within(ranges::AXIS_LENGTH, a.length, name)
+impl Visitor for Ranges {
+    fn visit(&mut self, key: Key, field: &mut dyn Field) {
+        let is_legal = match field.get() {
+            Value::Number(number) => key.row.legal(key.part.into()).holds(number),
+            Value::Absent | Value::Text(_) => true,
+        };
+        if !is_legal && self.first.is_none() {
+            self.first = Some(key);
+        }
+    }
 }
 
 fn step_rate(speed: MmPerSec, steps_per_mm: StepsPerMm, name: &'static str) -> Result<(), SettingsError> {
@@ -83,64 +93,20 @@ fn step_rate(speed: MmPerSec, steps_per_mm: StepsPerMm, name: &'static str) -> R
     if rate > u64::from(ranges::STEP_RATE) { Err(SettingsError::TooManySteps(name)) } else { Ok(()) }
 }
 
-fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
-    within(ranges::SPEED, h.fast, name)?;
-    within(ranges::SPEED, h.slow, name)?;
-    within(ranges::BACK_OFF, h.back_off, name)
+/// `key`, unless it is legal beside other settings.
+const fn legal_beside(is_legal: bool, key: &'static str) -> Result<(), SettingsError> {
+    if is_legal { Ok(()) } else { Err(SettingsError::OutOfRangeBeside(key)) }
 }
 
-fn endstop(e: Endstop, length: Mm, name: &'static str) -> Result<(), SettingsError> {
-    within(ranges::endstop_position(e.end, length), e.position, name)
-}
-
-fn bed(b: Bed) -> Result<(), SettingsError> {
-    within(ranges::AXIS_LENGTH, b.width, "bed.width")?;
-    within(ranges::AXIS_LENGTH, b.depth, "bed.depth")?;
-    within(ranges::BED_EDGE, b.left, "bed.left")?;
-    within(ranges::BED_EDGE, b.front, "bed.front")
-}
-
-fn belt(b: Belt) -> Result<(), SettingsError> {
-    within(ranges::SETTLING_MS, b.settling_ms, "belt.settling")?;
-    within(ranges::SPEED, b.max_speed, "belt.max_speed")?;
-    within(ranges::ACCELERATION, b.max_acceleration, "belt.max_acceleration")?;
-    within(ranges::HOMING_ADVANCE, b.homing_advance, "belt.homing_advance")?;
-    within(ranges::PRELOAD, b.preload, "belt.preload")?;
-    within(ranges::LIMP_LIFT, b.limp_lift, "belt.limp_lift")?;
-    b.phases.into_iter().try_for_each(|phase| within(ranges::PHASE, phase, "belt.phases"))
-}
-
-fn pause(p: &Pause) -> Result<(), SettingsError> {
-    within(ranges::PAUSE_RETRACT, p.retract, "pause.retract")?;
-    within(ranges::SPEED, p.retract_speed, "pause.retract_speed")?;
-    within(ranges::SPEED, p.unretract_speed, "pause.unretract_speed")?;
-    within(ranges::PAUSE_LIFT, p.lift, "pause.lift")?;
-    within(ranges::BED_EDGE, p.x, "pause.x")?;
-    within(ranges::BED_EDGE, p.y, "pause.y")?;
-    within(ranges::SPEED, p.travel_speed, "pause.travel_speed")?;
-    within(ranges::PAUSE_HEAT_MIN, p.heat_off_min, "pause.heat_off_min")
-}
-
-fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
-    within(ranges::FREQUENCY, s.frequency, name)?;
-    within(ranges::DAMPING, s.damping, name)?;
-    if s.span != Mm::ZERO {
-        within(ranges::BELT_SPAN, s.span, name)?;
-    }
-    within(ranges::MOTOR_FREQUENCY, s.motor_frequency, name)
-}
-
-fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {
-    within(ranges::CURRENT_MA, d.current_ma, name)?;
-    within(ranges::HOLD_PERCENT, d.hold_percent, name)?;
-    within(ranges::MICROSTEPS, d.microsteps, name)?;
-    within(Range { least: MmPerSec::ZERO, most: ranges::SPEED.most }, d.hybrid_threshold, name)?;
-    if d.microsteps.is_power_of_two() { Ok(()) } else { Err(SettingsError::NoSuchMicrosteps(name)) }
+fn endstop(e: Endstop, length: Mm, key: &'static str) -> Result<(), SettingsError> {
+    legal_beside(ranges::endstop_position(e.end, length).holds(e.position), key)
 }
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
-    for (name, h) in [("hotend", &t.heaters.hotend), ("bed", &t.heaters.bed), ("chamber", &t.heaters.chamber)] {
-        heater(h, if name == "hotend" { ranges::HOTEND } else { ranges::BED }, name)?;
+    for (heater, key) in t.heaters.all().into_iter().zip(THERMISTORS) {
+        if let Thermistor::Beta { ohms, beta } = heater.thermistor {
+            legal_beside(ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta), key)?;
+        }
     }
     for (a, b) in [(Heater::Hotend, Heater::Bed), (Heater::Hotend, Heater::Chamber), (Heater::Bed, Heater::Chamber)] {
         let (a, b) = (t.heater(a), t.heater(b));
@@ -151,45 +117,16 @@ fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
             return Err(SettingsError::SharedHeater("sensor"));
         }
     }
-    t.fans.iter().try_for_each(fan)?;
-    within(ranges::MIN_EXTRUDE, t.min_extrude, "min_extrude")?;
-    within(ranges::COLD_END, t.hotend_fan_above, "hotend_fan_above")?;
-    within(ranges::RUN_ON_S, t.fan_run_on_s, "fan_run_on_s")?;
-    within(ranges::IDLE_MIN, t.idle_min, "idle_min")?;
-    within(ranges::FILAMENT, t.filament, "filament")
+    t.fans.iter().zip(FAN_DUTIES).try_for_each(|(fan, key)| legal_beside(fan.least <= fan.most, key))
 }
 
-fn heater(h: &HeaterSettings, target: Range<Celsius>, name: &'static str) -> Result<(), SettingsError> {
-    within(target, h.most, name)?;
-    within(ranges::POWER, h.power, name)?;
-    within(ranges::MAX_DUTY, h.max_duty, name)?;
-    within(ranges::RELAY_MS, h.period_ms, name)?;
-    let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = h.model;
-    within(ranges::CAPACITY, capacity, name)?;
-    within(ranges::LOSS, loss, name)?;
-    within(Range { least: WattsPerKelvin::ZERO, most: ranges::LOSS.most }, fan_loss, name)?;
-    within(ranges::LAG, heater_lag, name)?;
-    within(ranges::LAG, sensor_lag, name)?;
-    for gain in [h.pid.p, h.pid.i, h.pid.d] {
-        within(ranges::GAIN, gain, name)?;
-    }
-    within(ranges::HEATING, h.guards.heating, name)?;
-    within(ranges::LOST, h.guards.lost, name)?;
-    within(ranges::LOST_S, h.guards.lost_s, name)?;
-    within(ranges::OFF_RISE, h.guards.off_rise, name)?;
-    within(ranges::OVERSHOOT, h.guards.overshoot, name)?;
-    if let Thermistor::Beta { ohms, beta } = h.thermistor {
-        within(ranges::OHMS, ohms, name)?;
-        within(ranges::BETA, beta, name)?;
-    }
-    Ok(())
-}
+/// Keys of thermistors.
+const THERMISTORS: [&str; HEATERS] =
+    ["heaters.hotend.thermistor", "heaters.bed.thermistor", "heaters.chamber.thermistor"];
 
-fn fan(f: &FanSettings) -> Result<(), SettingsError> {
-    within(ranges::KICK_MS, f.kick_ms, "fan.kick_ms")?;
-    within(Range { least: Ratio::ZERO, most: Ratio::ONE }, f.least, "fan.least")?;
-    within(Range { least: f.least.max(ranges::MAX_DUTY.least), most: Ratio::ONE }, f.most, "fan.most")
-}
+/// Keys of fans' greatest duties.
+const FAN_DUTIES: [&str; FANS] =
+    ["fans.fan0.most", "fans.fan1.most", "fans.fan2.most", "fans.fan3.most", "fans.fan4.most", "fans.fan5.most"];
 
 impl Settings {
     /// The same as [`check`](Self::check), and whether the mechanism is one: for whoever makes a machine. Stored settings
@@ -210,65 +147,40 @@ impl Settings {
     /// # Errors
     /// The first setting found to be illegal.
     pub fn check(&self) -> Result<(), SettingsError> {
-        axis(&self.axes.x, "axes.x")?;
-        axis(&self.axes.y, "axes.y")?;
-        axis(&self.axes.z, "axes.z")?;
-        axis(&self.axes.e, "axes.e")?;
+        let mut found = Ranges { first: None };
+        // Visitors may change what they see; this one does not.
+        self.clone().visit(&mut found);
+        if let Some(key) = found.first {
+            return Err(SettingsError::OutOfRange(key));
+        }
         let a = &self.axes;
         for (number, (axis, name)) in
             [(&a.x, "axes.x"), (&a.y, "axes.y"), (&a.z, "axes.z"), (&a.e, "axes.e")].into_iter().enumerate()
         {
-            within(ranges::STEPS_PER_MM, self.finest(number), name)?;
-            step_rate(axis.max_speed, self.finest(number), name)?;
+            let finest = self.finest(number);
+            legal_beside(ranges::STEPS_PER_MM.holds(finest), name)?;
+            step_rate(axis.max_speed, finest, name)?;
         }
         self.check_shared_motors().map_err(SettingsError::ResolutionsDiffer)?;
-        within(ranges::SPEED, self.motor_max_speed, "motor_max_speed")?;
         for axis in 0..2 {
             step_rate(self.motor_max_speed, self.finest(axis), "motor_max_speed")?;
         }
-        within(ranges::ACCELERATION, self.motor_max_acceleration, "motor_max_acceleration")?;
-        within(ranges::ACCELERATION, self.print_acceleration, "print_acceleration")?;
-        within(ranges::ACCELERATION, self.retract_acceleration, "retract_acceleration")?;
-        within(ranges::ACCELERATION, self.travel_acceleration, "travel_acceleration")?;
-        match self.corner {
-            CornerRule::JunctionDeviation(d) => within(ranges::TOLERANCE, d, "corner.junction_deviation")?,
-            CornerRule::SquareCorner(v) => within(ranges::SPEED, v, "corner.square_corner")?,
-        }
-        within(ranges::SPEED, self.extruder_jerk, "extruder_jerk")?;
-        within(ranges::TOLERANCE, self.arc_tolerance, "arc_tolerance")?;
-        shaper(&self.shapers.x, "shaper.x")?;
-        shaper(&self.shapers.y, "shaper.y")?;
-        within(ranges::ADVANCE, self.advance.time, "advance.time")?;
-        if let Some(window) = self.advance.window {
-            within(ranges::ADVANCE_WINDOW, window, "advance.window")?;
-        }
-        homing(&self.homing.x, "homing.x")?;
-        homing(&self.homing.y, "homing.y")?;
-        homing(&self.homing.z, "homing.z")?;
+        // As a row this is no window, which is legal.
+        legal_beside(self.advance.window != Some(Seconds::ZERO), "advance.window")?;
         endstop(self.endstops.x, self.axes.x.length, "homing.x.position")?;
         endstop(self.endstops.y, self.axes.y.length, "homing.y.position")?;
         endstop(self.endstops.z, self.axes.z.length, "homing.z.position")?;
         if !HomedAxis::ALL.iter().all(|axis| self.homing_order.contains(axis)) {
             return Err(SettingsError::HomingOrder);
         }
-        within(ranges::BAUD, self.baud, "baud")?;
-        bed(self.bed)?;
-        belt(self.belt)?;
-        pause(&self.pause)?;
-        let most = ranges::SPEED.most;
-        if self.min_feed > most || self.min_travel > most {
-            return Err(SettingsError::OutOfRange("min_feed or min_travel"));
+        for (driver, group) in
+            [(&self.drivers.belt, "drivers.belt"), (&self.drivers.z, "drivers.z"), (&self.drivers.e, "drivers.e")]
+        {
+            if !driver.microsteps.is_power_of_two() {
+                return Err(SettingsError::NoSuchMicrosteps(group));
+            }
         }
-        within(ranges::KEEPALIVE_S, self.keepalive_s, "keepalive_s")?;
-        if self.patience_ms > 0 {
-            within(ranges::PATIENCE_MS, self.patience_ms, "patience_ms")?;
-        }
-        within(ranges::LOOKAHEAD_TIME, self.lookahead_time, "lookahead_time")?;
-        driver(&self.drivers.belt, "drivers.belt")?;
-        driver(&self.drivers.z, "drivers.z")?;
-        driver(&self.drivers.e, "drivers.e")?;
         self.check_microsteps()?;
-        within(ranges::CRUISE_RATIO, self.minimum_cruise_ratio, "minimum_cruise_ratio")?;
         thermal(&self.thermal)
     }
 

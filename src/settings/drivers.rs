@@ -1,5 +1,7 @@
 //! Drivers: what each group of motors asks of its TMC2209s.
 
+use super::rows::{Spec, rows};
+use super::{Range, Settings, ranges};
 use crate::motors::{Motor, MotorSet};
 use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
@@ -61,6 +63,27 @@ impl DriverGroups {
         };
         Self { belt, z: DriverSettings { hold_percent: 100, ..belt }, e: belt }
     }
+}
+
+fn parts(s: &mut Settings) -> [&mut DriverSettings; 3] {
+    [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e]
+}
+
+rows! {
+    for driver in parts, named &["drivers.belt", "drivers.z", "drivers.e"];
+
+    /// Current of a running motor, root mean square (M906).
+    40 "current_ma" = driver.current_ma, "mA", [ranges::CURRENT_MA.spec()];
+    /// Current of a motor at rest, in percent of the running motor's.
+    41 "hold_percent" = driver.hold_percent, "%", [ranges::HOLD_PERCENT.spec()];
+    /// Microsteps of a full step: 1, 2, 4 and so on up to 256. The axis' steps_per_mm counts them.
+    42 "microsteps" = driver.microsteps, "", [ranges::MICROSTEPS.spec()];
+    /// Whether motors run in stealthChop instead of spreadCycle (M569).
+    43 "stealth" = driver.stealth, "", [Spec::SWITCH];
+    /// Speed above which stealthChop gives way to spreadCycle; 0 is never (M913).
+    44 "hybrid_threshold" = driver.hybrid_threshold, "mm/s", [ranges::SPEED.spec().from_zero()];
+    /// StallGuard threshold: the higher, the sooner a load counts as a stall; 0 is never (M914).
+    45 "stall_threshold" = driver.stall_threshold, "", [Range { least: u8::MIN, most: u8::MAX }.spec()];
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Endstops: at which end of its axis each switch sits, where that is, and in which order G28 looks for them.
 
+use super::rows::{Choice, Chosen, Spec, rows};
+use super::{Settings, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +103,43 @@ impl HomedAxis {
             Self::Y => 'Y',
             Self::Z => 'Z',
         }
+    }
+}
+
+impl Choice for AxisEnd {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Min, "min"), (Self::Max, "max")];
+}
+
+impl Choice for HomedAxis {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::X, "x"), (Self::Y, "y"), (Self::Z, "z")];
+}
+
+fn parts(s: &mut Settings) -> [&mut Endstop; 3] {
+    [&mut s.endstops.x, &mut s.endstops.y, &mut s.endstops.z]
+}
+
+rows! {
+    for endstop in parts, named &["homing.x", "homing.y", "homing.z"];
+
+    /// The end of the axis at which its switch sits.
+    46 "end" = Chosen(&mut endstop.end), "", [Spec::choice::<AxisEnd>()];
+    /// The position at which the switch is met: in that half of the axis, or somewhat outside.
+    47 "position" = endstop.position, "mm", [ranges::ENDSTOP_POSITION.spec()];
+}
+
+/// Rows of the order in which axes are homed.
+pub(super) mod order {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut HomedAxis; 3] {
+        s.homing_order.each_mut()
+    }
+
+    rows! {
+        for axis in parts, named &["homing.order"; 3];
+
+        /// The order in which G28 homes the axes: x, y and z once each.
+        48 "" = Chosen(axis), "", [Spec::choice::<HomedAxis>()];
     }
 }
 

@@ -1,30 +1,22 @@
 //! Settings: the machine as data. Values are range-checked where they enter, so the rooms that read them
 //! need not ask.
 //!
-//! The places that know a setting, in the order in which a new one is added to them:
+//! A setting is a field with a default, and a row ([`rows`]) in the same file: its id in records, its key in machine files, its unit,
+//! its range and what it means. The record (`storage`) and the check of ranges go through the rows. What else knows a setting:
 //!
 //! | place | where | what holds it to that |
 //! |---|---|---|
-//! | field and default | here, or `axis`, `bed`, `belt`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
-//! | range, check | `ranges`, `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
-//! | record | `storage::record`, by serde: a changed shape makes another `FORMAT` | `src/storage/record/tests.rs` |
-//! | machine file | keys with what they mean in `machine-file/src/form.rs` and its folder, read in `lib.rs` there, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-cli --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
-//! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test; `boards/sim/tests/console/legal_settings.rs` |
-//! | M503 | the words in `machine/reports/settings_report.rs` (`report_setting`, `report_settings`, `report_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |
-//! | who reads it | `motion` (limits of a move by what it is for: `purpose` and `Limits` in `motion::planner`), `driver` or `machine` | its own tests; a limit of motion also in `tests/motion/model.rs` and, if a line may loosen it, `boards/sim/src/limits.rs` |
+//! | field, default and row | here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`), `tests/setting_rows.rs` |
+//! | range, if it is a new kind of quantity | `ranges`; what depends on other settings, `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
+//! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | `every_setting.rs`, `legal_settings.rs` |
+//! | M503 | `machine/reports/settings_report.rs`; a line of its own also in `machine/answers/setting.rs` | `every_setting.rs` |
+//! | who reads it | `motion`, `driver`, `thermal` or `machine` | its own tests |
 //! | whether it counts at once | a setting that a board reads only when it starts: [`Settings::is_built_as`] | compiler |
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
-//! | documents | docs/reference/gcode.md, docs/reference/host-protocol.md, docs/reference/machines.md (what is plugged in where), CHANGELOG.md | review |
 //!
-//! A new [`ShaperKind`] comes last (records hold its number, so `FORMAT` stays), and its T is the next one: `tail` in
-//! `cli/src/twin/compensate/gcode.rs` counts them. It is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
-//! (`gcode::shaping`), `kind_of` with M593's text (`machine/commands/shaping.rs`) and `name_of` (`machine/reports/settings_report.rs`),
-//! which translate between kind and number, `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
-//! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T,
-//! `examples/shaping.gcode`, which has one of each, the table of the literature in the tests of `twin/src/shaping/shaper.rs`, `FREQUENCY` in `check` if it lasts longer than the others,
-//! docs/explanation/shaping.md, docs/research/twin.md (what `twin resonance` suggests), M593 in docs/reference/gcode.md and docs/reference/host-protocol.md, the comment in `examples/machines/prototype.toml`.
-//!
-//! A new [`CornerRule`] or [`Thermistor`]: CONTRIBUTING.md lists where it is known.
+//! A new [`ShaperKind`] comes last, as records hold its number. The compiler and tests then ask for its impulses
+//! (`motion::trajectory::shaper`), its names in M593 (`gcode::shaping`, `machine/commands/shaping.rs`), M503 and the twin
+//! (`twin/src/shaping`). By hand: `examples/shaping.gcode`, docs/explanation/shaping.md, docs/research/twin.md.
 
 mod axis;
 mod bed;
@@ -37,6 +29,7 @@ mod name;
 mod pause;
 mod plugged;
 pub mod ranges;
+pub mod rows;
 mod shaping;
 mod thermal;
 mod wiring;
@@ -303,6 +296,98 @@ impl Settings {
     pub fn finest(&self, axis: usize) -> StepsPerMm {
         let steps_per_mm = self.axes.to_array().get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
         steps_per_mm.saturating_mul_int(self.mechanism.most_times(axis).max(1).unsigned_abs().into())
+    }
+}
+
+/// Rows of [`Settings`] itself.
+mod top {
+    use super::rows::{Field, Spec, Value, rows};
+    use super::{CornerRule, MachineName, Mm, MmPerSec, Settings, ranges};
+
+    /// Junction deviation as a field.
+    struct Deviation<'a>(&'a mut CornerRule);
+
+    impl Field for Deviation<'_> {
+        fn get(&self) -> Value {
+            if let CornerRule::JunctionDeviation(deviation) = &*self.0 { deviation.get() } else { Value::Absent }
+        }
+
+        fn set(&mut self, value: &Value) -> bool {
+            let mut deviation = Mm::ZERO;
+            let is_one = deviation.set(value);
+            if is_one {
+                *self.0 = CornerRule::JunctionDeviation(deviation);
+            }
+            is_one
+        }
+    }
+
+    /// Square-corner velocity as a field.
+    struct SquareCorner<'a>(&'a mut CornerRule);
+
+    impl Field for SquareCorner<'_> {
+        fn get(&self) -> Value {
+            if let CornerRule::SquareCorner(speed) = &*self.0 { speed.get() } else { Value::Absent }
+        }
+
+        fn set(&mut self, value: &Value) -> bool {
+            let mut speed = MmPerSec::ZERO;
+            let is_one = speed.set(value);
+            if is_one {
+                *self.0 = CornerRule::SquareCorner(speed);
+            }
+            is_one
+        }
+    }
+
+    fn parts(s: &mut Settings) -> [&mut Settings; 1] {
+        [s]
+    }
+
+    rows! {
+        for machine in parts, named &[""];
+
+        /// The name that hosts, screens and reports show: up to 24 letters, digits, blanks and + - . , / ( ) & # '.
+        1 "name" = machine.name, "", [Spec::text(MachineName::LONGEST)];
+        /// Speed limit of one belt motor, in mm of belt. A diagonal asks 1.41 times the tool's speed of two motors.
+        2 "motor_max_speed" = machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
+        /// Acceleration limit of one belt motor, in mm of belt.
+        3 "motor_max_acceleration" = machine.motor_max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        /// Acceleration of moves that print (M204 P).
+        4 "print_acceleration" = machine.print_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        /// Acceleration of moves of the extruder alone (M204 R).
+        5 "retract_acceleration" = machine.retract_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        /// Acceleration of moves that do not print (M204 T).
+        6 "travel_acceleration" = machine.travel_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        /// The part of a move over which its speed holds at least, unless it accelerates or brakes all along
+        /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
+        7 "minimum_cruise_ratio" = machine.minimum_cruise_ratio, "", [ranges::CRUISE_RATIO.spec()];
+        /// The jump in the extruder's speed that a corner may ask for (M205 E).
+        8 "extruder_jerk" = machine.extruder_jerk, "mm/s", [ranges::SPEED.spec()];
+        /// Least commanded speed of printing moves; 0 is none (M205 S).
+        9 "min_feed" = machine.min_feed, "mm/s", [ranges::SPEED.spec().from_zero()];
+        /// Least commanded speed of other moves; 0 is none (M205 T).
+        10 "min_travel" = machine.min_travel, "mm/s", [ranges::SPEED.spec().from_zero()];
+        /// Whether moves are kept inside the reachable space (M211).
+        11 "soft_endstops" = machine.soft_endstops, "", [Spec::SWITCH];
+        /// Whether moves of an axis that was not homed are refused. Otherwise the host is told of them once.
+        12 "require_homing" = machine.require_homing, "", [Spec::SWITCH];
+        /// How far the chords of an arc may lie inside it.
+        13 "arc_tolerance" = machine.arc_tolerance, "mm", [ranges::TOLERANCE.spec()];
+        /// Time between two busy messages; 0 is none (M113).
+        14 "keepalive_s" = machine.keepalive_s, "s", [ranges::KEEPALIVE_S.spec()];
+        /// Silence in the middle of numbered lines after which the host is asked to go on; 0 is never.
+        15 "patience_ms" = machine.patience_ms, "ms", [ranges::PATIENCE_MS.spec().or_zero()];
+        /// Motion at nominal speed that waits in the look-ahead before a line is answered.
+        16 "lookahead_time" = machine.lookahead_time, "s", [ranges::LOOKAHEAD_TIME.spec()];
+        /// Whether ok tells the line number, free moves and free lines (ok N12 P100 B9), as Marlin's ADVANCED_OK.
+        17 "advanced_ok" = machine.advanced_ok, "", [Spec::SWITCH];
+        /// Rate of the serial lines on the board's headers; USB has none. It counts after a reset.
+        18 "baud" = machine.baud, "baud", [ranges::BAUD.spec()];
+        /// Speed in corners by junction deviation: how far an arc that rounds the corner may leave it (M205 J).
+        19 "corner.junction_deviation" = Deviation(&mut machine.corner), "mm", [ranges::TOLERANCE.spec()];
+        /// Speed in corners by the speed through a right angle (M205 X).
+        99 "corner.square_corner" = SquareCorner(&mut machine.corner), "mm/s", [ranges::SPEED.spec()];
     }
 }
 

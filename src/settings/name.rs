@@ -1,5 +1,6 @@
 //! The name of a machine, which hosts and screens show (M115, MACHINE_TYPE).
 
+use super::rows::{Field, Value, text};
 use core::fmt::{self, Display};
 use core::hash::{Hash, Hasher};
 use serde::de::{Error, Unexpected, Visitor};
@@ -123,6 +124,19 @@ impl<'de> Deserialize<'de> for MachineName {
         }
 
         deserializer.deserialize_str(Name)
+    }
+}
+
+impl Field for MachineName {
+    fn get(&self) -> Value {
+        text([self.as_str(), ""])
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Text(text) = value else { return false };
+        let name = Self::new(text);
+        *self = name.unwrap_or(*self);
+        name.is_some()
     }
 }
 

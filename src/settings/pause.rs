@@ -1,5 +1,7 @@
 //! What a pause does with the tool and the heat.
 
+use super::rows::{Spec, rows};
+use super::{Settings, ranges};
 use crate::units::{Mm, MmPerSec};
 use serde::{Deserialize, Serialize};
 
@@ -43,4 +45,32 @@ impl Pause {
             heat_off_min: 30,
         }
     }
+}
+
+fn parts(s: &mut Settings) -> [&mut Pause; 1] {
+    [&mut s.pause]
+}
+
+rows! {
+    for pause in parts, named &["pause"];
+
+    /// Filament that is pulled back before the tool leaves the part; 0 is none.
+    49 "retract" = pause.retract, "mm", [ranges::PAUSE_RETRACT.spec()];
+    /// Speed at which filament is pulled back.
+    50 "retract_speed" = pause.retract_speed, "mm/s", [ranges::SPEED.spec()];
+    /// Speed at which filament is pushed forward again.
+    51 "unretract_speed" = pause.unretract_speed, "mm/s", [ranges::SPEED.spec()];
+    /// How far the tool is lifted off the part; 0 is not at all.
+    52 "lift" = pause.lift, "mm", [ranges::PAUSE_LIFT.spec()];
+    /// Whether the tool goes to the place of x and y.
+    53 "park" = pause.park, "", [Spec::SWITCH];
+    /// x of the parking place; beyond the reachable space it is the edge.
+    54 "x" = pause.x, "mm", [ranges::BED_EDGE.spec()];
+    /// y of the parking place; beyond the reachable space it is the edge.
+    55 "y" = pause.y, "mm", [ranges::BED_EDGE.spec()];
+    /// Speed of the way to the parking place and back.
+    56 "travel_speed" = pause.travel_speed, "mm/s", [ranges::SPEED.spec()];
+    /// Time of a pause after which heaters go off, to be heated again before the print goes on. They go off after
+    /// thermal.idle_min at the latest.
+    57 "heat_off_min" = pause.heat_off_min, "min", [ranges::PAUSE_HEAT_MIN.spec()];
 }

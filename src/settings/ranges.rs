@@ -56,6 +56,9 @@ pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
 pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
 /// How far outside the reachable space an endstop may sit: as far as an axis may back off.
 const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
+/// Where an endstop of any axis may sit.
+pub const ENDSTOP_POSITION: Range<Mm> =
+    Range { least: Mm::const_from_int(-50), most: Mm::const_from_int(5000).saturating_add(ENDSTOP_OUTSIDE) };
 /// Where an endstop at that end of an axis of this length may sit: in its half, or a bit outside.
 #[must_use]
 pub fn endstop_position(end: AxisEnd, length: Mm) -> Range<Mm> {

@@ -1,6 +1,8 @@
 //! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag: input shapers, and pressure
 //! advance ([`Advance`]: its time, and the window over which the speed is averaged).
 
+use super::rows::{Choice, Chosen, Field, Spec, Value, rows};
+use super::{Settings, ranges};
 use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -104,5 +106,72 @@ impl Advance {
     #[must_use]
     pub const fn prototype() -> Self {
         Self { time: Seconds::ZERO, window: None }
+    }
+}
+
+impl Choice for ShaperKind {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self::None, "none"),
+        (Self::Zv, "zv"),
+        (Self::Zvd, "zvd"),
+        (Self::Mzv, "mzv"),
+        (Self::Ei, "ei"),
+        (Self::TwoHumpEi, "2hump_ei"),
+    ];
+}
+
+fn parts(s: &mut Settings) -> [&mut Shaper; 2] {
+    [&mut s.shapers.x, &mut s.shapers.y]
+}
+
+rows! {
+    for shaper in parts, named &["shaper.x", "shaper.y"];
+
+    /// Kind of the input shaper (M593).
+    58 "kind" = Chosen(&mut shaper.kind), "", [Spec::choice::<ShaperKind>()];
+    /// Frequency at which the axis rings; of an axis with a span, in its middle.
+    59 "frequency" = shaper.frequency, "Hz", [ranges::FREQUENCY.spec()];
+    /// Damping of the axis as a ratio to critical damping.
+    60 "damping" = shaper.damping, "", [ranges::DAMPING.spec()];
+    /// Length of the belts that pull along the axis, both sides together, if the axis rings faster away from its middle; 0
+    /// if it rings alike everywhere.
+    61 "span" = shaper.span, "mm", [ranges::BELT_SPAN.spec().or_zero()];
+    /// Frequency at which the axis would ring if its belts were stiff and only its motors gave way; 0 is stiff motors.
+    62 "motor_frequency" = shaper.motor_frequency, "Hz", [ranges::MOTOR_FREQUENCY.spec()];
+}
+
+/// The window of pressure advance as a field: 0 is `None`.
+struct Window<'a>(&'a mut Option<Seconds>);
+
+impl Field for Window<'_> {
+    fn get(&self) -> Value {
+        self.0.unwrap_or(Seconds::ZERO).get()
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let mut seconds = Seconds::ZERO;
+        let is_one = seconds.set(value);
+        if is_one {
+            *self.0 = (seconds != Seconds::ZERO).then_some(seconds);
+        }
+        is_one
+    }
+}
+
+/// Rows of [`Advance`].
+pub(super) mod advance {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut Advance; 1] {
+        [&mut s.advance]
+    }
+
+    rows! {
+        for advance in parts, named &["advance"];
+
+        /// Pressure advance (M900 K, M572 S); 0 is none.
+        63 "time" = advance.time, "s", [ranges::ADVANCE.spec()];
+        /// Time over which the extruder's speed is averaged (M572 W), or "auto": as long as suits the shapers.
+        64 "window" = Window(&mut advance.window), "s", [ranges::ADVANCE_WINDOW.spec().or_zero()];
     }
 }

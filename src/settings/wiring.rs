@@ -1,7 +1,9 @@
 //! Wiring: which connector of the board each motor and each switch is plugged into.
 
-use super::Cartesian;
+use super::rows::{Field, Spec, Value, rows, text};
+use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName, OCTOPUS};
+use crate::kinematics::Row;
 use crate::motors::Motor;
 use serde::{Deserialize, Serialize};
 
@@ -78,5 +80,110 @@ impl EndstopPlug {
     /// A switch that opens when it is pressed.
     const fn new(connector: ConnectorName) -> Self {
         Self { connector, is_normally_open: false }
+    }
+}
+
+/// Characters of the longest plug: a connector's name, and a mark that inverts it.
+const LONGEST: usize = 1 + ConnectorName::LONGEST;
+
+/// A plug as a machine file has it: the name of its connector, with `!` before it if it is inverted.
+fn plug(connector: ConnectorName, is_inverted: bool) -> Value {
+    text([if is_inverted { "!" } else { "" }, connector.as_str()])
+}
+
+/// The connector of such a text, and whether it is inverted.
+fn plugged(value: &Value) -> Option<(ConnectorName, bool)> {
+    let Value::Text(text) = value else { return None };
+    let name = text.strip_prefix('!');
+    Some((ConnectorName::new(name.unwrap_or(text))?, name.is_some()))
+}
+
+impl Field for MotorPlug {
+    fn get(&self) -> Value {
+        plug(self.connector, self.is_reversed)
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Some((connector, is_reversed)) = plugged(value) else { return false };
+        *self = Self { connector, is_reversed };
+        true
+    }
+}
+
+impl Field for EndstopPlug {
+    fn get(&self) -> Value {
+        plug(self.connector, self.is_normally_open)
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Some((connector, is_normally_open)) = plugged(value) else { return false };
+        *self = Self { connector, is_normally_open };
+        true
+    }
+}
+
+/// Rows of [`Wiring::motors`].
+pub(super) mod motors {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut MotorPlug; Motor::ALL.len()] {
+        s.wiring.motors.each_mut()
+    }
+
+    rows! {
+        for motor in parts, named &["motors.m1", "motors.m4", "motors.m8", "motors.m11", "motors.z1", "motors.z2", "motors.e0"];
+
+        /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
+        96 "" = *motor, "", [Spec::text(LONGEST)];
+    }
+}
+
+/// Rows of [`Wiring::endstops`] and the probe.
+pub(super) mod endstops {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut EndstopPlug; 4] {
+        let switches = &mut s.wiring.endstops;
+        [&mut switches.x, &mut switches.y, &mut switches.z, &mut s.probe]
+    }
+
+    rows! {
+        for plug in parts, named &["endstops.x", "endstops.y", "endstops.z", "endstops.probe"];
+
+        /// Input of the switch, which opens when it is pressed (a probe's goes high when it triggers); ! before it: the other
+        /// way round. Empty is no probe; so far nothing probes by it, but M119 reports it.
+        97 "" = *plug, "", [Spec::text(LONGEST)];
+    }
+}
+
+impl Field for Row {
+    fn get(&self) -> Value {
+        let [x, y, z, e] = self.map(i8::cast_unsigned);
+        Value::Number(i32::from_le_bytes([x, y, z, e]).into())
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Number(number) = *value else { return false };
+        let Ok(number) = i32::try_from(number) else { return false };
+        *self = number.to_le_bytes().map(u8::cast_signed);
+        true
+    }
+}
+
+/// Rows of the mechanism: what each motor turns for a step of x, y, z and e.
+pub(super) mod mechanism {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut Row; Motor::ALL.len()] {
+        s.mechanism.rows.each_mut()
+    }
+
+    rows! {
+        for row in parts, named &[
+            "mechanism.m1", "mechanism.m4", "mechanism.m8", "mechanism.m11", "mechanism.z1", "mechanism.z2", "mechanism.e0"
+        ];
+
+        /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
+        98 "" = *row, "", [Spec::packed(31)];
     }
 }

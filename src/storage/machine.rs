@@ -1,5 +1,6 @@
 //! The machine to start as: motors are put together before the Console runs, so the mechanism is looked for first.
 
+use super::payload::Unknown;
 use super::record::{LONGEST, Rejected, decode, encode};
 use super::slots::survey;
 use crate::port::Storage;
@@ -16,14 +17,14 @@ pub async fn stored_machine(storage: &mut impl Storage) -> Option<Settings> {
 /// # Errors
 /// Why there is none.
 pub fn machine_in(record: &[u8]) -> Result<Settings, Rejected> {
-    let (settings, ..) = decode(record)?;
+    let settings = decode(record)?.settings;
     settings.check_machine().map_err(Rejected::Illegal)?;
     Ok(settings)
 }
 
 /// Writes the record of a machine, and says how long it is; `None` if it does not fit, which a compile-time check excludes.
 pub fn record_of(machine: &Settings, into: &mut [u8; LONGEST]) -> Option<usize> {
-    let record = encode(machine, 0)?;
+    let record = encode(machine, &Unknown::NONE, 0)?;
     *into = record.bytes;
     Some(record.receipt.bytes)
 }

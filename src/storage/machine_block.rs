@@ -10,6 +10,7 @@
 //! | 96.. | a [record](super::record), or 0xFF throughout: no machine |
 
 use super::machine::machine_in;
+use super::payload::Unknown;
 use super::record::{LONGEST, Receipt, Rejected, encode};
 use crate::connectors::BoardConnectors;
 use crate::settings::Settings;
@@ -108,7 +109,7 @@ pub fn clear_machine(block: &mut [u8; BLOCK]) {
 
 /// Puts a machine into a block; `None` if it does not fit, which a compile-time check of records excludes.
 pub fn put_machine(block: &mut [u8; BLOCK], machine: &Settings) -> Option<Receipt> {
-    let record = encode(machine, 0)?;
+    let record = encode(machine, &Unknown::NONE, 0)?;
     let (_, place) = block.split_at_mut(HEAD);
     place.fill(0xFF);
     let used = record.bytes.get(..record.receipt.bytes)?;

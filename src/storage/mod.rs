@@ -10,6 +10,7 @@
 
 mod machine;
 mod machine_block;
+mod payload;
 mod record;
 mod self_test;
 mod slots;
@@ -18,6 +19,7 @@ pub use machine::{machine_in, record_of, stored_machine};
 pub use machine_block::{
     BLOCK, MARK, blank_block, board_of, boards_of, choose_board, clear_machine, machine_of, put_machine,
 };
+pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
 pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};

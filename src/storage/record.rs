@@ -7,22 +7,18 @@
 //! | 6..8 | length of the payload |
 //! | 8..12 | sequence number |
 //! | 12..16 | CRC-32 of all other bytes |
-//! | 16.. | the settings in postcard's encoding |
+//! | 16.. | the settings: elements of an id, a length, and so many bytes of values (`payload`) |
 //!
 //! Numbers are little-endian. CRC-32 finds every burst of up to 32 bits; of anything worse it misses one
 //! in 2^32.
 
+use super::payload::{LONGEST_PAYLOAD, Unknown, read, write};
 use crate::checksum::crc32;
-use crate::connectors::HEATERS;
-use crate::kinematics::Mechanism;
-use crate::settings::{
-    Advance, Axes, AxisSettings, Bed, Belt, Cartesian, CornerRule, Endstop, EndstopPlug, HeaterModel, Homing,
-    MachineName, Pause, Pid, Settings, SettingsError, Shapers, Wiring,
-};
+use crate::settings::{Settings, SettingsError};
 
-/// What the payload looks like. Every released change of the shape of [`Settings`] needs the next number; a test
-/// notices when that was forgotten. Records of other formats are refused, and the user is told.
-pub const FORMAT: u16 = 15;
+/// What the payload looks like. It need not change with the settings: an element with an unknown id is kept as it is, and a
+/// setting without an element has its default.
+pub const FORMAT: u16 = 1;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -31,32 +27,6 @@ pub(super) const HEADER: usize = 16;
 /// Bytes of the longest record.
 pub const LONGEST: usize = 1280;
 
-/// What of the settings has no u16, as far as it lies together without padding.
-type Wide = (
-    Axes<AxisSettings>,
-    Cartesian<Homing>,
-    Shapers,
-    Cartesian<Endstop>,
-    [(HeaterModel, Pid); HEATERS],
-    Bed,
-    Belt,
-    Pause,
-    Advance,
-    CornerRule,
-);
-
-/// Names of connectors: eight bytes, before which stands their length, and a `bool`.
-type Plugs = (Wiring, EndstopPlug);
-
-/// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 19 for i128,
-/// which the mechanism is stored as.
-const LONGEST_PAYLOAD: usize = {
-    let (wide, plugs) = (size_of::<Wide>(), size_of::<Plugs>());
-    // A text, before which stands its length.
-    let name = MachineName::LONGEST;
-    let rest = size_of::<Settings>() - size_of::<Mechanism>() - plugs - wide - name;
-    rest * 3 / 2 + wide * 5 / 4 + 19 + plugs * 10 / 9 + name + 1
-};
 const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
 
 /// Why a slot's content is no settings.
@@ -135,12 +105,14 @@ impl Header {
     }
 }
 
-/// The record of `settings`, or `None` if they do not fit, which the assertion above excludes.
-pub(super) fn encode(settings: &Settings, sequence: u32) -> Option<Record> {
+/// The record of `settings` and of elements that this firmware does not know, or `None` if they do not fit, which the assertion
+/// above excludes.
+pub(super) fn encode(settings: &Settings, unknown: &Unknown, sequence: u32) -> Option<Record> {
     let mut bytes = [0; LONGEST];
     let (head, payload) = bytes.split_at_mut(HEADER);
-    let payload = postcard::to_slice(settings, payload).ok()?;
-    let header = Header { format: FORMAT, length: u16::try_from(payload.len()).ok()?, sequence }.to_bytes();
+    let length = write(settings, unknown, payload)?;
+    let payload = payload.get(..length)?;
+    let header = Header { format: FORMAT, length: u16::try_from(length).ok()?, sequence }.to_bytes();
     let crc = crc32(header.into_iter().chain(payload.iter().copied()));
     for (to, byte) in head.iter_mut().zip(header.into_iter().chain(crc.to_le_bytes())) {
         *to = byte;
@@ -156,8 +128,24 @@ pub(super) fn length(head: &[u8]) -> Result<usize, Rejected> {
     if length <= LONGEST { Ok(length) } else { Err(Rejected::Damaged) }
 }
 
-/// The settings and the sequence number in a record.
-pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected> {
+/// What is in a record.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Decoded {
+    /// The settings, all legal.
+    pub settings: Settings,
+    /// Elements that this firmware does not know.
+    pub unknown: Unknown,
+    /// Which save it was.
+    pub sequence: u32,
+    /// Its size and checksum.
+    pub receipt: Receipt,
+}
+
+/// What is in a record.
+///
+/// # Errors
+/// Why there are no settings.
+pub(super) fn decode(record: &[u8]) -> Result<Decoded, Rejected> {
     let (header, crc) = Header::read(record).ok_or(Rejected::Blank)?;
     let payload = record.get(HEADER..HEADER + usize::from(header.length)).ok_or(Rejected::Damaged)?;
     if crc32(header.to_bytes().into_iter().chain(payload.iter().copied())) != crc {
@@ -166,14 +154,14 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     if header.format != FORMAT {
         return Err(Rejected::Format(header.format));
     }
-    match postcard::take_from_bytes::<Settings>(payload) {
-        Ok((settings, [])) => {
-            settings.check().map_err(Rejected::Illegal)?;
-            Ok((settings, header.sequence, Receipt { bytes: HEADER + payload.len(), crc }))
-        }
-        // Whole, but of another shape: somebody forgot to count FORMAT up.
-        _ => Err(Rejected::Damaged),
-    }
+    let (settings, unknown) = read(payload)?;
+    settings.check().map_err(Rejected::Illegal)?;
+    Ok(Decoded {
+        settings,
+        unknown,
+        sequence: header.sequence,
+        receipt: Receipt { bytes: HEADER + payload.len(), crc },
+    })
 }
 
 #[cfg(test)]

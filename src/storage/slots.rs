@@ -4,7 +4,8 @@
 //! so a cut spoils no more than the page that is being written, and whoever waits can do other things in
 //! between.
 
-use super::record::{LONGEST, Receipt, Record, Rejected, decode, encode, length};
+use super::payload::Unknown;
+use super::record::{Decoded, LONGEST, Receipt, Record, Rejected, decode, encode, length};
 use crate::kinematics::Mechanism;
 use crate::port::{Storage, StorageError};
 use crate::settings::{Settings, SettingsError};
@@ -63,6 +64,8 @@ impl core::fmt::Display for Slot {
 pub struct Stored {
     /// The settings.
     pub settings: Settings,
+    /// Settings in the record that this firmware does not know.
+    pub unknown: Unknown,
     /// Size and checksum of their record.
     pub receipt: Receipt,
     slot: Slot,
@@ -172,8 +175,8 @@ async fn look_at(
 /// stack while the storage is waited for, below all that goes on meanwhile.
 #[inline(never)]
 fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
-    let (settings, sequence, receipt) = decode(record)?;
-    let found = Stored { settings, receipt, slot, sequence };
+    let Decoded { settings, unknown, sequence, receipt } = decode(record)?;
+    let found = Stored { settings, unknown, receipt, slot, sequence };
     if newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) {
         *newest = Some(found);
     }
@@ -186,12 +189,12 @@ fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<
 /// If they are not safely stored; then those stored before still are.
 pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Receipt, SaveError> {
     settings.check().map_err(SaveError::Illegal)?;
-    let (slot, sequence) = match survey(storage).await?.newest {
+    let (slot, sequence, unknown) = match survey(storage).await?.newest {
         Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
-        Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1)),
-        None => (Slot::A, 1),
+        Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1), newest.unknown),
+        None => (Slot::A, 1, Unknown::NONE),
     };
-    let record = encode(settings, sequence).ok_or(SaveError::TooLong)?;
+    let record = encode(settings, &unknown, sequence).ok_or(SaveError::TooLong)?;
     // The header goes last: until then the slot is what it was, or damaged. Memory that must be erased first, such as flash, takes the
     // first of these writes for the begin of a save, as it does not lie below the one before: no other order will do.
     for (at, page) in pages(&record, slot).rev() {
@@ -240,7 +243,8 @@ mod tests {
     #[test]
     fn the_newer_record_is_found_across_the_wrap() {
         let receipt = Receipt { bytes: 0, crc: 0 };
-        let at = |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, sequence };
+        let unknown = Unknown::NONE;
+        let at = |sequence| Stored { settings: Settings::prototype(), unknown, receipt, slot: Slot::A, sequence };
         assert!(at(2).is_newer_than(&at(1)) && !at(1).is_newer_than(&at(2)));
         assert!(at(0).is_newer_than(&at(u32::MAX)) && !at(u32::MAX).is_newer_than(&at(0)));
         assert!(!at(5).is_newer_than(&at(5)));
@@ -251,7 +255,8 @@ mod tests {
         let mut settings = Settings::prototype();
         let own = settings.mechanism;
         settings.mechanism.rows.swap(0, 1);
-        let stored = Stored { settings, receipt: Receipt { bytes: 0, crc: 0 }, slot: Slot::B, sequence: 1 };
+        let receipt = Receipt { bytes: 0, crc: 0 };
+        let stored = Stored { settings, unknown: Unknown::NONE, receipt, slot: Slot::B, sequence: 1 };
         let survey = Survey { newest: Some(stored), rejected: [(Slot::A, Some(Rejected::Blank)), (Slot::B, None)] };
         assert_ne!(settings.mechanism, own);
         assert_eq!(survey.on(&settings.mechanism), survey);
@@ -268,7 +273,7 @@ mod tests {
         let errors = [SaveError::Storage(StorageError::Failed), SaveError::NotKept, SaveError::TooLong];
         let texts = ["storage does not answer", "storage does not keep what is written", "the settings are too long"];
         assert_eq!(errors.map(|error| error.to_string()), texts);
-        let illegal = SaveError::Illegal(SettingsError::OutOfRange("filament"));
-        assert_eq!(illegal.to_string(), "filament is outside its legal range");
+        let illegal = SaveError::Illegal(SettingsError::OutOfRangeBeside("advance.window"));
+        assert_eq!(illegal.to_string(), "advance.window is outside its legal range");
     }
 }

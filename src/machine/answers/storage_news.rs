@@ -26,9 +26,9 @@ pub(in crate::machine) enum StorageNews {
     /// There was none at the start.
     Unreadable(StorageError),
     /// These settings were found and taken, or the defaults if there is no receipt.
-    Loaded { rejected: Slots, receipt: Option<Receipt> },
+    Loaded { rejected: Slots, receipt: Option<Receipt>, unknown: [u16; 4] },
     /// These settings were found.
-    Checked { rejected: Slots, receipt: Option<Receipt> },
+    Checked { rejected: Slots, receipt: Option<Receipt>, unknown: [u16; 4] },
     /// M502.
     Defaults,
 }
@@ -36,11 +36,19 @@ pub(in crate::machine) enum StorageNews {
 impl StorageNews {
     /// What was found and taken.
     pub fn loaded(survey: &Survey) -> Self {
-        Self::Loaded { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
+        let (receipt, unknown) = found(survey);
+        Self::Loaded { rejected: survey.rejected, receipt, unknown }
     }
 
     /// What was found.
     pub fn checked(survey: &Survey) -> Self {
-        Self::Checked { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
+        let (receipt, unknown) = found(survey);
+        Self::Checked { rejected: survey.rejected, receipt, unknown }
     }
+}
+
+/// The receipt of the newest settings, and the first ids in them that this firmware does not know (0 is none).
+fn found(survey: &Survey) -> (Option<Receipt>, [u16; 4]) {
+    let unknown = survey.newest.map(|stored| stored.unknown.first_ids());
+    (survey.newest.map(|stored| stored.receipt), unknown.unwrap_or_default())
 }

@@ -20,15 +20,17 @@ pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNew
             to.say(format_args!("echo:{error}"));
             report_defaults(to);
         }
-        StorageNews::Loaded { rejected, receipt } => {
+        StorageNews::Loaded { rejected, receipt, unknown } => {
             report_rejected(to, rejected);
+            report_unknown(to, unknown);
             match receipt {
                 Some(receipt) => to.say(format_args!("echo:stored settings retrieved {receipt}")),
                 None => report_defaults(to),
             }
         }
-        StorageNews::Checked { rejected, receipt } => {
+        StorageNews::Checked { rejected, receipt, unknown } => {
             report_rejected(to, rejected);
+            report_unknown(to, unknown);
             match receipt {
                 Some(receipt) => to.say(format_args!("echo:stored settings valid {receipt}")),
                 None => to.say(format_args!("echo:no valid settings stored")),
@@ -40,6 +42,13 @@ pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNew
 
 fn report_defaults(to: &mut Speaker<'_>) {
     to.say(format_args!("echo:Hardcoded Default Settings Loaded"));
+}
+
+/// Names stored settings that this firmware does not have; 0 is none.
+fn report_unknown(to: &mut Speaker<'_>, ids: [u16; 4]) {
+    for id in ids.into_iter().filter(|id| *id > 0) {
+        to.say(format_args!("echo:stored setting {id} is of later firmware: it is kept and not used"));
+    }
 }
 
 /// Names the slots whose content is not used; an empty one is no news.

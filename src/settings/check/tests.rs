@@ -1,8 +1,19 @@
 //! Tests of check.
 
+extern crate std;
+
 use super::*;
-use crate::settings::AxisEnd;
-use crate::units::{Hertz, Seconds};
+use crate::settings::{AxisEnd, Range};
+use crate::units::{Hertz, Ratio};
+use std::string::{String, ToString as _};
+
+/// The key that is out of its range.
+fn out_of_range(checked: Result<(), SettingsError>) -> String {
+    match checked {
+        Err(SettingsError::OutOfRange(key)) => key.to_string(),
+        other => std::format!("{other:?}"),
+    }
+}
 
 #[test]
 fn the_prototype_is_legal() {
@@ -17,7 +28,7 @@ fn rows_that_are_no_machine_are_refused_where_a_machine_is_made() {
     assert_eq!(s.check(), Ok(()), "stored settings have the machine's own rows");
     s = Settings::prototype();
     s.keepalive_s = 61;
-    assert_eq!(s.check_machine(), Err(SettingsError::OutOfRange("keepalive_s")), "all the rest counts too");
+    assert_eq!(out_of_range(s.check_machine()), "keepalive_s", "all the rest counts too");
 }
 
 #[test]
@@ -26,7 +37,7 @@ fn drivers_have_limits_too() {
     s.drivers.z.microsteps = 24;
     assert_eq!(s.check(), Err(SettingsError::NoSuchMicrosteps("drivers.z")));
     s.drivers.belt.current_ma = 1701;
-    assert_eq!(s.check(), Err(SettingsError::OutOfRange("drivers.belt")));
+    assert_eq!(out_of_range(s.check()), "drivers.belt.current_ma");
 }
 
 #[test]
@@ -34,14 +45,14 @@ fn shaping_has_limits() {
     let error = |change: fn(&mut Settings)| {
         let mut s = Settings::prototype();
         change(&mut s);
-        s.check()
+        out_of_range(s.check())
     };
-    let illegal = |what| Err(SettingsError::OutOfRange(what));
-    assert_eq!(error(|s| s.shapers.x.frequency = Hertz::lit("9.9")), illegal("shaper.x"));
-    assert_eq!(error(|s| s.shapers.y.damping = Ratio::lit("0.51")), illegal("shaper.y"));
+    let illegal = String::from;
+    assert_eq!(error(|s| s.shapers.x.frequency = Hertz::lit("9.9")), illegal("shaper.x.frequency"));
+    assert_eq!(error(|s| s.shapers.y.damping = Ratio::lit("0.51")), illegal("shaper.y.damping"));
     assert_eq!(error(|s| s.advance.time = Seconds::lit("4.1")), illegal("advance.time"));
-    assert_eq!(error(|s| s.advance.window = Some(Seconds::ZERO)), illegal("advance.window"));
-    assert_eq!(error(|s| s.advance.time = Seconds::lit("4")), Ok(()));
+    assert_eq!(error(|s| s.advance.window = Some(Seconds::ZERO)), "Err(OutOfRangeBeside(\"advance.window\"))");
+    assert_eq!(error(|s| s.advance.time = Seconds::lit("4")), "Ok(())");
     assert_eq!(error(|s| s.minimum_cruise_ratio = Ratio::lit("0.91")), illegal("minimum_cruise_ratio"));
     assert_eq!(error(|s| s.lookahead_time = Seconds::lit("0.49")), illegal("lookahead_time"));
     assert_eq!(error(|s| s.lookahead_time = Seconds::const_from_int(61)), illegal("lookahead_time"));
@@ -117,10 +128,11 @@ fn a_motor_has_the_resolution_of_its_axis() {
 
 #[test]
 fn errors_name_the_setting_that_is_wrong() {
-    extern crate std;
-    use std::string::ToString as _;
+    let mut s = Settings::prototype();
+    s.homing.y.fast = MmPerSec::ZERO;
+    assert_eq!(s.check().unwrap_err().to_string(), "homing.y.fast is outside its legal range");
     let texts = [
-        (SettingsError::OutOfRange("homing.y"), "homing.y is outside its legal range"),
+        (SettingsError::OutOfRangeBeside("homing.y.position"), "homing.y.position is outside its legal range"),
         (SettingsError::TooManySteps("axes.y"), "axes.y: speed limit x steps_per_mm is above 500000 steps/s"),
         (SettingsError::ResolutionsDiffer("x and y"), "x and y share motors: their steps_per_mm must be equal"),
         (

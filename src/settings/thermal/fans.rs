@@ -2,6 +2,8 @@
 //! [`ThermalSettings`](super::ThermalSettings).
 
 use crate::connectors::FANS;
+use crate::settings::rows::{Choice, Chosen, Spec, rows};
+use crate::settings::{Range, Settings, ranges};
 use crate::units::Ratio;
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +61,35 @@ impl FanSettings {
     pub const fn new(role: FanRole) -> Self {
         Self { role, kick_ms: 100, least: Ratio::ZERO, most: Ratio::ONE }
     }
+}
+
+impl Choice for FanRole {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self::Commanded, "commanded"),
+        (Self::Hotend, "hotend"),
+        (Self::Controller, "controller"),
+        (Self::Part, "part"),
+    ];
+}
+
+/// A duty.
+const DUTY: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::ONE };
+
+fn parts(s: &mut Settings) -> [&mut FanSettings; FANS] {
+    s.thermal.fans.each_mut()
+}
+
+rows! {
+    for fan in parts, named &["fans.fan0", "fans.fan1", "fans.fan2", "fans.fan3", "fans.fan4", "fans.fan5"];
+
+    /// What the fan does: commanded (M106), part (the same, and it cools the hotend too), hotend or controller.
+    92 "role" = Chosen(&mut fan.role), "", [Spec::choice::<FanRole>()];
+    /// Time of full power at its start.
+    93 "kick_ms" = fan.kick_ms, "ms", [ranges::KICK_MS.spec()];
+    /// Duty at the lowest speed, of 1.
+    94 "least" = fan.least, "", [DUTY.spec()];
+    /// Duty at full speed, of 1.
+    95 "most" = fan.most, "", [ranges::MAX_DUTY.spec()];
 }
 
 #[cfg(test)]

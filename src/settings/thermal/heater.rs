@@ -1,7 +1,9 @@
 //! A heater: where it hangs, what watches it (and the kinds of sensor, [`Thermistor`]), how it behaves, and what is not normal
 //! any more.
 
-use crate::connectors::{Output, Sensor};
+use crate::connectors::{HEATERS, Output, Sensor};
+use crate::settings::rows::{Choice, Chosen, Field, Spec, Value, rows};
+use crate::settings::{Settings, ranges};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
 
@@ -242,4 +244,115 @@ impl Guards {
             ..Self::hotend()
         }
     }
+}
+
+impl Choice for Output {
+    const ALL: &'static [(Self, &'static str)] = &Self::ALL;
+}
+
+impl Choice for Sensor {
+    const ALL: &'static [(Self, &'static str)] = &Self::ALL;
+}
+
+impl Choice for Control {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Model, "model"), (Self::Pid, "pid")];
+}
+
+impl Thermistor {
+    /// Those with a name in machine files, by their numbers in records.
+    pub const NAMED: [(Self, &'static str); 5] = [
+        (Self::Semitec104Gt2, "104gt2"),
+        (Self::Semitec104Nt4, "104nt4"),
+        (Self::Generic3950, "ntc_3950"),
+        (Self::Slice450, "slice_450"),
+        (Self::Pt1000, "pt1000"),
+    ];
+
+    /// Bits of the number of a kind, and of the Ohm of an NTC above them, in a record.
+    const KIND_BITS: u32 = 8;
+    const OHM_BITS: u32 = 21;
+}
+
+impl Field for Thermistor {
+    /// The number of a kind; of any other NTC 255, its Ohm and its B.
+    fn get(&self) -> Value {
+        let number = match self {
+            Self::Beta { ohms, beta } => {
+                let ohms = i64::from(*ohms) << Self::KIND_BITS;
+                i64::from(*beta) << (Self::KIND_BITS + Self::OHM_BITS) | ohms | 0xFF
+            }
+            named => Self::NAMED.iter().position(|(kind, _)| kind == named).unwrap_or_default() as i64,
+        };
+        Value::Number(number)
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Number(number) = *value else { return false };
+        let kind = number & 0xFF;
+        if kind == 0xFF {
+            let ohms = (number >> Self::KIND_BITS) & ((1 << Self::OHM_BITS) - 1);
+            let beta = (number >> (Self::KIND_BITS + Self::OHM_BITS)) & 0xFFFF;
+            *self = Self::Beta { ohms: ohms as u32, beta: beta as u16 };
+            return true;
+        }
+        let named = usize::try_from(number).ok().and_then(|number| Self::NAMED.get(number));
+        if let Some((kind, _)) = named {
+            *self = *kind;
+        }
+        named.is_some()
+    }
+}
+
+fn parts(s: &mut Settings) -> [&mut HeaterSettings; HEATERS] {
+    let heaters = &mut s.thermal.heaters;
+    [&mut heaters.hotend, &mut heaters.bed, &mut heaters.chamber]
+}
+
+rows! {
+    for heater in parts, named &["heaters.hotend", "heaters.bed", "heaters.chamber"];
+
+    /// Whether the machine has it.
+    70 "is_fitted" = heater.is_fitted, "", [Spec::SWITCH];
+    /// The output that it is connected to.
+    71 "output" = Chosen(&mut heater.output), "", [Spec::choice::<Output>()];
+    /// The input of its temperature sensor.
+    72 "sensor" = Chosen(&mut heater.sensor), "", [Spec::choice::<Sensor>()];
+    /// The kind of sensor; or an NTC by its resistance at 25 C in Ohm and its beta in K.
+    73 "thermistor" = heater.thermistor, "", [Spec::packed(45).from_zero()];
+    /// Highest target.
+    74 "most" = heater.most, "C", [ranges::HOTEND.spec(), ranges::BED.spec(), ranges::BED.spec()];
+    /// Power at full duty.
+    75 "power" = heater.power, "W", [ranges::POWER.spec()];
+    /// Highest duty, of 1.
+    76 "max_duty" = heater.max_duty, "", [ranges::MAX_DUTY.spec()];
+    /// Period of a relay; 0 is the board's own modulation.
+    77 "period_ms" = heater.period_ms, "ms", [ranges::RELAY_MS.spec()];
+    /// Whether its model or PID finds the power.
+    78 "control" = Chosen(&mut heater.control), "", [Spec::choice::<Control>()];
+    /// Heat capacity (M306 C). M303 finds out the model.
+    79 "model.capacity" = heater.model.capacity, "J/K", [ranges::CAPACITY.spec()];
+    /// Heat lost to the room (M306 A).
+    80 "model.loss" = heater.model.loss, "W/K", [ranges::LOSS.spec()];
+    /// Heat lost in addition with the part fan at full speed (M306 F).
+    81 "model.fan_loss" = heater.model.fan_loss, "W/K", [ranges::LOSS.spec().from_zero()];
+    /// Time constant from the heating element to the heated part (M306 L).
+    82 "model.heater_lag" = heater.model.heater_lag, "s", [ranges::LAG.spec()];
+    /// Time constant from the heated part to the sensor's reading (M306 R).
+    83 "model.sensor_lag" = heater.model.sensor_lag, "s", [ranges::LAG.spec()];
+    /// Duty of 255 for each K (M301 P, M304 P).
+    84 "pid.p" = heater.pid.p, "1/K", [ranges::GAIN.spec()];
+    /// Duty of 255 for each K and second (M301 I, M304 I).
+    85 "pid.i" = heater.pid.i, "1/(K s)", [ranges::GAIN.spec()];
+    /// Duty of 255 for each K/s (M301 D, M304 D).
+    86 "pid.d" = heater.pid.d, "s/K", [ranges::GAIN.spec()];
+    /// It has to warm up by at least this part of the warming that its model predicts.
+    87 "guards.heating" = heater.guards.heating, "", [ranges::HEATING.spec()];
+    /// A reached target is lost when the temperature is so far from it for lost_s.
+    88 "guards.lost" = heater.guards.lost, "K", [ranges::LOST.spec()];
+    /// Time for which a reached target may be missed by more than lost.
+    89 "guards.lost_s" = heater.guards.lost_s, "s", [ranges::LOST_S.spec()];
+    /// Rise without power that is a fault.
+    90 "guards.off_rise" = heater.guards.off_rise, "K", [ranges::OFF_RISE.spec()];
+    /// Overshoot without power that is a fault.
+    91 "guards.overshoot" = heater.guards.overshoot, "K", [ranges::OVERSHOOT.spec()];
 }

@@ -1,8 +1,8 @@
 //! Heat: heaters with their sensors, models and guards, and fans.
 
 mod bounds;
-mod fans;
-mod heater;
+pub(super) mod fans;
+pub(super) mod heater;
 mod plausible;
 
 pub use bounds::Bounds;
@@ -10,6 +10,8 @@ pub use fans::{FanRole, FanSettings, part_fans};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
 pub use plausible::Plausible;
 
+use super::rows::rows;
+use super::{Settings, ranges};
 use crate::connectors::{FANS, HEATERS, Heater, Output, Sensor};
 use crate::units::{Celsius, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
@@ -99,6 +101,25 @@ impl ThermalSettings {
             Heater::Chamber => &mut self.heaters.chamber,
         }
     }
+}
+
+fn parts(s: &mut Settings) -> [&mut ThermalSettings; 1] {
+    [&mut s.thermal]
+}
+
+rows! {
+    for thermal in parts, named &["thermal"];
+
+    /// No filament moves while the hotend is colder (M302 S).
+    65 "min_extrude" = thermal.min_extrude, "C", [ranges::MIN_EXTRUDE.spec()];
+    /// The hotend's fan runs above this temperature.
+    66 "hotend_fan_above" = thermal.hotend_fan_above, "C", [ranges::COLD_END.spec()];
+    /// Time for which the controller's fan runs on after the last motor or heater.
+    67 "fan_run_on_s" = thermal.fan_run_on_s, "s", [ranges::RUN_ON_S.spec()];
+    /// Time without use after which heaters go off.
+    68 "idle_min" = thermal.idle_min, "min", [ranges::IDLE_MIN.spec()];
+    /// Heat that a mm of filament takes for each K.
+    69 "filament" = thermal.filament, "J/(mm K)", [ranges::FILAMENT.spec()];
 }
 
 #[cfg(test)]

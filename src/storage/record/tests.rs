@@ -4,9 +4,13 @@ extern crate std;
 
 use super::*;
 use crate::connectors::{ConnectorName, Output, Sensor};
+use crate::kinematics::Mechanism;
+use crate::settings::rows::{Field, Key, Value, Visitor};
 use crate::settings::{
-    Advance, Alignment, AxisEnd, Control, CornerRule, DriverGroups, DriverSettings, FanRole, FanSettings, Guards,
-    HeaterModel, HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Advance, Alignment, Axes, AxisEnd, AxisSettings, Bed, Belt, Cartesian, Control, CornerRule, DriverGroups,
+    DriverSettings, Endstop, EndstopPlug, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters,
+    HomedAxis, Homing, MachineName, MotorPlug, Pause, Pid, Shaper, ShaperKind, Shapers, ThermalSettings, Thermistor,
+    Wiring,
 };
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -31,7 +35,7 @@ fn forge(format: u16, payload: &[u8]) -> Vec<u8> {
 }
 
 fn payload(settings: &Settings) -> Vec<u8> {
-    let record = encode(settings, 7).unwrap();
+    let record = encode(settings, &Unknown::NONE, 7).unwrap();
     record.bytes[HEADER..record.receipt.bytes].to_vec()
 }
 
@@ -44,38 +48,143 @@ fn the_checksum_is_that_of_zip() {
 #[test]
 fn a_record_reads_back() {
     let settings = Settings::prototype();
-    let record = encode(&settings, 41).unwrap();
+    let record = encode(&settings, &Unknown::NONE, 41).unwrap();
     assert_eq!(length(&record.bytes[..HEADER]), Ok(record.receipt.bytes));
-    assert_eq!(decode(&record.bytes), Ok((settings, 41, record.receipt)));
+    let decoded = Decoded { settings, unknown: Unknown::NONE, sequence: 41, receipt: record.receipt };
+    assert_eq!(decode(&record.bytes), Ok(decoded));
 }
 
-/// A record of the settings of `spelled_out` in this format.
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/storage/record/format15.bin");
+/// A record of the settings of `spelled_out`, of release 0.1.0.
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/storage/record/format1.bin");
 
 #[test]
-fn a_record_of_this_format_reads_back() {
-    let (settings, sequence, _) = decode(&std::fs::read(FILE).unwrap()).unwrap();
-    assert_eq!((settings, sequence), (spelled_out(), 1));
+fn a_record_of_the_first_release_reads_back() {
+    let decoded = decode(&std::fs::read(FILE).unwrap()).unwrap();
+    assert_eq!((decoded.settings, decoded.sequence, decoded.unknown), (spelled_out(), 1, Unknown::NONE));
 }
 
+/// If this fails because there is a new setting, its record is written by `BLESS=1`: it has one element more. If an id or the shape
+/// of a value has changed, stored settings would be lost: that must not be. The values are spelled out, so that new defaults do not
+/// matter.
 #[test]
-fn records_of_earlier_formats_are_refused_by_their_number() {
-    let settings = payload(&spelled_out());
-    for format in 0..FORMAT {
-        assert_eq!(decode(&forge(format, &settings)), Err(Rejected::Format(format)));
-    }
-}
-
-/// If this fails because [`Settings`] changed its shape: count [`FORMAT`] up if this format was released, and have its record
-/// written by `BLESS=1`. The values are spelled out, so that new defaults do not matter.
-#[test]
-fn the_shape_of_this_format_is_known() {
-    let record = encode(&spelled_out(), 1).unwrap();
+fn ids_and_values_are_written_as_in_the_first_release() {
+    let record = encode(&spelled_out(), &Unknown::NONE, 1).unwrap();
     let bytes = &record.bytes[..record.receipt.bytes];
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(FILE, bytes).unwrap();
     }
     assert_eq!(std::fs::read(FILE).unwrap(), bytes);
+}
+
+#[test]
+fn records_of_other_formats_are_refused_by_their_number() {
+    let settings = payload(&spelled_out());
+    for format in [0, 2, 15, 99] {
+        assert_eq!(decode(&forge(format, &settings)), Err(Rejected::Format(format)));
+    }
+}
+
+/// The elements of a payload: their ids, and all of their bytes. Written anew, as a check.
+fn elements(payload: &[u8]) -> Vec<(u16, &[u8])> {
+    let (mut elements, mut rest) = (Vec::new(), payload);
+    while !rest.is_empty() {
+        let (id, head) = if rest[0] < 128 {
+            (u16::from(rest[0]), 1)
+        } else {
+            (u16::from(rest[0] & 127) | u16::from(rest[1]) << 7, 2)
+        };
+        let length = head + 1 + usize::from(rest[head]);
+        elements.push((id, &rest[..length]));
+        rest = &rest[length..];
+    }
+    elements
+}
+
+#[test]
+fn a_setting_that_a_record_does_not_have_is_at_its_default() {
+    let whole = payload(&spelled_out());
+    let elements = elements(&whole);
+    assert!(elements.len() > 95, "{}", elements.len());
+    let default = Settings::prototype();
+    for (left_out, _) in &elements {
+        let kept: Vec<u8> =
+            elements.iter().filter(|(id, _)| id != left_out).flat_map(|(_, bytes)| bytes.iter().copied()).collect();
+        let (settings, unknown) = read(&kept).unwrap();
+        assert_eq!(unknown, Unknown::NONE);
+        // Only that one, of all parts that have it.
+        for ((key, value), (_, spelled)) in values(&settings).into_iter().zip(values(&spelled_out())) {
+            // The rule for corners has two keys, of which the other one has a value then.
+            let is_left_out = key.row.id == *left_out || [key.row.id, *left_out] == [19, 99];
+            let expected = if is_left_out { values_of(&default, key) } else { spelled };
+            assert_eq!(value, expected, "{key} without {left_out}");
+        }
+    }
+}
+
+/// Every key with its value.
+fn values(settings: &Settings) -> Vec<(Key, Value)> {
+    struct All(Vec<(Key, Value)>);
+    impl Visitor for All {
+        fn visit(&mut self, key: Key, field: &mut dyn Field) {
+            self.0.push((key, field.get()));
+        }
+    }
+    let mut all = All(Vec::new());
+    settings.clone().visit(&mut all);
+    all.0
+}
+
+fn values_of(settings: &Settings, key: Key) -> Value {
+    // Without its element the rule is that of the default, and so its other key has no value.
+    values(settings).into_iter().find(|(other, _)| *other == key).unwrap().1
+}
+
+#[test]
+fn what_later_firmware_has_stored_is_kept_and_known_by_its_ids() {
+    let mut later = payload(&spelled_out());
+    let (first, second) = ([0xFF, 0x03, 2, 7, 8], [0x80, 0x04, 0]);
+    later.splice(0..0, first);
+    later.extend(second);
+    let decoded = decode(&forge(FORMAT, &later)).unwrap();
+    assert_eq!(decoded.settings, spelled_out());
+    assert_eq!(decoded.unknown.ids().collect::<Vec<_>>(), [511, 512]);
+    // They are in the next record too, behind all others.
+    let again = encode(&Settings::prototype(), &decoded.unknown, 8).unwrap();
+    let again = &again.bytes[..again.receipt.bytes];
+    assert!(again.ends_with(&[&first[..], &second].concat()));
+    assert_eq!(decode(again).unwrap().unknown, decoded.unknown);
+    // What there is no room for is lost, and the rest is kept.
+    let mut long = payload(&Settings::prototype());
+    long.extend([0xFF, 0x03, 62]);
+    long.extend([1; 62]);
+    long.extend(second);
+    assert_eq!(decode(&forge(FORMAT, &long)).unwrap().unknown.ids().collect::<Vec<_>>(), [512]);
+}
+
+#[test]
+fn a_machine_with_more_or_fewer_parts_reads_those_that_it_has() {
+    let whole = payload(&spelled_out());
+    let mut other: Vec<u8> = Vec::new();
+    for (id, bytes) in elements(&whole) {
+        match id {
+            // One motor more than there is, and one fan less.
+            96 => {
+                other.extend([96, bytes[1] + 3]);
+                other.extend(&bytes[2..]);
+                other.extend(b"\x02M9");
+            }
+            93 => {
+                // Each takes two bytes.
+                other.extend([93, bytes[1] - 2]);
+                other.extend(&bytes[2..bytes.len() - 2]);
+            }
+            _ => other.extend(bytes),
+        }
+    }
+    let (settings, _) = read(&other).unwrap();
+    let mut expected = spelled_out();
+    expected.thermal.fans[5].kick_ms = Settings::prototype().thermal.fans[5].kick_ms;
+    assert_eq!(settings, expected);
 }
 
 /// All of them by name and number: a new one does not compile before it is here.
@@ -290,9 +399,31 @@ fn the_longest_values_fit() {
     (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);
     (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
     s.thermal = hottest();
-    let longest = encode(&s, u32::MAX).unwrap().receipt.bytes - HEADER;
-    // What is reckoned with counts padding as well, so it is more, but not by much.
-    assert!((longest..=longest * 5 / 4).contains(&LONGEST_PAYLOAD), "{longest}, reckoned with {LONGEST_PAYLOAD}");
+    let longest = encode(&s, &Unknown::NONE, u32::MAX).unwrap().receipt.bytes - HEADER;
+    // The greatest legal values are reckoned with; these are greater.
+    assert!(longest <= LONGEST - HEADER, "{longest}");
+    let legal = rows_longest_legal();
+    assert!((legal..=legal * 5 / 4).contains(&LONGEST_PAYLOAD), "{legal}, reckoned with {LONGEST_PAYLOAD}");
+}
+
+/// Bytes of a payload in which every value is the longest that is legal.
+fn rows_longest_legal() -> usize {
+    struct Greatest;
+    impl Visitor for Greatest {
+        fn visit(&mut self, key: Key, field: &mut dyn Field) {
+            let legal = key.row.legal(key.part.into());
+            let longest = match field.get() {
+                Value::Text(_) => Value::Text(std::iter::repeat_n('M', legal.most as usize).collect()),
+                _ => Value::Number(if -legal.least > legal.most { legal.least } else { legal.most }),
+            };
+            // A number of a field that packs several may be none of its own: then it is as long as another one.
+            let _ = field.set(&longest);
+        }
+    }
+    let mut s = Settings::prototype();
+    s.visit(&mut Greatest);
+    let mut bytes = [0; 2 * LONGEST];
+    write(&s, &Unknown::NONE, &mut bytes).unwrap()
 }
 
 /// Heat of which every number takes the most bytes.
@@ -333,10 +464,8 @@ fn hottest() -> ThermalSettings {
 }
 
 #[test]
-fn a_record_of_another_format_is_no_damaged_one() {
-    let settings = payload(&Settings::prototype());
-    assert_eq!(decode(&forge(FORMAT + 1, &settings)), Err(Rejected::Format(FORMAT + 1)));
-    let mut record = forge(FORMAT, &settings);
+fn a_damaged_format_is_no_other_format() {
+    let mut record = forge(FORMAT, &payload(&Settings::prototype()));
     assert!(decode(&record).is_ok());
     record[4] ^= 2;
     assert_eq!(decode(&record), Err(Rejected::Damaged));
@@ -357,12 +486,18 @@ fn values_that_are_illegal_today_are_rejected() {
 }
 
 #[test]
-fn a_payload_of_another_shape_is_rejected() {
-    let mut longer = payload(&Settings::prototype());
-    longer.push(0);
-    assert_eq!(decode(&forge(FORMAT, &longer)), Err(Rejected::Damaged));
-    longer.truncate(longer.len() - 2);
-    assert_eq!(decode(&forge(FORMAT, &longer)), Err(Rejected::Damaged));
+fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
+    let whole = payload(&Settings::prototype());
+    let damaged = |bytes: &[u8]| assert_eq!(decode(&forge(FORMAT, bytes)), Err(Rejected::Damaged), "{bytes:?}");
+    damaged(&whole[..whole.len() - 1]);
+    damaged(&[whole.clone(), [0xFF].to_vec()].concat());
+    // A switch that is 2, a choice that there is none of, a name that is none, a speed of 64 bits.
+    for element in [&[11, 1, 4][..], &[58, 1, 40], &[1, 3, 2, b'a', b':'], &[2, 6, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1]] {
+        damaged(element);
+    }
+    // An empty one says nothing.
+    let empty = [&[2, 0][..], &whole].concat();
+    assert!(decode(&forge(FORMAT, &empty)).is_ok());
 }
 
 proptest! {
@@ -374,7 +509,7 @@ proptest! {
         format in FORMAT - 1..=FORMAT,
         bytes in proptest::collection::vec(any::<u8>(), 0..LONGEST - HEADER),
     ) {
-        if let Ok((settings, ..)) = decode(&forge(format, &bytes)) {
+        if let Ok(Decoded { settings, .. }) = decode(&forge(format, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }
@@ -389,7 +524,7 @@ proptest! {
             let at = at % bytes.len();
             bytes[at] = value;
         }
-        if let Ok((settings, ..)) = decode(&forge(FORMAT, &bytes)) {
+        if let Ok(Decoded { settings, .. }) = decode(&forge(FORMAT, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }

@@ -1,0 +1,451 @@
+//! Rows: what a setting is stands in one row, beside its field. Everything else that knows settings goes through these rows: the
+//! record in memory (`storage`), the check of ranges, machine files with their schema and comments, and docs/reference/settings.md.
+//!
+//! A file of this room ends with its rows ([`rows!`]). A row has
+//!
+//! | what | for |
+//! |---|---|
+//! | an id | records: it stays for ever, and is never used again for another setting |
+//! | a key | machine files and errors; behind the table of each part of the machine that has such a setting |
+//! | the field | getting and setting it |
+//! | a unit, and a comment that says what it means | people; not in an image, where nothing refers to [`Text`] |
+//! | a [`Spec`]: its range and kind | everybody |
+//!
+//! Whoever adds a setting adds a field, its default, and a row with the next free id ([`NEXT_ID`]).
+
+use crate::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
+use core::fmt::{self, Display};
+
+use super::{Range, Settings};
+
+/// The id that the next new setting gets.
+pub const NEXT_ID: u16 = 100;
+
+/// Characters of the longest text that a setting may have.
+pub const LONGEST_TEXT: usize = 24;
+
+/// A text as a value.
+pub type Text24 = heapless::String<LONGEST_TEXT>;
+
+/// A value, whatever its type.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Value {
+    /// It has none: another key of the same field has.
+    Absent,
+    /// The bits of a fixed-point number, a whole number, the number of a choice, or 0 and 1.
+    Number(i64),
+    /// A name.
+    Text(Text24),
+}
+
+/// A field that a row reads and writes.
+pub trait Field {
+    /// Its value.
+    fn get(&self) -> Value;
+
+    /// Takes a value, and says whether it is one of its type; otherwise nothing changes. Ranges are asked elsewhere.
+    #[must_use]
+    fn set(&mut self, value: &Value) -> bool;
+}
+
+/// One of a few things, which a machine file calls by a name and a record by its number.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All of them by their numbers, with their names.
+    const ALL: &'static [(Self, &'static str)];
+}
+
+/// What kind of value a setting has: how it is written in a machine file.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A number with so many bits after the point.
+    Fixed(u32),
+    /// A whole number.
+    Whole,
+    /// `true` or `false`.
+    Switch,
+    /// One of these names, by its number.
+    Choice(fn(usize) -> Option<&'static str>),
+    /// A text that the field itself reads.
+    Text,
+}
+
+/// Which numbers are legal.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Legal {
+    /// The least, in bits; of texts 0.
+    pub least: i64,
+    /// The greatest, in bits; of texts their most characters.
+    pub most: i64,
+    /// Whether 0 is legal too, although it is less than `least`: it switches something off.
+    pub may_be_zero: bool,
+}
+
+impl Legal {
+    /// Whether a number is legal.
+    #[must_use]
+    pub const fn holds(&self, number: i64) -> bool {
+        (self.least <= number && number <= self.most) || (self.may_be_zero && number == 0)
+    }
+}
+
+/// What a setting may be.
+#[derive(Clone, Copy, Debug)]
+pub struct Spec {
+    /// Which numbers are legal.
+    pub legal: Legal,
+    /// What kind of value it is.
+    pub kind: Kind,
+}
+
+impl Spec {
+    /// `true` or `false`.
+    pub const SWITCH: Self = Self::new(0, 1, Kind::Switch);
+
+    const fn new(least: i64, most: i64, kind: Kind) -> Self {
+        Self { legal: Legal { least, most, may_be_zero: false }, kind }
+    }
+
+    /// One of these.
+    #[must_use]
+    pub const fn choice<T: Choice>() -> Self {
+        Self::new(0, T::ALL.len() as i64 - 1, Kind::Choice(name_of::<T>))
+    }
+
+    /// A text of so many characters at most.
+    #[must_use]
+    pub const fn text(longest: usize) -> Self {
+        Self::new(0, longest as i64, Kind::Text)
+    }
+
+    /// A number that its field packs and reads by itself, of so many bits and a sign.
+    #[must_use]
+    pub const fn packed(bits: u32) -> Self {
+        Self::new(-(1 << bits), (1 << bits) - 1, Kind::Text)
+    }
+
+    /// The same, and 0 as well.
+    #[must_use]
+    pub const fn or_zero(self) -> Self {
+        Self { legal: Legal { may_be_zero: true, ..self.legal }, ..self }
+    }
+
+    /// The same from 0 on.
+    #[must_use]
+    pub const fn from_zero(self) -> Self {
+        Self { legal: Legal { least: 0, ..self.legal }, ..self }
+    }
+}
+
+/// What a row says to everybody.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Row {
+    /// Its number in records.
+    pub id: u16,
+    /// The table in machine files, of each part that has such a setting; empty for a key at the top.
+    pub tables: &'static [&'static str],
+    /// The key behind the table; empty if the table is the key.
+    pub leaf: &'static str,
+    /// What is legal: one for all parts, or one for each.
+    legal: &'static [Legal],
+}
+
+impl Row {
+    /// A row.
+    pub(super) const fn new(
+        id: u16,
+        tables: &'static [&'static str],
+        leaf: &'static str,
+        legal: &'static [Legal],
+    ) -> Self {
+        Self { id, tables, leaf, legal }
+    }
+
+    /// What is legal for a part.
+    #[must_use]
+    pub fn legal(&self, part: usize) -> Legal {
+        let of_all = self.legal.first().copied();
+        let none = Legal { least: 0, most: 0, may_be_zero: false };
+        self.legal.get(part).copied().or(of_all).unwrap_or(none)
+    }
+
+    /// Bytes of its longest value in a record, one part behind the other.
+    pub(crate) const fn longest(&self) -> usize {
+        let mut longest = 0;
+        let mut legal = self.legal;
+        while let [first, others @ ..] = legal {
+            let length = first.longest();
+            longest = if length > longest { length } else { longest };
+            legal = others;
+        }
+        longest * self.tables.len()
+    }
+}
+
+impl Legal {
+    /// Bytes of the longest value in a record: seven bits a byte, and a length before a text.
+    const fn longest(&self) -> usize {
+        // Greater numbers are longer, and a sign takes a bit.
+        let most = if self.most > -self.least { self.most } else { -self.least };
+        let bits = 65 - most.leading_zeros();
+        let number = bits.div_ceil(7) as usize;
+        let text = if self.most <= LONGEST_TEXT as i64 { 1 + self.most as usize } else { 0 };
+        if text > number { text } else { number }
+    }
+}
+
+/// A setting of a part: its row, and which part.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Key {
+    /// Its row.
+    pub row: &'static Row,
+    /// Which part.
+    pub part: u8,
+}
+
+impl Key {
+    /// The table of the part.
+    #[must_use]
+    pub fn table(&self) -> &'static str {
+        self.row.tables.get(usize::from(self.part)).copied().unwrap_or_default()
+    }
+}
+
+impl Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (table, leaf) = (self.table(), self.row.leaf);
+        let point = if table.is_empty() || leaf.is_empty() { "" } else { "." };
+        write!(f, "{table}{point}{leaf}")
+    }
+}
+
+/// What a row says to people and to programs on their computers.
+#[derive(Clone, Copy, Debug)]
+pub struct Text {
+    /// Its unit; empty if it has none.
+    pub unit: &'static str,
+    /// What it means, in lines of a comment.
+    pub meaning: &'static [&'static str],
+    /// What kind of value it is.
+    pub kind: Kind,
+}
+
+/// Goes through all settings.
+pub trait Visitor {
+    /// A setting: its key, and its field, which may be changed.
+    fn visit(&mut self, key: Key, field: &mut dyn Field);
+}
+
+/// The rows of a file of this room, and what shows their fields to a visitor.
+pub(super) struct Rows {
+    pub rows: &'static [Row],
+    pub visit: fn(&mut Settings, &mut dyn Visitor),
+}
+
+/// Makes the rows of a file of this room: `for PART in PARTS named [TABLE of each part]`, then for each setting its comment and
+/// `ID "KEY" = FIELD, "UNIT", [SPEC];`.
+macro_rules! rows {
+    (
+        for $part:ident in $parts:path, named $tables:expr;
+        $($(#[doc = $meaning:literal])+ $id:literal $leaf:literal = $field:expr, $unit:literal, [$($spec:expr),+];)+
+    ) => {
+        /// What each setting is.
+        pub(in crate::settings) const ROWS: $crate::settings::rows::Rows = $crate::settings::rows::Rows {
+            rows: const { &[$($crate::settings::rows::Row::new($id, const { $tables }, $leaf, const { &[$($spec.legal),+] })),+] },
+            visit,
+        };
+
+        /// What each setting means to people.
+        pub(in crate::settings) const TEXTS: &[$crate::settings::rows::Text] = &[$($crate::settings::rows::Text {
+            unit: $unit,
+            meaning: &[$($meaning),+],
+            kind: rows!(@first $($spec),+).kind,
+        }),+];
+
+        fn visit(settings: &mut $crate::settings::Settings, visitor: &mut dyn $crate::settings::rows::Visitor) {
+            let mut rows = ROWS.rows.iter();
+            $(if let Some(row) = rows.next() {
+                for ($part, part) in $parts(settings).into_iter().zip(0..) {
+                    visitor.visit($crate::settings::rows::Key { row, part }, &mut $field);
+                }
+            })+
+        }
+    };
+    (@first $first:expr $(, $others:expr)*) => { $first };
+}
+pub(super) use rows;
+
+/// The files that have rows.
+macro_rules! files {
+    ($($file:ident$(::$inner:ident)*),+ $(,)?) => {
+        /// The rows of each file.
+        const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
+
+        /// What the rows of each file mean.
+        const TEXTS: &[&[Text]] = &[$(super::$file$(::$inner)*::TEXTS),+];
+    };
+}
+
+files! {
+    top,
+    axis,
+    axis::homing,
+    bed,
+    belt,
+    belt::phases,
+    drivers,
+    endstops,
+    endstops::order,
+    pause,
+    shaping,
+    shaping::advance,
+    thermal,
+    thermal::heater,
+    thermal::fans,
+    wiring::motors,
+    wiring::endstops,
+    wiring::mechanism,
+}
+
+impl Settings {
+    /// Shows every setting to a visitor, a row after the other, and of a row a part after the other.
+    pub fn visit(&mut self, visitor: &mut dyn Visitor) {
+        ALL.iter().for_each(|file| (file.visit)(self, visitor));
+    }
+}
+
+/// Whether this firmware knows a setting with this id, or knew one once.
+#[must_use]
+pub const fn is_known(id: u16) -> bool {
+    0 < id && id < NEXT_ID
+}
+
+/// Every row with what it means to people. Not for images: the texts would be in them.
+pub fn described() -> impl Iterator<Item = (&'static Row, &'static Text)> {
+    let texts = TEXTS.iter().copied().flatten();
+    ALL.iter().flat_map(|file| file.rows).zip(texts)
+}
+
+/// Bytes that all rows take in a record at most.
+pub(crate) const LONGEST: usize = {
+    let mut bytes = 0;
+    let mut files = ALL;
+    while let [file, other_files @ ..] = files {
+        let mut rows = file.rows;
+        while let [row, others @ ..] = rows {
+            // An id of up to 14 bits, and a length.
+            bytes += if row.id < 128 { 2 } else { 3 };
+            bytes += row.longest();
+            rows = others;
+        }
+        files = other_files;
+    }
+    bytes
+};
+
+/// Ranges of fixed-point numbers as specs.
+macro_rules! specs {
+    ($($type:ty),+) => {
+        $(impl Range<$type> {
+            /// A number in this range.
+            #[must_use]
+            pub const fn spec(self) -> Spec {
+                Spec::new(self.least.to_bits() as i64, self.most.to_bits() as i64, Kind::Fixed(<$type>::FRAC_NBITS))
+            }
+        }
+
+        impl Field for $type {
+            fn get(&self) -> Value {
+                Value::Number(i64::from(self.to_bits()))
+            }
+
+            fn set(&mut self, value: &Value) -> bool {
+                let Value::Number(bits) = value else { return false };
+                // By way of a type that none of them has, so that the conversion may fail for all.
+                let Ok(bits) = i128::from(*bits).try_into() else { return false };
+                *self = Self::from_bits(bits);
+                true
+            }
+        })+
+    };
+}
+// Types of the same shape are the same type: one of each.
+specs!(MmPerSec, MmPerSec2, Seconds, Celsius, Mm);
+const _: fn(StepsPerMm, Hertz, Ratio, Watts, JoulesPerKelvin, WattsPerKelvin) -> (MmPerSec, Seconds) =
+    |a, _: MmPerSec, _: MmPerSec, _: MmPerSec, _: MmPerSec, b| (a, b);
+
+/// Ranges of whole numbers as specs.
+macro_rules! whole {
+    ($($type:ty),+) => {
+        $(impl Range<$type> {
+            /// A whole number in this range.
+            #[must_use]
+            pub const fn spec(self) -> Spec {
+                Spec::new(self.least as i64, self.most as i64, Kind::Whole)
+            }
+        }
+
+        impl Field for $type {
+            fn get(&self) -> Value {
+                Value::Number(i64::from(*self))
+            }
+
+            fn set(&mut self, value: &Value) -> bool {
+                let Value::Number(number) = value else { return false };
+                let Ok(number) = (*number).try_into() else { return false };
+                *self = number;
+                true
+            }
+        })+
+    };
+}
+whole!(u8, u16, u32);
+
+impl Field for bool {
+    fn get(&self) -> Value {
+        Value::Number((*self).into())
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        match value {
+            Value::Number(0) => *self = false,
+            Value::Number(1) => *self = true,
+            _ => return false,
+        }
+        true
+    }
+}
+
+/// The name of a choice.
+fn name_of<T: Choice>(number: usize) -> Option<&'static str> {
+    T::ALL.get(number).map(|(_, name)| *name)
+}
+
+/// A choice as a field.
+#[derive(Debug)]
+pub struct Chosen<'a, T>(pub &'a mut T);
+
+impl<T: Choice> Field for Chosen<'_, T> {
+    fn get(&self) -> Value {
+        let number = T::ALL.iter().position(|(choice, _)| *choice == *self.0).unwrap_or_default();
+        Value::Number(number as i64)
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Number(number) = value else { return false };
+        let choice = usize::try_from(*number).ok().and_then(|number| T::ALL.get(number));
+        if let Some((choice, _)) = choice {
+            *self.0 = *choice;
+        }
+        choice.is_some()
+    }
+}
+
+/// A text as a value.
+pub(super) fn text(parts: [&str; 2]) -> Value {
+    let mut text = Text24::new();
+    // A name that is too long is none, so nothing is cut off.
+    let _ = parts.into_iter().try_for_each(|part| text.push_str(part));
+    Value::Text(text)
+}

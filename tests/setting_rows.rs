@@ -1,0 +1,101 @@
+//! The rows of all settings: each id once, each key once, each setting in one row.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::settings::Settings;
+use corehbot::settings::rows::{Field, Key, Kind, NEXT_ID, Value, Visitor, described};
+use std::collections::BTreeSet;
+
+#[derive(Default)]
+struct All(Vec<(Key, Value)>);
+
+impl Visitor for All {
+    fn visit(&mut self, key: Key, field: &mut dyn Field) {
+        self.0.push((key, field.get()));
+    }
+}
+
+fn all(mut settings: Settings) -> Vec<(Key, Value)> {
+    let mut all = All::default();
+    settings.visit(&mut all);
+    all.0
+}
+
+#[test]
+fn every_id_is_that_of_one_row_and_the_next_is_free() {
+    let ids: Vec<u16> = described().map(|(row, _)| row.id).collect();
+    let different: BTreeSet<u16> = ids.iter().copied().collect();
+    assert_eq!(ids.len(), different.len());
+    assert_eq!(different.last().map(|last| last + 1), Some(NEXT_ID), "an id is used once, and NEXT_ID counts");
+}
+
+#[test]
+fn rows_are_visited_as_they_are_listed_and_keys_are_different() {
+    let visited = all(Settings::prototype());
+    let listed = described().flat_map(|(row, _)| (0..row.tables.len()).map(move |part| (row.id, part)));
+    let seen = visited.iter().map(|(key, _)| (key.row.id, usize::from(key.part)));
+    assert!(seen.eq(listed));
+    let mut keys: Vec<String> = visited.iter().map(|(key, _)| key.to_string()).collect();
+    let lists = ["belt.phases", "homing.order"];
+    keys.retain(|key| !lists.contains(&key.as_str()));
+    assert_eq!(keys.len(), keys.iter().collect::<BTreeSet<_>>().len());
+    assert!(keys.len() > 190, "{}", keys.len());
+}
+
+#[test]
+fn every_row_says_what_it_means() {
+    for (row, text) in described() {
+        let meaning = text.meaning.concat();
+        assert!(meaning.trim().ends_with(['.', '\'']), "{}: {meaning}", row.leaf);
+        assert!(meaning.split_whitespace().count() <= 70, "{}: {meaning}", row.leaf);
+        if let Kind::Fixed(bits) = text.kind {
+            assert!(bits <= 32, "{}", row.leaf);
+        }
+    }
+}
+
+/// Every bit of settings is in some row: what is changed through the rows is all that can be.
+#[test]
+fn settings_are_what_their_rows_say() {
+    struct Copy<'a>(std::slice::Iter<'a, (Key, Value)>);
+    impl Visitor for Copy<'_> {
+        fn visit(&mut self, key: Key, field: &mut dyn Field) {
+            let (other, value) = self.0.next().unwrap();
+            assert_eq!(key, *other);
+            assert!(*value == Value::Absent || field.set(value), "{key}");
+        }
+    }
+    let prototype = Settings::prototype();
+    let value = serde_json::to_value(prototype).unwrap();
+    let mut leaves = Vec::new();
+    numbers(&value, &mut leaves, "");
+    // Each number and switch in turn.
+    for path in &leaves {
+        let mut other = value.clone();
+        let place = other.pointer_mut(path).unwrap();
+        *place = match &*place {
+            serde_json::Value::Bool(is) => (!is).into(),
+            serde_json::Value::Number(number) => (number.as_i64().unwrap() ^ 1).into(),
+            _ => continue,
+        };
+        let Ok(changed) = serde_json::from_value::<Settings>(other) else { continue };
+        let values = all(changed);
+        assert_ne!(values, all(prototype), "{path} is in no row");
+        let mut copied = prototype;
+        copied.visit(&mut Copy(values.iter()));
+        assert_eq!(copied, changed, "{path}");
+    }
+    assert!(leaves.len() > 180, "{}", leaves.len());
+}
+
+fn numbers(value: &serde_json::Value, into: &mut Vec<String>, path: &str) {
+    match value {
+        serde_json::Value::Number(_) | serde_json::Value::Bool(_) => into.push(path.to_owned()),
+        serde_json::Value::Array(items) => {
+            items.iter().enumerate().for_each(|(at, item)| numbers(item, into, &format!("{path}/{at}")));
+        }
+        serde_json::Value::Object(fields) => {
+            fields.iter().for_each(|(key, field)| numbers(field, into, &format!("{path}/{key}")));
+        }
+        serde_json::Value::Null | serde_json::Value::String(_) => {}
+    }
+}
