@@ -1,4 +1,4 @@
-//! Relative links in the documents: every file and every heading that they name is there.
+//! Relative links in the documents: every file and every heading that they name is there. The changelog is in order.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use std::collections::BTreeSet;
@@ -112,4 +112,17 @@ fn headings_become_the_anchors_that_github_makes() {
         assert_eq!(anchor(heading), expected);
     }
     assert_eq!(anchors("# A\n```\n# no\n```\n# A\n").into_iter().collect::<Vec<_>>(), ["a", "a-1"]);
+}
+
+/// Two branches that both write the changelog are joined line by line, which may bring a section back.
+#[test]
+fn the_changelog_begins_with_this_version_and_has_each_section_once() {
+    let text = include_str!("../CHANGELOG.md");
+    let versions: Vec<_> = text.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    assert_eq!(versions.first(), Some(&env!("CARGO_PKG_VERSION")));
+    let headings: Vec<_> = text.lines().filter(|line| line.starts_with('#')).collect();
+    let of_first = headings.iter().skip(2).take_while(|line| !line.starts_with("## "));
+    let sections: BTreeSet<_> = of_first.clone().collect();
+    assert_eq!(sections.len(), of_first.count(), "a section stands twice: {headings:?}");
+    assert!(!versions.contains(&"Unreleased"), "the present version's section is for what is not released yet");
 }
