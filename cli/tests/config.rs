@@ -153,7 +153,7 @@ fn a_file_with_errors_is_no_machine() {
     let check = config(&["check", path.to_str().unwrap()]);
     assert_eq!(check.status.code(), Some(1));
     let (said, name) = (out(&check), path.display());
-    let range = format!("{name}:2:15: error: keepalive_s = 99 is outside 0 to 60\n");
+    let range = format!("{name}:2:15: error: keepalive_s = 99 is outside the whole numbers 0 to 60\n");
     assert!(said.starts_with(&range), "{said}");
     assert!(said.contains(&format!("\n{name}:4:2: error: unknown field `max_sped`")), "{said}");
     assert!(said.contains("did you mean `max_speed`?\n"), "{said}");

@@ -2,14 +2,43 @@
 
 use super::place::{self, Place};
 use crate::short::short;
-use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SettingsError};
+use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SettingsError, Thermistor};
 use std::fmt::{self, Display};
 
 /// What is wrong with a machine file.
 #[derive(Debug)]
 pub enum MachineFileError {
-    /// Not TOML, an unknown key, or a value of the wrong type.
+    /// Not TOML.
     Syntax(toml::de::Error),
+    /// A key or a name that there is not.
+    Unknown {
+        /// A `field` or a `variant`.
+        what: &'static str,
+        /// The key with its tables.
+        key: String,
+        /// The name in the file.
+        name: String,
+        /// Those that there are.
+        known: Vec<&'static str>,
+    },
+    /// A value of another kind.
+    Kind {
+        /// The key with its tables.
+        key: String,
+        /// What it is to be.
+        wanted: &'static str,
+        /// What the file has.
+        found: String,
+    },
+    /// A list of another length.
+    Length {
+        /// The key with its tables.
+        key: String,
+        /// Values that it has.
+        wanted: usize,
+    },
+    /// A thermistor that is none: the key with its tables.
+    Thermistor(String),
     /// A value outside its range.
     Range {
         /// The key with its tables.
@@ -56,6 +85,27 @@ impl Display for MachineFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Syntax(error) => f.write_str(&place::words(error)),
+            Self::Unknown { what, name, known, .. } => {
+                let known = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+                let message = format!("unknown {what} `{}`, expected one of {known}", short(name));
+                f.write_str(&place::with_suggestion(&message))
+            }
+            Self::Kind { key, wanted, found } => write!(f, "{key} = {}: expected {wanted}", short(found)),
+            Self::Length { key, wanted } => write!(f, "{key} has {wanted} values"),
+            Self::Thermistor(_) => {
+                f.write_str("thermistor is one of ")?;
+                for (at, (_, name)) in Thermistor::NAMED.into_iter().enumerate() {
+                    let before = if at == 0 {
+                        ""
+                    } else if at + 1 == Thermistor::NAMED.len() {
+                        " and "
+                    } else {
+                        ", "
+                    };
+                    write!(f, "{before}{name}")?;
+                }
+                f.write_str(", or an NTC: { ohms = 100000, beta = 3950 }")
+            }
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
             Self::Corner => f.write_str(
                 "corner wants either of its keys (junction_deviation, square_corner), not both and not none",
@@ -92,10 +142,27 @@ impl Display for MachineFileError {
 impl std::error::Error for MachineFileError {}
 
 impl MachineFileError {
+    /// A value of another kind.
+    pub(crate) fn kind(key: &str, wanted: &'static str, found: &toml::Value) -> Self {
+        Self::Kind { key: key.to_owned(), wanted, found: found.to_string() }
+    }
+
     /// Whether it is one key that is wrong, whatever the others say.
     #[must_use]
     pub const fn is_of_one_key(&self) -> bool {
-        matches!(self, Self::Syntax(_) | Self::Range { .. } | Self::Row { .. } | Self::Connector { .. } | Self::Name(_))
+        matches!(
+            self,
+            Self::Syntax(_)
+                | Self::Unknown { .. }
+                | Self::Kind { .. }
+                | Self::Length { .. }
+                | Self::Thermistor(_)
+                | Self::Range { .. }
+                | Self::Row { .. }
+                | Self::Connector { .. }
+                | Self::Phases
+                | Self::Name(_)
+        )
     }
 
     /// Where in the file it is, if it is at one place.
@@ -103,7 +170,12 @@ impl MachineFileError {
     pub fn place(&self, text: &str) -> Option<Place> {
         let key = match self {
             Self::Syntax(error) => return error.span().map(|span| Place::of_byte(text, span.start)),
-            Self::Range { key, .. }
+            Self::Unknown { what: "field", key, .. } => return Place::of_name(text, key),
+            Self::Unknown { key, .. }
+            | Self::Kind { key, .. }
+            | Self::Length { key, .. }
+            | Self::Thermistor(key)
+            | Self::Range { key, .. }
             | Self::Row { key, .. }
             | Self::Connector { key, .. }
             | Self::Resolution { key, .. } => key.clone(),

@@ -34,6 +34,21 @@ impl Place {
         Self { line: 1 + before.matches('\n').count(), column: 1 + line.chars().count() }
     }
 
+    /// The place of the last word of a key with its tables, which the file has.
+    #[must_use]
+    pub fn of_name(text: &str, key: &str) -> Option<Self> {
+        let document = DeTable::parse(text).ok()?;
+        let mut table = document.get_ref();
+        let mut found = None;
+        for part in key.split('.') {
+            let (name, value) = table.iter().find(|(name, _)| name.get_ref().as_ref() == part)?;
+            found = Some(name.span().start);
+            let DeValue::Table(inner) = value.get_ref() else { break };
+            table = inner;
+        }
+        found.map(|offset| Self::of_byte(text, offset))
+    }
+
     /// The place of the value of a key with its tables (`axes.x.max_speed`); where the file has no such key, the header
     /// of the innermost table that it has.
     #[must_use]

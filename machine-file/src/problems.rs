@@ -1,6 +1,7 @@
 //! Problems: everything that is wrong with a machine file, and what is only unwise.
 
-use super::{Machine, MachineFileError, Place, parse, unwise};
+use super::reader::Given;
+use super::{Machine, MachineFileError, Place, together, unwise};
 use std::fmt::{self, Display};
 use toml::de::DeTable;
 
@@ -39,55 +40,27 @@ fn search(text: &str) -> (Option<Machine>, Vec<Problem>) {
     if !wrong.is_empty() {
         return (None, wrong.into_iter().map(|error| problem(text, &MachineFileError::Syntax(error))).collect());
     }
-    let mut rest = text.to_owned();
-    let mut found = Vec::new();
-    loop {
-        match parse(&rest) {
-            Ok(machine) if found.is_empty() => {
-                let unwise = unwise::warnings(&machine).into_iter();
-                let warning = |(key, said): (String, String)| Problem {
-                    place: Place::of_key(text, &key),
-                    is_error: false,
-                    text: said,
-                };
-                return (Some(machine), unwise.map(warning).collect());
-            }
-            Ok(_) => return (None, found),
-            Err(error) if error.is_of_one_key() => {
-                let problem = problem(&rest, &error);
-                let line = problem.place.map(|place| place.line);
-                found.push(problem);
-                match line.and_then(|line| without(&rest, line)) {
-                    Some(shorter) => rest = shorter,
-                    None => return (None, found),
-                }
-            }
-            Err(error) if found.is_empty() => return (None, vec![problem(text, &error)]),
-            // It may follow from what was left out.
-            Err(_) => return (None, found),
+    let given = match Given::read(text) {
+        Ok(given) if given.errors.is_empty() => given,
+        Ok(given) => return (None, given.errors.iter().map(|error| problem(text, error)).collect()),
+        Err(error) => return (None, vec![problem(text, &error)]),
+    };
+    match together(given) {
+        Ok(machine) => {
+            let unwise = unwise::warnings(&machine).into_iter();
+            let warning = |(key, said): (String, String)| Problem {
+                place: Place::of_key(text, &key),
+                is_error: false,
+                text: said,
+            };
+            (Some(machine), unwise.map(warning).collect())
         }
+        Err(error) => (None, vec![problem(text, &error)]),
     }
 }
 
 fn problem(text: &str, error: &MachineFileError) -> Problem {
     Problem { place: error.place(text), is_error: true, text: error.to_string() }
-}
-
-/// The text without what is in that line, or in the table that begins there; all other lines keep their numbers. `None` if it
-/// would be no TOML.
-fn without(text: &str, number: usize) -> Option<String> {
-    let is_header = |line: &str| line.trim_start().starts_with('[');
-    let mut is_in_table = false;
-    let kept = text.lines().enumerate().map(|(at, line)| {
-        if at + 1 == number {
-            is_in_table = is_header(line);
-            return "";
-        }
-        is_in_table &= !is_header(line);
-        if is_in_table { "" } else { line }
-    });
-    let kept = kept.collect::<Vec<_>>().join("\n");
-    (kept != text.lines().collect::<Vec<_>>().join("\n") && DeTable::parse(&kept).is_ok()).then_some(kept)
 }
 
 #[cfg(test)]

@@ -1,99 +1,140 @@
-//! The schema of machine files, for editors: keys, units and kinds from the types of `form`, legal ranges from the reader, defaults
-//! from the prototype's file.
+//! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all settings, defaults
+//! from the prototype.
 
-use super::form::MachineToml;
-use super::{MachineFileError, load};
-use schemars::generate::SchemaSettings;
-use schemars::transform::RestrictFormats;
+use crate::keys::{ALL, BOARD, FULL_STEPS, Of, Other, about, fraction, names_of, shortest};
+use crate::value;
+use crate::written;
+use corehbot::connectors::BoardConnectors;
+use corehbot::settings::rows::{Kind, Legal, Text};
+use corehbot::settings::{Settings, Thermistor, ranges};
 use serde_json::{Map, Value, json};
-
-/// The file that shows every key at its default.
-const PROTOTYPE: &str = include_str!("../../examples/machines/prototype.toml");
 
 /// The schema, as JSON Schema draft 7: editors for TOML know no newer one (Taplo).
 #[must_use]
 pub fn schema() -> Value {
-    // Without references, so that a key may have the range and the default of its place.
-    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    // Formats are names of Rust's types.
-    let settings = settings.with_transform(RestrictFormats::default());
-    let mut schema = settings.into_generator().into_root_schema_for::<MachineToml>().to_value();
-    let defaults = toml::from_str(PROTOTYPE).ok();
-    complete(&mut schema, "", defaults.as_ref());
-    if let Some(schema) = schema.as_object_mut() {
-        schema.insert("title".to_owned(), json!("Machine file of CoreH-bot firmware"));
+    let defaults = serde_json::to_value(written::table(&Settings::prototype())).unwrap_or_default();
+    let mut root = table("");
+    for known in ALL.iter() {
+        let mut schema = match known.of {
+            Of::Setting { row, text, part } => described(text, of_kind(text.kind, row.legal(part))),
+            Of::List { row, text } => {
+                let item = of_kind(text.kind, row.legal(0));
+                let least = if matches!(text.kind, Kind::Choice(_)) { row.tables.len() } else { 0 };
+                let list = json!({ "type": "array", "items": item, "minItems": least, "maxItems": row.tables.len() });
+                described(text, list)
+            }
+            Of::Other(other) => of_other(other),
+        };
+        // A motor that a file with a mechanism leaves out is not fitted, so its row has no default.
+        if !known.path.starts_with("mechanism.")
+            && let Some(default) = known.path.split('.').try_fold(&defaults, |table, key| table.get(key))
+        {
+            insert(&mut schema, "default", default.clone());
+        }
+        put(&mut root, &known.path, "", schema);
     }
+    insert(&mut root, "$schema", json!("http://json-schema.org/draft-07/schema#"));
+    insert(&mut root, "title", json!("Machine file of CoreH-bot firmware"));
+    root
+}
+
+fn insert(schema: &mut Value, key: &str, value: Value) {
+    if let Some(schema) = schema.as_object_mut() {
+        schema.insert(key.to_owned(), value);
+    }
+}
+
+/// A table without keys.
+fn table(path: &str) -> Value {
+    let mut table = json!({ "type": "object", "additionalProperties": false, "properties": {} });
+    if let Some(about) = about(path) {
+        insert(&mut table, "description", json!(about));
+    }
+    table
+}
+
+/// Puts the schema of a key into its tables.
+fn put(schema: &mut Value, path: &str, above: &str, key: Value) {
+    let Some(keys) = schema.get_mut("properties").and_then(Value::as_object_mut) else { return };
+    match path.split_once('.') {
+        None => drop(keys.insert(path.to_owned(), key)),
+        Some((name, inner)) => {
+            let above = crate::keys::join(above, name);
+            put(keys.entry(name).or_insert_with(|| table(&above)), inner, &above, key);
+        }
+    }
+}
+
+/// The meaning of a setting in one line, with its unit.
+pub(crate) fn meaning(text: &Text) -> String {
+    let meaning = text.meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+    match text.unit {
+        "" => meaning,
+        unit => format!("{meaning} Unit: {unit}."),
+    }
+}
+
+fn described(text: &Text, mut schema: Value) -> Value {
+    let mut meaning = meaning(text);
+    if !meaning.ends_with('.') {
+        meaning.push('.');
+    }
+    insert(&mut schema, "description", json!(meaning));
     schema
 }
 
-/// Adds to the schema of the key at `path` what the types do not say, and to those in it.
-fn complete(schema: &mut Value, path: &str, default: Option<&toml::Value>) {
-    let Some(schema) = schema.as_object_mut() else { return };
-    forbid_null(schema);
-    if let Some(Value::String(text)) = schema.get_mut("description") {
-        // The lines of a comment.
-        *text = text.replace('\n', " ");
-    }
-    if let Some(keys) = schema.get_mut("properties").and_then(Value::as_object_mut) {
-        for (key, inner) in keys {
-            let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            complete(inner, &path, default.and_then(|table| table.get(key)));
+fn of_kind(kind: Kind, legal: Legal) -> Value {
+    match kind {
+        Kind::Fixed(_) => number("number", kind, legal),
+        Kind::Whole => number("integer", kind, legal),
+        Kind::Auto(_) => {
+            let number = number("number", kind, Legal { may_be_zero: false, ..legal });
+            json!({ "anyOf": [{ "type": "string", "enum": ["auto"] }, number] })
         }
-        return;
-    }
-    // That of a rotation distance depends on other keys.
-    if schema.get("type") == Some(&json!("number")) && !schema.contains_key("exclusiveMinimum") {
-        add_range(schema, path);
-    }
-    // A motor that a file with a mechanism leaves out is not fitted, so its row has no default.
-    if let Some(default) = default.filter(|_| !path.starts_with("mechanism.")) {
-        schema.insert("default".to_owned(), serde_json::to_value(default).unwrap_or_default());
+        Kind::Switch => json!({ "type": "boolean" }),
+        Kind::Choice(name) => json!({ "type": "string", "enum": names_of(name) }),
+        Kind::Name => json!({ "type": "string" }),
+        Kind::Plug => json!({ "type": "string", "pattern": r"^(|!?[\x22-\x7e]{1,8})$" }),
+        Kind::Thermistor => {
+            let of_range = |legal: Legal| number("integer", Kind::Whole, legal);
+            let numbers = json!({
+                "type": "object",
+                "additionalProperties": false,
+                "required": ["ohms", "beta"],
+                "properties": {
+                    "ohms": of_range(ranges::OHMS.spec().legal),
+                    "beta": of_range(ranges::BETA.spec().legal),
+                },
+            });
+            let names = Thermistor::NAMED.map(|(_, name)| name);
+            json!({ "anyOf": [{ "type": "string", "enum": names }, numbers] })
+        }
+        Kind::MotorRow => {
+            let most = corehbot::kinematics::MOST_MULTIPLE;
+            let item = json!({ "type": "integer", "minimum": -most, "maximum": most });
+            json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 4 })
+        }
     }
 }
 
-/// TOML has no null: a key is left out.
-fn forbid_null(schema: &mut Map<String, Value>) {
-    if schema.get("default") == Some(&Value::Null) {
-        schema.remove("default");
+/// A number from the least to the most, as short as they can be said.
+fn number(name: &str, kind: Kind, legal: Legal) -> Value {
+    let least = if legal.may_be_zero { 0 } else { legal.least };
+    let [least, most] = [least, legal.most].map(|bits| value::float_toml(shortest(bits, fraction(kind))));
+    let mut schema = Map::from_iter([("type".to_owned(), json!(name))]);
+    for (key, end) in [("minimum", least), ("maximum", most)] {
+        schema.insert(key.to_owned(), serde_json::to_value(end).unwrap_or_default());
     }
-    if let Some(Value::Array(kinds)) = schema.get_mut("type") {
-        kinds.retain(|kind| kind != "null");
-        if let [kind] = kinds.as_slice() {
-            let kind = kind.clone();
-            schema.insert("type".to_owned(), kind);
-        }
-    }
-    if let Some(Value::Array(values)) = schema.get_mut("enum") {
-        values.retain(|value| !value.is_null());
-    }
-    let Some(Value::Array(mut kinds)) = schema.remove("anyOf") else { return };
-    kinds.retain(|kind| kind.get("type") != Some(&json!("null")));
-    match kinds.as_mut_slice() {
-        [Value::Object(kind)] => {
-            // The description of the key, not that of its type.
-            kind.remove("description");
-            schema.append(kind);
-        }
-        _ => drop(schema.insert("anyOf".to_owned(), Value::Array(kinds))),
-    }
+    Value::Object(schema)
 }
 
-/// What the reader says is legal, if one asks it for what never is.
-fn add_range(schema: &mut Map<String, Value>, path: &str) {
-    let Err(MachineFileError::Range { key, legal, .. }) = load(&format!("{path} = nan")) else { return };
-    let (is_whole, range) = legal.strip_prefix("the whole numbers ").map_or((false, &*legal), |range| (true, range));
-    if is_whole {
-        schema.insert("type".to_owned(), json!("integer"));
-    }
-    let ends = range.split_once(" to ").filter(|_| key == path);
-    let ends = ends.and_then(|(least, most)| Some((number(least)?, number(most)?)));
-    if let Some((least, most)) = ends {
-        schema.insert("minimum".to_owned(), least);
-        schema.insert("maximum".to_owned(), most);
-    }
-}
-
-/// A number, as a whole one if it is.
-fn number(text: &str) -> Option<Value> {
-    text.parse::<i64>().map(Value::from).or_else(|_| text.parse::<f64>().map(Value::from)).ok()
+fn of_other(other: &Other) -> Value {
+    let mut schema = match other.name {
+        BOARD => json!({ "type": "string", "enum": BoardConnectors::ALL.map(|board| board.key) }),
+        FULL_STEPS => number("integer", Kind::Whole, value::FULL_STEPS.spec().legal),
+        // Its range depends on other keys.
+        _ => json!({ "type": "number", "exclusiveMinimum": 0 }),
+    };
+    insert(&mut schema, "description", json!(other.meaning));
+    schema
 }

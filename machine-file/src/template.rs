@@ -229,7 +229,43 @@ impl Text {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::keys::Of;
     use crate::{Problem, load, problems};
+
+    /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of its table.
+    fn completed(text: &str) -> String {
+        let mut lines = Text(text.lines().map(str::to_owned).collect());
+        let default = crate::written::table(&corehbot::settings::Settings::prototype());
+        for known in crate::keys::ALL.iter() {
+            let (Of::Setting { text, .. } | Of::List { text, .. }) = known.of else { continue };
+            let (table, key) = known.path.rsplit_once('.').unwrap_or(("", &known.path));
+            let value = known.path.split('.').try_fold(None, |found: Option<&Value>, part| {
+                found.map_or_else(|| default.get(part), |table| table.get(part)).map(Some)
+            });
+            let (Some(Some(value)), None) = (value, lines.line(table, key)) else { continue };
+            let range = lines.table(table).unwrap_or_else(|| panic!("write the header [{table}] first"));
+            let end = range.start + lines.0[range].iter().rposition(|line| line.contains('=')).map_or(0, |at| at + 1);
+            let new = [format!("# {}", crate::schema::meaning(text)), format!("{key} = {value}")];
+            lines.0.splice(end..end, new);
+        }
+        lines.0.join("\n") + "\n"
+    }
+
+    #[test]
+    fn the_prototypes_file_has_every_key() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/machines/prototype.toml");
+        let whole = completed(PROTOTYPE);
+        if std::env::var_os("BLESS").is_some() {
+            std::fs::write(path, &whole).unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(path).unwrap(), whole, "BLESS=1 writes the keys that it lacks");
+        // One that it lacks is written at the end of its table, and read back.
+        let without = PROTOTYPE.replace("limp_lift = 10\n", "");
+        let again = completed(&without);
+        assert!(again.contains("\nphases = []\n# How far z is raised"), "{again}");
+        assert!(again.contains(" Unit: mm.\nlimp_lift = 10\n"), "{again}");
+        assert_eq!(load(&again).unwrap(), load(PROTOTYPE).unwrap());
+    }
 
     #[test]
     fn every_example_is_a_kind() {

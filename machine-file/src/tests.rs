@@ -1,7 +1,8 @@
 //! Tests of machine_file.
 
 use super::*;
-use corehbot::settings::Thermistor;
+use corehbot::motors::Motor;
+use corehbot::settings::{CornerRule, ShaperKind, Thermistor, Wiring};
 use corehbot::units::{Hertz, Mm, MmPerSec, Seconds, StepsPerMm};
 
 #[test]
@@ -176,7 +177,7 @@ fn errors_have_a_place() {
         ("[mechanism]\nm1 = [2, 1, 0]", "2:6"),
         ("[mechanism]\nm8 = [1, 0, 0]", "1:2"),
         ("[drivers.belt]\nmicrosteps = 24", "2:14"),
-        ("[shaper.x]\nspan = 99", "1:9"),
+        ("[shaper.x]\nspan = 99", "2:8"),
         ("[corner]\njunction_deviation = 0.1\nsquare_corner = 1", "3:17"),
         ("motor_max_speed = 3000\n[axes.x]\nsteps_per_mm = 20000\n[axes.y]\nsteps_per_mm = 20000", "2:7"),
     ] {
@@ -197,8 +198,8 @@ fn a_misspelt_key_has_a_suggestion() {
 fn errors_name_the_key_and_what_is_legal() {
     let error = |text: &str| load(text).unwrap_err().to_string();
     assert_eq!(error("[axes.x]\nmax_speed = 5000"), "axes.x.max_speed = 5000 is outside 0.01 to 3000");
-    assert_eq!(error("keepalive_s = 61"), "keepalive_s = 61 is outside 0 to 60");
-    assert_eq!(error("patience_ms = 60001"), "patience_ms = 60001 is outside 0 to 60000");
+    assert_eq!(error("keepalive_s = 61"), "keepalive_s = 61 is outside the whole numbers 0 to 60");
+    assert_eq!(error("patience_ms = 60001"), "patience_ms = 60001 is outside 0 and the whole numbers 100 to 60000");
     assert_eq!(error("minimum_cruise_ratio = 1"), "minimum_cruise_ratio = 1 is outside 0 to 0.9");
     assert!(error("patience_ms = 99").contains("patience_ms"));
     assert_eq!(error("lookahead_time = 0.4"), "lookahead_time = 0.4 is outside 0.5 to 60");
@@ -210,7 +211,7 @@ fn errors_name_the_key_and_what_is_legal() {
     assert!(error("[drivers.belt]\nmicrosteps = 16.5").contains("whole"));
     assert!(error("[drivers.belt]\nmicrosteps = 24").contains("1, 2, 4"));
     assert_eq!(error("[shaper.x]\nfrequency = 9"), "shaper.x.frequency = 9 is outside 10 to 500");
-    assert_eq!(error("[shaper.x]\nspan = 10001"), "shaper.x.span = 10001 is outside 0 to 10000");
+    assert_eq!(error("[shaper.x]\nspan = 10001"), "shaper.x.span = 10001 is outside 0 and 100 to 10000");
     assert!(error("[shaper.x]\nspan = 99").contains("shaper.x"));
     assert!(error("[shaper.y]\nkind = \"nonsense\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
     assert_eq!(error("[advance]\nwindow = 0.3"), "advance.window = 0.3 is outside 0.005 to 0.2");

@@ -301,7 +301,7 @@ impl Settings {
 
 /// Rows of [`Settings`] itself.
 mod top {
-    use super::rows::{Field, Spec, Value, rows};
+    use super::rows::{Field, Kind, Spec, Value, rows};
     use super::{CornerRule, MachineName, Mm, MmPerSec, Settings, ranges};
 
     /// Junction deviation as a field.
@@ -348,7 +348,7 @@ mod top {
         for machine in parts, named &[""];
 
         /// The name that hosts, screens and reports show: up to 24 letters, digits, blanks and + - . , / ( ) & # '.
-        1 "name" = machine.name, "", [Spec::text(MachineName::LONGEST)];
+        1 "name" = machine.name, "", [Spec::text(MachineName::LONGEST, Kind::Name)];
         /// Speed limit of one belt motor, in mm of belt. A diagonal asks 1.41 times the tool's speed of two motors.
         2 "motor_max_speed" = machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
         /// Acceleration limit of one belt motor, in mm of belt.

@@ -67,8 +67,16 @@ pub enum Kind {
     Switch,
     /// One of these names, by its number.
     Choice(fn(usize) -> Option<&'static str>),
-    /// A text that the field itself reads.
-    Text,
+    /// Such a number, or "auto" for 0.
+    Auto(u32),
+    /// The name of a machine.
+    Name,
+    /// The name of a connector, with `!` before it if it is inverted.
+    Plug,
+    /// The name of a thermistor, or its numbers.
+    Thermistor,
+    /// What a motor turns for a step of each axis.
+    MotorRow,
 }
 
 /// Which numbers are legal.
@@ -114,15 +122,22 @@ impl Spec {
     }
 
     /// A text of so many characters at most.
-    #[must_use]
-    pub const fn text(longest: usize) -> Self {
-        Self::new(0, longest as i64, Kind::Text)
+    pub(super) const fn text(longest: usize, kind: Kind) -> Self {
+        Self::new(0, longest as i64, kind)
     }
 
     /// A number that its field packs and reads by itself, of so many bits and a sign.
+    pub(super) const fn packed(bits: u32, kind: Kind) -> Self {
+        Self::new(-(1 << bits), (1 << bits) - 1, kind)
+    }
+
+    /// The same, and 0 as well, which is "auto".
     #[must_use]
-    pub const fn packed(bits: u32) -> Self {
-        Self::new(-(1 << bits), (1 << bits) - 1, Kind::Text)
+    pub const fn or_auto(self) -> Self {
+        match self.kind {
+            Kind::Fixed(bits) => Self { kind: Kind::Auto(bits), ..self.or_zero() },
+            _ => self,
+        }
     }
 
     /// The same, and 0 as well.

@@ -172,6 +172,6 @@ pub(super) mod advance {
         /// Pressure advance (M900 K, M572 S); 0 is none.
         63 "time" = advance.time, "s", [ranges::ADVANCE.spec()];
         /// Time over which the extruder's speed is averaged (M572 W), or "auto": as long as suits the shapers.
-        64 "window" = Window(&mut advance.window), "s", [ranges::ADVANCE_WINDOW.spec().or_zero()];
+        64 "window" = Window(&mut advance.window), "s", [ranges::ADVANCE_WINDOW.spec().or_auto()];
     }
 }

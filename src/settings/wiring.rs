@@ -1,6 +1,6 @@
 //! Wiring: which connector of the board each motor and each switch is plugged into.
 
-use super::rows::{Field, Spec, Value, rows, text};
+use super::rows::{Field, Kind, Spec, Value, rows, text};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName, OCTOPUS};
 use crate::kinematics::Row;
@@ -94,8 +94,10 @@ fn plug(connector: ConnectorName, is_inverted: bool) -> Value {
 /// The connector of such a text, and whether it is inverted.
 fn plugged(value: &Value) -> Option<(ConnectorName, bool)> {
     let Value::Text(text) = value else { return None };
-    let name = text.strip_prefix('!');
-    Some((ConnectorName::new(name.unwrap_or(text))?, name.is_some()))
+    let inverted = text.strip_prefix('!');
+    let connector = ConnectorName::new(inverted.unwrap_or(text))?;
+    // What is plugged in nowhere is not inverted.
+    (inverted.is_none() || !connector.is_none()).then_some((connector, inverted.is_some()))
 }
 
 impl Field for MotorPlug {
@@ -134,7 +136,7 @@ pub(super) mod motors {
         for motor in parts, named &["motors.m1", "motors.m4", "motors.m8", "motors.m11", "motors.z1", "motors.z2", "motors.e0"];
 
         /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
-        96 "" = *motor, "", [Spec::text(LONGEST)];
+        96 "" = *motor, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }
 
@@ -152,7 +154,7 @@ pub(super) mod endstops {
 
         /// Input of the switch, which opens when it is pressed (a probe's goes high when it triggers); ! before it: the other
         /// way round. Empty is no probe; so far nothing probes by it, but M119 reports it.
-        97 "" = *plug, "", [Spec::text(LONGEST)];
+        97 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }
 
@@ -184,6 +186,6 @@ pub(super) mod mechanism {
         ];
 
         /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
-        98 "" = *row, "", [Spec::packed(31)];
+        98 "" = *row, "", [Spec::packed(31, Kind::MotorRow)];
     }
 }

@@ -293,7 +293,7 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
     for kind in ShaperKind::all() {
         let name = name(kind);
         let settings = machine_file::load(&format!("[shaper.x]\nkind = \"{name}\"")).unwrap();
-        assert_eq!(settings.shapers.x.kind, kind, "KindToml in machine-file/src/form/motion.rs");
+        assert_eq!(settings.shapers.x.kind, kind, "ShaperKind in src/settings/shaping.rs");
         let Command::Shaper { kind: number, .. } = parse(format!("M593 X P\"{name}\" F50").as_bytes()) else {
             panic!()
         };

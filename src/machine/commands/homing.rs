@@ -13,7 +13,7 @@
 //! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
-//! - what says "nothing probes by it": `machine-file/src/form.rs` (and so the schema), `Settings::probe`,
+//! - what says "nothing probes by it": its row in `settings::wiring` (and so the schema), `Settings::probe`,
 //!   `examples/machines/prototype.toml`, docs/reference/machines.md;
 //! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
 //! - a row of `STATES` in `boards/sim/tests/emergencies.rs`, for its descent;

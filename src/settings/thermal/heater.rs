@@ -2,7 +2,7 @@
 //! any more.
 
 use crate::connectors::{HEATERS, Output, Sensor};
-use crate::settings::rows::{Choice, Chosen, Field, Spec, Value, rows};
+use crate::settings::rows::{Choice, Chosen, Field, Kind, Spec, Value, rows};
 use crate::settings::{Settings, ranges};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// A new one comes behind the others, since records hold its number; the compiler and tests then ask for its curve and its data
 /// sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in machine files
-/// (`machine-file/src/form/heat.rs` and `heat.rs`). By hand: `examples/machines/prototype.toml`,
+/// ([`NAMED`](Self::NAMED)). By hand: `examples/machines/prototype.toml`,
 /// docs/explanation/heat.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum Thermistor {
@@ -318,7 +318,7 @@ rows! {
     /// The input of its temperature sensor.
     72 "sensor" = Chosen(&mut heater.sensor), "", [Spec::choice::<Sensor>()];
     /// The kind of sensor; or an NTC by its resistance at 25 C in Ohm and its beta in K.
-    73 "thermistor" = heater.thermistor, "", [Spec::packed(45).from_zero()];
+    73 "thermistor" = heater.thermistor, "", [Spec::packed(45, Kind::Thermistor).from_zero()];
     /// Highest target.
     74 "most" = heater.most, "C", [ranges::HOTEND.spec(), ranges::BED.spec(), ranges::BED.spec()];
     /// Power at full duty.

@@ -1,0 +1,197 @@
+//! Keys: every key of a machine file, from the rows of all settings; and the few that are no setting of their own.
+
+use corehbot::settings::rows::{Kind, Legal, Row, Text, described};
+use std::sync::LazyLock;
+
+/// A key of a machine file.
+#[derive(Clone, Debug)]
+pub(crate) struct Known {
+    /// The key with its tables.
+    pub path: String,
+    /// What stands behind it.
+    pub of: Of,
+}
+
+/// What stands behind a key.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Of {
+    /// A setting of a part of the machine.
+    Setting { row: &'static Row, text: &'static Text, part: usize },
+    /// A list of values, one for each part.
+    List { row: &'static Row, text: &'static Text },
+    /// A key that settings follow from.
+    Other(&'static Other),
+}
+
+/// A key that settings follow from.
+#[derive(Debug)]
+pub(crate) struct Other {
+    /// The last word of the key.
+    pub name: &'static str,
+    /// The tables that may have it.
+    pub tables: &'static [&'static str],
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// Which board the machine is on.
+pub(crate) const BOARD: &str = "board";
+/// What a turn of a motor moves an axis.
+pub(crate) const ROTATION_DISTANCE: &str = "rotation_distance";
+/// Full steps of such a turn.
+pub(crate) const FULL_STEPS: &str = "full_steps";
+
+const AXES: &[&str] = &["axes.x", "axes.y", "axes.z", "axes.e"];
+
+/// Keys that are no settings.
+const OTHERS: [Other; 3] = [
+    Other {
+        name: BOARD,
+        tables: &[""],
+        meaning: "The board. Motors, endstops and heaters are held to the connectors that it has; without a board they may be \
+                  anything.",
+    },
+    Other {
+        name: ROTATION_DISTANCE,
+        tables: AXES,
+        meaning: "Distance that a turn of the motor moves the axis (teeth x pitch, lead of a screw, with gears), in mm, instead of \
+                  steps_per_mm, which is full_steps x microsteps / rotation_distance.",
+    },
+    Other {
+        name: FULL_STEPS,
+        tables: AXES,
+        meaning: "Full steps of a turn of the motor, for rotation_distance; 200 if left out.",
+    },
+];
+
+/// What the tables are about.
+pub(crate) const TABLES: [(&str, &str); 29] = [
+    ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
+    (
+        "mechanism",
+        "Steps of each motor for one step of x, y, z and e. A file with this table lists every motor that is fitted.",
+    ),
+    ("motors", "The socket of the board for each motor."),
+    ("endstops", "The input of the board for the switch of each axis."),
+    ("corner", "Speed in corners: one of the keys."),
+    ("shaper", "Input shapers against ringing (M593)."),
+    ("shaper.x", "The shaper of x."),
+    ("shaper.y", "The shaper of y."),
+    ("advance", "Pressure advance (M900, M572)."),
+    ("axes", "Resolution, limits and length of every axis."),
+    ("axes.x", "The axis x."),
+    ("axes.y", "The axis y."),
+    ("axes.z", "The axis z."),
+    ("axes.e", "The extruder; its length is the longest single move."),
+    (
+        "bed",
+        "Where the machine can print, in the coordinates of the homed machine: all that its tool reaches, if left out.",
+    ),
+    ("belt", "The belt that joins the motors of x and y, and how it circulates."),
+    ("pause", "Where the tool waits while a print is paused, and how it gets there and back."),
+    ("homing", "How each axis finds its endstop, where that is, and in which order."),
+    ("drivers", "The configuration of the motor drivers (TMC2209) where they have a UART."),
+    ("drivers.belt", "Drivers of the motors 1, 4, 8 and 11."),
+    ("drivers.z", "Drivers of the screws."),
+    ("drivers.e", "Driver of the extruder."),
+    ("thermal", "Settings that heaters and fans have in common."),
+    ("heaters", "Heaters."),
+    ("heaters.hotend", "The hotend (T)."),
+    ("heaters.bed", "The bed (B)."),
+    ("heaters.chamber", "The chamber (C)."),
+    ("fans", "Fan outputs."),
+    ("guards", "Guards, which cannot be switched off."),
+];
+
+/// What a table is about: by its path, or by its last word.
+pub(crate) fn about(path: &str) -> Option<&'static str> {
+    let last = path.rsplit('.').next().unwrap_or(path);
+    let find = |name: &str| TABLES.iter().find(|(table, _)| *table == name).map(|(_, about)| *about);
+    find(path).or_else(|| find(last))
+}
+
+/// A key behind a table.
+pub(crate) fn join(table: &str, key: &str) -> String {
+    let point = if table.is_empty() || key.is_empty() { "" } else { "." };
+    format!("{table}{point}{key}")
+}
+
+/// All keys.
+pub(crate) static ALL: LazyLock<Vec<Known>> = LazyLock::new(|| {
+    let mut all: Vec<Known> = OTHERS
+        .iter()
+        .flat_map(|other| other.tables.iter().map(move |table| (join(table, other.name), Of::Other(other))))
+        .map(|(path, of)| Known { path, of })
+        .collect();
+    for (row, text) in described() {
+        let is_list = row.leaf.is_empty() && row.tables.len() > 1 && row.tables.iter().all(|t| t == &row.tables[0]);
+        let parts = if is_list { 1 } else { row.tables.len() };
+        all.extend(row.tables.iter().take(parts).enumerate().map(|(part, table)| Known {
+            path: join(table, row.leaf),
+            of: if is_list { Of::List { row, text } } else { Of::Setting { row, text, part } },
+        }));
+    }
+    all
+});
+
+/// The key at that path.
+pub(crate) fn find(path: &str) -> Option<&'static Known> {
+    ALL.iter().find(|known| known.path == path)
+}
+
+/// Whether there are keys in a table of that path.
+pub(crate) fn is_table(path: &str) -> bool {
+    ALL.iter().any(|known| known.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
+}
+
+/// The names of the keys and tables in a table.
+pub(crate) fn names_in(table: &str) -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for known in ALL.iter() {
+        let inner = if table.is_empty() { Some(&*known.path) } else { known.path.strip_prefix(table) };
+        let inner = inner.and_then(|inner| if table.is_empty() { Some(inner) } else { inner.strip_prefix('.') });
+        if let Some(name) = inner.and_then(|inner| inner.split('.').next())
+            && !names.contains(&name)
+        {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// The names of a choice.
+pub(crate) fn names_of(name: fn(usize) -> Option<&'static str>) -> Vec<&'static str> {
+    (0..).map_while(name).collect()
+}
+
+/// Bits after the point of a kind of number; 0 of whole ones.
+pub(crate) const fn fraction(kind: Kind) -> u32 {
+    match kind {
+        Kind::Fixed(bits) | Kind::Auto(bits) => bits,
+        Kind::Whole | Kind::Switch | Kind::Choice(_) | Kind::Name | Kind::Plug | Kind::Thermistor | Kind::MotorRow => 0,
+    }
+}
+
+/// The legal numbers, in words.
+pub(crate) fn legal_words(legal: Legal, kind: Kind) -> String {
+    let [least, most] = [legal.least, legal.most].map(|bits| shortest(bits, fraction(kind)));
+    let whole = if matches!(kind, Kind::Whole) { "the whole numbers " } else { "" };
+    let zero = if legal.may_be_zero && legal.least > 0 && !matches!(kind, Kind::Auto(_)) { "0 and " } else { "" };
+    format!("{zero}{whole}{least} to {most}")
+}
+
+/// Decimals that are tried for the shortest number; a value has at most 32 bits after the point.
+const MOST_DECIMALS: usize = 12;
+
+/// The bits of a fixed-point number; what is too great for 64 bits saturates. NaN has none.
+pub(crate) fn bits_of(number: f64, fraction: u32) -> Option<i64> {
+    // Exact but for the rounding, as a power of two is.
+    (!number.is_nan()).then(|| (number * f64::from(fraction).exp2()).round_ties_even() as i64)
+}
+
+/// The shortest number that has these bits.
+pub(crate) fn shortest(bits: i64, fraction: u32) -> f64 {
+    let exact = bits as f64 / f64::from(fraction).exp2();
+    let rounded = (0..=MOST_DECIMALS).filter_map(|decimals| format!("{exact:.decimals$}").parse::<f64>().ok());
+    rounded.into_iter().find(|number| bits_of(*number, fraction) == Some(bits)).unwrap_or(exact)
+}

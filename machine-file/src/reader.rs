@@ -1,0 +1,198 @@
+//! Reader: from the keys of a file to settings. All that is wrong with single keys is found in one pass.
+
+use crate::error::MachineFileError;
+use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in};
+use crate::value;
+use corehbot::connectors::BoardConnectors;
+use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
+use corehbot::settings::{Bed, Belt, Endstop, MachineName, PHASES, Settings, Wiring, ranges};
+use corehbot::units::Mm;
+use std::collections::BTreeMap;
+use toml::{Table, Value as Toml};
+
+/// What a file says.
+#[derive(Default)]
+pub(crate) struct Given {
+    /// What it calls the machine.
+    pub name: Option<String>,
+    /// The board that it names.
+    pub board: Option<&'static BoardConnectors>,
+    /// Values by the ids of their rows and by parts.
+    values: BTreeMap<(u16, usize), Value>,
+    /// Numbers that no setting has: by their keys.
+    pub numbers: BTreeMap<String, f64>,
+    /// Every key that was given.
+    paths: Vec<String>,
+    /// What is wrong, key by key.
+    pub errors: Vec<MachineFileError>,
+}
+
+impl Given {
+    /// Reads a file. What is wrong with single keys is in `errors`.
+    ///
+    /// # Errors
+    /// If it is no TOML.
+    pub fn read(text: &str) -> Result<Self, MachineFileError> {
+        let file: Table = toml::from_str(text).map_err(MachineFileError::Syntax)?;
+        let mut given = Self::default();
+        given.table(&file, "");
+        given.name = file.get("name").and_then(Toml::as_str).map(str::to_owned);
+        Ok(given)
+    }
+
+    /// Whether the file has this key, or one in the table of this name.
+    pub fn has(&self, path: &str) -> bool {
+        self.paths.iter().any(|given| given.strip_prefix(path).is_some_and(|r| r.is_empty() || r.starts_with('.')))
+    }
+
+    fn table(&mut self, table: &Table, path: &str) {
+        for (name, toml) in table {
+            let inner = join(path, name);
+            match (find(&inner), toml) {
+                (Some(known), _) => {
+                    self.paths.push(inner.clone());
+                    let read = self.key(&inner, known.of, toml);
+                    self.errors.extend(read.err());
+                }
+                (None, Toml::Table(table)) if is_table(&inner) => {
+                    // An empty table says something too: a mechanism without motors.
+                    self.paths.push(inner.clone());
+                    self.table(table, &inner);
+                }
+                (None, other) if is_table(&inner) => {
+                    self.errors.push(MachineFileError::kind(&inner, "a table of keys", other));
+                }
+                (None, _) => self.errors.push(MachineFileError::Unknown {
+                    what: "field",
+                    key: inner,
+                    name: name.clone(),
+                    known: names_in(path),
+                }),
+            }
+        }
+    }
+
+    fn key(&mut self, path: &str, of: Of, toml: &Toml) -> Result<(), MachineFileError> {
+        match of {
+            Of::Setting { row, text, part } => {
+                // Where a switch may sit depends on its end and on the length of its axis.
+                let value = value::value(path, toml, text.kind, row.legal(part))?;
+                self.values.insert((row.id, part), value);
+            }
+            Of::List { row, text } => {
+                let Toml::Array(items) = toml else {
+                    return Err(MachineFileError::kind(path, "a list", toml));
+                };
+                if let Kind::Choice(_) = text.kind
+                    && items.len() != row.tables.len()
+                {
+                    return Err(MachineFileError::Length { key: path.to_owned(), wanted: row.tables.len() });
+                }
+                if items.len() > row.tables.len() {
+                    return Err(MachineFileError::Phases);
+                }
+                for (part, item) in items.iter().enumerate() {
+                    let value = value::value(path, item, text.kind, row.legal(part))?;
+                    self.values.insert((row.id, part), value);
+                }
+            }
+            Of::Other(other) if other.name == BOARD => {
+                let Toml::String(word) = toml else {
+                    return Err(MachineFileError::kind(path, "a name in quotes", toml));
+                };
+                let boards = BoardConnectors::ALL.map(|board| board.key);
+                self.board = BoardConnectors::ALL.get(value::choice(path, word, &boards)?).copied();
+            }
+            Of::Other(other) if other.name == FULL_STEPS => {
+                let legal = value::FULL_STEPS.spec().legal;
+                let number = value::number(path, toml, Kind::Whole, legal)?;
+                self.numbers.insert(path.to_owned(), number as f64);
+            }
+            Of::Other(_) => {
+                self.numbers.insert(path.to_owned(), value::float(path, toml)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts what the file says over the prototype.
+    ///
+    /// # Errors
+    /// Keys that do not go together.
+    pub fn settings(&self) -> Result<Settings, MachineFileError> {
+        let mut s = Settings::prototype();
+        s.wiring = self.board.map_or(s.wiring, Wiring::usual);
+        if self.has("mechanism") {
+            // Motors that it does not list are not fitted. Rows do not show one belt from two, and the name is another.
+            s.mechanism.rows = Default::default();
+            s.belt.is_closed = false;
+            s.name = MachineName::NONE;
+        }
+        if self.has("belt.phases") {
+            s.belt.phases = [Belt::NO_PHASE; PHASES];
+        }
+        if self.has("corner.junction_deviation") && self.has("corner.square_corner") {
+            return Err(MachineFileError::Corner);
+        }
+        let has_position = ["x", "y", "z"].map(|axis| self.has(&format!("homing.{axis}.position")));
+        s.visit(&mut Put(&self.values));
+        // Without a word on it the bed is what the tool reaches, and a switch sits at the end of its axis.
+        let bed = s.bed;
+        s.bed = Bed::of_reach(&s.axes);
+        for (key, place, given) in [
+            ("bed.width", &mut s.bed.width, bed.width),
+            ("bed.depth", &mut s.bed.depth, bed.depth),
+            ("bed.left", &mut s.bed.left, bed.left),
+            ("bed.front", &mut s.bed.front, bed.front),
+        ] {
+            if self.has(key) {
+                *place = given;
+            }
+        }
+        let lengths = s.axes.map(|axis| axis.length);
+        let ends = &mut s.endstops;
+        for ((axis, endstop, length), has_position) in
+            [("x", &mut ends.x, lengths.x), ("y", &mut ends.y, lengths.y), ("z", &mut ends.z, lengths.z)]
+                .into_iter()
+                .zip(has_position)
+        {
+            self.endstop(axis, endstop, length, has_position)?;
+        }
+        Ok(s)
+    }
+
+    fn endstop(&self, axis: &str, e: &mut Endstop, length: Mm, has_position: bool) -> Result<(), MachineFileError> {
+        use corehbot::settings::AxisEnd;
+        let key = format!("homing.{axis}.position");
+        if self.has(&format!("homing.{axis}.end")) && !has_position {
+            e.position = match e.end {
+                AxisEnd::Min => Mm::ZERO,
+                AxisEnd::Max => length,
+            };
+        }
+        let legal = ranges::endstop_position(e.end, length);
+        if has_position && !legal.holds(e.position) {
+            let value = keys::shortest(e.position.to_bits(), Mm::FRAC_NBITS);
+            return Err(MachineFileError::Range { key, value, legal: format!("{} to {}", legal.least, legal.most) });
+        }
+        Ok(())
+    }
+
+    /// A number of an axis that no setting has.
+    pub fn number(&self, axis: &str, name: &'static str) -> Option<f64> {
+        debug_assert!([ROTATION_DISTANCE, FULL_STEPS].contains(&name));
+        self.numbers.get(&format!("axes.{axis}.{name}")).copied()
+    }
+}
+
+/// Puts values into the settings.
+struct Put<'g>(&'g BTreeMap<(u16, usize), Value>);
+
+impl Visitor for Put<'_> {
+    fn visit(&mut self, key: Key, field: &mut dyn Field) {
+        if let Some(value) = self.0.get(&(key.row.id, key.part.into())) {
+            // It was looked at when it was read.
+            let _ = field.set(value);
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The reference of settings, docs/reference/settings.md, from their rows.
+
+use crate::keys::{about, legal_words, names_of};
+use crate::value::toml;
+use corehbot::settings::Settings;
+use corehbot::settings::rows::{Field, Key, Kind, Row, Text, Value, Visitor, described};
+use std::fmt::Write as _;
+
+/// The document.
+#[must_use]
+pub fn reference() -> String {
+    let mut text = String::from(
+        "# Settings\n\n\
+         Every key of a machine file. `cargo test -p corehbot-machine-file` holds this page to the settings; with `BLESS=1` it\n\
+         writes the page. [Machine files](machines.md) explains boards, connectors and checks. The id is the number of a setting in\n\
+         stored records: it never changes.\n",
+    );
+    let mut tables: Vec<&str> = Vec::new();
+    for (row, _) in described() {
+        if !tables.contains(&table(row)) {
+            tables.push(table(row));
+        }
+    }
+    for name in tables {
+        let title = if name.is_empty() { "At the top" } else { name };
+        let _ = write!(text, "\n## {title}\n\n{}\n\n", about(name).unwrap_or_default());
+        text += "| key | meaning | unit | range | default | id |\n|---|---|---|---|---|---|\n";
+        for (row, what) in described().filter(|(row, _)| table(row) == name) {
+            let meaning = what.meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+            let (keys, range, default) = (keys(row), range(row, what), defaults(row, what));
+            let _ = writeln!(text, "| {keys} | {meaning} | {} | {range} | {default} | {} |", what.unit, row.id);
+        }
+    }
+    text
+}
+
+/// The outermost table of a row.
+fn table(row: &Row) -> &'static str {
+    row.tables.first().and_then(|table| table.split('.').next()).unwrap_or_default()
+}
+
+/// The key for all parts: `axes.x`, `y`, `z`, `e` `.length`.
+fn keys(row: &Row) -> String {
+    let mut tables: Vec<&str> = row.tables.to_vec();
+    tables.dedup();
+    let leaf = if row.leaf.is_empty() || tables == [""] { row.leaf.to_owned() } else { format!(".{}", row.leaf) };
+    match tables.as_slice() {
+        [] | [""] => format!("`{leaf}`"),
+        [only] => format!("`{only}{leaf}`"),
+        [first, others @ ..] => {
+            let others = others.iter().map(|table| format!("`{}`", table.rsplit('.').next().unwrap_or(table)));
+            let others = others.collect::<Vec<_>>().join(", ");
+            let leaf = if leaf.is_empty() { leaf } else { format!(": `{leaf}`") };
+            format!("`{first}`, {others}{leaf}")
+        }
+    }
+}
+
+/// The legal values.
+fn range(row: &Row, text: &Text) -> String {
+    let of = |part| match text.kind {
+        Kind::Fixed(_) | Kind::Whole => legal_words(row.legal(part), text.kind),
+        Kind::Auto(_) => format!("\"auto\" or {}", legal_words(row.legal(part), text.kind)),
+        Kind::Switch => "true, false".to_owned(),
+        Kind::Choice(name) => names_of(name).join(", "),
+        Kind::Name => "24 characters".to_owned(),
+        Kind::Plug => "8 characters".to_owned(),
+        Kind::Thermistor => "see [heat](../explanation/heat.md)".to_owned(),
+        Kind::MotorRow => "3 or 4 numbers".to_owned(),
+    };
+    listed((0..row.tables.len()).map(of))
+}
+
+/// The prototype's values.
+fn defaults(row: &Row, text: &Text) -> String {
+    struct Of<'r>(&'r Row, Vec<Value>);
+    impl Visitor for Of<'_> {
+        fn visit(&mut self, key: Key, field: &mut dyn Field) {
+            if key.row.id == self.0.id {
+                self.1.push(field.get());
+            }
+        }
+    }
+    let mut values = Of(row, Vec::new());
+    Settings::prototype().visit(&mut values);
+    listed(values.1.iter().map(|value| {
+        let is_unknown = row.tables.contains(&"belt.phases");
+        toml(value, text.kind).filter(|_| !is_unknown).map_or_else(|| "none".to_owned(), |value| value.to_string())
+    }))
+}
+
+/// Different values one behind the other; one if all are the same.
+fn listed(values: impl Iterator<Item = String>) -> String {
+    let values: Vec<String> = values.collect();
+    match values.as_slice() {
+        [first, others @ ..] if others.iter().all(|other| other == first) => first.clone(),
+        all => all.join("; "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_document_is_that_of_todays_settings() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/settings.md");
+        let today = reference();
+        if std::env::var_os("BLESS").is_some() {
+            std::fs::write(path, &today).unwrap();
+        }
+        assert!(std::fs::read_to_string(path).is_ok_and(|text| text == today), "BLESS=1 writes it");
+    }
+}

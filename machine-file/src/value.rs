@@ -1,0 +1,175 @@
+//! Values: what stands behind a key in TOML, as a setting has it, and the reverse.
+
+use crate::error::MachineFileError;
+use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
+use corehbot::kinematics::{MOST_MULTIPLE, Row, direction, multiple};
+use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
+use corehbot::settings::{MachineName, Range, Thermistor, ranges};
+use toml::Value as Toml;
+
+/// The value of a setting.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<Value, MachineFileError> {
+    match kind {
+        Kind::Fixed(_) | Kind::Whole => number(key, toml, kind, legal).map(Value::Number),
+        Kind::Auto(_) => match toml {
+            Toml::String(word) if word == "auto" => Ok(Value::Number(0)),
+            // 0 is "auto", which a file says by that word.
+            Toml::Integer(_) | Toml::Float(_) => {
+                number(key, toml, kind, Legal { may_be_zero: false, ..legal }).map(Value::Number)
+            }
+            other => Err(MachineFileError::kind(key, "\"auto\" or a number of seconds", other)),
+        },
+        Kind::Switch => match toml {
+            Toml::Boolean(is) => Ok(Value::Number((*is).into())),
+            other => Err(MachineFileError::kind(key, "true or false", other)),
+        },
+        Kind::Choice(name) => match toml {
+            Toml::String(word) => choice(key, word, &names_of(name)).map(|number| Value::Number(number as i64)),
+            other => Err(MachineFileError::kind(key, "a name in quotes", other)),
+        },
+        Kind::Name => match toml {
+            Toml::String(name) if MachineName::new(name).is_some() => Ok(text(name)),
+            Toml::String(name) => Err(MachineFileError::Name(name.clone())),
+            other => Err(MachineFileError::kind(key, "a name in quotes", other)),
+        },
+        Kind::Plug => match toml {
+            Toml::String(name) => plug(key, name),
+            other => Err(MachineFileError::kind(key, "the name of a connector in quotes", other)),
+        },
+        Kind::Thermistor => thermistor(key, toml).map(|thermistor| thermistor.get()),
+        Kind::MotorRow => match toml {
+            Toml::Array(items) => motor_row(key, items).map(|row| row.get()),
+            other => Err(MachineFileError::kind(key, "a list of numbers", other)),
+        },
+    }
+}
+
+/// A number in its range.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
+    let number = float(key, toml)?;
+    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole);
+    match bits_of(number, fraction(kind)) {
+        Some(bits) if is_whole && legal.holds(bits) => Ok(bits),
+        _ => Err(MachineFileError::Range { key: key.to_owned(), value: number, legal: legal_words(legal, kind) }),
+    }
+}
+
+/// Any number.
+///
+/// # Errors
+/// If it is none.
+pub(crate) fn float(key: &str, toml: &Toml) -> Result<f64, MachineFileError> {
+    match toml {
+        Toml::Integer(number) => Ok(*number as f64),
+        Toml::Float(number) => Ok(*number),
+        other => Err(MachineFileError::kind(key, "a number", other)),
+    }
+}
+
+/// The number of a name.
+///
+/// # Errors
+/// If it is none of them.
+pub(crate) fn choice(key: &str, word: &str, names: &[&'static str]) -> Result<usize, MachineFileError> {
+    names.iter().position(|name| *name == word).ok_or_else(|| MachineFileError::Unknown {
+        what: "variant",
+        key: key.to_owned(),
+        name: word.to_owned(),
+        known: names.to_vec(),
+    })
+}
+
+fn text(text: &str) -> Value {
+    Text24::try_from(text).map_or(Value::Absent, Value::Text)
+}
+
+/// The name of a connector, which the field itself looks at.
+fn plug(key: &str, name: &str) -> Result<Value, MachineFileError> {
+    let value = text(name);
+    let mut plug = corehbot::settings::EndstopPlug::NONE;
+    if plug.set(&value) {
+        return Ok(value);
+    }
+    Err(MachineFileError::Connector { key: key.to_owned(), value: name.to_owned() })
+}
+
+fn thermistor(key: &str, toml: &Toml) -> Result<Thermistor, MachineFileError> {
+    let named = Thermistor::NAMED;
+    match toml {
+        Toml::String(word) => {
+            let found = named.into_iter().find(|(_, name)| name == word).map(|(kind, _)| kind);
+            found.ok_or_else(|| MachineFileError::Thermistor(key.to_owned()))
+        }
+        Toml::Table(table) if table.len() == 2 => {
+            let number = |name: &str, legal: Legal| {
+                let value = table.get(name).ok_or_else(|| MachineFileError::Thermistor(key.to_owned()))?;
+                number(&format!("{key}.{name}"), value, Kind::Whole, legal)
+            };
+            let ohms = number("ohms", ranges::OHMS.spec().legal)? as u32;
+            Ok(Thermistor::Beta { ohms, beta: number("beta", ranges::BETA.spec().legal)? as u16 })
+        }
+        _ => Err(MachineFileError::Thermistor(key.to_owned())),
+    }
+}
+
+/// x, y, z and perhaps e.
+fn motor_row(key: &str, items: &[Toml]) -> Result<Row, MachineFileError> {
+    let listed = items.iter().map(|item| float(key, item)).collect::<Result<Vec<_>, _>>()?;
+    let mut row = [0; 4];
+    let is_of_numbers = row.iter_mut().zip(&listed).all(|(slot, times)| {
+        let legal = (-MOST_MULTIPLE..=MOST_MULTIPLE).find(|legal| f64::from(*legal) == *times);
+        *slot = legal.unwrap_or_default();
+        legal.is_some()
+    });
+    let multiple = multiple(row);
+    let is_whole = row.iter().zip(direction(row)).all(|(times, direction)| *times == multiple * direction);
+    if is_of_numbers && is_whole && matches!(listed.len(), 3 | 4) {
+        Ok(row)
+    } else {
+        Err(MachineFileError::Row { key: key.to_owned(), row: listed })
+    }
+}
+
+/// Full steps a turn: from tin-can motors of 18 degrees to motors of 0.45 degrees.
+pub(crate) const FULL_STEPS: Range<u16> = Range { least: 20, most: 800 };
+
+/// A value as a machine file has it; `None` if it is left out.
+pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
+    Some(match (value, kind) {
+        (Value::Absent, _) => return None,
+        (Value::Number(0), Kind::Auto(_)) => "auto".into(),
+        (Value::Number(bits), Kind::Fixed(fraction) | Kind::Auto(fraction)) => float_toml(shortest(*bits, fraction)),
+        (Value::Number(number), Kind::Switch) => (*number != 0).into(),
+        (Value::Number(number), Kind::Choice(name)) => name(usize::try_from(*number).ok()?)?.into(),
+        (Value::Number(_), Kind::Thermistor) => {
+            let mut thermistor = Thermistor::Pt1000;
+            thermistor.set(value).then_some(())?;
+            let name = Thermistor::NAMED.into_iter().find(|(kind, _)| *kind == thermistor);
+            match (name, thermistor) {
+                (None, Thermistor::Beta { ohms, beta }) => {
+                    let numbers = [("ohms", i64::from(ohms)), ("beta", beta.into())];
+                    Toml::Table(numbers.map(|(key, number)| (key.to_owned(), number.into())).into_iter().collect())
+                }
+                (name, _) => name?.1.into(),
+            }
+        }
+        (Value::Number(_), Kind::MotorRow) => {
+            let mut row = Row::default();
+            row.set(value).then_some(())?;
+            Toml::Array(row.map(|times| i64::from(times).into()).to_vec())
+        }
+        (Value::Number(number), Kind::Whole | Kind::Name | Kind::Plug) => (*number).into(),
+        (Value::Text(text), _) => text.as_str().into(),
+    })
+}
+
+/// A number of TOML, a whole one if it is.
+pub(crate) fn float_toml(number: f64) -> Toml {
+    if number.fract() == 0.0 { Toml::Integer(number as i64) } else { Toml::Float(number) }
+}
