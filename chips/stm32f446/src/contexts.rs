@@ -203,8 +203,9 @@ pub fn couple_step_pins(steps: &mut Steps, dirs: &mut &'static mut Dirs) {
 /// Software has a move to turn into steps, or room for steps.
 #[interrupt]
 fn CAN2_SCE() {
-    GENERATOR.with(|generator| generator.run(&IrqPend));
-    wake_console();
+    if GENERATOR.with(|generator| generator.run(&IrqPend)) {
+        wake_console();
+    }
 }
 
 /// A control period begins.

@@ -175,9 +175,14 @@ impl<'m> StepGenerator<'m> {
 
     /// Makes step events until they reach far enough ahead, no work is left, or a bounded amount of work is done. In
     /// the last case it pends itself. Call it whenever either queue may have changed.
-    pub fn run(&mut self, pend: &impl Pend) {
+    ///
+    /// Returns whether the Console may have waited for this call. That is so if an entry of the MoveQueue was taken or
+    /// is done, or if no event was made, as at the end of the motion. Most calls in a long move only make more events.
+    pub fn run(&mut self, pend: &impl Pend) -> bool {
         self.status.heat().beat_of_generator();
         self.scrub();
+        let before = (self.moves.len(), self.status.entries_done());
+        let made = self.events.made();
         let is_more_to_do = self.make_events();
         // A Stepper that rests after the last event needs a call when there are more.
         let rested = self.status.rested_at();
@@ -190,6 +195,7 @@ impl<'m> StepGenerator<'m> {
         if is_more_to_do {
             pend.pend_generator();
         }
+        self.events.made() == made || (self.moves.len(), self.status.entries_done()) != before
     }
 
     /// Checks the taps of an axis, which no other context can see, in one of [`SCRUB`] calls: all axes in turn.
@@ -398,7 +404,7 @@ mod tests {
             let (mut spans, status) = (SpanMemory::new(), Status::new());
             let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
             let call_for_each_axis = |generator: &mut StepGenerator<'_>| {
-                (0..AXES * usize::from(SCRUB)).for_each(|_| generator.run(&NullPend));
+                (0..AXES * usize::from(SCRUB)).for_each(|_| _ = generator.run(&NullPend));
                 status.fault().fault().map(|fault| fault.cause)
             };
             assert_eq!(call_for_each_axis(&mut generator), None);
@@ -410,6 +416,38 @@ mod tests {
                 };
             }
             assert_eq!(call_for_each_axis(&mut generator), Some(Cause::SettingsDamaged), "axis {axis}, bit {bit}");
+        }
+    }
+
+    #[test]
+    fn the_console_is_told_what_it_may_wait_for_and_not_of_every_call() {
+        let groupings = Groupings::new(&Settings::prototype().mechanism);
+        let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+        let ((mut moves_in, moves_out), (steps_in, mut steps_out)) = (move_queue.split(), step_queue.split());
+        let (mut spans, status) = (SpanMemory::new(), Status::new());
+        let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
+        let mut passed = 0u64;
+        // One life after another: each begins with an entry that is taken, and ends with one that is done, and rest.
+        for _ in 0..3 {
+            assert!(generator.run(&NullPend), "at rest there is nothing else to tell");
+            let work = Work::Dwell(SubTicks::of_ticks(100 * u64::from(LONGEST_INTERVAL)));
+            assert!(moves_in.enqueue(Entry { epoch: 0, work }).is_ok());
+            let (mut is_done, mut told, mut calls) = (false, 0, 0);
+            while !is_done {
+                let before = (moves_in.len(), status.entries_done());
+                let is_told = generator.run(&NullPend);
+                let has_moved = (moves_in.len(), status.entries_done()) != before;
+                assert!(is_told || !has_moved, "an entry was taken or is done");
+                (told, calls) = (told + u32::from(is_told), calls + 1);
+                if let Some(event) = steps_out.dequeue() {
+                    passed += u64::from(event.interval);
+                    status.event_played(passed as u32);
+                } else {
+                    is_done = moves_in.len() == 0 && !has_moved;
+                }
+            }
+            assert!(calls > 10 && 2 * told < calls + 6, "told {told} times in {calls} calls");
+            assert!(generator.run(&NullPend));
         }
     }
 

@@ -97,8 +97,9 @@ pub extern "C" fn on_step_timer() {
 
 /// Interrupt of software: there is a move to turn into steps, or room for steps.
 pub extern "C" fn on_generator() {
-    GENERATOR.with(|generator| generator.run(&BoardPend));
-    wake_console();
+    if GENERATOR.with(|generator| generator.run(&BoardPend)) {
+        wake_console();
+    }
 }
 
 /// Interrupt of software: a control period of the heaters has passed.
