@@ -20,10 +20,10 @@ use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
 use crate::machine::commands::states::States;
 use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
-use crate::machine::interrupt::{Interrupt, JobEnd, Restart};
+use crate::machine::interrupt::{Interrupt, Restart};
 use crate::machine::main_loop::MainLoop;
 pub use crate::machine::ports::{PortSet, Ports};
-use crate::machine::state::job::Answered;
+use crate::machine::state::job::{Answered, JobEnd};
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Action;
@@ -197,7 +197,10 @@ async fn take_up<'a, P: PortSet, W: Pend>(
         Ok(Some(true)) => carry_out(main_loop, states, &gcode::parse(text)).await?,
         Ok(Some(false)) => Answer::Nothing,
         Ok(None) => Answer::Kept,
-        Err(Interrupt::EndJob(why)) => end_job(main_loop, &mut states.modal, why).await?,
+        Err(Interrupt::EndJob) => {
+            let why = main_loop.job().why_it_ends();
+            end_job(main_loop, &mut states.modal, why).await?
+        }
         Err(interrupt) => return Err(interrupt),
     };
     if let Answer::Kept = answer {

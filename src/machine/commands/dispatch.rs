@@ -49,7 +49,10 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     match done {
         // Why, `power` has told.
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
-        Err(Interrupt::EndJob(why)) => end_job(main_loop, &mut states.modal, why).await,
+        Err(Interrupt::EndJob) => {
+            let why = main_loop.job().why_it_ends();
+            end_job(main_loop, &mut states.modal, why).await
+        }
         Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
         Err(interrupt) => Err(interrupt),
     }

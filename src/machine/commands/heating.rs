@@ -6,10 +6,11 @@
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::interrupt::{Interrupt, JobEnd};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
+use crate::machine::state::job::JobEnd;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::waiting::Waiting;
 use crate::port::Pend;
@@ -254,7 +255,8 @@ async fn await_heat<P: PortSet, W: Pend>(
         match rising.follow(are_cold, measured, now) {
             Some(Stuck::End(heater)) => {
                 let [at, target] = [measured, targets].map(|degrees| degrees[heater as usize].to_num::<i32>());
-                return Err(Interrupt::EndJob(JobEnd::Unreachable { heater, at, target }));
+                main_loop.job_mut().note_end(JobEnd::Unreachable { heater, at, target });
+                return Err(Interrupt::EndJob);
             }
             Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
             None => {}

@@ -3,9 +3,10 @@
 use super::pause::announce;
 use crate::gcode::{Command, Number};
 use crate::machine::answers::answer::Answer;
-use crate::machine::interrupt::{Interrupt, JobEnd};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::state::job::JobEnd;
 use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::protocol::Action;

@@ -17,6 +17,7 @@
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
 use crate::units::{Celsius, Instant, Mm};
+use core::fmt;
 
 /// Where the job stands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -47,6 +48,33 @@ pub(in crate::machine) enum Answered {
     Resume,
 }
 
+/// Why a job ends although the machine stays as it is: nothing is broken that a reset would mend.
+///
+/// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, however deep it stands. The dispatch
+/// then does what it takes, in one place (`commands::job`): hosts are told to cancel, in no words that make them hang up, heaters go off,
+/// the state of the program is that of a new one, and the old stream moves and heats nothing any more.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum JobEnd {
+    /// The user wished it (M524).
+    Cancelled,
+    /// A heater stopped rising below its target; in whole degrees Celsius.
+    Unreachable { heater: Heater, at: i32, target: i32 },
+}
+
+impl fmt::Display for JobEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cancelled => f.write_str("print cancelled, heaters are off"),
+            Self::Unreachable { heater, at, target } => write!(
+                f,
+                "print ended, heaters are off: {} stays at {at} C and does not get to {target} C. \
+                 Choose a lower target, or look at its heater, its supply and what cools it",
+                heater.name()
+            ),
+        }
+    }
+}
+
 /// What a pause keeps of the print.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Break {
@@ -72,6 +100,8 @@ pub(in crate::machine) struct Job {
     kept: Option<Kept>,
     answered: Option<Answered>,
     is_cancelled: bool,
+    /// Why the present command has the job end.
+    end: JobEnd,
 }
 
 impl Job {
@@ -86,7 +116,18 @@ impl Job {
             kept: None,
             answered: None,
             is_cancelled: false,
+            end: JobEnd::Cancelled,
         }
+    }
+
+    /// The present command has the job end for that reason, and returns `Interrupt::EndJob`.
+    pub const fn note_end(&mut self, why: JobEnd) {
+        self.end = why;
+    }
+
+    /// Why it does.
+    pub const fn why_it_ends(&self) -> JobEnd {
+        self.end
     }
 
     /// A print begins, of that host.

@@ -35,7 +35,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             // A second quick stop changes nothing; a halt does.
             match self.poll().await {
                 Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),
-                Err(Interrupt::QuickStop | Interrupt::NoPower | Interrupt::EndJob(_)) | Ok(()) => {}
+                Err(Interrupt::QuickStop | Interrupt::NoPower | Interrupt::EndJob) | Ok(()) => {}
             }
             halted?;
         }
