@@ -156,6 +156,19 @@ impl Geometry {
         Self { length, size, unit, direction, extrusion }
     }
 
+    /// Takes over another one. Written out: copied as a whole, it would be a call that takes twice as long.
+    #[inline(always)]
+    pub const fn copy_from(&mut self, other: &Self) {
+        let Self { length, size, unit: [x, y, z], direction: [a, b, c], extrusion } = *other;
+        *self = Self { length, size, unit: [x, y, z], direction: [a, b, c], extrusion };
+    }
+
+    /// The path of the tool, in raw `Mm` bits.
+    #[inline(always)]
+    pub const fn path(&self) -> u64 {
+        if self.is_extruder_only() { 0 } else { self.length }
+    }
+
     /// Whether the tool stands still and only filament moves.
     pub const fn is_extruder_only(&self) -> bool {
         // Not a comparison of arrays, which is a call.

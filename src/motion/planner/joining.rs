@@ -140,10 +140,8 @@ pub(in crate::motion) struct OpenLine {
     longest: f32,
     /// What its points leave to it along the two other axes, and of filament.
     slopes: [Slopes; 3],
-    /// Whether it is more than one chord.
+    /// Whether it is more than one chord. If not, its way is [`Planner::vector`].
     is_joined: bool,
-    /// Its first chord.
-    first: Geometry,
 }
 
 /// A way in mm, as slopes are made of it.
@@ -166,7 +164,6 @@ impl OpenLine {
         longest: 0.0,
         slopes: [Slopes::ALL; 3],
         is_joined: false,
-        first: Geometry::NONE,
     };
 
     /// Whether a line is held outside of the window.
@@ -213,9 +210,12 @@ impl OpenLine {
             return false;
         }
         let [.., from] = asked;
-        (self.begin, self.asked, self.feed, self.has_overrides) = (begin, asked, target.speed, target.has_overrides);
+        // Coordinate by coordinate: firmware is made for size, which copies arrays by a call.
+        let ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]) = (begin, asked);
+        (self.begin, self.asked) = ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]);
+        (self.feed, self.has_overrides) = (target.speed, target.has_overrides);
         (self.filament, self.main, self.longest) = (filament_way(target, from), main, longest);
-        (self.slopes, self.is_joined, self.first) = ([Slopes::ALL; 3], false, *first);
+        (self.slopes, self.is_joined) = ([Slopes::ALL, Slopes::ALL, Slopes::ALL], false);
         let Some(way) = self.way_to(target.position) else { return false };
         self.note(&way, target.position, filament_step);
         self.state = State::Open;
@@ -320,12 +320,14 @@ impl Planner<'_> {
         }
         self.close_line(settings);
         let (begin, asked) = (self.end, self.asked);
-        let Some(vector) = self.go_to(target.position) else { return false };
-        self.moves = self.moves.wrapping_add(1);
-        let is_line = target.watch.is_empty() && !vector.is_extruder_only();
-        if !is_line || !self.line.start(target, &vector, (begin, asked), filament_step, settings) {
+        if !self.go_to(target.position) {
+            return false;
+        }
+        self.count_move();
+        let is_line = target.watch.is_empty() && !self.vector.is_extruder_only();
+        if !is_line || !self.line.start(target, &self.vector, (begin, asked), filament_step, settings) {
             while !self.prepare() {}
-            self.place(target, begin, &vector, max_ramps(&vector, settings), settings);
+            self.place(target, begin, max_ramps(&self.vector, settings), settings);
         }
         true
     }
@@ -361,15 +363,16 @@ impl Planner<'_> {
     #[inline(never)]
     fn place_line(&mut self, settings: &Settings) {
         while !self.prepare() {}
-        let OpenLine { begin, feed, has_overrides, is_joined, first, .. } = self.line;
+        let OpenLine { begin, feed, has_overrides, is_joined, .. } = self.line;
         let target = Target { position: self.asked, speed: feed, has_overrides, watch: EndstopSet::NONE };
-        if is_joined {
-            let vector = self.geometry_between(begin, self.end);
+        let max_ramp_length = if is_joined {
+            self.vector = self.geometry_between(begin, self.end);
             // A chain of chords may brake where it has just accelerated, so the line may.
-            self.place(&target, begin, &vector, vector.length, settings);
+            self.vector.length
         } else {
-            self.place(&target, begin, &first, max_ramps(&first, settings), settings);
-        }
+            max_ramps(&self.vector, settings)
+        };
+        self.place(&target, begin, max_ramp_length, settings);
     }
 
     /// The open line is continued to `position`.
@@ -379,7 +382,7 @@ impl Planner<'_> {
         let ([px, py, pz, pe], [at_x, at_y, at_z, at_e]) = (&self.step_scale, self.end);
         self.end =
             [px.end(x, asked_x, at_x), py.end(y, asked_y, at_y), pz.end(z, asked_z, at_z), pe.end(e, asked_e, at_e)];
-        self.asked = position;
+        self.asked = [x, y, z, e];
     }
 
     /// The filament of a step, in mm.

@@ -96,6 +96,8 @@ pub struct Planner<'m> {
     pub(in crate::motion) end: [Steps; 4],
     /// The last target: an axis that is asked for the same again stays where it is.
     pub(in crate::motion) asked: [Mm; 4],
+    /// The way of the move that is planned; while a line is open, its first chord. It is made here, for a copy takes as long as many a sum.
+    vector: Geometry,
     /// The last move, for the corner to the next.
     last: Geometry,
     /// The limit of its exit speed squared.
@@ -113,6 +115,8 @@ pub struct Planner<'m> {
     /// Filament where the last move ends that has left.
     pub(in crate::motion) released_filament: Steps,
     moves: u32,
+    /// Moves that wait: those of the window, and the open line. Each turn of the Console asks for it.
+    count: usize,
     /// Path of the tool, raw `Mm` bits.
     path: u64,
 }
@@ -127,7 +131,8 @@ impl<'m> Planner<'m> {
             belts: Belts::new(&Groups::new(&settings.mechanism)),
             end: [Steps::ZERO; 4],
             asked: position,
-            last: Geometry::new([0; 4]),
+            vector: Geometry::NONE,
+            last: Geometry::NONE,
             last_exit_limit_sq: SpeedSq::ZERO,
             path_curvature: PathCurvature::default(),
             line: OpenLine::NONE,
@@ -136,6 +141,7 @@ impl<'m> Planner<'m> {
             wanted: Override::NONE,
             released_filament: Steps::ZERO,
             moves: 0,
+            count: 0,
             path: 0,
         };
         planner.end = planner.steps(position);
@@ -200,12 +206,13 @@ impl<'m> Planner<'m> {
     pub fn stand_at(&mut self, position: [Steps; 4]) {
         if self.line.is_open() {
             // It was planned, and the path that is not made will be taken back.
-            self.count_path(&self.geometry_between(self.line.begin(), self.end));
+            self.path = self.path.wrapping_add(self.geometry_between(self.line.begin(), self.end).path());
         }
         self.line.forget();
         self.window.clear();
+        self.count = 0;
         // Whatever way it came is of no account.
-        self.last = Geometry::new([0; 4]);
+        self.last = Geometry::NONE;
         self.pressure.rest();
         self.waiting = 0;
         self.end = position;
@@ -225,34 +232,39 @@ impl<'m> Planner<'m> {
         self.close_line(settings);
         while !self.prepare() {}
         let begin = self.end;
-        let Some(vector) = self.go_to(target.position) else {
+        if !self.go_to(target.position) {
             return false;
-        };
-        self.moves = self.moves.wrapping_add(1);
-        self.place(target, begin, &vector, max_ramps(&vector, settings), settings);
+        }
+        self.count_move();
+        self.place(target, begin, max_ramps(&self.vector, settings), settings);
         true
     }
 
-    /// Goes to `position`, which is the end of the last move then; `None` if that is too short to be a move.
+    /// There is another move, be it in the window or the open line.
     #[inline(always)]
-    fn go_to(&mut self, position: [Mm; 4]) -> Option<Geometry> {
-        let path = self.path_to(position);
-        self.asked = position;
-        let (end, vector) = path?;
-        self.end = end;
-        Some(vector)
+    const fn count_move(&mut self) {
+        self.moves = self.moves.wrapping_add(1);
+        self.count += 1;
     }
 
-    /// Gives the move from `begin` to the end of the last move its place in the window, with so much of its length for ramps.
+    /// Goes to `position`, which is the end of the last move then, and finds its way; false if that is too short to be a move.
+    #[inline(always)]
+    fn go_to(&mut self, position: [Mm; 4]) -> bool {
+        let path = self.path_to(position);
+        // Written out, for copies of arrays are calls.
+        let [x, y, z, e] = position;
+        self.asked = [x, y, z, e];
+        let Some(([x, y, z, e], vector)) = path else { return false };
+        self.end = [x, y, z, e];
+        self.vector = vector;
+        true
+    }
+
+    /// Gives the move from `begin` to the end of the last move, of which the way is known, its place in the window, with so much of its
+    /// length for ramps.
     #[inline(never)]
-    fn place(
-        &mut self,
-        target: &Target,
-        begin: [Steps; 4],
-        vector: &Geometry,
-        max_ramp_length: u64,
-        settings: &Settings,
-    ) {
+    fn place(&mut self, target: &Target, begin: [Steps; 4], max_ramp_length: u64, settings: &Settings) {
+        let vector = &self.vector;
         let is_extruder_only = vector.is_extruder_only();
         let (least, most) = purpose(vector, settings);
         let feed = target.speed.max(least);
@@ -272,42 +284,41 @@ impl<'m> Planner<'m> {
             AccelLimits { acceleration: wanted_accel, max_speed: most.speed, limits: &limits, belts: &self.belts };
         let junction_sq =
             junction_speed_sq(&self.last, vector, &mut self.path_curvature, jump, &accel_limits, settings);
-        let mut planned = Planned {
+        let (has_overrides, [x, y, z, e]) = (target.has_overrides, self.end);
+        let cumulative_gain_sq = self.window.total_gain_sq();
+        let Some(planned) = self.window.next_place() else { return };
+        *planned = Planned {
             spec: MoveSpec {
                 length: vector.length,
                 max_ramp_length,
                 acceleration: MmPerSec2::from_bits((most.acceleration * 256.0) as u32).max(MmPerSec2::DELTA),
                 nominal: feed,
-                end: self.end,
+                end: [x, y, z, e],
                 watch: target.watch,
             },
-            feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
+            feed: if has_overrides { feed } else { MmPerSec::ZERO },
             max_speed: MmPerSec::from_bits((most.speed * 65536.0) as u32),
             junction_sq,
             max_entry_sq: SpeedSq::ZERO,
-            cumulative_gain_sq: self.window.total_gain_sq(),
+            cumulative_gain_sq,
             frozen_exit_sq: NOT_FROZEN,
             nominal_ticks: 0,
             advance,
         };
-        planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
-        if planned.nominal_ticks >= LONG_TICKS {
-            planned.spec.length = self.exact_length(begin, vector.length);
-        }
-        self.waiting += u64::from(planned.nominal_ticks);
+        planned.set_nominal(if has_overrides { self.wanted.of(feed) } else { feed });
+        let nominal_ticks = planned.nominal_ticks;
         planned.limit_entry(self.last_exit_limit_sq);
         self.last_exit_limit_sq = planned.exit_limit_sq();
-        self.last = *vector;
-        self.window.push(planned);
-        self.count_path(vector);
-    }
-
-    /// Counts the path of a move.
-    #[inline(always)]
-    const fn count_path(&mut self, vector: &Geometry) {
-        if !vector.is_extruder_only() {
-            self.path = self.path.wrapping_add(vector.length);
+        self.waiting += u64::from(nominal_ticks);
+        if nominal_ticks >= LONG_TICKS {
+            let length = self.exact_length(begin, self.vector.length);
+            if let Some(planned) = self.window.next_place() {
+                planned.spec.length = length;
+            }
         }
+        self.window.push_next();
+        self.last.copy_from(&self.vector);
+        self.path = self.path.wrapping_add(self.vector.path());
     }
 
     /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
@@ -331,10 +342,7 @@ impl<'m> Planner<'m> {
 
     /// The last move ended early, at `position`: takes back the path that was not made.
     pub fn fall_short(&mut self, position: [Steps; 4]) {
-        let way = self.geometry_between(self.end, position);
-        if !way.is_extruder_only() {
-            self.path = self.path.wrapping_sub(way.length);
-        }
+        self.path = self.path.wrapping_sub(self.geometry_between(self.end, position).path());
     }
 
     /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
@@ -375,8 +383,8 @@ impl<'m> Planner<'m> {
     /// Whether another move can be planned.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        let len = self.window.len();
-        len < LOOKAHEAD_MOVES - 1 || len < LOOKAHEAD_MOVES && !self.line.is_open()
+        // The open line has a place to come.
+        self.len() < LOOKAHEAD_MOVES
     }
 
     /// Moves that can be pushed.
@@ -398,18 +406,19 @@ impl<'m> Planner<'m> {
         self.window.is_planned() && !self.window.has_ready()
     }
 
-    /// Whether no move waits. Each turn of the Console asks for it several times.
+    /// Whether no move waits.
     #[inline(always)]
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.window.len() == 0 && !self.line.is_open()
+        self.len() == 0
     }
 
     /// Moves that wait; the open line, which has its place to come, is one.
     #[inline(always)]
     #[must_use]
     pub fn len(&self) -> usize {
-        self.window.len() + usize::from(self.line.is_open())
+        debug_assert_eq!(self.count, self.window.len() + usize::from(self.line.is_open()));
+        self.count
     }
 
     /// Nominal time of the moves that have their place, in ticks: what they would take without ramps.
@@ -459,6 +468,7 @@ impl<'m> Planner<'m> {
             return None;
         }
         let (released, ticks) = self.window.pop(self.released_filament)?;
+        self.count = self.count.saturating_sub(1);
         self.waiting = self.waiting.saturating_sub(u64::from(ticks));
         self.released_filament = released.end[3];
         Some(released)

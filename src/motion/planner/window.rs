@@ -126,16 +126,22 @@ impl<'m> Window<'m> {
         self.total_gain_sq
     }
 
-    /// Adds a move, whose G is that [at the end of the last one](Self::total_gain_sq); the caller has made room.
+    /// Where the move is to stand that is [added](Self::push_next) next; the caller has made room. It is made there: a copy of one is
+    /// no small part of what planning takes.
     #[inline(always)]
-    pub fn push(&mut self, planned: Planned) {
+    pub fn next_place(&mut self) -> Option<&mut Planned> {
         debug_assert!(!self.is_full(), "the caller has made room");
         let slot = self.slot(self.len);
+        self.moves.get_mut(slot)
+    }
+
+    /// Adds the move in the [next place](Self::next_place), whose G is that [at the end of the last one](Self::total_gain_sq).
+    #[inline(always)]
+    pub fn push_next(&mut self) {
+        let slot = self.slot(self.len);
+        let Some(planned) = self.moves.get(slot) else { return };
         self.total_gain_sq = self.total_gain_sq.wrapping_add(planned.gain_sq());
         let bound_sq = planned.bound_sq();
-        if let Some(kept) = self.moves.get_mut(slot) {
-            *kept = planned;
-        }
         self.add_minimum(slot, bound_sq);
         self.len += 1;
         (self.passes.counted.is_done, self.is_stuck) = (false, false);
