@@ -46,6 +46,8 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     heaters: [HeaterLoop; HEATERS],
     fans: [Fan; FANS],
     fan_turns: [FanTurns; FANS],
+    /// Which fans cool what is printed, and the hotend's block with it: found once, and summed up with the settings.
+    parts: [bool; FANS],
     /// The duty of the strongest part fan in the last period, of 65,535.
     part_fan: u16,
     common: Common,
@@ -76,6 +78,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             heaters: Heater::ALL.map(|heater| HeaterLoop::new(heater, *settings.heater(heater))),
             fans: settings.fans.map(Fan::new),
             fan_turns: [FanTurns::new(); FANS],
+            parts: part_fans(settings.fans.map(|fan| fan.role)),
             part_fan: 0,
             common: Common::of(settings),
             reference: Reference::new(),
@@ -155,6 +158,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             }
         }
         if has_new_settings {
+            self.parts = part_fans(self.fans.each_ref().map(|fan| fan.settings().role));
             self.settings_sum = self.sum();
         }
     }
@@ -220,14 +224,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// The fans that cool the print, and with it the hotend's block.
-    fn part_fans(&self) -> [bool; FANS] {
-        part_fans(self.fans.each_ref().map(|fan| fan.settings().role))
-    }
-
     /// Whether the board drives one of them.
     fn has_part_fan(&self) -> bool {
-        self.part_fans().iter().take(self.port.fans()).any(|is_part| *is_part)
+        self.parts.iter().take(self.port.fans()).any(|is_part| *is_part)
     }
 
     fn stop_tuning(&mut self) {
@@ -267,6 +266,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             heaters.map(HeaterLoop::settings),
             heaters.map(HeaterLoop::derived),
             self.fans.each_ref().map(Fan::settings),
+            self.parts,
             self.common,
         ))
     }
@@ -418,10 +418,10 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         };
         // A tuning controls the part fan itself.
         let tuned = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
-        let (mut standing, parts) = (None, self.part_fans());
+        let mut standing = None;
         self.part_fan = 0;
         let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: self.is_stuck };
-        for (place, (fan, is_part)) in self.fans.iter_mut().zip(parts).enumerate().take(self.port.fans()) {
+        for (place, (fan, is_part)) in self.fans.iter_mut().zip(self.parts).enumerate().take(self.port.fans()) {
             let forced = tuned.filter(|_| is_part);
             let duty = forced.map_or_else(|| fan.period(needs), |is_on| if is_on { u16::MAX } else { 0 });
             if is_part {

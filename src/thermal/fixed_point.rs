@@ -48,6 +48,9 @@ pub fn quotient(dividend: u64, divisor: u32) -> u32 {
     if upper >= divisor {
         return u32::MAX;
     }
+    if upper == 0 {
+        return lower / divisor;
+    }
     // With its highest bit set, the divisor's upper half alone gives a digit to within two.
     let shift = divisor.leading_zeros();
     let divisor = divisor << shift;
