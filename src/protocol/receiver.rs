@@ -138,9 +138,14 @@ impl Receiver {
         Some(self.incoming(verdict))
     }
 
-    /// The prompt for a host that has been silent for `patience_ms` or more during `activity`. Call it when there is no
-    /// [`next_line`](Self::next_line) and every line has its reply.
-    pub fn break_silence(&mut self, now: Instant, patience_ms: u32, activity: Activity) -> Option<Incoming<'_>> {
+    /// The prompt for a host that has been silent for `patience_ms` or more during `activity`, which is asked for only
+    /// where it matters. Call it when there is no [`next_line`](Self::next_line) and every line has its reply.
+    pub fn break_silence(
+        &mut self,
+        now: Instant,
+        patience_ms: u32,
+        activity: impl FnOnce() -> Activity,
+    ) -> Option<Incoming<'_>> {
         let is_begun = !self.is_frame_done && !self.frame.is_empty();
         if is_begun {
             let is_cut = self.frame.is_numbered() || self.numbering.is_stream();
@@ -155,7 +160,7 @@ impl Receiver {
             return None;
         }
         let (last, is_bad) = (self.numbering.last(), self.numbering.is_bad());
-        let prompt = activity.prompt(is_bad, self.numbering.waits_for_ever())?;
+        let prompt = activity().prompt(is_bad, self.numbering.waits_for_ever())?;
         match self.silence.is_over(last, patience_ms, now) {
             Some(is_time) => is_time.then_some(match prompt {
                 Prompt::Question if self.silence.may_ask() => Incoming::Question { last },

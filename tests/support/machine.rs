@@ -43,7 +43,8 @@ impl Machine {
         let now = Instant(0).after_ms(self.ms);
         let mut incoming = self.receiver.next_line(now);
         if incoming.is_none() {
-            incoming = self.receiver.break_silence(now, PATIENCE_MS, self.activity);
+            let activity = self.activity;
+            incoming = self.receiver.break_silence(now, PATIENCE_MS, || activity);
         }
         match incoming {
             None => return false,

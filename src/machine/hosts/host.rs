@@ -105,7 +105,7 @@ impl<S: Serial> Host<S> {
     pub(super) fn next_line(
         &mut self,
         now: Instant,
-        (patience_ms, activity): (u32, Activity),
+        (patience_ms, activity): (u32, &dyn Fn() -> Activity),
         text: &mut Text,
     ) -> Option<Asked> {
         if !self.replies.pending().is_empty() {

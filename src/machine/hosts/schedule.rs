@@ -49,6 +49,12 @@ impl Schedule {
         }
     }
 
+    /// Whether nothing is told.
+    pub const fn is_empty(&self) -> bool {
+        let [(position, _), (temperatures, _)] = self.reports;
+        position | temperatures == 0
+    }
+
     /// From `now` on every `period_s`.
     pub fn set(&mut self, report: Report, period_s: u8, now: Instant) {
         *self.of(report) = (period_s, now.after_ms(u32::from(period_s) * 1000));

@@ -75,13 +75,15 @@ impl<S: Serial> Hosts<S> {
     pub(in crate::machine) fn next_line(
         &mut self,
         now: Instant,
-        patience: (u32, Activity),
+        patience: (u32, &dyn Fn() -> Activity),
         text: &mut Text,
     ) -> Option<Asked> {
-        let count = self.hosts.len();
-        let aside = self.aside;
-        let places = (1..=count).map(|step| (self.serving + step) % count);
-        for place in places.filter(|place| Some(*place) != aside) {
+        let (count, mut place) = (self.hosts.len(), self.serving);
+        for _ in 0..count {
+            place = if place + 1 < count { place + 1 } else { 0 };
+            if self.aside == Some(place) {
+                continue;
+            }
             let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
                 continue;
             };
@@ -170,8 +172,10 @@ impl<S: Serial> Hosts<S> {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
             host.receive(&mut all);
-            self.is_gone |= host.has_opened && self.owes_ok && place == self.serving;
-            self.aside = self.aside.filter(|aside| !(host.has_opened && place == *aside));
+            if host.has_opened {
+                self.is_gone |= self.owes_ok && place == self.serving;
+                self.aside = self.aside.filter(|aside| place != *aside);
+            }
         }
         if all.quick_stop {
             for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
@@ -232,6 +236,11 @@ impl<S: Serial> Hosts<S> {
     /// Has all of them greeted.
     pub(in crate::machine) fn count_as_new(&mut self) {
         self.hosts.iter_mut().for_each(|host| host.is_new = true);
+    }
+
+    /// Whether any host is told anything by itself.
+    pub(in crate::machine) fn have_schedules(&self) -> bool {
+        self.hosts.iter().any(|host| !host.schedule.is_empty())
     }
 
     /// Whether a report is due for a host that has heard everything else.

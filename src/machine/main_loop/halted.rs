@@ -91,7 +91,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.poll_halted(&mut are_new).await;
             let now = self.ports.clock.now();
             while !self.is_to_restart
-                && let Some(asked) = self.hosts.next_line(now, (0, Activity::Paused), &mut text)
+                && let Some(asked) = self.hosts.next_line(now, (0, &|| Activity::Paused), &mut text)
             {
                 let is_new = are_new.get_mut(self.hosts.serving());
                 let knows = is_new.is_some_and(|is_new| {

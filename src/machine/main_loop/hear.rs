@@ -5,7 +5,8 @@ use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
-use crate::machine::state::job::{Answered, Kept};
+use crate::machine::release::policy::ReleasePolicy;
+use crate::machine::state::job::{Answered, Job, Kept};
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, DriverBus, MotorSet, Pend};
 use crate::protocol::Activity;
@@ -14,14 +15,15 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// No motor has power, and hosts are listened to from now on.
     pub fn begin(&mut self) {
         self.ports.drivers.enable(MotorSet::NONE);
-        self.hosts.open(self.ports.clock.now());
+        self.turn_began = self.ports.clock.now();
+        self.hosts.open(self.turn_began);
     }
 
     /// What a host asks for next; a command's text is put into `text`.
     pub fn next_line(&mut self, text: &mut Text) -> Option<Asked> {
-        let now = self.ports.clock.now();
-        let patience = (u32::from(self.settings.patience_ms), self.activity());
-        let asked = self.hosts.next_line(now, patience, text);
+        let Self { hosts, planner, link, policy, job, .. } = self;
+        let activity = || activity(!planner.is_empty() || !link.is_idle(), policy, job);
+        let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), text);
         self.link.status().set_awaiting_input(asked.is_none() && self.job.kept().is_none());
         asked
     }
@@ -70,7 +72,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             // Its host has opened the line anew.
             let _ = self.job.take_kept();
         }
-        self.job.take_answer(self.ports.clock.now())
+        self.job.take_answer(self.turn_began)
     }
 
     /// Its host is being served again; no line is kept any more.
@@ -83,19 +85,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Whether the host being served waits for the answer to a line.
     pub const fn owes_ok(&self) -> bool {
         self.hosts.owes_ok()
-    }
-
-    /// What the machine is about while a host is silent.
-    fn activity(&self) -> Activity {
-        if self.has_motion() {
-            Activity::Moving
-        } else if !self.policy.has_waited() {
-            Activity::Resting
-        } else if self.job.is_paused() {
-            Activity::Paused
-        } else {
-            Activity::Waited
-        }
     }
 
     /// Takes in what has arrived.
@@ -113,5 +102,18 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             return Some(Interrupt::Halt);
         }
         urgent.quick_stop.then_some(Interrupt::QuickStop)
+    }
+}
+
+/// What the machine is about while a host is silent.
+const fn activity(has_motion: bool, policy: &ReleasePolicy, job: &Job) -> Activity {
+    if has_motion {
+        Activity::Moving
+    } else if !policy.has_waited() {
+        Activity::Resting
+    } else if job.is_paused() {
+        Activity::Paused
+    } else {
+        Activity::Waited
     }
 }

@@ -29,6 +29,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.follow_fans();
         self.heat_orders.note_motors(!self.drivers.powered().is_empty());
         self.watch_heaters(now);
+        self.watch_idleness(now);
         self.send_orders();
         self.follow_self_test();
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {

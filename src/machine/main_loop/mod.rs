@@ -82,6 +82,8 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     policy: ReleasePolicy,
     /// There is more to do at once: the next turn is wanted before anything happens.
     comes_again: bool,
+    /// When the present turn began. A turn takes some tens of us, and the clock is not read for each part of it.
+    turn_began: Instant,
     /// How far the present answer has been written.
     progress: Progress,
     settings: Kept<Settings>,
@@ -139,6 +141,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
             policy: ReleasePolicy::new(),
             comes_again: false,
+            turn_began: now,
             progress: Progress::default(),
             settings: Kept::new(settings),
             defaults: Kept::new(settings),
@@ -201,18 +204,18 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// returned last, when all else has had its turn: moves that M112 may still hand on are dropped by the abort that follows.
     fn go_on(&mut self) -> Result<(), Interrupt> {
         self.link.status().heat().beat_of_console();
+        let now = self.ports.clock.now();
+        self.turn_began = now;
         let emergency = self.receive();
         self.hosts.greet(Replies::start);
-        self.tend_drivers()?;
-        self.feed_motion();
-        let now = self.ports.clock.now();
+        self.tend_drivers(now)?;
+        self.feed_motion(now);
         self.scrub(now);
         self.tend_heat(now)?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
         self.link.status().set_awaiting_user(self.job.is_paused());
         self.hosts.keep_alive(now, keepalive_ms);
-        self.report_unasked();
-        self.watch_idleness();
+        self.report_unasked(now);
         self.hosts.send();
         match emergency {
             Some(interrupt) => Err(interrupt),

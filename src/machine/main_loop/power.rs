@@ -99,9 +99,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Takes power from all motors when nothing has moved for long enough.
-    pub(super) fn watch_idleness(&mut self) {
-        let now = self.ports.clock.now();
+    /// Takes power from all motors when nothing has moved for long enough. Asked for with the heaters, every 5 ms.
+    pub(super) fn watch_idleness(&mut self, now: Instant) {
         let is_waiting = self.job.is_paused() || !self.pauses.waiting().is_idle_for_motors();
         if is_waiting || self.has_motion() || self.trimming.is_measuring() {
             self.idle_timeout.note_motion(now);
@@ -130,8 +129,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 
     /// Goes on with the drivers. A fault ends the motion here and now.
-    pub(super) fn tend_drivers(&mut self) -> Result<(), Interrupt> {
-        let now = self.ports.clock.now();
+    pub(super) fn tend_drivers(&mut self, now: Instant) -> Result<(), Interrupt> {
         match self.drivers.step(&mut self.ports.drivers, now) {
             Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
             Some(News::Hot(motor)) => {

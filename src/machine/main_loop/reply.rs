@@ -24,11 +24,11 @@ use crate::machine::reports::report::{
 use crate::machine::reports::settings_report::{report_recovery, report_retraction, report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
-use crate::port::{Clock, DriverBus, Pend};
+use crate::port::{DriverBus, Pend};
 use crate::protocol::{Echo, Replies};
 use crate::settings::ranges;
 use crate::storage;
-use crate::units::Celsius;
+use crate::units::{Celsius, Instant};
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// Tells the host being served, as soon as there is room for it.
@@ -204,8 +204,10 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     }
 
     /// Tells hosts what they want to be told by itself.
-    pub(super) fn report_unasked(&mut self) {
-        let now = self.ports.clock.now();
+    pub(super) fn report_unasked(&mut self, now: Instant) {
+        if !self.hosts.have_schedules() {
+            return;
+        }
         if self.hosts.is_due(Report::Temperatures, now) {
             let temperatures = self.temperatures();
             self.hosts.report(Report::Temperatures, now, format_args!(" {temperatures}"));

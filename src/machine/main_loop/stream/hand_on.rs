@@ -4,42 +4,44 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::release::policy::{GATHERED, Release};
 use crate::motion::Work;
-use crate::port::{Clock, Pend};
+use crate::port::Pend;
+use crate::units::Instant;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Hands released moves on, and releases more when it is time.
-    pub(in crate::machine::main_loop) fn feed_motion(&mut self) {
+    pub(in crate::machine::main_loop) fn feed_motion(&mut self, now: Instant) {
         // Asked at every turn, because that counts up what was stepped.
-        self.link.left();
-        let level = (self.planner.len() + self.link.level()) as u32;
+        let left = self.link.left();
+        let queued = self.link.level();
+        let level = (self.planner.len() + queued) as u32;
         self.link.status().set_level(level);
         if self.policy.is_level_telling() {
             self.link.status().note_level(level);
         }
         if self.policy.is_gathering() {
-            if self.begin_motion() {
+            if self.begin_motion(now) {
                 self.come_again();
             }
             return;
         }
         // One move a turn, so that bytes and emergencies are looked at in between. The next turn follows at once.
-        if self.hand_on() {
+        if self.hand_on(queued, left, now) {
             self.come_again();
         }
     }
 
-    /// Hands a move on, or lets one go, if it is time.
-    fn hand_on(&mut self) -> bool {
+    /// Hands a move on, or lets one go, if it is time, given the moves that have left the look-ahead and their time.
+    fn hand_on(&mut self, queued: usize, left: u64, now: Instant) -> bool {
         if !self.link.has_room() {
             return false;
         }
-        let release = self.policy.release(self.link.level(), self.link.left());
+        let release = self.policy.release(queued, left);
         if release == Release::Nothing {
             return false;
         }
         if self.planner.is_empty() {
             if self.link.is_idle() {
-                self.policy.come_to_rest(self.ports.clock.now());
+                self.policy.come_to_rest(now);
             }
             return false;
         }
@@ -49,6 +51,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         if let Some(released) = self.planner.pop() {
             self.link.send(Work::Move(released));
+            // It may be over before idleness is looked at next.
+            self.idle_timeout.note_motion(now);
             return true;
         }
         if release == Release::Final {
@@ -65,8 +69,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 
     /// Whether motion begins now.
-    fn begin_motion(&mut self) -> bool {
-        let now = self.ports.clock.now();
+    fn begin_motion(&mut self, now: Instant) -> bool {
         // A move that is not planned cannot be final, and few moves are not worth the question.
         if !self.policy.is_worth_asking(now) || self.planner.is_empty() {
             return false;
