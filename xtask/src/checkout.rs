@@ -8,6 +8,9 @@ use std::process::Command;
 /// What the boards' processors run.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// What browsers run.
+pub const BROWSER: &str = "wasm32-unknown-unknown";
+
 /// The workspace's root.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))

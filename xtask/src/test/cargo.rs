@@ -19,6 +19,18 @@ pub fn lint() -> Result<Verdict> {
     Ok(Verdict::Passed(String::new()))
 }
 
+/// What has neither threads nor a clock, and so runs in a browser too.
+const BELOW_THE_COMMAND: [&str; 5] =
+    ["corehbot-rig", "corehbot-twin", "corehbot-machine-file", "corehbot-sim", "corehbot-report"];
+
+/// Everything below the command, for a browser.
+pub fn check_wasm() -> Result<Verdict> {
+    let mut check = cargo(["check", "--lib", "--target", checkout::BROWSER]);
+    BELOW_THE_COMMAND.iter().for_each(|package| _ = check.args(["--package", package]));
+    run(check)?;
+    Ok(Verdict::Passed(BELOW_THE_COMMAND.join(", ")))
+}
+
 /// Documentation.
 pub fn document() -> Result<Verdict> {
     let mut command = cargo(["doc", "--no-deps", "--workspace"]);

@@ -64,11 +64,17 @@ pub enum Verdict {
 }
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 16] = [
+const STEPS: [Step; 17] = [
     Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
+    Step {
+        name: "wasm",
+        lane: Host,
+        heading: "what is below the command checks for a browser",
+        run: cargo::check_wasm,
+    },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
     // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By now the other lane
     // has built QEMU's image.

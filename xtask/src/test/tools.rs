@@ -1,7 +1,7 @@
 //! The tools: what a fresh machine lacks is fetched.
 
 use super::Verdict;
-use crate::checkout::{TARGET, cargo, run};
+use crate::checkout::{BROWSER, TARGET, cargo, run};
 use crate::qemu::PROGRAM;
 use anyhow::{Context as _, Result, bail};
 use std::path::Path;
@@ -20,9 +20,11 @@ pub fn ensure() -> Result<Verdict> {
             })?;
         }
     }
-    if !has_target()? {
-        run(rustup(["target", "add", TARGET]))
-            .with_context(|| format!("the target is missing; install it with: rustup target add {TARGET}"))?;
+    for target in [TARGET, BROWSER] {
+        if !has_target(target)? {
+            run(rustup(["target", "add", target]))
+                .with_context(|| format!("the target is missing; install it with: rustup target add {target}"))?;
+        }
     }
     if !has_emulator() {
         install_emulator()?;
@@ -65,11 +67,11 @@ fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0")
 }
 
-/// Whether the compiler has a standard library for the target, from rustup or elsewhere.
-fn has_target() -> Result<bool> {
+/// Whether the compiler has a standard library for a target, from rustup or elsewhere.
+fn has_target(target: &str) -> Result<bool> {
     let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("cannot run rustc")?;
     let sysroot = String::from_utf8_lossy(&output.stdout);
-    Ok(Path::new(sysroot.trim()).join("lib/rustlib").join(TARGET).is_dir())
+    Ok(Path::new(sysroot.trim()).join("lib/rustlib").join(target).is_dir())
 }
 
 fn rustup<const N: usize>(args: [&str; N]) -> Command {

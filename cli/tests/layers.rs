@@ -1,0 +1,89 @@
+//! The arrows between the crates of the command, and between the files of each: who may use whom, and that none use each other in
+//! a circle. The rooms of the core have a test of their own, and so have those of the twin.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+#[path = "../../tests/support/arrows.rs"]
+mod arrows;
+
+use arrows::{arrows_within, circle, code_of, sources};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The folder of each crate, its name, and what of the others it may use: each only those above it.
+const CRATES: [(&str, &str, &[&str]); 7] = [
+    (".", "corehbot", &[]),
+    ("rig", "corehbot-rig", &["corehbot"]),
+    ("twin", "corehbot-twin", &[]),
+    ("machine-file", "corehbot-machine-file", &["corehbot"]),
+    ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
+    ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-sim"]),
+    (
+        "cli",
+        "corehbot-cli",
+        &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file", "corehbot-sim", "corehbot-report"],
+    ),
+];
+
+/// What takes a system: threads, clocks, processes, temporary files, terminals. The command alone may use it.
+const SYSTEM: [&str; 8] =
+    ["std::thread", "std::time", "std::process", "std::env", "tempfile::", "rayon::", "rustix::", "indicatif::"];
+
+fn folder_of(krate: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(krate)
+}
+
+/// The crates of the project that a crate is built with, its tests apart.
+fn dependencies(krate: &str) -> BTreeSet<String> {
+    let manifest: toml::Table = fs::read_to_string(folder_of(krate).join("Cargo.toml")).unwrap().parse().unwrap();
+    let targets = manifest.get("target").and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::values);
+    let tables = std::iter::once(&manifest).chain(targets.filter_map(toml::Value::as_table));
+    let names = tables.filter_map(|table| table.get("dependencies")?.as_table()).flat_map(toml::Table::keys);
+    names.filter(|name| name.starts_with("corehbot")).cloned().collect()
+}
+
+#[test]
+fn crates_use_only_those_above_them() {
+    let mut above = BTreeSet::new();
+    for (folder, name, may) in CRATES {
+        assert!(may.iter().all(|used| above.contains(used)), "{name} uses what is not above it: {may:?}");
+        let used = dependencies(folder);
+        let expected: BTreeSet<String> = may.iter().map(|name| (*name).to_owned()).collect();
+        assert_eq!(used, expected, "{folder}/Cargo.toml");
+        above.insert(name);
+    }
+}
+
+#[test]
+fn files_of_a_crate_do_not_use_each_other_in_a_circle() {
+    let (mut wrong, mut found) = (Vec::new(), 0);
+    for (krate, _, _) in &CRATES[1..] {
+        let src = folder_of(krate).join("src");
+        let mut files = Vec::new();
+        sources(&src, &mut files);
+        for (folder, arrows) in arrows_within(&src, &files) {
+            found += arrows.values().map(BTreeSet::len).sum::<usize>();
+            let circle = circle(&arrows);
+            if !circle.is_empty() {
+                wrong.push(format!("{krate}/src/{}: {circle:?}", folder.join("/")));
+            }
+        }
+    }
+    assert!(found > 100, "only {found} arrows found");
+    assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn below_the_command_nothing_takes_threads_clocks_or_temporary_files() {
+    let (_, below) = CRATES.split_last().unwrap();
+    for (krate, _, _) in below {
+        let mut files = Vec::new();
+        sources(&folder_of(krate).join("src"), &mut files);
+        for file in files.iter().filter(|file| file.file_name().is_none_or(|name| name != "tests.rs")) {
+            let code = code_of(&fs::read_to_string(file).unwrap());
+            for taken in SYSTEM {
+                assert!(!code.contains(taken), "{}: {taken}", file.display());
+            }
+        }
+    }
+}
