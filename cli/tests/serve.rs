@@ -211,6 +211,33 @@ fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+/// The firmware begins anew after a stop, and its heaters are what they were: they cool in their own time.
+#[test]
+fn a_new_start_cools_no_heater() {
+    let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/clients/heat.toml");
+    let served =
+        Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--settings", machine.to_str().unwrap()]);
+    let mut client = Client::open(&served.path);
+    while !client.hear().starts_with("echo:corehbot") {}
+    client.ask("M109 S200");
+    for _ in 0..2 {
+        client.say(b"M112\nM999\n");
+        while client.hear() != "start" {}
+        while !client.hear().starts_with("echo:corehbot") {}
+        // Nothing is read in the first moment.
+        client.ask("G4 P500");
+        let told = client.ask("M105").pop().unwrap();
+        let (celsius, _) = told.strip_prefix("ok T:").unwrap().split_once(' ').unwrap();
+        assert!((150.0..205.0).contains(&celsius.parse::<f64>().unwrap()), "{told}");
+        // It prints again.
+        client.ask("M109 S200");
+        let told = client.ask("G1 X60 E2 F1200");
+        assert!(!told.iter().any(|line| line.contains("cold")), "{told:?}");
+        client.ask("M400");
+    }
+    assert_eq!(served.interrupt().0, Some(0));
+}
+
 /// What a person types is shown, and can be erased; a line with a checksum is not edited.
 #[test]
 fn a_person_types_with_echo_and_backspace() {

@@ -48,6 +48,17 @@ impl Heat {
         }
     }
 
+    /// The same on a plant that stands already, if there is one: a reset of the firmware cools nothing.
+    #[must_use]
+    pub fn standing_on(self, plant: Option<Plant>) -> Self {
+        Self { plant: plant.filter(|_| self.plant.is_some()).or(self.plant), ..self }
+    }
+
+    /// The plant, for what comes after this firmware.
+    pub const fn take_plant(&mut self) -> Option<Plant> {
+        self.plant.take()
+    }
+
     /// The same with a hotend and a bed that have long been so hot, in C.
     #[must_use]
     pub fn hot(settings: &Settings, hotend_celsius: f64, bed_celsius: f64) -> Self {

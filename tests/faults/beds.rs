@@ -50,6 +50,35 @@ fn a_cold_plate_and_a_short_heating_after_it_are_no_open_heater() {
     assert!(found.is_empty(), "{} of 24: {found:#?}", found.len());
 }
 
+/// Reproducer: a heavy thing of 0 C that is laid on a bed which warms at full power took more than 10 C of it, and the floor held the
+/// sensor to have slipped (E09).
+#[test]
+fn a_very_cold_plate_on_a_bed_that_warms_is_no_sensor_that_slipped() {
+    let mut found = Vec::new();
+    for watts in [220.0, 500.0] {
+        for at in [45.0, 60.0, 74.0] {
+            for (celsius, part) in [(5.0, 0.25), (0.0, 0.25), (5.0, 0.45)] {
+                let (mut constants, mut settings) = heavy(1.0);
+                constants.bed.heater.nominal_watt = watts;
+                settings.heater_mut(Heater::Bed).power = Watts::from_num(watts);
+                let mut printer = Printer::new(&constants, settings);
+                printer.set(Heater::Bed, 110.0);
+                assert!(printer.run_until(1800.0, |printer| printer.measured(Heater::Bed) > at).is_some());
+                printer.bench.borrow_mut().plant.lay_plate(celsius, part);
+                let mut least = at;
+                for _ in 0..30_000 {
+                    printer.period();
+                    least = f64::min(least, printer.measured(Heater::Bed));
+                }
+                let fault = printer.fault();
+                println!("{watts} W, {part} of {celsius} C at {at} C: down to {least:.1} C, {fault:?}");
+                found.extend(fault.map(|fault| format!("{watts} W, {part} of {celsius} C at {at} C: {fault}")));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{} of 18: {found:#?}", found.len());
+}
+
 #[test]
 fn an_open_heater_under_a_cold_plate_is_found() {
     for plates in [1, 3] {

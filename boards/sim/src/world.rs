@@ -24,6 +24,7 @@ use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
 use corehbot_rig::heat::Heat;
+use corehbot_rig::plant::Plant;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -85,6 +86,8 @@ pub struct Desk {
     pub belt: Option<Box<BeltPlant>>,
     /// What the heaters are, and what befalls them.
     pub heat: HeatSetup,
+    /// The heat that a world before this one has left; without it, everything is as warm as the room.
+    pub plant: Option<Box<Plant>>,
 }
 
 impl Desk {
@@ -94,7 +97,7 @@ impl Desk {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
         let (memory, shared) = (Memory::new(), Shared::default());
         let heat = HeatSetup::default();
-        Box::new(Self { memory, shared, wires, endstops: EndstopSet::SWITCHES, belt: None, heat })
+        Box::new(Self { memory, shared, wires, endstops: EndstopSet::SWITCHES, belt: None, heat, plant: None })
     }
 
     /// The same at a time in ticks.
@@ -186,7 +189,7 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, belt, heat } = desk;
+        let Desk { memory, shared, wires, endstops, belt, heat, plant: left } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
@@ -206,6 +209,7 @@ impl<'w> World<'w> {
             storage,
         };
         let plant = heat.truth.as_ref().map_or_else(|| Heat::new(settings), |truth| Heat::with(settings, truth));
+        let plant = plant.standing_on(left.take().map(|plant| *plant));
         let Parts { stepper, generator, thermal, mut console, status, counts } =
             assemble(memory, *settings, start, step_ports, plant, ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
@@ -351,6 +355,11 @@ impl<'w> World<'w> {
     /// Its heat.
     pub const fn heat(&mut self) -> &mut Heat {
         self.thermal.port()
+    }
+
+    /// Its heat, for a world after this one: a new start of the firmware cools nothing.
+    pub fn take_plant(&mut self) -> Option<Box<Plant>> {
+        self.thermal.port().take_plant().map(Box::new)
     }
 
     /// Whether anything is to be warm, which takes its time.

@@ -1,10 +1,12 @@
 //! After a stop only a new start helps: hosts that come later are greeted, and M999 is that new start.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_rig::plant::SensorFault;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Sink, World};
 
@@ -73,6 +75,49 @@ fn who_was_there_hears_the_error_and_who_comes_is_greeted() {
     assert_eq!(heard[9][0], KILLED);
     assert!(heard[10][0].starts_with("ok T:"), "{heard:?}");
     assert!(!has_ended && !has_power);
+}
+
+/// A reset of the firmware cools nothing: what was hot at a fault is hot at the next start, and prints again from there.
+#[test]
+fn heaters_are_as_hot_after_m999_as_before_it_and_the_machine_prints_again() {
+    let mut settings = Settings::prototype();
+    settings.thermal.heater_mut(Heater::Hotend).is_fitted = true;
+    let (drivers, events) = (Drivers::new(), std::cell::Cell::new(0));
+    let place = Some([100, 100, 10].map(Mm::from_num));
+    let (mut now, mut plant, mut left) = (0, None, 25.0_f64);
+    for round in 0..3 {
+        let (mut desk, mut sink) = (Desk::at(1, now), Count(&events));
+        desk.plant = plant.take();
+        let mut world = World::new(&mut desk, &settings, place, NoStorage, &drivers, &mut sink);
+        let celsius = |world: &mut World<'_>| world.heat().plant().unwrap().hotend_celsius();
+        assert!((celsius(&mut world) - left).abs() < 0.1, "{round}: {} C after {left} C", celsius(&mut world));
+        let mut heard = String::new();
+        let mut until = |world: &mut World<'_>, most_s: u64, is_over: &dyn Fn(&World<'_>, &str) -> bool| {
+            let end = world.now() + most_s * 10_000_000;
+            while !is_over(world, &heard) {
+                assert!(world.now() < end, "{round}: {heard}");
+                world.poll();
+                heard.push_str(&String::from_utf8(world.wires()[0].heard()).unwrap());
+                world.advance();
+            }
+            heard.clear();
+        };
+        let before = events.get();
+        for line in ["M109 S200", "G1 X120 E3 F3000", "M400"] {
+            world.wires()[0].put(format!("{line}\n").into_bytes());
+            until(&mut world, 200, &|_, heard| heard.contains("ok\n"));
+        }
+        assert!(events.get() > before + 1000, "{round}: it prints");
+        // A wire comes off, and is mended before the reset.
+        world.heat().plant().unwrap().faults().hotend_sensor = SensorFault::Open;
+        until(&mut world, 5, &|world, _| world.status().is_halted());
+        world.heat().plant().unwrap().faults().hotend_sensor = SensorFault::None;
+        world.wires()[0].put("M999\n".bytes());
+        until(&mut world, 5, &|world, _| world.has_ended());
+        (left, now) = (celsius(&mut world), world.now());
+        assert!(left > 190.0, "{left}");
+        plant = world.take_plant();
+    }
 }
 
 #[test]

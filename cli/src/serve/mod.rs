@@ -112,10 +112,10 @@ impl Prepared {
             outbound: Delay::new(args.baud),
             echo: args.echo.then(Echo::default),
         };
-        let mut now = 0;
+        let (mut now, mut plant) = (0, None);
         loop {
             let mut desk = Desk::at(1, now);
-            (desk.belt, desk.heat) = (belt.take(), heat.clone());
+            (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {
                 Some(eeprom) => World::standing(&mut desk, &settings, Some(place), start, eeprom, &drivers, &mut sink),
@@ -127,6 +127,7 @@ impl Prepared {
             let outcome = world.outcome();
             total.add(&outcome);
             let (has_ended, ended) = (world.has_ended(), world.now());
+            plant = world.take_plant();
             drop(world);
             belt = desk.belt.take();
             if !has_ended {

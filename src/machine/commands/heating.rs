@@ -39,6 +39,10 @@ const LEAST_RISE: Celsius = Celsius::lit("0.2");
 const HOTEND_STUCK_MS: u32 = 240_000;
 const STUCK_MS: u32 = 1_800_000;
 
+/// A heater that has no reading for so long has a sensor that is broken. One that heats is found by the guards in half a second, and one
+/// that has just been switched on is read after a tenth of one.
+const UNREAD_MS: u32 = 2000;
+
 /// From one line with temperatures to the next, in whatever wait.
 pub(super) const LINE_MS: u32 = 1000;
 
@@ -235,10 +239,19 @@ async fn await_heat<P: PortSet, W: Pend>(
     main_loop.pauses_mut().begin(Waiting::Heat);
     let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
     let mut rising = Rising::new(measured, begun);
+    let mut read = [begun; HEATERS];
     let (mut next_line, mut moves) = (begun, true);
     main_loop.come_again();
     while !main_loop.pauses().is_over() {
         let (now, measured) = (main_loop.now(), main_loop.measured());
+        for heater in Heater::ALL.into_iter().filter(|heater| awaited[*heater as usize]) {
+            if measured[heater as usize] > Celsius::MIN {
+                read[heater as usize] = now;
+            } else if now >= read[heater as usize].after_ms(UNREAD_MS) {
+                main_loop.job_mut().note_end(JobEnd::Unread { heater });
+                return Err(Interrupt::EndJob);
+            }
+        }
         let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
         let is_within =
             |most: Celsius| (0..HEATERS).all(|place| !awaited[place] || off_by(place).saturating_abs() <= most);

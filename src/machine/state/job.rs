@@ -59,6 +59,8 @@ pub(in crate::machine) enum JobEnd {
     Cancelled,
     /// A heater stopped rising below its target; in whole degrees Celsius.
     Unreachable { heater: Heater, at: i32, target: i32 },
+    /// A heater that is waited for has no reading: its sensor broke while it was off, which is no fault.
+    Unread { heater: Heater },
 }
 
 impl fmt::Display for JobEnd {
@@ -69,6 +71,11 @@ impl fmt::Display for JobEnd {
                 f,
                 "print ended, heaters are off: {} stays at {at} C and does not get to {target} C. \
                  Choose a lower target, or look at its heater, its supply and what cools it",
+                heater.name()
+            ),
+            Self::Unread { heater } => write!(
+                f,
+                "print ended, heaters are off: {} has no reading. Look at its sensor, its plug and its wire",
                 heater.name()
             ),
         }

@@ -18,7 +18,9 @@
 //!
 //! On the first 60 % of the way a reading must not fall by 10 C either while there is more than half of the power. A
 //! hotend that cools at 3 K/s when the power comes falls by 7 C in its lag. A sensor that slips falls as far in a
-//! second.
+//! second. A cold plate on a bed takes heat out of it too: one of 0 C with half of the bed's heat capacity takes a third
+//! of its temperature, and full power needs minutes for that. So a bed may fall by 35 % of what it read. A sensor that
+//! slips into a room of 25 C falls by more from 39 C on.
 //!
 //! Time counts by the duty, and is forgotten four times as slowly without power. So neither a heater that is switched
 //! off and on nor a target that changes all the time delays the alarm.
@@ -39,6 +41,9 @@ const NEAR: Celsius = Celsius::const_from_int(2);
 /// A fall of the reading that counts.
 const FALL: Celsius = Celsius::const_from_int(10);
 
+/// The part of its reading, in percent, that a cold plate may take from a bed: see above.
+const COLD_PLATE: i32 = 35;
+
 /// Full power in units of `given`.
 const FULL: u32 = 255;
 
@@ -55,6 +60,8 @@ pub struct Floor {
     /// Periods for which it may read 10 C less than before at more than half of the power, on the first 60 % of the
     /// way.
     falling: u32,
+    /// Whether cold plates are laid on it.
+    takes_plates: bool,
     /// Periods for which a reading may stay constant after the power has changed.
     pub still: u32,
     /// Range of the number of periods within which heat under way arrives.
@@ -72,6 +79,7 @@ impl Floor {
             heating: periods(20),
             topping: periods(1800),
             falling: periods(2),
+            takes_plates: false,
             still: periods(30),
             settling: [periods(1), periods(30)],
             overshoot: Celsius::const_from_int(15),
@@ -81,6 +89,7 @@ impl Floor {
             heating: periods(240),
             topping: periods(3600),
             falling: periods(20),
+            takes_plates: true,
             still: periods(60),
             settling: [periods(10), periods(300)],
             overshoot: Celsius::const_from_int(15),
@@ -91,6 +100,7 @@ impl Floor {
             topping: periods(7200),
             // Its door may be opened.
             falling: periods(600),
+            takes_plates: false,
             still: periods(120),
             settling: [periods(20), periods(600)],
             overshoot: Celsius::const_from_int(15),
@@ -157,10 +167,13 @@ impl Gain {
             return None;
         }
         self.given += u32::from(duty >> 8);
-        let has_fallen = is_low && self.warmest.saturating_sub(measured) > FALL;
+        let part = self.warmest.max(Celsius::ZERO) / 100;
+        let by_plate = if floor.takes_plates { part.saturating_mul_int(COLD_PLATE) } else { Celsius::ZERO };
+        let fall = FALL.max(by_plate);
+        let has_fallen = is_low && self.warmest.saturating_sub(measured) > fall;
         self.fallen = if has_fallen { self.fallen + 1 } else { 0 };
         if self.fallen >= floor.falling {
-            let (value, limit) = (measured, self.warmest.saturating_sub(FALL));
+            let (value, limit) = (measured, self.warmest.saturating_sub(fall));
             return Some(Alarm { cause: Cause::TemperatureLost, value, limit });
         }
         let most = if is_low { floor.heating } else { floor.topping };
