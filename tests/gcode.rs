@@ -86,7 +86,7 @@ const CODES: &[&str] = &[
     "MACHINE_GET", "MACHINE_PUT AT=24 HEX=00ff", "MACHINE_STORE", "M303 E-1 S60 U1", "M109", "M190 R60",
     "M141", "M191", "M116", "M107", "M301", "M304", "M306", "M306 E-1 A0.08 F0.1", "M306 T", "M710", "M710 R", "M413",
     "M622", "M221 T1", "M84 E1", "M301 E1", "M572 D1", "M900 S1 L2", "M906 I1 T2", "M140 P1 H2 I3", "M104 I1",
-    "M116 P1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "M81", "M999", "G18", "G19", "G29", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
+    "M116 P1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "M81", "M999", "G18", "G19", "G29", "G80", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
     "M118 A1", "M118 E1", "M486", "M876", "M24", "M25", "M111", "M154", "EXCLUDE_OBJECT_DEFINE NAME=x", "EXCLUDE_OBJECT_START NAME=x",
     "if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"x\"", "EXCLUDE_OBJECT NAME=x", "EXCLUDE_OBJECT_END",
     "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80", "M125", "M524",
@@ -300,7 +300,7 @@ const ANY_TEXT: [&[&str]; 5] = [
     // They take no words, so none can be misread.
     &["M24", "M25", "M75", "M77", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
     // They are answered and not carried out.
-    &["G29", "G30", "M48", "M290", "M420", "M622", "M623", "M851"],
+    &["G29", "G30", "G80", "M48", "M290", "M420", "M622", "M623", "M851"],
     // The machine has nothing to do for them (`gcode::quiet`).
     &[
         "M2", "M20", "M21", "M74", "M76", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355", "M403",

@@ -360,7 +360,7 @@ pub enum Command<'a> {
     PowerLossRecovery(Option<bool>),
     /// M622, M623, `if`, `while` and the like: which lines run depends on it, and this firmware runs them all.
     Conditional,
-    /// G29 and its relatives: a command for a probe with which nothing is measured.
+    /// G29, Prusa's G80 and their relatives: a command for a probe with which nothing is measured.
     Probing,
     /// A command that hosts and slicers send and that needs no answer but `ok`.
     Silent,

@@ -43,7 +43,7 @@ impl Grammar {
             // With W, Prusa's G28 does not probe the bed.
             (b'G', 28) => Self::of_axes(b"", b"ABCUV"),
             (b'G', 92) => Self::of_axes(b"", NO_AXES),
-            (b'G', 29 | 30) => return None,
+            (b'G', 29 | 30 | 80) => return None,
             (b'G', _) => Self::numbers(b""),
             (b'M', 17) => Self::of_axes(b"", NO_AXES),
             (b'M', 18 | 84) => Self { not_negative: b"S", ..Self::of_axes(b"S", NO_AXES) },

@@ -68,7 +68,7 @@ fn parse_g(code: Code, text: &[u8]) -> Option<Command<'static>> {
         20 => Command::Inches,
         21 => Command::Millimetres,
         28 => Command::Home(AxisFlags { e: false, ..axis_flags(text) }),
-        29 | 30 => Command::Probing,
+        29 | 30 | 80 => Command::Probing,
         90 => Command::Absolute,
         91 => Command::Relative,
         92 => Command::SetPosition(position(text)),

@@ -128,7 +128,11 @@ pub struct ParkWords {
     pub e: Option<Number>,
     /// R: what the hotend is to be at when the print goes on.
     pub target: Option<Number>,
-    /// The letter of another word, as of Marlin's M600 U.
+    /// U of M600: how much filament is pulled out then.
+    pub unload: Option<Number>,
+    /// L of M600: how much is pushed in before the print goes on; less than 0, it is Prusa's word for how much is pulled out.
+    pub load: Option<Number>,
+    /// The letter of another word with a number, as of Marlin's M125 U.
     pub other: Option<u8>,
 }
 

@@ -42,9 +42,13 @@ pub(super) fn park_words(text: &[u8], back: u8) -> ParkWords {
             b'Z' => park.z = word.number,
             b'R' => park.target = word.number,
             letter if letter == back => park.e = word.number,
+            b'U' if back == b'E' => park.unload = word.number,
+            b'L' if back == b'E' => park.load = word.number,
             // A tool, of which there is one; beeps; whether to ask.
             b'T' | b'B' | b'P' | b'S' => {}
-            letter => park.other = Some(letter),
+            letter if word.number.is_some() => park.other = Some(letter),
+            // A letter of a name: M600 AUTO.
+            _ => {}
         }
     }
     park
@@ -104,8 +108,11 @@ mod tests {
         assert_eq!(parse(b"M601"), wait(0));
         let park = ParkWords { x: Some(Number::from(10)), e: Some(Number::from(-5)), ..ParkWords::default() };
         assert_eq!(parse(b"M600 X10 E-5 T0 B3"), Command::AwaitUser { ms: 0, filament: true, park });
+        let park = ParkWords { unload: Some(Number::from(80)), load: Some(Number::from(-2)), ..ParkWords::default() };
+        assert_eq!(parse(b"M600 U80 L-2"), Command::AwaitUser { ms: 0, filament: true, park });
         let park = ParkWords { other: Some(b'U'), ..ParkWords::default() };
-        assert_eq!(parse(b"M600 U80"), Command::AwaitUser { ms: 0, filament: true, park });
+        assert_eq!(parse(b"M125 U80"), Command::Pause { parks: true, park });
+        assert_eq!(parse(b"M600 AUTO"), Command::AwaitUser { ms: 0, filament: true, park: ParkWords::default() });
         let park = ParkWords { e: Some(Number::from(3)), z: Some(Number::from(20)), ..ParkWords::default() };
         assert_eq!(parse(b"M125 L3 Z20 P1"), Command::Pause { parks: true, park });
     }

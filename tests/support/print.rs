@@ -341,7 +341,10 @@ fn parked(f: &mut Formatter<'_>, code: &str, back: char, park: ParkWords) -> fmt
     for (letter, number) in [('X', park.x), ('Y', park.y), ('Z', park.z), (back, park.e), ('R', park.target)] {
         word(f, letter, number)?;
     }
-    park.other.map_or(Ok(()), |letter| write!(f, " {}", letter as char))
+    for (letter, number) in [('U', park.unload), ('L', park.load)] {
+        word(f, letter, number)?;
+    }
+    park.other.map_or(Ok(()), |letter| write!(f, " {}0", letter as char))
 }
 
 fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {

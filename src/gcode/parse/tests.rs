@@ -92,7 +92,7 @@ fn what_is_not_a_command_comes_back_as_it_came() {
         "/G1 X5",
         "T",
         "T256",
-        "G80",
+        "G38",
         "G10 P0 S200",
         "G10 L2 P1 X0",
         "G5 X1",
@@ -153,6 +153,8 @@ fn every_g_code_has_its_command() {
         ("G21", Command::Millimetres),
         ("G29", Command::Probing),
         ("G30", Command::Probing),
+        // Mesh levelling of Prusa's firmware.
+        ("G80 N3", Command::Probing),
         ("G90", Command::Absolute),
         ("G91", Command::Relative),
         ("T0", Command::Tool),

@@ -1,8 +1,8 @@
 //! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out as yet, and how the print goes on.
 //!
 //! ```text
-//!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed)
-//!   and back:      heat, and wait ▶ restore the program ▶ over its place ▶ down ▶ filament forth ▶ action:resumed
+//!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed) ▶ filament out (M600 U)
+//!   and back:      heat, and wait ▶ filament in (M600 L) ▶ restore the program ▶ over its place ▶ down ▶ filament forth ▶ action:resumed
 //! ```
 //!
 //! The nozzle does not rest on the part. A host that has pulled back, lifted and parked by itself finds nothing left to do, and the other
@@ -28,6 +28,11 @@ use crate::units::{Celsius, Instant, Mm, MmPerSec};
 
 /// So far above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to 0.8 mm).
 const OFF_PART: Mm = Mm::const_from_int(1);
+
+/// Speeds of filament that is changed: Marlin's `FILAMENT_CHANGE_UNLOAD_FEEDRATE` and `FILAMENT_CHANGE_FAST_LOAD_FEEDRATE`
+/// (Configuration_adv.h 2.1).
+const UNLOAD_SPEED: MmPerSec = MmPerSec::const_from_int(10);
+const LOAD_SPEED: MmPerSec = MmPerSec::const_from_int(6);
 
 /// What the user is asked.
 const PAUSED: &str = "Paused";
@@ -107,12 +112,15 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     Ok(Answer::Kept)
 }
 
-/// What to say of a word that is not obeyed.
+/// What to say of a word that is not obeyed: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour, name).
 const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     match words.other {
-        Some(b'L') => Answer::NotObeyed(code, b"L"),
-        Some(b'U') => Answer::NotObeyed(code, b"U"),
         Some(b'E') => Answer::NotObeyed(code, b"E"),
+        Some(b'U') => Answer::NotObeyed(code, b"U"),
+        Some(b'A') => Answer::NotObeyed(code, b"A"),
+        Some(b'C') => Answer::NotObeyed(code, b"C"),
+        Some(b'D') => Answer::NotObeyed(code, b"D"),
+        Some(b'N') => Answer::NotObeyed(code, b"N"),
         Some(_) | None => Answer::Nothing,
     }
 }
@@ -125,7 +133,7 @@ pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     why: Kept,
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
-    save(main_loop, modal);
+    save(main_loop, modal, Mm::ZERO);
     report_reason(main_loop, why, Action::Pause).await?;
     main_loop.keep_line(why);
     Ok(Answer::Kept)
@@ -146,17 +154,17 @@ async fn report_reason<P: PortSet, W: Pend>(
     ask(main_loop, first, question).await
 }
 
-/// The job is paused, and the state of the program saved.
-fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal) {
+/// The job is paused, and the state of the program saved; so much filament is pushed in before it goes on.
+fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, load: Mm) {
     let program = Program {
         modal: *modal,
         commanded: *main_loop.commanded(),
-        feed_percent: main_loop.feed_percent(),
+        fans: main_loop.commanded_fans(),
         dynamics: Dynamics::of(main_loop.settings()),
     };
     let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
     let (host, homed) = (main_loop.serving(), main_loop.homed().axes());
-    main_loop.job_mut().pause(host, Break { program, homed }, targets);
+    main_loop.job_mut().pause(host, Break { program, homed, load }, targets);
     main_loop.note_heaters_used();
 }
 
@@ -170,7 +178,8 @@ async fn save_and_park<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     let was_printing = main_loop.job().is_printing();
-    save(main_loop, modal);
+    let [load, other] = [words.load, words.unload].map(|number| number.map_or(Mm::ZERO, |number| modal.length(number)));
+    save(main_loop, modal, load.max(Mm::ZERO));
     if let Some(target) = words.target {
         let most = main_loop.settings().thermal.heater(Heater::Hotend).most;
         let target = Celsius::saturating_from_num(target.value()).clamp(Celsius::ZERO, most);
@@ -181,7 +190,31 @@ async fn save_and_park<P: PortSet, W: Pend>(
     if was_printing || parks || says {
         park(main_loop, modal, cold, words).await?;
     }
-    Ok(())
+    let unload = other.saturating_abs().max(load.saturating_neg());
+    change(main_loop, modal, cold, unload.saturating_neg(), UNLOAD_SPEED).await
+}
+
+/// Filament comes out or goes in, as if a line had asked for it in the pause: no more than in one line, and none if the hotend is cold.
+async fn change<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    modal: &Modal,
+    cold: &ColdExtrusion,
+    length: Mm,
+    speed: MmPerSec,
+) -> Result<(), Interrupt> {
+    if length == Mm::ZERO || modal.dry_run {
+        return Ok(());
+    }
+    if cold.is_too_cold(main_loop) {
+        return main_loop.reply(Answer::Line("echo:filament is not moved: the hotend is too cold")).await;
+    }
+    let most = main_loop.settings().axes.e.length;
+    let mut to = main_loop.commanded().position();
+    let [.., e] = &mut to;
+    *e = e.wrapping_add(length.clamp(most.saturating_neg(), most));
+    travel(main_loop, main_loop.commanded().of_machine(to), speed).await?;
+    main_loop.commanded_mut().go_to(to);
+    main_loop.finish().await
 }
 
 /// One straight move of the machine, whatever the program commands.
@@ -283,7 +316,7 @@ async fn go_on<P: PortSet, W: Pend>(
     restores: bool,
     kept: Option<Kept>,
 ) -> Result<Going, Interrupt> {
-    let Some(Break { program, homed }) = main_loop.job().paused() else { return Ok(Going::On) };
+    let Some(Break { program, homed, .. }) = main_loop.job().paused() else { return Ok(Going::On) };
     let wanted = match kept {
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold) | None => [false; 3],
@@ -299,12 +332,15 @@ async fn go_on<P: PortSet, W: Pend>(
         return Ok(Going::Not(Kept::Cold));
     }
     main_loop.finish().await?;
+    let load = main_loop.job_mut().take_load();
+    change(main_loop, modal, cold, load, LOAD_SPEED).await?;
     let now = *main_loop.commanded();
     let from = now.of_machine(now.position());
     if restores {
         restore(main_loop, modal, &program).await?;
     }
     go_back(main_loop, cold, from).await?;
+    blow_again(main_loop, &program).await?;
     main_loop.job_mut().go_on();
     announce(main_loop, &[Action::Resumed]).await?;
     Ok(Going::On)
@@ -319,10 +355,21 @@ async fn restore<P: PortSet, W: Pend>(
     let now = *main_loop.commanded();
     *main_loop.commanded_mut() = program.commanded;
     main_loop.commanded_mut().count_filament_as(&now);
-    *modal = program.modal;
+    *modal = modal.restored(&program.modal);
     program.dynamics.put(main_loop.settings_mut());
-    if main_loop.feed_percent() != program.feed_percent {
-        main_loop.override_feed(program.feed_percent).await?;
+    Ok(())
+}
+
+/// Fans that were switched off meanwhile, by a script or to look at something, run as in the print. A speed that was chosen meanwhile
+/// counts, as a target does that one can print with.
+async fn blow_again<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    program: &Program,
+) -> Result<(), Interrupt> {
+    for ((fan, before), now) in (0..).zip(program.fans).zip(main_loop.commanded_fans()) {
+        if now == 0 && before > 0 {
+            main_loop.set_fan(fan, before).await?;
+        }
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Heat, the door: what commands order of heaters and fans, and what they may know of them.
 
 use super::MainLoop;
-use crate::connectors::{HEATERS, Heater};
+use crate::connectors::{FANS, HEATERS, Heater};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::port::{Clock, Pend, Storage};
@@ -33,6 +33,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// may be, it waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
     pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
         self.close_line();
+        self.fan_schedule.note_commanded(fan, speed);
         if !self.has_motion() && self.fan_schedule.is_empty() {
             self.heat_orders.set_fan(fan, speed);
             return Ok(());
@@ -43,6 +44,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         self.fan_schedule.add(self.planner.planned().0, fan, speed);
         Ok(())
+    }
+
+    /// The speed of each fan that was commanded last, of 65,535.
+    pub const fn commanded_fans(&self) -> [u16; FANS] {
+        self.fan_schedule.commanded()
     }
 
     /// Heaters and fans go off, and no fan waits for its turn.

@@ -8,6 +8,7 @@
 //! (`AHEAD` in `motion::stepgen`), and an input shaper delays the end further. A fan needs far longer than that to change
 //! its speed.
 
+use crate::connectors::FANS;
 use heapless::Deque;
 
 /// Speeds that may wait. A file with fan speeds by overhang has one every few moves.
@@ -30,14 +31,27 @@ struct Waiting {
     speed: u16,
 }
 
-/// Fan speeds that wait for moves, in order.
+/// Fan speeds that wait for moves, in order, and what was commanded last.
 pub(in crate::machine) struct FanSchedule {
     queue: Deque<Waiting, MOST>,
+    commanded: [u16; FANS],
 }
 
 impl FanSchedule {
     pub const fn new() -> Self {
-        Self { queue: Deque::new() }
+        Self { queue: Deque::new(), commanded: [0; FANS] }
+    }
+
+    /// A line has commanded a fan's speed, of 65,535, whenever it comes to hold.
+    pub fn note_commanded(&mut self, fan: u8, speed: u16) {
+        if let Some(place) = self.commanded.get_mut(usize::from(fan)) {
+            *place = speed;
+        }
+    }
+
+    /// The speed of each fan that was commanded last, of 65,535.
+    pub const fn commanded(&self) -> [u16; FANS] {
+        self.commanded
     }
 
     /// Whether it takes another speed.
@@ -86,9 +100,10 @@ impl FanSchedule {
         self.queue.is_empty()
     }
 
-    /// Nothing waits any more.
+    /// All fans are off, and nothing waits any more.
     pub fn clear(&mut self) {
         self.queue.clear();
+        self.commanded = [0; FANS];
     }
 }
 

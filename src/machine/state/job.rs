@@ -89,6 +89,8 @@ pub(in crate::machine) struct Break {
     pub program: Program,
     /// Which axes were homed.
     pub homed: [bool; 3],
+    /// Filament that is pushed in before the print goes on (M600 L).
+    pub load: Mm,
 }
 
 /// The job.
@@ -233,6 +235,14 @@ impl Job {
     /// What the pause keeps.
     pub const fn paused(&self) -> Option<Break> {
         self.paused
+    }
+
+    /// How much filament is to be pushed in, which is asked for once.
+    pub const fn take_load(&mut self) -> Mm {
+        match &mut self.paused {
+            Some(paused) => core::mem::replace(&mut paused.load, Mm::ZERO),
+            None => Mm::ZERO,
+        }
     }
 
     /// It goes on.

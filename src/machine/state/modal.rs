@@ -68,6 +68,12 @@ impl Modal {
         }
     }
 
+    /// The modes of a program that goes on where it was `before`, with the overrides that hold now.
+    pub const fn restored(&self, before: &Self) -> Self {
+        let Self { kept_feed_percent, flow_percent, dry_run, .. } = *self;
+        Self { kept_feed_percent, flow_percent, dry_run, ..*before }
+    }
+
     /// A number of a line as a length.
     pub fn length(&self, number: Number) -> Mm {
         self.unit(number.value())

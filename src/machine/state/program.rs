@@ -1,21 +1,25 @@
 //! The program's state as one value: everything that the lines before have set and the next line depends on.
 //!
 //! A pause saves it and restores it. Whatever else leaves the program for a while and comes back does the same.
+//!
+//! Overrides (M220, M221, M111) are no part of it: the user sets them to tune a print, and does so in a pause too. Klipper's
+//! `RESTORE_GCODE_STATE` puts speed and flow back, Marlin's M24 does not.
 
 use super::commanded::Commanded;
 use super::modal::Modal;
+use crate::connectors::FANS;
 use crate::settings::{CornerRule, Settings};
 use crate::units::{MmPerSec, MmPerSec2, Ratio};
 
 /// All of it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Program {
-    /// Absolute or relative, units, plane, F, M221.
+    /// Absolute or relative, units, plane, F.
     pub modal: Modal,
     /// Position, E, G92, G10.
     pub commanded: Commanded,
-    /// M220.
-    pub feed_percent: u16,
+    /// M106: the speed of each fan, of 65,535.
+    pub fans: [u16; FANS],
     /// M204, M205, SET_VELOCITY_LIMIT.
     pub dynamics: Dynamics,
 }

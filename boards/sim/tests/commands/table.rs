@@ -78,7 +78,7 @@ const ROWS: &[Row] = &[
     ("M29", SILENCE),
     ("M125", &["//action:paused"]),
     ("M125 L1 X20 Z2 P1", &["//action:paused"]),
-    ("M600 U90", &["*", "*", "*", "*", "echo:M600 U is not obeyed by this firmware", "*", "*", "*"]),
+    ("M600 N9", &["*", "*", "*", "*", "echo:M600 N is not obeyed by this firmware", "*", "*", "*"]),
     ("M524", SILENCE),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
@@ -299,6 +299,7 @@ const ROWS: &[Row] = &[
     // Probing, which nothing does.
     ("G29", PROBE),
     ("G30", PROBE),
+    ("G80 N3", PROBE),
     ("M48", PROBE),
     ("M290 Z0.05", PROBE),
     ("M851", PROBE),

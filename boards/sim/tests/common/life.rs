@@ -113,6 +113,11 @@ impl Life<'_> {
         self.answered[self.host]
     }
 
+    /// Answers that have come belong to lines that somebody else has put there.
+    pub fn forget_answers(&mut self) {
+        self.taken[self.host] = self.oks();
+    }
+
     /// The next answer comes.
     pub fn await_ok(&mut self) {
         self.await_within(PATIENCE_MS);
@@ -189,6 +194,12 @@ impl Life<'_> {
 
     pub fn duties(&self) -> [u16; 2] {
         [0, 1].map(|place| self.heat().heaters[place].unwrap().duty)
+    }
+
+    /// Duty of the part fan, of 255, after its kick.
+    pub fn part_fan(&mut self) -> u16 {
+        self.rest(2000);
+        self.heat().fans[0] / 257
     }
 
     /// What the hotend is at.

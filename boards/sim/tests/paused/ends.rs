@@ -1,0 +1,79 @@
+//! Prints that end while they are paused, and what the next one finds.
+
+use super::{MINUTE, heated, place};
+use crate::life::live;
+use corehbot::settings::Settings;
+
+/// Cancelled while parked, and printed again: the second print is the first one.
+#[test]
+fn a_cancel_while_parked_leaves_nothing_to_the_next_print() {
+    let file = ["G28", "G90", "M82", "G92 E0", "G1 Z0.3 F600", "G1 X50 Y50 E3 F3000", "G1 X80 E5", "M400"];
+    let steps = |before: &[&[&str]]| {
+        let mut events = Vec::new();
+        live(&Settings::prototype(), 1, |life| {
+            life.say("N0 M110 N0*125");
+            for life_before in before {
+                for line in *life_before {
+                    life.say(line);
+                }
+                life.say("G28");
+                life.say("N0 M110 N0*125");
+            }
+            life.say("G28");
+            life.mark();
+            for line in &file[1..] {
+                life.say(line);
+            }
+            assert_eq!(life.extruder_since_mark(), 5 * 400, "{before:?}");
+            events = life.events();
+        });
+        events
+    };
+    let first = steps(&[]);
+    let begin = ["G91", "M83", "G20", "M221 S50", "M220 S50", "G92 X5 Y5 Z5 E5", "G1 X.5 E.1 F300", "M25"];
+    for cancel in
+        [&["M84", "M104 S0", "M140 S0", "M106 S0"][..], &["M524"], &["M104 S0", "G28 X Y", "M84"], &["G10", "M77"], &[]]
+    {
+        assert!(first == steps(&[&[&begin[..], cancel].concat()]), "{cancel:?}");
+    }
+    // A print that ended as it should, with its filament pulled back.
+    assert!(first == steps(&[&["M207 S4 Z1", "G1 X50 E1", "G10", "M84"], &["G1 X50 E1", "G10"]]));
+}
+
+#[test]
+fn a_retraction_does_not_outlive_its_print() {
+    for end in ["G28", "M84", "N0 M110 N0*125"] {
+        live(&Settings::prototype(), 1, |life| {
+            for line in ["M207 S3 Z1", "G1 X110 E5 F6000", "G10", end, "G11", "G28"] {
+                life.say(line);
+            }
+            life.mark();
+            for line in ["G92 E0", "G1 X120 E2 F6000", "G10", "G11", "M400"] {
+                life.say(line);
+            }
+            assert_eq!(life.extruder_since_mark(), 2 * 400, "{end}");
+            assert_eq!(place(life)[2], 0.0, "{end}");
+        });
+    }
+}
+
+#[test]
+fn motors_lose_their_power_when_the_print_is_over() {
+    for end in [&["M84 S600", "M77"][..], &["M104 S0"]] {
+        live(&heated(), 1, |life| {
+            life.say("M302 P1");
+            life.say("G1 X150 E5 F6000");
+            for line in end {
+                life.say(line);
+            }
+            life.rest(11 * MINUTE);
+            assert!(!life.has_power(), "{end:?}");
+        });
+    }
+    // A print without an end holds them for half a day.
+    live(&Settings::prototype(), 1, |life| {
+        life.say("G1 X150 E5 F6000");
+        life.rest(61 * MINUTE);
+        assert!(life.has_power());
+    });
+}
