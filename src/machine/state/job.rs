@@ -50,9 +50,9 @@ pub(in crate::machine) enum Answered {
 
 /// Why a job ends although the machine stays as it is: nothing is broken that a reset would mend.
 ///
-/// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, however deep it stands. The dispatch
-/// then does what it takes, in one place (`commands::job`): hosts are told to cancel, in no words that make them hang up, heaters go off,
-/// the state of the program is that of a new one, and the old stream moves and heats nothing any more.
+/// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, at any depth of calls.
+/// The dispatch handles all of them in one place (`commands::job`): hosts are told to cancel, in words that make none of
+/// them disconnect, heaters go off, the state of the program is a new one's, and the old stream has no effect any more.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum JobEnd {
     /// The user wished it (M524).

@@ -96,7 +96,8 @@ pub struct Planner<'m> {
     pub(in crate::motion) end: [Steps; 4],
     /// The last target: an axis that is asked for the same again stays where it is.
     pub(in crate::motion) asked: [Mm; 4],
-    /// The way of the move that is planned; while a line is open, its first chord. It is made here, for a copy takes as long as many a sum.
+    /// The way of the move that is planned; while a line is open, its first chord. It is made here, because a copy of
+    /// it takes as long as making it.
     vector: Geometry,
     /// The last move, for the corner to the next.
     last: Geometry,
@@ -247,7 +248,8 @@ impl<'m> Planner<'m> {
         self.count += 1;
     }
 
-    /// Goes to `position`, which is the end of the last move then, and finds its way; false if that is too short to be a move.
+    /// Goes to `position`, which is the end of the last move then, and finds its way. False if that is too short to be a
+    /// move.
     #[inline(always)]
     fn go_to(&mut self, position: [Mm; 4]) -> bool {
         let path = self.path_to(position);
@@ -260,8 +262,8 @@ impl<'m> Planner<'m> {
         true
     }
 
-    /// Gives the move from `begin` to the end of the last move, of which the way is known, its place in the window, with so much of its
-    /// length for ramps.
+    /// Gives the move from `begin` to the end of the last move its place in the window. Its way is known
+    /// (`vector`), and so much of its length may be for ramps.
     #[inline(never)]
     fn place(&mut self, target: &Target, begin: [Steps; 4], max_ramp_length: u64, settings: &Settings) {
         let vector = &self.vector;

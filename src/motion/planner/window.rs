@@ -126,8 +126,8 @@ impl<'m> Window<'m> {
         self.total_gain_sq
     }
 
-    /// Where the move is to stand that is [added](Self::push_next) next; the caller has made room. It is made there: a copy of one is
-    /// no small part of what planning takes.
+    /// The place of the move that is [added](Self::push_next) next; the caller has made room. The move is made there,
+    /// because a copy of it is no small part of planning.
     #[inline(always)]
     pub fn next_place(&mut self) -> Option<&mut Planned> {
         debug_assert!(!self.is_full(), "the caller has made room");
@@ -135,7 +135,8 @@ impl<'m> Window<'m> {
         self.moves.get_mut(slot)
     }
 
-    /// Adds the move in the [next place](Self::next_place), whose G is that [at the end of the last one](Self::total_gain_sq).
+    /// Adds the move in the [next place](Self::next_place), with the G [at the end of the last
+    /// one](Self::total_gain_sq).
     #[inline(always)]
     pub fn push_next(&mut self) {
         let slot = self.slot(self.len);

@@ -443,7 +443,7 @@ mod tests {
                     passed += u64::from(event.interval);
                     status.event_played(passed as u32);
                 } else {
-                    is_done = moves_in.len() == 0 && !has_moved;
+                    is_done = moves_in.is_empty() && !has_moved;
                 }
             }
             assert!(calls > 10 && 2 * told < calls + 6, "told {told} times in {calls} calls");
