@@ -37,7 +37,7 @@ class Printer:
     """A printer at the end of a pty, as fast as its host at speed `max`: `corehbot`, or the board in QEMU if that is what
     `xtask` stands for."""
 
-    def __init__(self, program, link=None, speed="max", settings=None):
+    def __init__(self, program, link=None, speed="max", settings=None, trace=None):
         command = [program, "serve", "--speed", str(speed)]
         if os.path.basename(program) == "xtask":
             command = [program, "qemu", "--serve"]
@@ -45,6 +45,8 @@ class Printer:
             command += ["--pty", link]
         if settings:
             command += ["--settings", settings]
+        if trace:
+            command += ["--trace", trace]
         # Its time goes on while QEMU waits for a processor.
         self.is_in_qemu = command[1] == "qemu"
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)

@@ -26,6 +26,9 @@ const PROGRAMS: &str = "xtask/clients";
 /// A print that heats, with its machine beside it.
 const HEAT: &str = "xtask/clients/heat.gcode";
 
+/// A print that is paused until its heat is off, with its machine beside it.
+const PAUSE: &str = "xtask/clients/pause.gcode";
+
 /// The example that is most like a sliced file.
 const EXAMPLE: &str = "examples/first-print.gcode";
 
@@ -51,6 +54,8 @@ enum Print {
     Beginning,
     /// One on a machine with heaters.
     Heat,
+    /// One that is paused, on a machine with heaters that go off soon.
+    Pause,
 }
 
 /// A client and a line.
@@ -62,7 +67,7 @@ struct Trial {
     print: Print,
 }
 
-const TRIALS: [Trial; 11] = [
+const TRIALS: [Trial; 12] = [
     printcore("clean", Board::Simulator, Print::Sliced),
     printcore("corrupt", Board::Simulator, Print::Sliced),
     printcore("drop", Board::Simulator, Print::Example),
@@ -74,6 +79,7 @@ const TRIALS: [Trial; 11] = [
     heats(PRINTRUN, "printcore_heats.py", Board::Qemu),
     heats(PRINTRUN, "pronsole_uploads.py", Board::Simulator),
     heats(OCTOPRINT, "octoprint_heats.py", Board::Simulator),
+    Trial { print: Print::Pause, ..heats(OCTOPRINT, "octoprint_pauses.py", Board::Simulator) },
 ];
 
 const fn printcore(line: &'static str, board: Board, print: Print) -> Trial {
@@ -143,6 +149,7 @@ impl Trial {
             Print::Example => example(),
             Print::Beginning => beginning(&example(), LINES_IN_QEMU)?,
             Print::Heat => root().join(HEAT),
+            Print::Pause => root().join(PAUSE),
         };
         let mut command = Command::new(self.client.python()?);
         // No compiled files in the sources.
