@@ -2,6 +2,7 @@
 
 use super::Elf;
 use anyhow::{Result, bail};
+use corehbot::settings::rows::described;
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags};
 
@@ -73,12 +74,39 @@ pub fn forbidden(elf: &Elf<'_>, has_plant: bool) -> Vec<String> {
             complaints.push(format!("{name} is in the image, but {reason}"));
         }
     }
+    complaints.extend(texts_for_people(elf));
     complaints
+}
+
+/// Says which setting has its meaning in the image: only programs on a computer show it, and all of them would take 8 KB.
+fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
+    let sections: Vec<&[u8]> = elf
+        .sections()
+        .filter(|section| {
+            let SectionFlags::Elf { sh_flags } = section.flags() else { return false };
+            sh_flags & u64::from(SHF_ALLOC) != 0
+        })
+        .filter_map(|section| section.data().ok())
+        .collect();
+    let is_in_image = |line: &str| sections.iter().any(|bytes| has(bytes, line.as_bytes()));
+    // Short lines may stand elsewhere by chance.
+    let mut lines = described().flat_map(|(row, text)| text.meaning.iter().map(move |line| (row, *line)));
+    let (row, line) = lines.find(|(_, line)| line.len() > LONG && is_in_image(line))?;
+    Some(format!("what the setting {} means is in the image ({line:?}), which nobody reads there", row.id))
+}
+
+/// Characters of a text that stands nowhere by chance.
+const LONG: usize = 24;
+
+/// Whether some bytes are in others.
+fn has(bytes: &[u8], wanted: &[u8]) -> bool {
+    bytes.windows(wanted.len()).any(|window| window == wanted)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::objection;
+    use super::{LONG, has, objection};
+    use corehbot::settings::rows::described;
 
     #[test]
     fn a_name_that_only_looks_like_arithmetic_is_none() {
