@@ -1,5 +1,5 @@
-//! Firmware core for a CoreH-bot 3D printer, and for any other linear machine that a matrix describes: bytes of G-code go
-//! in, step events of the motors come out.
+//! Firmware core for a CoreH-bot 3D printer, and for any other linear machine that a matrix describes: bytes of G-code
+//! go in, step events of the motors come out.
 //!
 //! The core knows no hardware, no clock and no executor: a board gives it bytes and time and takes step
 //! events. The same code therefore runs on the host, in QEMU and on a controller, and gives the same steps.
@@ -10,8 +10,8 @@
 //!                                        +--orders--> thermal --duties--> heaters, fans
 //! ```
 //!
-//! A **room** is a folder or file directly in `src`, with one job. A room may use only rooms of the lines above its own, to which
-//! `tests/layers.rs` holds every `use`:
+//! A **room** is a folder or file directly in `src`, with one job. A room may use only rooms of the lines above its
+//! own, to which `tests/layers.rs` holds every `use`:
 //!
 //! 1. `units`, `text`, `checksum`
 //! 2. `motors`, `connectors`, and `fault`, which uses `connectors`
@@ -21,8 +21,8 @@
 //! 6. `machine`
 //! 7. `app`
 //!
-//! **The paper** is the one that describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an 80 mm head:
-//! [`settings::Settings::prototype`]. Each room explains its other words at its head.
+//! **The paper** is the one that describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an
+//! 80 mm head: [`settings::Settings::prototype`]. Each room explains its other words at its head.
 #![no_std]
 #![forbid(unsafe_code)]
 

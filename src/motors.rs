@@ -1,8 +1,9 @@
 //! Motors and endstops: their names, and sets of them as bits.
 //!
-//! The Z probe is an endstop, [`EndstopSet::PROBE`]: a board may have its pin (`Board::probe` in `wiring.rs` of the chip) and a
-//! machine a plug for it (`Settings::probe`), which is read like a switch (`step_pins.rs`), and M119 reports it. A move could
-//! watch for it (`watch` of a `Target`, motion/planner), but none does: no command lowers the tool onto the probe.
+//! The Z probe is an endstop, [`EndstopSet::PROBE`]: a board may have its pin (`Board::probe` in `wiring.rs` of the
+//! chip) and a machine a plug for it (`Settings::probe`), which is read like a switch (`step_pins.rs`), and M119
+//! reports it. A move could watch for it (`watch` of a `Target`, motion/planner), but none does: no command lowers the
+//! tool onto the probe.
 
 /// The name of a motor; its number is its bit in a [`MotorSet`] and its column in a step trace.
 ///

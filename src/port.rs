@@ -9,16 +9,17 @@ pub use crate::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 use crate::connectors::{BoardConnectors, SIM};
 use crate::units::{Instant, Tick};
 
-/// How long a step line has to be high, in ns, with every driver that is supported. TMC2209 datasheet rev 1.09, section 13.1:
-/// t_SH >= max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest.
+/// How long a step line has to be high, in ns, with every driver that is supported. TMC2209 datasheet rev 1.09, section
+/// 13.1: t_SH >= max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its
+/// slowest.
 pub const STEP_PULSE_NS: u32 = 133;
 
 /// Step and direction lines of all motors, and the endstop inputs. Called from the step interrupt only:
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
     /// Sets the direction lines so that the coordinates of the groups of `forward` grow with a step and those of the
-    /// others fall ([`Coupling::forward_motors`] says what that is for a motor). Returns when a step may follow (TMC2209 datasheet rev 1.09,
-    /// section 13.1: DIR to STEP set-up 20 ns).
+    /// others fall ([`Coupling::forward_motors`] says what that is for a motor). Returns when a step may follow
+    /// (TMC2209 datasheet rev 1.09, section 13.1: DIR to STEP set-up 20 ns).
     fn dir(&mut self, forward: GroupSet);
 
     /// Raises the step lines of all motors of `steps` in one instant: one store a GPIO port.
@@ -49,7 +50,8 @@ pub trait StepPort {
     /// All endstop inputs, that of the Z probe too, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
 
-    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board with its pin, whose machine has one.
+    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board with its pin, whose machine has
+    /// one.
     fn inputs(&self) -> EndstopSet {
         EndstopSet::SWITCHES
     }
@@ -70,9 +72,9 @@ pub trait StepClock {
     #[must_use]
     fn alarm(&mut self, at: Tick) -> bool;
 
-    /// The same from within the step interrupt that an alarm has brought about. It may be false as well for an `at` that
-    /// is too near, or too far away, to be done with at once; then [`alarm`](Self::alarm) or [`silence`](Self::silence) has
-    /// to follow.
+    /// The same from within the step interrupt that an alarm has brought about. It may be false as well for an `at`
+    /// that is too near, or too far away, to be done with at once; then [`alarm`](Self::alarm) or
+    /// [`silence`](Self::silence) has to follow.
     #[must_use]
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
@@ -110,7 +112,8 @@ pub enum Received {
     Opened,
 }
 
-/// Serial lines to hosts that a machine may have: USB and two UARTs, as on the Octopus. The Console serves each in turn.
+/// Serial lines to hosts that a machine may have: USB and two UARTs, as on the Octopus. The Console serves each in
+/// turn.
 pub const LINES: usize = 3;
 
 /// The serial lines of a machine.
@@ -127,8 +130,8 @@ pub trait Serial {
 
 /// The motor drivers: their enable lines, and the one-wire UART of each.
 ///
-/// One exchange, which is a request and its reply, goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
-/// Without methods of its own for that, a machine has drivers that nobody can talk to.
+/// One exchange, which is a request and its reply, goes on at a time, beside everything else: nothing here blocks, and
+/// nobody awaits it. Without methods of its own for that, a machine has drivers that nobody can talk to.
 pub trait DriverBus {
     /// Powers exactly the motors of `on`, all that change in one transaction.
     fn enable(&mut self, on: MotorSet);
@@ -234,8 +237,8 @@ pub trait Storage {
         Ok(true)
     }
 
-    /// What the program memory holds, as one number that is another one after an update; `None` for a program that nobody
-    /// flashes, such as a simulator's.
+    /// What the program memory holds, as one number that is another one after an update; `None` for a program that
+    /// nobody flashes, such as a simulator's.
     fn image(&self) -> Option<u32> {
         None
     }
@@ -259,20 +262,21 @@ impl Storage for NoStorage {
     }
 }
 
-/// Heaters, fans, temperature sensors, and what watches over them. Called from the thermal context only; no call may block
-/// or lock.
+/// Heaters, fans, temperature sensors, and what watches over them. Called from the thermal context only; no call may
+/// block or lock.
 pub trait ThermalPort {
     /// What the converter reads there: its part of the reference voltage, in units of 1/65,536. `None` if there
     /// is no such sensor, or if the converter has stopped: a value is never older than some milliseconds.
     fn sample(&mut self, sensor: Sensor) -> Option<u16>;
 
-    /// What the converter reads of its internal reference, as a part of the supply in units of 1/65,536; `None` if the board
-    /// does not measure it.
+    /// What the converter reads of its internal reference, as a part of the supply in units of 1/65,536; `None` if the
+    /// board does not measure it.
     fn reference(&mut self) -> Option<u16> {
         None
     }
 
-    /// Outputs that may heat: those that hardware switches off by itself when nobody calls [`heat`](Self::heat) any more.
+    /// Outputs that may heat: those that hardware switches off by itself when nobody calls [`heat`](Self::heat) any
+    /// more.
     fn outputs(&self) -> OutputSet {
         OutputSet::NONE
     }
@@ -299,8 +303,8 @@ pub trait ThermalPort {
         false
     }
 
-    /// Switches the power supply on or off. A board that has switched it off keeps it off over resets, until power was cut or a user
-    /// has asked twice (M999).
+    /// Switches the power supply on or off. A board that has switched it off keeps it off over resets, until power was
+    /// cut or a user has asked twice (M999).
     fn switch_supply(&mut self, _on: bool) {}
 
     /// Everybody has been heard of: the watchdog may wait for another while.

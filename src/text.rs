@@ -1,7 +1,7 @@
 //! Text: what `protocol` and `gcode` both do with bytes, taking blanks off and reading digits.
 //!
-//! What counts as a blank is the caller's to say: to `gcode` the no-break space that people copy from web pages is one, to
-//! `protocol`, which trusts what a checksum covers, only space and tab are.
+//! What counts as a blank is the caller's to say: to `gcode` the no-break space that people copy from web pages is one,
+//! to `protocol`, which trusts what a checksum covers, only space and tab are.
 
 /// `text` without the bytes at its beginning that `is_blank` likes.
 #[inline(always)]

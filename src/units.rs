@@ -101,8 +101,8 @@ impl SpeedSq {
     }
 }
 
-/// Motion time, or a length of it, in ticks times 2^16; 64 bits, so it never wraps. Only the step event itself is rounded to
-/// a whole tick.
+/// Motion time, or a length of it, in ticks times 2^16; 64 bits, so it never wraps. Only the step event itself is
+/// rounded to a whole tick.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 #[repr(transparent)]
 pub struct SubTicks(pub u64);
@@ -206,8 +206,9 @@ impl Instant {
     }
 }
 
-/// The part of a difference that a lag of the first order makes up for in one of `rate` periods a second; a half, if the lag
-/// is shorter than two periods. The product of such a part and a word has the word's size without a shift or a check.
+/// The part of a difference that a lag of the first order makes up for in one of `rate` periods a second; a half, if
+/// the lag is shorter than two periods. The product of such a part and a word has the word's size without a shift or a
+/// check.
 #[must_use]
 pub const fn part_per_period(lag: Seconds, rate: u32) -> I0F32 {
     const ONE: u64 = 1 << I0F32::FRAC_NBITS;

@@ -1,5 +1,5 @@
-//! The arrows between the rooms: every `use crate::room` in src/ must be one that the table holds, and the files and folders
-//! within a room have no circle.
+//! The arrows between the rooms: every `use crate::room` in src/ must be one that the table holds, and the files and
+//! folders within a room have no circle.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "support/arrows.rs"]
@@ -116,8 +116,8 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
     assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
 }
 
-/// What the parts of the room `machine` may use of each other, each only those above it: a command gets the main loop and the states that
-/// it names, and the Console hands them to it.
+/// What the parts of the room `machine` may use of each other, each only those above it: a command gets the main loop
+/// and the states that it names, and the Console hands them to it.
 const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("ports", &[]),
     ("interrupt", &[]),

@@ -1,10 +1,11 @@
 //! The wiring of the Fysetc Spider V1.x and V2.x with an STM32F446VET6 (LQFP100), as far as all of these are the same.
 //!
-//! From Fysetc's README (github.com/FYSETC/FYSETC-SPIDER), Klipper's generic-fysetc-spider.cfg, Marlin's pins_FYSETC_SPIDER.h and
-//! the RepRapFirmware that Fysetc adapted (FYSETC.h), which agree. Nobody has read the schematic.
+//! From Fysetc's README (github.com/FYSETC/FYSETC-SPIDER), Klipper's generic-fysetc-spider.cfg, Marlin's
+//! pins_FYSETC_SPIDER.h and the RepRapFirmware that Fysetc adapted (FYSETC.h), which agree. Nobody has read the
+//! schematic.
 //!
-//! Motors 1 and 8 have step pins on GPIOE, motors 4 and 11 on GPIOD, so each pair steps by one store. The host is on USART1, on the
-//! header for a Raspberry Pi, or on USB.
+//! Motors 1 and 8 have step pins on GPIOE, motors 4 and 11 on GPIOD, so each pair steps by one store. The host is on
+//! USART1, on the header for a Raspberry Pi, or on USB.
 
 use corehbot::connectors::SPIDER;
 use corehbot::port::Sensor;
@@ -50,7 +51,8 @@ pub static BOARD: Board = Board {
         thermistor(Sensor::Hotend1, 1, 11),
         thermistor(Sensor::Hotend2, 2, 12),
     ],
-    // E0, E1, E2 and the bed, FAN2, and the strips' R, G and B. FAN0 and FAN1 of V1.x (PB0, PB1) are inputs of thermistors in V2.2.
+    // E0, E1, E2 and the bed, FAN2, and the strips' R, G and B. FAN0 and FAN1 of V1.x (PB0, PB1) are inputs of
+    // thermistors in V2.2.
     loads: &[
         Pin::new(Port::B, 15),
         Pin::new(Port::C, 8),

@@ -13,8 +13,8 @@ pub struct HeatArgs {
     /// What the heaters are in truth, whatever the machine's settings say (docs/explanation/heat.md).
     #[arg(long, value_name = "H.toml")]
     plant_heat: Option<PathBuf>,
-    /// Something breaks: what, where and when after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or `fan-dead:part@2m`. May
-    /// be repeated. A wrong word is answered with those that are known.
+    /// Something breaks: what, where and when after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or
+    /// `fan-dead:part@2m`. May be repeated. A wrong word is answered with those that are known.
     #[arg(long = "break", value_name = "WHAT[:WHERE]@TIME")]
     breaks: Vec<String>,
 }

@@ -1,7 +1,8 @@
 //! `corehbot image`: an image for a board, with the machine of a file in it.
 //!
 //! Images are built without a machine. Each has a block for one ([`corehbot::storage::put_machine`]), so nobody needs a
-//! compiler to have the image of a machine. Boards that differ in pins alone share an image, and its block says which it is on.
+//! compiler to have the image of a machine. Boards that differ in pins alone share an image, and its block says which
+//! it is on.
 
 use crate::output::Outputs;
 use crate::status::DONE;

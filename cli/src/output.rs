@@ -1,8 +1,8 @@
 //! Outputs: files that are written beside their place and renamed when they are whole.
 //!
-//! While `t.csv` is being written it is called `t.csv.partial`, so nobody takes half a trace for a whole one and an older
-//! one stays as it is until there is a better. What is no plain file (`/dev/null`, a pipe) is written as it is, and `-` is
-//! standard output. No output may be an input or another output, whatever the paths are called.
+//! While `t.csv` is being written it is called `t.csv.partial`, so nobody takes half a trace for a whole one and an
+//! older one stays as it is until there is a better. What is no plain file (`/dev/null`, a pipe) is written as it is,
+//! and `-` is standard output. No output may be an input or another output, whatever the paths are called.
 
 use crate::stop::Stop;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -103,8 +103,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Outputs of a command that reads these files, `-` being standard input, and that `stop` stops when nobody reads its
-    /// standard output any more.
+    /// Outputs of a command that reads these files, `-` being standard input, and that `stop` stops when nobody reads
+    /// its standard output any more.
     #[must_use]
     pub fn new<'p>(inputs: impl IntoIterator<Item = &'p Path>, stop: Stop) -> Self {
         let input = |path: &Path| {

@@ -24,11 +24,12 @@ pub struct PlantArgs {
     /// Draws the phase of each motor at power-up, and the noise of its driver; without it, phases are 0.
     #[arg(long, value_name = "N", requires = "plant")]
     seed: Option<u64>,
-    /// The tool runs into something within 1 mm of X,Y: N newtons act against its motion for MS milliseconds. May be repeated.
+    /// The tool runs into something within 1 mm of X,Y: N newtons act against its motion for MS milliseconds. May be
+    /// repeated.
     #[arg(long, value_name = "X,Y,N,MS", requires = "plant", allow_hyphen_values = true)]
     hit: Vec<String>,
-    /// A motor (m1, m4, m8, m11) rubs with N newtons at the belt, from second S of motion time on, for good or for MS milliseconds. May
-    /// be repeated.
+    /// A motor (m1, m4, m8, m11) rubs with N newtons at the belt, from second S of motion time on, for good or for MS
+    /// milliseconds. May be repeated.
     #[arg(long, value_name = "MOTOR,N[,S[,MS]]", requires = "plant", allow_hyphen_values = true)]
     brake: Vec<String>,
 }

@@ -116,8 +116,8 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
 }
 
-/// Sides of 2048 steps, on which four of four corners were lost, and a zigzag whose lines lie 0.1 mm apart, which was measured from
-/// the lines beside its own when it was held against another file.
+/// Sides of 2048 steps, on which four of four corners were lost, and a zigzag whose lines lie 0.1 mm apart, which was
+/// measured from the lines beside its own when it was held against another file.
 #[test]
 fn corners_are_found_and_a_line_is_held_against_that_of_its_own_time() {
     let square = "G1 X125.6 Y100 F6000\nG1 Y125.6\nG1 X100\nG1 Y100\nG1 X125.6\nM400\n";
@@ -373,8 +373,9 @@ fn a_compensated_trace_keeps_the_tool_nearer_to_its_line() {
     assert_eq!(twin("compensate t.csv -o u.csv --smooth 0").status.code(), Some(2));
 }
 
-/// With drivers at 64 microsteps and motors that may accelerate more than the print asks for, a file that the firmware plays as it
-/// is comes to a third of its error, and to a half with stiffness 20 % off; without them the steps alone leave less room.
+/// With drivers at 64 microsteps and motors that may accelerate more than the print asks for, a file that the firmware
+/// plays as it is comes to a third of its error, and to a half with stiffness 20 % off; without them the steps alone
+/// leave less room.
 #[test]
 fn compensated_g_code_takes_the_error_to_a_third_if_steps_are_fine_and_motors_have_a_reserve() {
     let moves =
@@ -402,8 +403,8 @@ fn compensated_g_code_takes_the_error_to_a_third_if_steps_are_fine_and_motors_ha
     assert!(text.contains("M204 P4000 T4000\nM400\nG4 P100"), "limits of the file hold where it rests: {text}");
 }
 
-/// Inches, places with other names, relative moves, overrides and pressure advance: motors end where they would have, filament too, and
-/// what is said afterwards means what it did.
+/// Inches, places with other names, relative moves, overrides and pressure advance: motors end where they would have,
+/// filament too, and what is said afterwards means what it did.
 #[test]
 fn compensated_g_code_means_what_the_file_does() {
     let lines = "M302 S0\nM900 K0.05\nG1 X110 Y100 E1 F6000\nG92 X10 E0\nG1 X20 Y105 E1\nG91\nG1 X-5 Y5 E1\nG20\nG1 X.2 E.02\n\

@@ -42,8 +42,8 @@ const REFERENCE: usize = 0;
 /// What a conversion makes of its reference: the inputs of ADC3 are given in these steps.
 const FULL_SCALE: u32 = 4095;
 
-/// JTDO and NJTRST, which are the debug port's after a reset: driven by nobody unless a JTAG probe is there, the second pulled up by
-/// the chip (RM0390 rev 6, section 7.3.1).
+/// JTDO and NJTRST, which are the debug port's after a reset: driven by nobody unless a JTAG probe is there, the second
+/// pulled up by the chip (RM0390 rev 6, section 7.3.1).
 const JTAG: [Pin; 2] = [Pin::new('B', 3), Pin::new('B', 4)];
 
 /// The board's rail in mV.
@@ -64,8 +64,8 @@ pub struct Port {
     pub outputs: u16,
     /// Pins that a peripheral of the chip drives.
     pub alternate: u16,
-    /// Those of them that are driven high now, or will be before anybody writes again, as far as that is known: a heater's pin
-    /// on its timer whose pulse is under way or to come, and every pin of another peripheral.
+    /// Those of them that are driven high now, or will be before anybody writes again, as far as that is known: a
+    /// heater's pin on its timer whose pulse is under way or to come, and every pin of another peripheral.
     pub live: u16,
     /// The output data register.
     pub data: u16,
@@ -86,8 +86,8 @@ impl Port {
 }
 
 impl Emulated {
-    /// A board out of reset with hosts on its serial ports, as many as there are, and its settings in `eeprom` on I2C1 or in
-    /// `flash`.
+    /// A board out of reset with hosts on its serial ports, as many as there are, and its settings in `eeprom` on I2C1
+    /// or in `flash`.
     ///
     /// # Errors
     /// If the model contradicts itself.
@@ -141,7 +141,8 @@ impl Emulated {
         }
     }
 
-    /// Puts so many mV on the converters' supply. The thermistors hang there too, so only the internal reference shows it.
+    /// Puts so many mV on the converters' supply. The thermistors hang there too, so only the internal reference shows
+    /// it.
     pub fn set_analog_supply(&mut self, millivolts: u32) {
         self.mcu.adc[REFERENCE].set_reference(millivolts);
     }

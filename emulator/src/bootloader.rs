@@ -148,7 +148,8 @@ pub enum Bootloader {
     /// As BTT's leaves it.
     #[default]
     Btt,
-    /// Worse, as none is known to: SysTick is about to interrupt, priorities have no bits that count, and SWDIO is an output.
+    /// Worse, as none is known to: SysTick is about to interrupt, priorities have no bits that count, and SWDIO is an
+    /// output.
     Careless,
 }
 

@@ -1,14 +1,15 @@
-//! The chip: the STM32F427 model with a clock tree of its own, a USB port with nothing plugged in, and the lines of EXTI.
+//! The chip: the STM32F427 model with a clock tree of its own, a USB port with nothing plugged in, and the lines of
+//! EXTI.
 //!
 //! The crate's own model of OTG_FS answers for the reset register; all others only keep what is written. A firmware
 //! that clears the interrupt flags by writing ones would find all of them set, and believe in a host for ever.
 //!
-//! EXTI has no model in the crate, whose table does not connect it with the interrupt of the supply's detector either. Here it
-//! keeps what is written, and nothing is ever pending; a test that lets the supply fall looks whether the line is armed, and
-//! pends the interrupt itself.
+//! EXTI has no model in the crate, whose table does not connect it with the interrupt of the supply's detector either.
+//! Here it keeps what is written, and nothing is ever pending; a test that lets the supply fall looks whether the line
+//! is armed, and pends the interrupt itself.
 //!
-//! The crate's flash cannot be written to: the processor's stores to it are dropped. For a board that keeps settings there,
-//! [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
+//! The crate's flash cannot be written to: the processor's stores to it are dropped. For a board that keeps settings
+//! there, [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
 
 use crate::board::RAIL;
 use crate::clock_tree::{ClockTree, Defect, Supply};
@@ -142,8 +143,8 @@ impl Chip {
         self.clock_tree.calibrate(hz);
     }
 
-    /// The crystal stops: what the clock security system makes of that happens at once (RM0390 rev 6, section 6.2.7), but for the
-    /// exception, which the model does not raise. Says whether the system watched for it.
+    /// The crystal stops: what the clock security system makes of that happens at once (RM0390 rev 6, section 6.2.7),
+    /// but for the exception, which the model does not raise. Says whether the system watched for it.
     pub fn stop_crystal(&mut self, at: VirtualNanos) -> bool {
         /// RCC_CR and RCC_CIR, and CSSF in the latter (RM0390 rev 6, sections 6.3.1 and 6.3.4).
         const CONTROL: u64 = 0x4002_3800;

@@ -1,7 +1,7 @@
 //! Compares the steps on the pins with those of the host simulator.
 //!
-//! The sequence, which motors step which way, has to be equal, without exception. Then two things are looked at: whether
-//! the firmware plays each event at the host's tick, and how late the edges are.
+//! The sequence, which motors step which way, has to be equal, without exception. Then two things are looked at:
+//! whether the firmware plays each event at the host's tick, and how late the edges are.
 
 use crate::steps::StepEvent;
 use crate::timer::Schedule;

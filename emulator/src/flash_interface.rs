@@ -8,8 +8,8 @@
 //! | PGSERR: PG not set, or an erase selected; PGAERR: beyond a row of 128 bits; PGPERR: another width than PSIZE; WRPERR | 3.5.4, 3.8.4 | here |
 //! | operations and writes to CR while BSY is set, of which the manual says that the bus waits | 3.5.1 | here, a fault of the image |
 //!
-//! While a sector is erased the processor stands still (3.5: no code can be fetched), so the watch holds it. While a word is
-//! programmed it goes on, as it does if it waits for BSY in the instruction cache.
+//! While a sector is erased the processor stands still (3.5: no code can be fetched), so the watch holds it. While a
+//! word is programmed it goes on, as it does if it waits for BSY in the instruction cache.
 
 use crate::board::RAIL;
 use crate::flash::{FlashSectors, Operation, Tear};
@@ -23,8 +23,8 @@ use std::num::NonZeroU32;
 /// To program a word, typical (STM32F446 datasheet, t_prog).
 const PROGRAM_NS: u64 = 16_000;
 
-/// To erase a sector of 16 KiB at the most, at 8, 16 and 32 bits (STM32F446 datasheet, t_ERASE16KB). The crate's model is done
-/// earlier, at the typical time; the processor stands still until this one.
+/// To erase a sector of 16 KiB at the most, at 8, 16 and 32 bits (STM32F446 datasheet, t_ERASE16KB). The crate's model
+/// is done earlier, at the typical time; the processor stands still until this one.
 const ERASE_NS: [u64; 3] = [800_000_000, 600_000_000, 500_000_000];
 
 /// HCLK out of reset (RM0390 rev 6, section 6.2.2).

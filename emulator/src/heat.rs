@@ -1,8 +1,8 @@
 //! Heat: the thermal plant of the rig on the board's pins, in virtual time.
 //!
-//! Heaters and fans get what their pins are driven with, summed up to the nanosecond, while PS_ON is driven low. The plant's
-//! sensors are the converter's inputs: each conversion that the firmware's converter makes is one of the plant's, with noise
-//! of its own. A machine without heaters costs nothing here.
+//! Heaters and fans get what their pins are driven with, summed up to the nanosecond, while PS_ON is driven low. The
+//! plant's sensors are the converter's inputs: each conversion that the firmware's converter makes is one of the
+//! plant's, with noise of its own. A machine without heaters costs nothing here.
 
 use crate::board::Emulated;
 use crate::wiring::Wiring;
@@ -145,8 +145,8 @@ impl HeatWatch {
         self.heaters[output as usize].level > 0.0
     }
 
-    /// Looks at the pins, at an access that may have changed them and whenever a timer may have; the extruder has made so many
-    /// steps.
+    /// Looks at the pins, at an access that may have changed them and whenever a timer may have; the extruder has made
+    /// so many steps.
     pub fn look(&mut self, board: &mut Emulated, at: u64, extruded: i32) {
         if !self.is_heated {
             return;

@@ -19,7 +19,8 @@ const TIM5: usize = 3;
 const TIM9: [u64; 4] = [0x4001_4000, 0x4001_4020, 0x4001_402C, 0x4001_4034];
 
 impl Emulated {
-    /// What the firmware drives `load` with now: 0 is off, 1 on, and for a timer that has no model the share of the time.
+    /// What the firmware drives `load` with now: 0 is off, 1 on, and for a timer that has no model the share of the
+    /// time.
     pub fn drives(&mut self, at: VirtualNanos, load: Load) -> f64 {
         let (_, registers) = self.mcu.port(load.pin.port);
         match registers.get(Register::Moder) >> (2 * load.pin.bit) & 3 {
@@ -65,8 +66,8 @@ impl Emulated {
         word >> (4 * (pin.bit % 8)) & 0xF
     }
 
-    /// The pulse that a channel of TIM5 puts out now or will before its counter stops: its begin and its end, in counts of the
-    /// present period. A level that is high while the counter stands has no end.
+    /// The pulse that a channel of TIM5 puts out now or will before its counter stops: its begin and its end, in counts
+    /// of the present period. A level that is high while the counter stands has no end.
     pub fn pulse(&mut self, channel: u8) -> Option<(u64, u64)> {
         let number = tim::Channel::new(channel)?;
         let (timer, registers) = self.mcu.timer(TIM5);

@@ -1,8 +1,8 @@
-//! Mechanics: what the motors turn. The rigid rig of the simulator, and with `--plant belt` its belt plant too, whose switches and
-//! loads count then.
+//! Mechanics: what the motors turn. The rigid rig of the simulator, and with `--plant belt` its belt plant too, whose
+//! switches and loads count then.
 //!
-//! The plant lives in virtual time; motion time is that of the firmware's schedule. Switches follow the rig with each step, and the
-//! belt's tool, which moves between steps too, every [`LOOK_NS`] while it is near one of them.
+//! The plant lives in virtual time; motion time is that of the firmware's schedule. Switches follow the rig with each
+//! step, and the belt's tool, which moves between steps too, every [`LOOK_NS`] while it is near one of them.
 
 use crate::driver_line::DriverLines;
 use crate::timer::NS_PER_TICK;

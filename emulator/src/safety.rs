@@ -8,7 +8,8 @@ use corehbot::motors::MotorSet;
 /// Why a pin was not safe.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Danger {
-    /// An output was driven high, or is to be by a timer, or was handed to another peripheral, with no heater fitted on it.
+    /// An output was driven high, or is to be by a timer, or was handed to another peripheral, with no heater fitted on
+    /// it.
     HeaterLive(Output),
     /// A motor got power before the firmware had greeted its host.
     PoweredBeforeStart(MotorSet),

@@ -1,8 +1,8 @@
 //! The schedule: when the firmware means to play the event that is on the pins.
 //!
 //! Its time is the core's cycle counter, and its alarm the core's own timer, which no bus sees. So the schedule is read
-//! where the firmware keeps it: `STEPPER` in the image is the Stepper, the first words of which are laid out for the step
-//! interrupt (`motion::stepper`), and it leads to the status (`status`).
+//! where the firmware keeps it: `STEPPER` in the image is the Stepper, the first words of which are laid out for the
+//! step interrupt (`motion::stepper`), and it leads to the status (`status`).
 
 use crate::board::Emulated;
 use rigless::emulator::Host;

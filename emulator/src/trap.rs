@@ -19,7 +19,8 @@ const PANIC: &str = "panic_const_async_fn_resumed";
 /// Interrupt control and state register: bit 31 pends the NMI (ARM DDI 0403E, B3.2.4).
 const ICSR: u32 = 0xE000_ED04;
 
-/// Interrupt set-pending register 0 (ARM DDI 0403E, B3.4.5): the supply's detector is interrupt 1 (RM0390, vector table).
+/// Interrupt set-pending register 0 (ARM DDI 0403E, B3.4.5): the supply's detector is interrupt 1 (RM0390, vector
+/// table).
 const ISPR: u32 = 0xE000_E200;
 
 /// Where a context goes that has fallen into the trap.
@@ -74,8 +75,8 @@ pub enum Trap {
     /// The exception by which the chip tells that its crystal has stopped (RM0390 rev 6, section 6.2.7). The model
     /// falls back to its own oscillator, but raises no exception, so the code pends it.
     ClockFailure,
-    /// The supply falls below the level of its detector. The model has the detector, but no line from it to the processor,
-    /// so the code pends the interrupt, if [`crate::watch`] has found detector and line armed.
+    /// The supply falls below the level of its detector. The model has the detector, but no line from it to the
+    /// processor, so the code pends the interrupt, if [`crate::watch`] has found detector and line armed.
     SupplyFalls,
 }
 
@@ -83,8 +84,8 @@ pub enum Trap {
 const IN_RAM: u32 = 0x2001_0000;
 const BELOW_RAM: u32 = 0x1FFF_FF00;
 
-/// A loop without end that does nothing. The emulator takes a twentieth of the time for it that it takes for a lone branch to
-/// itself.
+/// A loop without end that does nothing. The emulator takes a twentieth of the time for it that it takes for a lone
+/// branch to itself.
 fn endless() -> impl Iterator<Item = u16> {
     const NOPS: u16 = 500;
     // B, encoding T2, to where the loop begins (ARMv7-M manual, A7.7.12).
@@ -139,7 +140,8 @@ fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], V
             word(&mut code, ICSR);
         }
         Trap::SupplyFalls => {
-            // ldr r0, =ISPR; movs r1, #2; str r1, [r0]; b to the pop; nop; nop: an interrupt of the same priority waits.
+            // ldr r0, =ISPR; movs r1, #2; str r1, [r0]; b to the pop; nop; nop: an interrupt of the same priority
+            // waits.
             code.extend([0x4802, 0x2102, 0x6001, 0xE7F3, 0xBF00, 0xBF00]);
             word(&mut code, ISPR);
         }

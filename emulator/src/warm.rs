@@ -1,16 +1,18 @@
 //! A core that goes on with what another has translated.
 //!
-//! The crate translates the image block by block while it runs, which is most of the time of a short run. A core keeps its
-//! translation until it is dropped, and throws it away when it is reset or its MPU is set. So a run begins on a new core, and as
-//! soon as the image has its MPU on, the state goes over to a core of an earlier run that is set alike. The crate allows for that:
-//! a loaded state leaves the translation of memory that has not changed, and what has is named to the core
-//! ([`Processor::load`]). The core of a run that has ended, or was reset, is kept for others, on memory of its own.
+//! The crate translates the image block by block while it runs, which is most of the time of a short run. A core keeps
+//! its translation until it is dropped, and throws it away when it is reset or its MPU is set. So a run begins on a new
+//! core, and as soon as the image has its MPU on, the state goes over to a core of an earlier run that is set alike.
+//! The crate allows for that: a loaded state leaves the translation of memory that has not changed, and what has is
+//! named to the core ([`Processor::load`]). The core of a run that has ended, or was reset, is kept for others, on
+//! memory of its own.
 //!
 //! What the run does is the same to the instruction, with a translation and without.
 //!
-//! This rests on two things in the crate's version 0.4.0, to which Cargo.toml pins it: a core that memory is mapped to anew forgets the
-//! address that it had for it, and code that it has made holds no addresses of that memory. Nor does it see two things, which the emulator
-//! does not do: that memory is watched (`Watch::Writes`), and that code is written at the stop that ends a run.
+//! This rests on two things in the crate's version 0.4.0, to which Cargo.toml pins it: a core that memory is mapped to
+//! anew forgets the address that it had for it, and code that it has made holds no addresses of that memory. Nor does
+//! it see two things, which the emulator does not do: that memory is watched (`Watch::Writes`), and that code is
+//! written at the stop that ends a run.
 #![allow(unsafe_code, reason = "a core has its memory by its address in this process")]
 
 use rigless::emulator::{CoreBus, CoreSpec, DataModel, Error, Exit, HostCall, Processor, ProcessorConstructor, Queued};
@@ -29,8 +31,8 @@ const IS_ON: u64 = 1;
 /// What is compared, and translated anew if it differs: a page of the crate's cores, which memory has to be aligned to.
 const PAGE: usize = 1024;
 
-/// Pages of flash in which another image may differ and still be taken for the same. Flash is mapped twice, at 0 too, so the settings
-/// of the Nucleo are 64, and a machine or a patch a few more. Of two different images 700 differ.
+/// Pages of flash in which another image may differ and still be taken for the same. Flash is mapped twice, at 0 too,
+/// so the settings of the Nucleo are 64, and a machine or a patch a few more. Of two different images 700 differ.
 const MOST_DIFFERENT: usize = 160;
 
 /// Cores whose runs have ended.
@@ -86,8 +88,8 @@ impl Kept {
         let copy = |mapped: &Mapped| {
             let mut pages = vec![Page([0; PAGE]); mapped.length.div_ceil(PAGE)];
             let host = pages.as_mut_ptr().cast::<u8>();
-            // SAFETY: both have so many bytes, one by the caller's promise; `pages` moves with what holds it, its bytes do not, and
-            // nobody else has them. The core is mapped to other memory, or dropped, before they are.
+            // SAFETY: both have so many bytes, one by the caller's promise; `pages` moves with what holds it, its bytes
+            // do not, and nobody else has them. The core is mapped to other memory, or dropped, before they are.
             unsafe {
                 ptr::copy_nonoverlapping(mapped.address(), host, mapped.length);
                 core.map(mapped.start, mapped.length as u64, host, mapped.is_writable);
@@ -98,7 +100,8 @@ impl Kept {
         Self { core, memory }
     }
 
-    /// Pages of a run's memory, of the wanted kind, that are not as this core has them; nothing if the run has other memory altogether.
+    /// Pages of a run's memory, of the wanted kind, that are not as this core has them; nothing if the run has other
+    /// memory altogether.
     ///
     /// # Safety
     /// As of [`Mapped::bytes`].

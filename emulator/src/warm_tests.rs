@@ -38,7 +38,8 @@ fn adds(step: u16) -> Vec<u8> {
     code.iter().flat_map(|halfword| halfword.to_le_bytes()).collect()
 }
 
-/// Looks every 10 us, and has the chip reset on the way if it is asked to. A cold run finds no core that was kept, not even its own.
+/// Looks every 10 us, and has the chip reset on the way if it is asked to. A cold run finds no core that was kept, not
+/// even its own.
 struct Watch {
     is_cold: bool,
     resets_at: Option<u64>,

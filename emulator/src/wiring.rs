@@ -243,8 +243,9 @@ pub static OCTOPUS: Wiring = Wiring {
     settings: SettingsMemory::Eeprom,
 };
 
-/// Fysetc Spider V1.x and V2.x with motors 1, 8, 4, 11 in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and E4-MOT and the
-/// extruder in E0-MOT; the Raspberry Pi header is USART1 (Fysetc's README, pin definition). Which resistors it has is not known.
+/// Fysetc Spider V1.x and V2.x with motors 1, 8, 4, 11 in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
+/// E4-MOT and the extruder in E0-MOT; the Raspberry Pi header is USART1 (Fysetc's README, pin definition). Which
+/// resistors it has is not known.
 pub static SPIDER: Wiring = Wiring {
     name: "spider",
     slots: [
@@ -282,11 +283,11 @@ const fn socket(motor: Motor, step: Pin, dir: Pin) -> Option<Slot> {
     Some(Slot { motor, step, dir, enable: Pin::new('A', 9), uart: None })
 }
 
-/// Nucleo-F446RE with a CNC shield v3: motors 1, 4, 8, 11 in sockets X, Y, A, Z, nothing for the ball screws and the extruder. On the
-/// shield, step and direction are D2 and D5 (X), D3 and D6 (Y), D12 and D13 (A), D4 and D7 (Z), limits D9, D10, D11 (Protoneer's
-/// shield v3.00, as `protoneer_3.xx_map.h` of grblHAL has it). Which pins these are is in UM1724, Arduino connectors of the
-/// NUCLEO-F446RE. The ST-LINK drives the oscillator's input with 8 MHz, and has USART2 as a serial port (UM1724, OSC clock and USART
-/// communication). No bootloader.
+/// Nucleo-F446RE with a CNC shield v3: motors 1, 4, 8, 11 in sockets X, Y, A, Z, nothing for the ball screws and the
+/// extruder. On the shield, step and direction are D2 and D5 (X), D3 and D6 (Y), D12 and D13 (A), D4 and D7 (Z), limits
+/// D9, D10, D11 (Protoneer's shield v3.00, as `protoneer_3.xx_map.h` of grblHAL has it). Which pins these are is in
+/// UM1724, Arduino connectors of the NUCLEO-F446RE. The ST-LINK drives the oscillator's input with 8 MHz, and has
+/// USART2 as a serial port (UM1724, OSC clock and USART communication). No bootloader.
 pub static NUCLEO: Wiring = Wiring {
     name: "nucleo",
     slots: [

@@ -101,7 +101,8 @@ fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
     assert_refused(&print_on(&drivers), "motor");
 }
 
-/// From a fault of drivers in mid-motion to when the motors of `failed` have no power, and to the last step, in ns; the host is told one of `causes`.
+/// From a fault of drivers in mid-motion to when the motors of `failed` have no power, and to the last step, in ns; the
+/// host is told one of `causes`.
 fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u64, Seen) {
     let seen = print(&firmware(), GCODE, Some(injection));
     let at = seen.injected.expect("a fault");
@@ -133,8 +134,8 @@ fn raised(seen: &Seen, at: u64) -> i64 {
     later.map(|event| if event.forward.has(Motor::Z1) { 1 } else { -1 }).sum()
 }
 
-/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen. If it turns the belt it is off within 100 ms, and
-/// the other three raise z by 10 mm and park the tool.
+/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen. If it turns the belt it is off
+/// within 100 ms, and the other three raise z by 10 mm and park the tool.
 #[test]
 fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of_its_belt_park_the_tool() {
     for motor in [Motor::M1, Motor::M11] {

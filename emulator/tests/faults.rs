@@ -1,5 +1,6 @@
-//! Whatever happens to the chip: motors off, heaters off, and the cause is told after the reset. Panics, processor faults, hangs, a
-//! full stack and a crystal that stops are in `heat_crashes`, with heaters on and motors stepping or not.
+//! Whatever happens to the chip: motors off, heaters off, and the cause is told after the reset. Panics, processor
+//! faults, hangs, a full stack and a crystal that stops are in `heat_crashes`, with heaters on and motors stepping or
+//! not.
 
 use crate::common::{MS, firmware, print};
 use corehbot_emulator::bootloader::Bootloader;
@@ -94,7 +95,8 @@ fn a_chip_without_brown_out_reset_is_reported_at_the_start_and_by_m122() {
     assert_eq!(told, 2, "{:?}", seen.line.said);
 }
 
-/// A bootloader that leaves SWDIO (PA13) an output, as BTT's has it while it runs: a probe could not attach to the firmware.
+/// A bootloader that leaves SWDIO (PA13) an output, as BTT's has it while it runs: a probe could not attach to the
+/// firmware.
 #[test]
 fn the_debug_port_has_its_pins() {
     for bootloader in [Bootloader::Btt, Bootloader::Careless] {

@@ -127,8 +127,9 @@ fn simulated(settings: &Settings, lines: &str, count: usize) -> Vec<f64> {
     celsius
 }
 
-/// The same plant, the same control, another board: two thermal contexts that know nothing of each other. So one may be a
-/// control period of 20 ms ahead, and what the heater gives in it; and the simulator's temperatures are those of whole milliseconds.
+/// The same plant, the same control, another board: two thermal contexts that know nothing of each other. So one may be
+/// a control period of 20 ms ahead, and what the heater gives in it; and the simulator's temperatures are those of
+/// whole milliseconds.
 #[test]
 fn simulator_and_image_heat_alike() {
     let gcode = "M104 S45\nG4 S4\n";
@@ -208,8 +209,9 @@ fn f01_f02_a_broken_sensor_is_off_at_the_pin_within_half_a_second() {
     }
 }
 
-/// F10 at the pins: the switch of a hotend that nobody heats conducts. Nothing but the power supply ends that. The guard waits
-/// five lags after the last power before it looks; a machine with short ones saves the test ten seconds of that.
+/// F10 at the pins: the switch of a hotend that nobody heats conducts. Nothing but the power supply ends that. The
+/// guard waits five lags after the last power before it looks; a machine with short ones saves the test ten seconds of
+/// that.
 #[test]
 fn f10_a_stuck_switch_costs_the_supply_and_all_fans_run() {
     let mut settings = heated();

@@ -1,5 +1,5 @@
-//! Whatever ends the firmware while a heater is on: the heater's pin is low within its time, motors lose their power, the cause
-//! is told after the reset, and nothing heats by itself any more. Times are those of pins.
+//! Whatever ends the firmware while a heater is on: the heater's pin is low within its time, motors lose their power,
+//! the cause is told after the reset, and nothing heats by itself any more. Times are those of pins.
 
 use crate::common::{Bench, MS, firmware, heated_bench, print_on};
 use corehbot_emulator::heat::Climate;
@@ -15,14 +15,15 @@ const STANDING: &str = "M104 S200\nM17\nG4 S60\n";
 /// What a crash is: heaters and motors are off after so many ns.
 const AT_ONCE: u64 = 20_000;
 
-/// A processor that hangs: the heaters' timer ends its pulses by itself, after a control period at the latest. The promise is
-/// 100 ms.
+/// A processor that hangs: the heaters' timer ends its pulses by itself, after a control period at the latest. The
+/// promise is 100 ms.
 const BY_THE_TIMER: u64 = 20 * MS;
 
 /// Watchdog: 500 counts of 1 kHz at the 32 kHz of the data sheet, after the last control period that was well.
 const WATCHDOG: u64 = 520 * MS;
 
-/// When the fault comes: the drivers have been set up, motors have got power one after another, and the heater has been on.
+/// When the fault comes: the drivers have been set up, motors have got power one after another, and the heater has been
+/// on.
 const AFTER: u64 = 1500 * MS;
 
 /// A machine at 100 C.
@@ -107,7 +108,8 @@ fn f32_a_processor_fault_is_off_at_once() {
 }
 
 /// The lowest KiB of RAM is a region of the MPU that nothing may touch, and so is what lies below. The handler takes a
-/// fresh stack, because nothing can be pushed on the full one. Nothing is made to fail here: below RAM the model answers 0.
+/// fresh stack, because nothing can be pushed on the full one. Nothing is made to fail here: below RAM the model
+/// answers 0.
 #[test]
 fn f33_a_stack_that_overflows_ends_at_its_guard() {
     // The stack has to be filled first, by 32 bytes in two instructions.
@@ -147,7 +149,8 @@ fn the_timer_ends_the_pulses_of_a_processor_that_hangs() {
     assert!(seen.heat.edges.iter().rfind(|edge| edge.at <= fallen).is_some_and(|edge| edge.is_high));
 }
 
-/// Contexts above the control period take its time away: the timer ends the pulses. The control period itself is in F38.
+/// Contexts above the control period take its time away: the timer ends the pulses. The control period itself is in
+/// F38.
 #[test]
 fn f30_a_generator_or_stepper_that_hangs_is_ended_by_timer_and_watchdog() {
     for place in [Place::Generator, Place::Stepper] {
@@ -187,8 +190,9 @@ fn f38_a_quick_watchdog_bites_nobody_who_is_well() {
     assert!(seen.virtual_ns > 2000 * MS && seen.heat.edges.len() > 100);
 }
 
-/// An interrupt that never goes away: its handler runs again and again, and only the Stepper and the supply's detector are above
-/// it. It is masked after so many calls, and the machine stops: no reset, and whoever is on another line hears why.
+/// An interrupt that never goes away: its handler runs again and again, and only the Stepper and the supply's detector
+/// are above it. It is masked after so many calls, and the machine stops: no reset, and whoever is on another line
+/// hears why.
 #[test]
 fn f35_a_storm_of_interrupts_is_masked_and_ends_heat_and_motion() {
     /// OTG_FS and USART2, which is the line of the host (RM0390 rev 6, vector table).

@@ -47,7 +47,8 @@ fn every_thermistor_is_read_on_its_own_pin() {
     assert!(shares(&seen, "hotend3")[0] > Some(4085 * STEP) && shares(&seen, "hotend2")[0] < Some(20 * STEP));
 }
 
-/// Without temperatures nobody may heat, and a converter does not come back by itself: the watchdog is not fed any more.
+/// Without temperatures nobody may heat, and a converter does not come back by itself: the watchdog is not fed any
+/// more.
 #[test]
 fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {
     /// ADC3_CR2 (RM0390 rev 6, section 2.2.2 and 13.13.3).

@@ -12,8 +12,9 @@ fn file() -> String {
     from_home(&root().join("examples/tiny.gcode"))
 }
 
-/// What the other host asks in the meantime: so much that it outlasts the print. This host too says M400 when it is done, and
-/// an M400 under way has the motion of both come to rest, which makes other steps than those of the file alone.
+/// What the other host asks in the meantime: so much that it outlasts the print. This host too says M400 when it is
+/// done, and an M400 under way has the motion of both come to rest, which makes other steps than those of the file
+/// alone.
 fn questions() -> String {
     "M105\nM115\nM114\nM119\n".repeat(150)
 }

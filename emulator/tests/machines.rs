@@ -17,7 +17,8 @@ use corehbot_machine_file as machine_file;
 /// Both belts and the screw, and an arc.
 const GCODE: &str = "G28\nG1 X40 Y20 F12000\nG1 Z2\nG2 X60 Y40 I20 J0\nG1 X45 F9000\nM114\n";
 
-/// Prints on the machine of a file in the EEPROM, compares the steps with the simulator's, and says which motors stepped.
+/// Prints on the machine of a file in the EEPROM, compares the steps with the simulator's, and says which motors
+/// stepped.
 fn motors_of(name: &str) -> MotorSet {
     motors_on(&bench_of(machine_file::read(&root().join("examples/machines").join(name)).unwrap().settings))
 }
@@ -53,8 +54,8 @@ fn a_corexyz_lifts_with_all_four() {
     assert_eq!(motors_of("corexyz.toml"), MotorSet::BELT);
 }
 
-/// Motors 1 and 8 in each other's sockets, both reversed: the belt moves as before. The switches of x and y in each other's
-/// inputs.
+/// Motors 1 and 8 in each other's sockets, both reversed: the belt moves as before. The switches of x and y in each
+/// other's inputs.
 #[test]
 fn motors_and_switches_are_where_the_file_has_them() {
     let file =
@@ -98,8 +99,8 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     }
 }
 
-/// A board that nobody has given a machine talks and reports. It moves nothing, heats nothing, and does not take the prototype for its
-/// machine by an M500. One that is sent is stored, and counts after a reset.
+/// A board that nobody has given a machine talks and reports. It moves nothing, heats nothing, and does not take the
+/// prototype for its machine by an M500. One that is sent is stored, and counts after a reset.
 #[test]
 fn a_board_without_a_machine_says_so_and_moves_nothing() {
     let machine = Settings { keepalive_s: 9, ..Settings::prototype() };
@@ -126,8 +127,8 @@ fn a_board_without_a_machine_says_so_and_moves_nothing() {
     assert!(!seen.recorder.events.is_empty() && seen.line.said.contains(&"echo:M113 S9".to_owned()));
 }
 
-/// `corehbot image` puts a machine into the image, which is all that such a board needs: it has the motors, switches and serial rate
-/// of that machine.
+/// `corehbot image` puts a machine into the image, which is all that such a board needs: it has the motors, switches
+/// and serial rate of that machine.
 #[test]
 fn an_image_with_a_machine_in_it_starts_as_that() {
     let mut settings = machine_file::read(&root().join("examples/machines/hbot.toml")).unwrap().settings;
@@ -148,8 +149,8 @@ fn an_image_with_a_machine_in_it_starts_as_that() {
     }
 }
 
-/// A machine that comes over the serial line is stored and told of; a reset later the board is that machine, a CoreXY with two belt
-/// motors and one screw.
+/// A machine that comes over the serial line is stored and told of; a reset later the board is that machine, a CoreXY
+/// with two belt motors and one screw.
 #[test]
 fn a_machine_that_was_sent_is_there_after_a_reset() {
     let machine = machine_file::read(&root().join("examples/machines/corexy.toml")).unwrap().settings;
@@ -162,8 +163,9 @@ fn a_machine_that_was_sent_is_there_after_a_reset() {
     assert_eq!(motors_on(&again), motors.fold(MotorSet::NONE, MotorSet::with));
 }
 
-/// A power cut while a machine that was sent is being stored leaves the old machine or the new one. Every byte is cut on the
-/// host (`tests/storage` of the core); here two runs cost some seconds, so that `cargo xtask soak` alone cuts 200 bytes.
+/// A power cut while a machine that was sent is being stored leaves the old machine or the new one. Every byte is cut
+/// on the host (`tests/storage` of the core); here two runs cost some seconds, so that `cargo xtask soak` alone cuts
+/// 200 bytes.
 #[test]
 fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
     let store = |keepalive_s| {
@@ -194,8 +196,8 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
     assert!((1..kept.len()).contains(&new), "{kept:?}");
 }
 
-/// Prints some moves from where the machine is, compares the steps with the simulator's, and says what else was seen. All
-/// switches are open, and each is looked at in its own input.
+/// Prints some moves from where the machine is, compares the steps with the simulator's, and says what else was seen.
+/// All switches are open, and each is looked at in its own input.
 fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
     let wiring: &'static _ = Box::leak(Box::new(wiring));
     let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine_file::load(file).unwrap()) };
@@ -237,8 +239,8 @@ fn an_image_may_be_on_another_of_its_boards() {
     assert!(firmware.set_board("nucleo").is_err());
 }
 
-/// The Spider steps as the simulator does. The direction pin of E1-MOT (PC13) rises within 100 ns (STM32F446 datasheet, I/O AC
-/// characteristics at the lowest speed), and the driver wants it 20 ns before a step.
+/// The Spider steps as the simulator does. The direction pin of E1-MOT (PC13) rises within 100 ns (STM32F446 datasheet,
+/// I/O AC characteristics at the lowest speed), and the driver wants it 20 ns before a step.
 #[test]
 fn the_image_steps_on_a_spider() {
     let mut firmware = firmware();

@@ -11,7 +11,8 @@ use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::{NUCLEO, Pin, Wiring};
 
-/// Both belts, an arc, and moves of Z and the extruder, for which there are no motors. Z cannot be homed for the same reason.
+/// Both belts, an arc, and moves of Z and the extruder, for which there are no motors. Z cannot be homed for the same
+/// reason.
 const GCODE: &str =
     "M119\nG28 X Y\nG92 Z0 E0\nG1 X40 Y20 F12000\nG1 Z2 F600\nG2 X60 Y40 I20 J0 E1 F6000\nG1 X45 Z1 E2 F9000\nM114\n";
 
@@ -97,7 +98,8 @@ fn the_limit_of_z_is_read_on_its_own_pin() {
     assert_eq!(["x_min: open", "y_min: open", "z_min: TRIGGERED"].map(|line| said(&seen, line)), [1; 3]);
 }
 
-/// The image as it is built greets, reports and moves nothing. A machine that is sent is in flash, and counts after a reset.
+/// The image as it is built greets, reports and moves nothing. A machine that is sent is in flash, and counts after a
+/// reset.
 #[test]
 fn a_board_without_a_machine_moves_nothing_until_it_is_sent_one() {
     let machine = Settings { keepalive_s: 9, ..nucleo_machine() };
@@ -133,7 +135,8 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     assert_eq!((said(&seen, told), seen.flash.operations.len()), (1, 0), "{:?}", seen.line.said);
 }
 
-/// The processor's clock is that of the ST-LINK. Without it the serial line says so, again and again, and nothing gets power.
+/// The processor's clock is that of the ST-LINK. Without it the serial line says so, again and again, and nothing gets
+/// power.
 #[test]
 fn a_st_link_that_gives_no_clock_is_reported() {
     let bench = Bench { defect: Defect::NoClock, whole: 900 * MS, ..nucleo_bench() };

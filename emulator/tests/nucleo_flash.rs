@@ -146,7 +146,8 @@ fn operations_of_a_save() -> [usize; 2] {
 }
 
 /// Reproducer: erases that were cut so that both ends were erased, or the last alone, were not noticed by the log that
-/// settings were kept in. All ways to tear a sector are tried on the host (`flash_pages` of the chip); here each costs three seconds.
+/// settings were kept in. All ways to tear a sector are tried on the host (`flash_pages` of the chip); here each costs
+/// three seconds.
 #[test]
 fn a_power_cut_while_a_word_is_programmed_or_a_sector_erased_leaves_the_old_settings() {
     let [first, second] = operations_of_a_save();

@@ -62,8 +62,8 @@ fn check_on(bench: &Bench<'_>, name: &str, gcode: &str) -> Seen {
     seen
 }
 
-/// A motion that has met its endstop was once made to its end and thrown away, event by event, by contexts that keep the Console from
-/// running: half a second for Z, and the watchdog bit.
+/// A motion that has met its endstop was once made to its end and thrown away, event by event, by contexts that keep
+/// the Console from running: half a second for Z, and the watchdog bit.
 #[test]
 fn homing_steps_as_on_the_host() {
     check_file(&example("home"));
@@ -89,7 +89,8 @@ fn the_other_examples_step_as_on_the_host() {
     check_in_a_row(&["diagonal", "dwell", "overrides", "relative", "z-hops", "inches"]);
 }
 
-/// The belt runs round: motors of a pair step each for itself then, and the pins take other words and the usual ones again.
+/// The belt runs round: motors of a pair step each for itself then, and the pins take other words and the usual ones
+/// again.
 #[test]
 fn a_belt_runs_round_as_on_the_host() {
     let seen = check_gcode("circulation", &from_home(&example("circulation")));

@@ -1,10 +1,12 @@
 //! Machine files: settings as TOML that a person writes; read, checked, written and described.
 //!
-//! For commands, other tools and web pages: but for [`read`], which opens a file, everything goes from text to values and back.
+//! For commands, other tools and web pages: but for [`read`], which opens a file, everything goes from text to values
+//! and back.
 //!
-//! Every key is optional and stands over the prototype's value, but for `[mechanism]`, which lists all motors or is left
-//! out. An unknown key or a value outside its legal range is an error that names both. Keys, kinds, ranges and meanings are those
-//! of the rows of all settings (`corehbot::settings::rows`), so nothing here names a setting that follows no law of its own.
+//! Every key is optional and stands over the prototype's value, but for `[mechanism]`, which lists all motors or is
+//! left out. An unknown key or a value outside its legal range is an error that names both. Keys, kinds, ranges and
+//! meanings are those of the rows of all settings (`corehbot::settings::rows`), so nothing here names a setting that
+//! follows no law of its own.
 //!
 //! | file | job |
 //! |---|---|

@@ -26,8 +26,8 @@ impl Display for Problem {
     }
 }
 
-/// The machine of a file, if it is one, and every problem, from top to bottom. What concerns several keys is looked at when
-/// each is legal.
+/// The machine of a file, if it is one, and every problem, from top to bottom. What concerns several keys is looked at
+/// when each is legal.
 #[must_use]
 pub fn problems(text: &str) -> (Option<Machine>, Vec<Problem>) {
     let (machine, mut found) = search(text);

@@ -10,8 +10,8 @@ use corehbot::units::StepsPerMm;
 /// Full steps of a motor of 1.8 degrees, as most printers have.
 const USUAL_FULL_STEPS: f64 = 200.0;
 
-/// The steps a millimetre of the axis with that number, if the file says anything of them. Drivers and mechanism have been
-/// read: their microsteps count.
+/// The steps a millimetre of the axis with that number, if the file says anything of them. Drivers and mechanism have
+/// been read: their microsteps count.
 ///
 /// # Errors
 /// Keys that do not go together, or a distance that gives no legal resolution.

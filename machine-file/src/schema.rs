@@ -1,5 +1,5 @@
-//! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all settings, defaults
-//! from the prototype.
+//! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all
+//! settings, defaults from the prototype.
 
 use crate::keys::{ALL, BOARD, FULL_STEPS, Of, Other, about, fraction, names_of, shortest};
 use crate::value;

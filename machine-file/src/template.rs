@@ -1,5 +1,5 @@
-//! Templates: a new machine file is the prototype's, which has and explains every key, with the values of an example of that
-//! kind of machine and the connectors of the board.
+//! Templates: a new machine file is the prototype's, which has and explains every key, with the values of an example of
+//! that kind of machine and the connectors of the board.
 
 use anyhow::{Context as _, Result};
 use corehbot::connectors::BoardConnectors;
@@ -232,7 +232,8 @@ mod tests {
     use crate::keys::Of;
     use crate::{Problem, load, problems};
 
-    /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of its table.
+    /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of
+    /// its table.
     fn completed(text: &str) -> String {
         let mut lines = Text(text.lines().map(str::to_owned).collect());
         let default = crate::written::table(&corehbot::settings::Settings::prototype());

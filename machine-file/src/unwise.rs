@@ -8,12 +8,13 @@ use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
 use corehbot::units::{Mm, Watts};
 
-/// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In its switches
-/// of 170 mOhm each that is 1.4 W, on 15 x 20 mm. The 2 A (root mean square) of its datasheet (rev 1.09, features) want a large
-/// board below it.
+/// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In
+/// its switches of 170 mOhm each that is 1.4 W, on 15 x 20 mm. The 2 A (root mean square) of its datasheet (rev 1.09,
+/// features) want a large board below it.
 const MODULE_MA: u16 = 1414;
 
-/// Steps a second of all motors together that the Octopus keeps up: docs/explanation/performance.md, `octopus_sustained_motor_steps_per_s`.
+/// Steps a second of all motors together that the Octopus keeps up: docs/explanation/performance.md,
+/// `octopus_sustained_motor_steps_per_s`.
 const STEPS_A_SECOND: f64 = 1.8e6;
 
 /// What is unwise, each with the key that would change it.
@@ -139,8 +140,8 @@ fn rounded(value: f64) -> f64 {
     (value * digits).round() / digits
 }
 
-/// The most acceleration in mm/s2 that the extruder, with its pressure advance, bears in a line of 0.4 x 0.2 mm from filament of 1.75 mm
-/// (docs/explanation/shaping.md#what-the-extruder-bears).
+/// The most acceleration in mm/s2 that the extruder, with its pressure advance, bears in a line of 0.4 x 0.2 mm from
+/// filament of 1.75 mm (docs/explanation/shaping.md#what-the-extruder-bears).
 fn line_acceleration(s: &Settings) -> f64 {
     let ratio = 0.4 * 0.2 / (1.75f64.powi(2) * std::f64::consts::FRAC_PI_4);
     let (time, window): (f64, f64) = (s.advance.time.to_num(), advance_window(s).to_num());

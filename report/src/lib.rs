@@ -1,7 +1,8 @@
-//! Reports: pages that show a print, or what the belt's twin made of it, without any network; and the summary of a print.
+//! Reports: pages that show a print, or what the belt's twin made of it, without any network; and the summary of a
+//! print.
 //!
-//! Everything here is computed from what the simulator and the twin give, and written to whatever the caller hands in: no files,
-//! threads or clocks, so it runs in a browser too.
+//! Everything here is computed from what the simulator and the twin give, and written to whatever the caller hands in:
+//! no files, threads or clocks, so it runs in a browser too.
 //!
 //! | file | what |
 //! |---|---|

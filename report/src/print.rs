@@ -1,7 +1,7 @@
 //! Print: one page that shows the tool path, speed and load of a print, without any network.
 //!
-//! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a print
-//! of any length has all of its lines and is still opened at once; everything else is one JSON object.
+//! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a
+//! print of any length has all of its lines and is still opened at once; everything else is one JSON object.
 
 mod belt;
 mod heat;

@@ -175,7 +175,8 @@ impl Summary {
         }
     }
 
-    /// Says what was asked for and did not happen on this machine: heat without a heater, and filament that never moved.
+    /// Says what was asked for and did not happen on this machine: heat without a heater, and filament that never
+    /// moved.
     pub fn note_asked(&mut self, asked: Asked, settings: &Settings) {
         let has_heaters = Heater::ALL.into_iter().any(|heater| settings.thermal.heater(heater).is_fitted);
         if asked.heating > 0 && !has_heaters {

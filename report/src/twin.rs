@@ -1,4 +1,5 @@
-//! Pages of the belt's twin: files that show what became of a path, without any network; of one family with the page of a print.
+//! Pages of the belt's twin: files that show what became of a path, without any network; of one family with the page of
+//! a print.
 
 use crate::print::{HEAD, STYLE};
 use anyhow::{Context as _, Result};

@@ -102,8 +102,8 @@ impl Heat {
         self.is_supplied
     }
 
-    /// A single conversion at a sensor, 0 to 4095, for a board that adds them up itself; `None` without heaters, and where none
-    /// of them has its sensor.
+    /// A single conversion at a sensor, 0 to 4095, for a board that adds them up itself; `None` without heaters, and
+    /// where none of them has its sensor.
     pub fn convert(&mut self, sensor: Sensor) -> Option<u16> {
         let place = self.place(sensor)?;
         self.plant.as_mut()?.convert(place)

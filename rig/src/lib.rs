@@ -1,10 +1,10 @@
 //! The rig: a machine made of numbers, for boards that have none of metal.
 //!
-//! It counts the steps of each motor, knows from them where the tool is, and presses endstops. The host
-//! simulator and the QEMU board use the same rig, so a homing move ends at the same step on both. Its heat is [`plant`].
+//! It counts the steps of each motor, knows from them where the tool is, and presses endstops. The host simulator and
+//! the QEMU board use the same rig, so a homing move ends at the same step on both. Its heat is [`plant`].
 //!
-//! The switches sit where the settings say ([`Endstop`](corehbot::settings::Endstop)) and stay pressed beyond: that is where homing
-//! looks for them (`src/machine/commands/homing.rs`).
+//! The switches sit where the settings say ([`Endstop`](corehbot::settings::Endstop)) and stay pressed beyond: that is
+//! where homing looks for them (`src/machine/commands/homing.rs`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -23,8 +23,8 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
     counts: [i32; Motor::ALL.len()],
-    /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt. Sums grow away from the
-    /// switches.
+    /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt. Sums grow
+    /// away from the switches.
     weights: [[i32; Motor::ALL.len()]; 3],
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],

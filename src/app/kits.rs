@@ -1,4 +1,5 @@
-//! Kits: what the handles are made of. A board with little stack makes them one by one, each in the place where it stays.
+//! Kits: what the handles are made of. A board with little stack makes them one by one, each in the place where it
+//! stays.
 
 use super::memory::Memory;
 use crate::kinematics::Groupings;

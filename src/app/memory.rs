@@ -23,8 +23,8 @@ pub struct Memory {
 
 // As much as the fields' comments say, on a computer of 64 bits; on a board some are smaller.
 const _: () = assert!(size_of::<MoveQueue>() <= 3448);
-// This one is of as many bytes everywhere. Another length changes the comments of its field and of `Memory`, and the budget of
-// RAM in xtask/src/build/contents.rs.
+// This one is of as many bytes everywhere. Another length changes the comments of its field and of `Memory`, and the
+// budget of RAM in xtask/src/build/contents.rs.
 const _: () = assert!(size_of::<StepQueue>() == 4100);
 const _: () = assert!(size_of::<SpanMemory>() <= 9 * 1024 && size_of::<MoveMemory>() <= 16 * 1024);
 

@@ -1,7 +1,8 @@
-//! Connectors: where a board has motors, switches, heaters, temperature sensors and fans, by the names printed beside them.
+//! Connectors: where a board has motors, switches, heaters, temperature sensors and fans, by the names printed beside
+//! them.
 //!
-//! A [`Heater`] is a thing that is kept at a temperature; settings say at which output it hangs and which sensor watches it.
-//! [`BoardConnectors`] lists what a board has. Which pin is behind a name is in `wiring.rs` of the board.
+//! A [`Heater`] is a thing that is kept at a temperature; settings say at which output it hangs and which sensor
+//! watches it. [`BoardConnectors`] lists what a board has. Which pin is behind a name is in `wiring.rs` of the board.
 
 mod boards;
 mod name;
@@ -96,8 +97,8 @@ impl OutputSet {
     }
 }
 
-/// A temperature sensor. A new one is a variant, a row of [`ALL`](Self::ALL), and a thermistor in the wiring of a board,
-/// which may have so many as its chip says (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
+/// A temperature sensor. A new one is a variant, a row of [`ALL`](Self::ALL), and a thermistor in the wiring of a
+/// board, which may have so many as its chip says (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]

@@ -5,8 +5,9 @@ use core::hash::{Hash, Hasher};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The name of a connector: `M0`, `X-STOP`. Up to [`LONGEST`](Self::LONGEST) printable characters of ASCII, without blanks and
-/// without `!`, which inverts a connector in machine files. The empty name is no connector: nothing is plugged in.
+/// The name of a connector: `M0`, `X-STOP`. Up to [`LONGEST`](Self::LONGEST) printable characters of ASCII, without
+/// blanks and without `!`, which inverts a connector in machine files. The empty name is no connector: nothing is
+/// plugged in.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ConnectorName([u8; Self::LONGEST]);
 

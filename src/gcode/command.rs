@@ -8,11 +8,12 @@ use crate::connectors::Heater;
 
 /// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
 ///
-/// A new one is read by `parse`, `m_codes` or `named`. It does not compile before `machine::commands::immediate` has an arm for it
-/// and `tests/support/print.rs` its printed form. `tests/gcode.rs` then asks for its letters in `grammar` (without a row any text
-/// is taken) and its code in `CODES`, `boards/sim/tests/commands/table.rs` for a row with its answer. By hand: a code that was
-/// passed over is taken out of `quiet`; `machine::main_loop::halted` if a host may send it to a stopped machine;
-/// docs/reference/gcode.md (`tests/reference.rs` asks for its row), docs/reference/host-protocol.md, CHANGELOG.md.
+/// A new one is read by `parse`, `m_codes` or `named`. It does not compile before `machine::commands::immediate` has an
+/// arm for it and `tests/support/print.rs` its printed form. `tests/gcode.rs` then asks for its letters in `grammar`
+/// (without a row any text is taken) and its code in `CODES`, `boards/sim/tests/commands/table.rs` for a row with its
+/// answer. By hand: a code that was passed over is taken out of `quiet`; `machine::main_loop::halted` if a host may
+/// send it to a stopped machine; docs/reference/gcode.md (`tests/reference.rs` asks for its row),
+/// docs/reference/host-protocol.md, CHANGELOG.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Command<'a> {
     /// G0, G1: straight move.

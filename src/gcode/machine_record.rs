@@ -1,5 +1,5 @@
-//! The record of the machine, in pieces: MACHINE_GET, MACHINE_PUT AT=.. HEX=.., MACHINE_STORE. No firmware has codes for it, so
-//! they have names.
+//! The record of the machine, in pieces: MACHINE_GET, MACHINE_PUT AT=.. HEX=.., MACHINE_STORE. No firmware has codes
+//! for it, so they have names.
 
 use super::command::Command;
 use super::parts::{Flaw, MachineRecord};

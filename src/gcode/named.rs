@@ -39,8 +39,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The command that a name stands for, or `None` if it is not known. `text` is the whole line.
 pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     let text = skip_blanks(text);
-    // A condition that a slicer should have worked out. The subroutines and loops of LinuxCNC (`O100`) are unknown: a line
-    // number with one wrong bit looks like that.
+    // A condition that a slicer should have worked out. The subroutines and loops of LinuxCNC (`O100`) are unknown: a
+    // line number with one wrong bit looks like that.
     if matches!(text, [b'{', b'i' | b'e', ..]) {
         return Some(Command::Conditional);
     }

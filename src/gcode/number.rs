@@ -104,8 +104,8 @@ const POWERS: [(u32, u64); QUICK + 1] = {
     table
 };
 
-/// Reads up to [`QUICK`] digits and the point among them: their value in units of 2^-32, and the text after them. `None`
-/// if there are none, or more.
+/// Reads up to [`QUICK`] digits and the point among them: their value in units of 2^-32, and the text after them.
+/// `None` if there are none, or more.
 fn read_short(text: &[u8]) -> Option<(i64, &[u8])> {
     let (mut digits, mut decimals_begin) = (0u32, None);
     let mut bytes = text.iter();
@@ -162,8 +162,8 @@ const POWERS_END: u32 = 1_000_000_000;
 
 /// `decimals / power` in units of 2^-32, rounded to the nearest; `decimals` must be below `power`.
 ///
-/// The reciprocal is too small by less than 1, so the estimate is too small by less than decimals / 2^31 < 0.47 before its
-/// own decimals are cut off: the remainder is less than 1.47 `power`, and rounding adds 1 at the most.
+/// The reciprocal is too small by less than 1, so the estimate is too small by less than decimals / 2^31 < 0.47 before
+/// its own decimals are cut off: the remainder is less than 1.47 `power`, and rounding adds 1 at the most.
 fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
     let quotient = (u64::from(decimals) * reciprocal) >> 31;
     let power = u64::from(power);

@@ -130,7 +130,8 @@ pub struct ParkWords {
     pub target: Option<Number>,
     /// U of M600: how much filament is pulled out then.
     pub unload: Option<Number>,
-    /// L of M600: how much is pushed in before the print goes on; less than 0, it is Prusa's word for how much is pulled out.
+    /// L of M600: how much is pushed in before the print goes on; less than 0, it is Prusa's word for how much is
+    /// pulled out.
     pub load: Option<Number>,
     /// The letter of another word with a number, as of Marlin's M125 U.
     pub other: Option<u8>,

@@ -1,13 +1,14 @@
 //! The Console: lines in, replies out, one command after the other.
 //!
-//! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. It owns two things: the main loop, which turns in every wait
-//! of every command, and the states of commands, which no turn of the main loop needs. A command gets the main loop and the states that it names;
-//! no file but this one knows the Console.
+//! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. It owns two things: the main loop, which
+//! turns in every wait of every command, and the states of commands, which no turn of the main loop needs. A command
+//! gets the main loop and the states that it names; no file but this one knows the Console.
 //!
-//! M410 ends whatever is awaited by an error, which comes up to here: `quick_stop` brakes, drops the motion and puts right what a
-//! command had changed for a while (grouping, trim, drivers that measure, an axis that was being homed); then the line is answered. A
-//! command that must tidy up by itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
-//! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
+//! M410 ends whatever is awaited by an error, which comes up to here: `quick_stop` brakes, drops the motion and puts
+//! right what a command had changed for a while (grouping, trim, drivers that measure, an axis that was being homed);
+//! then the line is answered. A command that must tidy up by itself catches the error where it waits (`tune`,
+//! `settings::stored`). A line that is kept without `ok` (`state::job`) waits here, while other hosts are served; it is
+//! taken up again when its user answers.
 
 use crate::gcode;
 use crate::kinematics::Groupings;
@@ -184,8 +185,8 @@ async fn reply_to<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// The line that is kept goes on: its print does, and if it could not be carried out before, it is now. What there is to say to it then;
-/// `None` if it goes on being kept.
+/// The line that is kept goes on: its print does, and if it could not be carried out before, it is now. What there is
+/// to say to it then; `None` if it goes on being kept.
 async fn take_up<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,

@@ -10,9 +10,9 @@
 //! executor and no waker. Every wait in it turns the same main loop: take bytes in, see to emergencies, hand
 //! released moves on, send replies out.
 //!
-//! It owns two things. The `MainLoop` holds what must go on in every wait, with private fields; a command that waits gets it, and may do with it
-//! what its door allows. The `States` are what commands keep for themselves; a command gets the ones that it names. Nobody gets the
-//! Console.
+//! It owns two things. The `MainLoop` holds what must go on in every wait, with private fields; a command that waits
+//! gets it, and may do with it what its door allows. The `States` are what commands keep for themselves; a command gets
+//! the ones that it names. Nobody gets the Console.
 //!
 //! | file or folder | for |
 //! |---|---|
@@ -27,7 +27,8 @@
 //! | `release` | when moves leave the look-ahead |
 //! | `ports`, `interrupt`, `numbers` | what is needed of a board; why a command ends early; numbers of lines |
 //!
-//! Each uses only those below it (`WITHIN_MACHINE` in `tests/layers.rs` has the arrows, and holds that no command names the Console).
+//! Each uses only those below it (`WITHIN_MACHINE` in `tests/layers.rs` has the arrows, and holds that no command names
+//! the Console).
 //!
 //! | word | means |
 //! |---|---|

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 /// What there is to know of it besides the motors' rows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Belt {
-    /// One closed belt runs over all motors that move x or y, forward being the same way round for each: it can run round while the
-    /// tool stands (C in G0 and G1).
+    /// One closed belt runs over all motors that move x or y, forward being the same way round for each: it can run
+    /// round while the tool stands (C in G0 and G1).
     pub is_closed: bool,
     /// Milliseconds between two motors that get power and can pull against each other.
     pub settling_ms: u16,
@@ -17,16 +17,19 @@ pub struct Belt {
     pub max_speed: MmPerSec,
     /// Acceleration limit of the circulation, in mm of belt a second squared.
     pub max_acceleration: MmPerSec2,
-    /// How far the belt runs on after x and y are homed, so that it does not always bend at the same teeth; 0 is not at all.
+    /// How far the belt runs on after x and y are homed, so that it does not always bend at the same teeth; 0 is not at
+    /// all.
     pub homing_advance: Mm,
     /// What there is to do about motors that pull against each other and were not aligned since they got power.
     pub alignment: Alignment,
     /// What the motors are to strain the belt by when they are aligned: the sum of their residual, in mm of belt.
     pub preload: Mm,
-    /// Where the sine tables of the motors' drivers stood to each other when nothing strained the belt: the sum of each residual, in
-    /// 1024ths of an electrical turn, or [`NO_PHASE`](Self::NO_PHASE). It is a mark of the machine: where rotors and pulleys sit on the belt.
+    /// Where the sine tables of the motors' drivers stood to each other when nothing strained the belt: the sum of each
+    /// residual, in 1024ths of an electrical turn, or [`NO_PHASE`](Self::NO_PHASE). It is a mark of the machine: where
+    /// rotors and pulleys sit on the belt.
     pub phases: [u16; PHASES],
-    /// How far z is raised when a motor of the belt has failed, before the others park the tool; with 0 all power is cut at once.
+    /// How far z is raised when a motor of the belt has failed, before the others park the tool; with 0 all power is
+    /// cut at once.
     pub limp_lift: Mm,
 }
 
@@ -64,9 +67,9 @@ impl Belt {
 
     /// That of the CoreH-bot.
     ///
-    /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/research/twin.md, modes with rotors): within
-    /// 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry. 10 mm are out of reach of what a hot
-    /// nozzle softens, and of what it drips.
+    /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/research/twin.md, modes
+    /// with rotors): within 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry.
+    /// 10 mm are out of reach of what a hot nozzle softens, and of what it drips.
     pub(super) const fn prototype() -> Self {
         Self {
             is_closed: true,
@@ -94,8 +97,8 @@ rows! {
     for belt in parts, named &["belt"];
 
     /// Whether one closed belt runs over all motors that move x or y, each turning it the same way round when it turns
-    /// forward. Such a belt can circulate while the tool stands (C in G0 and G1). A file with a mechanism has none unless
-    /// it says so.
+    /// forward. Such a belt can circulate while the tool stands (C in G0 and G1). A file with a mechanism has none
+    /// unless it says so.
     31 "closed" = belt.is_closed, "", [Spec::SWITCH];
     /// Time between two motors of one belt that get power.
     32 "settling" = belt.settling_ms, "ms", [ranges::SETTLING_MS.spec()];
@@ -103,16 +106,17 @@ rows! {
     33 "max_speed" = belt.max_speed, "mm/s", [ranges::SPEED.spec()];
     /// Acceleration limit of the circulation.
     34 "max_acceleration" = belt.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
-    /// How far the belt circulates after x and y are homed, so that it does not always bend at the same teeth; 0 is not at
-    /// all.
+    /// How far the belt circulates after x and y are homed, so that it does not always bend at the same teeth; 0 is not
+    /// at all.
     35 "homing_advance" = belt.homing_advance, "mm", [ranges::HOMING_ADVANCE.spec()];
-    /// What happens with motors of one belt that were not aligned (M915) since they got power. Off: nothing. Warning: the
-    /// host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned when x
-    /// and y are homed.
+    /// What happens with motors of one belt that were not aligned (M915) since they got power. Off: nothing. Warning:
+    /// the host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned
+    /// when x and y are homed.
     36 "alignment" = Chosen(&mut belt.alignment), "", [Spec::choice::<Alignment>()];
     /// How much aligned motors strain the belt, as the sum of their residual.
     37 "preload" = belt.preload, "mm", [ranges::PRELOAD.spec()];
-    /// How far z is raised when a motor of the belt has failed, before the others park the tool; 0 cuts all power at once.
+    /// How far z is raised when a motor of the belt has failed, before the others park the tool; 0 cuts all power at
+    /// once.
     38 "limp_lift" = belt.limp_lift, "mm", [ranges::LIMP_LIFT.spec()];
 }
 

@@ -129,8 +129,8 @@ const FAN_DUTIES: [&str; FANS] =
     ["fans.fan0.most", "fans.fan1.most", "fans.fan2.most", "fans.fan3.most", "fans.fan4.most", "fans.fan5.most"];
 
 impl Settings {
-    /// The same as [`check`](Self::check), and whether the mechanism is one: for whoever makes a machine. Stored settings
-    /// are taken only for the mechanism that a machine has already.
+    /// The same as [`check`](Self::check), and whether the mechanism is one: for whoever makes a machine. Stored
+    /// settings are taken only for the mechanism that a machine has already.
     ///
     /// # Errors
     /// The first thing found to be wrong.
@@ -184,8 +184,9 @@ impl Settings {
         thermal(&self.thermal)
     }
 
-    /// Checks that motors which move an axis together go equally far in a full step, as far as their drivers have a say. With the
-    /// same microsteps their rows may differ, for pulleys may; with others, rows must be in the same ratio.
+    /// Checks that motors which move an axis together go equally far in a full step, as far as their drivers have a
+    /// say. With the same microsteps their rows may differ, for pulleys may; with others, rows must be in the same
+    /// ratio.
     fn check_microsteps(&self) -> Result<(), SettingsError> {
         let rows = || Motor::ALL.into_iter().zip(self.mechanism.rows);
         for (a, row) in rows() {

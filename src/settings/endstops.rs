@@ -34,7 +34,8 @@ impl AxisEnd {
     }
 }
 
-/// Where the switch of an axis sits. It stays pressed beyond that place; the rig of simulator and QEMU presses it in the same way.
+/// Where the switch of an axis sits. It stays pressed beyond that place; the rig of simulator and QEMU presses it in
+/// the same way.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Endstop {
     /// The end of the axis.
@@ -59,8 +60,8 @@ impl Endstop {
         }
     }
 
-    /// How far the axis may be behind the switch, where it stays pressed: what lies between the switch and the end of an axis of this
-    /// length.
+    /// How far the axis may be behind the switch, where it stays pressed: what lies between the switch and the end of
+    /// an axis of this length.
     #[must_use]
     pub fn depth(self, length: Mm) -> Mm {
         let depth = match self.end {

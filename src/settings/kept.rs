@@ -1,5 +1,5 @@
-//! Kept: a value in RAM that changes only when somebody changes it. A bit that flips by itself must not raise a limit, or
-//! stretch a millimetre.
+//! Kept: a value in RAM that changes only when somebody changes it. A bit that flips by itself must not raise a limit,
+//! or stretch a millimetre.
 
 use core::hash::{Hash, Hasher};
 use core::ops::{Deref, DerefMut};
@@ -12,8 +12,8 @@ pub fn sum(value: &impl Hash) -> u32 {
     sum.finish() as u32
 }
 
-/// FNV-1a with 32 bits (RFC 9923), of words where a value has words: a step that can be undone, like one of a byte, so that no
-/// difference is lost, in a quarter of the time.
+/// FNV-1a with 32 bits (RFC 9923), of words where a value has words: a step that can be undone, like one of a byte, so
+/// that no difference is lost, in a quarter of the time.
 struct Sum(u32);
 
 impl Sum {
@@ -50,8 +50,8 @@ impl Hasher for Sum {
     }
 }
 
-/// A value with its sum. Whoever may change it does so through `DerefMut`; then the old value is looked at once more, and the new
-/// one is summed up by [`settle`](Self::settle).
+/// A value with its sum. Whoever may change it does so through `DerefMut`; then the old value is looked at once more,
+/// and the new one is summed up by [`settle`](Self::settle).
 #[derive(Clone, Copy, Debug)]
 pub struct Kept<T> {
     value: T,

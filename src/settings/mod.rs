@@ -1,8 +1,9 @@
 //! Settings: the machine as data. Values are range-checked where they enter, so the rooms that read them
 //! need not ask.
 //!
-//! A setting is a field with a default, and a row ([`rows`]) in the same file: its id in records, its key in machine files, its unit,
-//! its range and what it means. The record (`storage`) and the check of ranges go through the rows. What else knows a setting:
+//! A setting is a field with a default, and a row ([`rows`]) in the same file: its id in records, its key in machine
+//! files, its unit, its range and what it means. The record (`storage`) and the check of ranges go through the rows.
+//! What else knows a setting:
 //!
 //! | place | where | what holds it to that |
 //! |---|---|---|
@@ -15,8 +16,8 @@
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
 //!
 //! A new [`ShaperKind`] comes last, as records hold its number. The compiler and tests then ask for its impulses
-//! (`motion::trajectory::shaper`), its names in M593 (`gcode::shaping`, `machine/commands/shaping.rs`), M503 and the twin
-//! (`twin/src/shaping`). By hand: `examples/shaping.gcode`, docs/explanation/shaping.md, docs/research/twin.md.
+//! (`motion::trajectory::shaper`), its names in M593 (`gcode::shaping`, `machine/commands/shaping.rs`), M503 and the
+//! twin (`twin/src/shaping`). By hand: `examples/shaping.gcode`, docs/explanation/shaping.md, docs/research/twin.md.
 
 mod axis;
 mod bed;
@@ -57,9 +58,9 @@ use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
-/// What limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A machine file chooses a rule by its key
-/// (`corner` in `machine-file/src/lib.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
-/// as records hold its number.
+/// What limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A machine
+/// file chooses a rule by its key (`corner` in `machine-file/src/lib.rs`), a line by its letter in M205
+/// (`machine/commands/settings/set.rs`). A new one comes last, as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {
     /// Junction deviation: how far an arc that rounds the corner may leave it.
@@ -122,7 +123,8 @@ pub struct Settings {
     /// Milliseconds of silence in the middle of numbered lines after which the host is prompted to go on; 0 for
     /// never.
     pub patience_ms: u16,
-    /// The look-ahead takes another move as long as what waits before it lasts for less than this at its nominal speeds.
+    /// The look-ahead takes another move as long as what waits before it lasts for less than this at its nominal
+    /// speeds.
     pub lookahead_time: Seconds,
     /// Whether `ok` tells the line number and what is free, as Marlin's ADVANCED_OK.
     pub advanced_ok: bool,
@@ -276,8 +278,8 @@ impl Settings {
             && is_closed == other.belt.is_closed
     }
 
-    /// Resolution of a motor, in its own steps: that of the axes that it moves, or of the extruder if it moves none, times the number of
-    /// its row.
+    /// Resolution of a motor, in its own steps: that of the axes that it moves, or of the extruder if it moves none,
+    /// times the number of its row.
     #[must_use]
     pub fn steps_per_mm(&self, motor: Motor) -> StepsPerMm {
         let Axes { x, y, z, e } = self.axes;

@@ -9,8 +9,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// What a machine without a name is called, as in Marlin (Configuration.h, MACHINE_NAME).
 const NAMELESS: &str = "3D Printer";
 
-/// The name of a machine: up to [`LONGEST`](Self::LONGEST) letters, digits, blanks and [`MARKS`](Self::MARKS), a blank neither
-/// first nor last. So it cannot be taken for a key of M115 or for a word that hosts act on. The empty name is none.
+/// The name of a machine: up to [`LONGEST`](Self::LONGEST) letters, digits, blanks and [`MARKS`](Self::MARKS), a blank
+/// neither first nor last. So it cannot be taken for a key of M115 or for a word that hosts act on. The empty name is
+/// none.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct MachineName([u8; Self::LONGEST]);
 

@@ -24,14 +24,16 @@ pub struct Pause {
     pub y: Mm,
     /// Speed of the way to the parking place and back.
     pub travel_speed: MmPerSec,
-    /// Minutes after which heaters go off; they go off after [`idle_min`](super::ThermalSettings::idle_min) at the latest.
+    /// Minutes after which heaters go off; they go off after [`idle_min`](super::ThermalSettings::idle_min) at the
+    /// latest.
     pub heat_off_min: u8,
 }
 
 impl Pause {
-    /// 2 mm at 60 mm/s are Marlin's (Configuration_adv.h 2.1, `PAUSE_PARK_RETRACT_LENGTH`), and so is the corner, 10 mm from both ends
-    /// (Configuration.h, `NOZZLE_PARK_POINT`). An extruder of 80 mm/s is not asked for all of it. Filament goes forward more slowly, as
-    /// melt resists. 10 mm are out of reach of what a nozzle drips. Heat goes off as it does without a pause.
+    /// 2 mm at 60 mm/s are Marlin's (Configuration_adv.h 2.1, `PAUSE_PARK_RETRACT_LENGTH`), and so is the corner, 10 mm
+    /// from both ends (Configuration.h, `NOZZLE_PARK_POINT`). An extruder of 80 mm/s is not asked for all of it.
+    /// Filament goes forward more slowly, as melt resists. 10 mm are out of reach of what a nozzle drips. Heat goes off
+    /// as it does without a pause.
     pub(super) const fn prototype() -> Self {
         Self {
             retract: Mm::const_from_int(2),

@@ -1,5 +1,5 @@
-//! Whether a board has what a machine is plugged into. Asked of machine files and images, by MACHINE_STORE and when a board starts;
-//! not of each M-code, none of which changes a plug.
+//! Whether a board has what a machine is plugged into. Asked of machine files and images, by MACHINE_STORE and when a
+//! board starts; not of each M-code, none of which changes a plug.
 
 use super::{Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
@@ -33,16 +33,16 @@ pub enum ConnectorError {
 }
 
 impl Settings {
-    /// Names the usual connectors of a board, if those of the prototype are named: so records and files say that know of no
-    /// connectors, on whatever board they are.
+    /// Names the usual connectors of a board, if those of the prototype are named: so records and files say that know
+    /// of no connectors, on whatever board they are.
     pub fn name_connectors(&mut self, board: &BoardConnectors) {
         if self.wiring == Wiring::prototype() {
             self.wiring = Wiring::usual(board);
         }
     }
 
-    /// Checks that a board has every connector that the machine is plugged into, each once. Motors and heaters that are not
-    /// fitted need none.
+    /// Checks that a board has every connector that the machine is plugged into, each once. Motors and heaters that are
+    /// not fitted need none.
     ///
     /// # Errors
     /// The first that is wrong.

@@ -1,6 +1,6 @@
-//! The ranges in which every setting must lie, by kind of quantity; outside of them the planner's arithmetic or the machine
-//! would not do what the number says. They hold on every board. `plugged.rs` asks for what one board bears less or more of,
-//! a field of `BoardConnectors`.
+//! The ranges in which every setting must lie, by kind of quantity; outside of them the planner's arithmetic or the
+//! machine would not do what the number says. They hold on every board. `plugged.rs` asks for what one board bears less
+//! or more of, a field of `BoardConnectors`.
 
 use super::{AxisEnd, Belt};
 use crate::units::{
@@ -70,7 +70,8 @@ pub fn endstop_position(end: AxisEnd, length: Mm) -> Range<Mm> {
 }
 /// Where an edge of the bed may lie: anywhere that an axis could reach.
 pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
-/// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it may be twice.
+/// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it
+/// may be twice.
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
 /// Phase of a residual: less than an electrical turn, or [`Belt::NO_PHASE`].
 pub const PHASE: Range<u16> = Range { least: 0, most: Belt::NO_PHASE };
@@ -109,8 +110,9 @@ pub const DAMPING: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("
 pub const CRUISE_RATIO: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.9") };
 /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
 pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
-/// Window of the pressure advance: some milliseconds at least, for the speed is averaged over it, and without a window the advance
-/// would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is late. Delays hold 1.67 s.
+/// Window of the pressure advance: some milliseconds at least, for the speed is averaged over it, and without a window
+/// the advance would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is
+/// late. Delays hold 1.67 s.
 pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
 /// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
 /// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
@@ -135,7 +137,8 @@ pub const LOSS: Range<WattsPerKelvin> =
 pub const LAG: Range<Seconds> = Range { least: Seconds::lit("0.1"), most: Seconds::const_from_int(120) };
 /// Gains of PID.
 pub const GAIN: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(20_000) };
-/// The part of its heat that has to be found again: less than 0.2 finds no loose cartridge, more than 0.6 alarms at 20 V.
+/// The part of its heat that has to be found again: less than 0.2 finds no loose cartridge, more than 0.6 alarms at 20
+/// V.
 pub const HEATING: Range<Ratio> = Range { least: Ratio::lit("0.2"), most: Ratio::lit("0.6") };
 /// A temperature that is lost: Prusa's 15 C and Marlin's 4 C are in it.
 pub const LOST: Range<Celsius> = Range { least: Celsius::const_from_int(3), most: Celsius::const_from_int(20) };

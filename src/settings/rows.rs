@@ -1,5 +1,6 @@
-//! Rows: what a setting is stands in one row, beside its field. Everything else that knows settings goes through these rows: the
-//! record in memory (`storage`), the check of ranges, machine files with their schema and comments, and docs/reference/settings.md.
+//! Rows: what a setting is stands in one row, beside its field. Everything else that knows settings goes through these
+//! rows: the record in memory (`storage`), the check of ranges, machine files with their schema and comments, and
+//! docs/reference/settings.md.
 //!
 //! A file of this room ends with its rows ([`rows!`]). A row has
 //!
@@ -258,8 +259,8 @@ pub(super) struct Rows {
     pub visit: fn(&mut Settings, &mut dyn Visitor),
 }
 
-/// Makes the rows of a file of this room: `for PART in PARTS named [TABLE of each part]`, then for each setting its comment and
-/// `ID "KEY" = FIELD, "UNIT", [SPEC];`.
+/// Makes the rows of a file of this room: `for PART in PARTS named [TABLE of each part]`, then for each setting its
+/// comment and `ID "KEY" = FIELD, "UNIT", [SPEC];`.
 macro_rules! rows {
     (
         for $part:ident in $parts:path, named $tables:expr;

@@ -1,13 +1,13 @@
-//! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag: input shapers, and pressure
-//! advance ([`Advance`]: its time, and the window over which the speed is averaged).
+//! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag: input shapers,
+//! and pressure advance ([`Advance`]: its time, and the window over which the speed is averaged).
 
 use super::rows::{Choice, Chosen, Field, Spec, Value, rows};
 use super::{Settings, ranges};
 use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};
 
-/// Input shapers, by their usual names. The head of `settings` says where each is known. Records hold the number of a variant,
-/// so a new one comes last.
+/// Input shapers, by their usual names. The head of `settings` says where each is known. Records hold the number of a
+/// variant, so a new one comes last.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum ShaperKind {
     /// None.
@@ -52,11 +52,11 @@ pub struct Shaper {
     pub frequency: Hertz,
     /// The axis' damping as a part of the critical one.
     pub damping: Ratio,
-    /// Length of the belts that pull along the axis, both sides together; the frequency is that in the middle of the axis
-    /// then, and rises away from it. 0 if it is the same everywhere.
+    /// Length of the belts that pull along the axis, both sides together; the frequency is that in the middle of the
+    /// axis then, and rises away from it. 0 if it is the same everywhere.
     pub span: Mm,
-    /// What of the frequency is due to motors that give way: the frequency at which the axis would ring if its belts were stiff and
-    /// pulled evenly, best fitted (docs/explanation/shaping.md); 0 if only its belts are soft.
+    /// What of the frequency is due to motors that give way: the frequency at which the axis would ring if its belts
+    /// were stiff and pulled evenly, best fitted (docs/explanation/shaping.md); 0 if only its belts are soft.
     pub motor_frequency: Hertz,
 }
 
@@ -74,8 +74,8 @@ pub struct Shapers {
 pub struct Advance {
     /// K of M900.
     pub time: Seconds,
-    /// The speed is averaged over so long, half of it ahead; `None` is as long as suits the shapers (`advance_window` in
-    /// `motion::trajectory`).
+    /// The speed is averaged over so long, half of it ahead; `None` is as long as suits the shapers (`advance_window`
+    /// in `motion::trajectory`).
     pub window: Option<Seconds>,
 }
 
@@ -133,8 +133,8 @@ rows! {
     59 "frequency" = shaper.frequency, "Hz", [ranges::FREQUENCY.spec()];
     /// Damping of the axis as a ratio to critical damping.
     60 "damping" = shaper.damping, "", [ranges::DAMPING.spec()];
-    /// Length of the belts that pull along the axis, both sides together, if the axis rings faster away from its middle; 0
-    /// if it rings alike everywhere.
+    /// Length of the belts that pull along the axis, both sides together, if the axis rings faster away from its
+    /// middle; 0 if it rings alike everywhere.
     61 "span" = shaper.span, "mm", [ranges::BELT_SPAN.spec().or_zero()];
     /// Frequency at which the axis would ring if its belts were stiff and only its motors gave way; 0 is stiff motors.
     62 "motor_frequency" = shaper.motor_frequency, "Hz", [ranges::MOTOR_FREQUENCY.spec()];

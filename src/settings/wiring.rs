@@ -7,8 +7,8 @@ use crate::kinematics::Row;
 use crate::motors::Motor;
 use serde::{Deserialize, Serialize};
 
-/// Where motors and switches are plugged in. [`Settings::check_connectors`](super::Settings::check_connectors) holds it to a
-/// board; heaters have their connectors in [`HeaterSettings`](super::HeaterSettings).
+/// Where motors and switches are plugged in. [`Settings::check_connectors`](super::Settings::check_connectors) holds it
+/// to a board; heaters have their connectors in [`HeaterSettings`](super::HeaterSettings).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Wiring {
     /// By motor, in the order of [`Motor::ALL`].
@@ -135,7 +135,8 @@ pub(super) mod motors {
     rows! {
         for motor in parts, named &["motors.m1", "motors.m4", "motors.m8", "motors.m11", "motors.z1", "motors.z2", "motors.e0"];
 
-        /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
+        /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is
+        /// nowhere.
         96 "" = *motor, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }
@@ -152,8 +153,8 @@ pub(super) mod endstops {
     rows! {
         for plug in parts, named &["endstops.x", "endstops.y", "endstops.z", "endstops.probe"];
 
-        /// Input of the switch, which opens when it is pressed (a probe's goes high when it triggers); ! before it: the other
-        /// way round. Empty is no probe; so far nothing probes by it, but M119 reports it.
+        /// Input of the switch, which opens when it is pressed (a probe's goes high when it triggers); ! before it: the
+        /// other way round. Empty is no probe; so far nothing probes by it, but M119 reports it.
         97 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }

@@ -1,4 +1,5 @@
-//! The machine block: a place in every image that holds a machine, so that an image is made for a machine without a compiler.
+//! The machine block: a place in every image that holds a machine, so that an image is made for a machine without a
+//! compiler.
 //!
 //! Boards that differ in pins alone share an image, so the block also says on which of them it is.
 //!
@@ -30,8 +31,8 @@ const HEAD: usize = MARK.len() + KEY + KEYS;
 /// Bytes of a block.
 pub const BLOCK: usize = HEAD + LONGEST;
 
-/// A block without a machine, in an image that may be on any of these boards, and is on the first. One that the block has no room
-/// for does not compile in a `const`.
+/// A block without a machine, in an image that may be on any of these boards, and is on the first. One that the block
+/// has no room for does not compile in a `const`.
 #[must_use]
 pub const fn blank_block(boards: &[&BoardConnectors]) -> [u8; BLOCK] {
     let mut block = [0xFF; BLOCK];

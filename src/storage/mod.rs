@@ -4,7 +4,8 @@
 //! stay whole until the new record is; a checksum over all of a record decides whether it is. Sequence
 //! numbers tell which of two is the newer one, and saving in turns halves the wear.
 //!
-//! An image has a place for a record of its own ([`machine_of`]), for the machine that a board is until another one is stored.
+//! An image has a place for a record of its own ([`machine_of`]), for the machine that a board is until another one is
+//! stored.
 //!
 //! The last page notes the last self-test of the heaters that was passed.
 

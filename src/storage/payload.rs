@@ -6,9 +6,9 @@
 //! | 1 | bytes of the values |
 //! | .. | the values of all parts of the machine that have such a setting, in their order |
 //!
-//! A number takes as many bytes as it has sevens of bits, its sign in the lowest bit. A text has its length before it. So firmware
-//! that knows more settings reads what firmware that knows fewer has written, and the reverse: what is missing has its default, and
-//! what is unknown is kept for whoever knows it.
+//! A number takes as many bytes as it has sevens of bits, its sign in the lowest bit. A text has its length before it.
+//! So firmware that knows more settings reads what firmware that knows fewer has written, and the reverse: what is
+//! missing has its default, and what is unknown is kept for whoever knows it.
 
 use super::record::Rejected;
 use crate::settings::Settings;
@@ -174,8 +174,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// The values of the element of that row that have not been read. Of two elements with the same id either may count: no
-    /// firmware writes two.
+    /// The values of the element of that row that have not been read. Of two elements with the same id either may
+    /// count: no firmware writes two.
     fn values(&mut self, id: u16) -> &'a [u8] {
         if let Some((open, values)) = self.open
             && open == id

@@ -16,8 +16,8 @@ use super::payload::{LONGEST_PAYLOAD, Unknown, read, write};
 use crate::checksum::crc32;
 use crate::settings::{Settings, SettingsError};
 
-/// What the payload looks like. It need not change with the settings: an element with an unknown id is kept as it is, and a
-/// setting without an element has its default.
+/// What the payload looks like. It need not change with the settings: an element with an unknown id is kept as it is,
+/// and a setting without an element has its default.
 pub const FORMAT: u16 = 1;
 
 const MAGIC: [u8; 4] = *b"CHBS";
@@ -105,8 +105,8 @@ impl Header {
     }
 }
 
-/// The record of `settings` and of elements that this firmware does not know, or `None` if they do not fit, which the assertion
-/// above excludes.
+/// The record of `settings` and of elements that this firmware does not know, or `None` if they do not fit, which the
+/// assertion above excludes.
 pub(super) fn encode(settings: &Settings, unknown: &Unknown, sequence: u32) -> Option<Record> {
     let mut bytes = [0; LONGEST];
     let (head, payload) = bytes.split_at_mut(HEADER);

@@ -171,8 +171,8 @@ async fn look_at(
     Ok(length.and_then(|()| take_newer(newest, slot, &record)))
 }
 
-/// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would be on the
-/// stack while the storage is waited for, below all that goes on meanwhile.
+/// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would
+/// be on the stack while the storage is waited for, below all that goes on meanwhile.
 #[inline(never)]
 fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
     let Decoded { settings, unknown, sequence, receipt } = decode(record)?;
@@ -195,8 +195,9 @@ pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Rec
         None => (Slot::A, 1, Unknown::NONE),
     };
     let record = encode(settings, &unknown, sequence).ok_or(SaveError::TooLong)?;
-    // The header goes last: until then the slot is what it was, or damaged. Memory that must be erased first, such as flash, takes the
-    // first of these writes for the begin of a save, as it does not lie below the one before: no other order will do.
+    // The header goes last: until then the slot is what it was, or damaged. Memory that must be erased first, such as
+    // flash, takes the first of these writes for the begin of a save, as it does not lie below the one before: no other
+    // order will do.
     for (at, page) in pages(&record, slot).rev() {
         storage.write(at, page).await?;
     }

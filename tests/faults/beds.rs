@@ -50,8 +50,8 @@ fn a_cold_plate_and_a_short_heating_after_it_are_no_open_heater() {
     assert!(found.is_empty(), "{} of 24: {found:#?}", found.len());
 }
 
-/// Reproducer: a heavy thing of 0 C that is laid on a bed which warms at full power took more than 10 C of it, and the floor held the
-/// sensor to have slipped (E09).
+/// Reproducer: a heavy thing of 0 C that is laid on a bed which warms at full power took more than 10 C of it, and the
+/// floor held the sensor to have slipped (E09).
 #[test]
 fn a_very_cold_plate_on_a_bed_that_warms_is_no_sensor_that_slipped() {
     let mut found = Vec::new();

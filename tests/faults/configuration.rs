@@ -49,7 +49,8 @@ fn other_gains_change_nothing_else() {
     assert!((printer.hotend() - 215.0).abs() < 1.0, "{}", printer.hotend());
 }
 
-/// Reproducer: settings that came again and again (M301, M306) began every guard anew, so that none ever found anything.
+/// Reproducer: settings that came again and again (M301, M306) began every guard anew, so that none ever found
+/// anything.
 #[test]
 fn settings_that_keep_coming_hold_up_no_guard() {
     for (is_frozen, celsius) in [(false, 20.0), (false, 215.0), (true, 215.0)] {

@@ -1,5 +1,5 @@
-//! The floor: whatever the model, the settings and the commands say, a heater that gives nothing and a sensor that has slipped
-//! are found; and a heater that can reach its target never is, however slow it is.
+//! The floor: whatever the model, the settings and the commands say, a heater that gives nothing and a sensor that has
+//! slipped are found; and a heater that can reach its target never is, however slow it is.
 
 use crate::printer::{Printer, settings};
 use crate::{break_it, constants, until_off};
@@ -155,7 +155,8 @@ fn a_heater_that_can_reach_its_target_never_trips() {
         for part in [0.4, 0.7, 1.0] {
             let target = (25.0 + part * (highest - 3.0 - 25.0)).min(most);
             let mut settings = with(heater, (plant[0], 50_000.0, 100.0, 10.0), Control::Pid);
-            // With P of 22 a hotend near its ceiling stays 10 C below its target: there Marlin's PID begins, with 22 * 10 of 255.
+            // With P of 22 a hotend near its ceiling stays 10 C below its target: there Marlin's PID begins, with 22 *
+            // 10 of 255.
             settings.heater_mut(heater).pid.p = settings.heater(heater).pid.p.max(Ratio::const_from_int(30));
             let mut printer = Printer::new(&constants, settings);
             printer.run(1.0);

@@ -69,7 +69,8 @@ fn f10_a_switch_that_sticks_costs_the_power_supply() {
     }
 }
 
-/// Starts with a hotend of 60 W whose switch sticks from a moment on: rooms, lags, masses and noise by the seed. A soak has 1000.
+/// Starts with a hotend of 60 W whose switch sticks from a moment on: rooms, lags, masses and noise by the seed. A soak
+/// has 1000.
 #[test]
 fn f10_stuck_switches_of_any_machine_burn_nothing() {
     let mut hottest = 0.0_f64;
@@ -177,15 +178,16 @@ fn f12_f13_swapped_plugs_are_found_in_a_joint_preheat_too() {
                 if swaps_sensors {
                     assert_eq!((cause, time < 10.0, hotend < 60.0), (Cause::SensorsSwapped, true, true));
                 }
-                // At full power both get what the other one should have: it shows when the first of them is at its target.
+                // At full power both get what the other one should have: it shows when the first of them is at its
+                // target.
                 assert!(hotend < 320.0 && bed < 100.0);
             }
         }
     }
 }
 
-/// Reproducer: with PID, M140 S60, M104 S215, M109 S215 ended in "swapped" when the hotend's power was cut at its target; with
-/// the model, when it was switched off soon after.
+/// Reproducer: with PID, M140 S60, M104 S215, M109 S215 ended in "swapped" when the hotend's power was cut at its
+/// target; with the model, when it was switched off soon after.
 #[test]
 fn a_hotend_that_goes_off_while_the_bed_heats_is_not_swapped() {
     for control in [Control::Pid, Control::Model] {
@@ -272,7 +274,8 @@ fn f18_a_hotend_fan_with_a_tachometer_that_stands_still_switches_off() {
     assert!(printer.hotend() < 150.0, "{}", printer.hotend());
 }
 
-/// Reproducer: the hotend's open sensor was told first, in every period, so a bed that could not be switched off kept its supply.
+/// Reproducer: the hotend's open sensor was told first, in every period, so a bed that could not be switched off kept
+/// its supply.
 #[test]
 fn an_open_hotend_sensor_masks_no_stuck_bed_switch() {
     for opens_after in [0.0, 70.0] {

@@ -1,5 +1,5 @@
-//! Lives of machines that are used: heated, cancelled, heated again. Nothing is broken, so nothing may be found; and where
-//! something is broken in such a life, it is.
+//! Lives of machines that are used: heated, cancelled, heated again. Nothing is broken, so nothing may be found; and
+//! where something is broken in such a life, it is.
 
 use crate::constants;
 use crate::printer::{Printer, settings};
@@ -22,7 +22,8 @@ impl Random {
     }
 }
 
-/// A machine by its seed: a hotend of 25 to 100 W, a bed of 200 to 1000 W, noise of 0 to 3 steps of 12 bits, PID or model.
+/// A machine by its seed: a hotend of 25 to 100 W, a bed of 200 to 1000 W, noise of 0 to 3 steps of 12 bits, PID or
+/// model.
 fn machine(random: &mut Random) -> (PlantConstants, ThermalSettings) {
     let (mut constants, mut settings) = (constants(), settings());
     let watts = random.of(&[25, 40, 50, 60, 80, 100]);

@@ -1,5 +1,5 @@
-//! What can go wrong with heat, crash and configuration, each thing a test that looks at pins and duties in virtual time. The
-//! numbers are those of docs/explanation/safety.md.
+//! What can go wrong with heat, crash and configuration, each thing a test that looks at pins and duties in virtual
+//! time. The numbers are those of docs/explanation/safety.md.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod beds;
@@ -60,8 +60,8 @@ fn is_off(printer: &Printer) -> bool {
     [Output::He0, Output::Bed].into_iter().all(|output| printer.duty(output) == 0.0)
 }
 
-/// How long it takes until a heater that nobody wants refuses to heat, for a sensor that is broken; then it is asked to, and does
-/// not, until the sensor is well again.
+/// How long it takes until a heater that nobody wants refuses to heat, for a sensor that is broken; then it is asked
+/// to, and does not, until the sensor is well again.
 fn until_refused(printer: &mut Printer, heater: Heater, mend: impl FnOnce(&mut PlantFaults)) -> (Cause, f64) {
     let time = printer.run_until(5.0, |printer| printer.status.heat().ailment(heater).is_some()).unwrap();
     let cause = printer.status.heat().ailment(heater).unwrap();

@@ -1,4 +1,5 @@
-//! False alarms are faults too: hours of printing, with every guard on, trip none. `cargo xtask soak` makes 100 hours of them.
+//! False alarms are faults too: hours of printing, with every guard on, trip none. `cargo xtask soak` makes 100 hours
+//! of them.
 
 use crate::printer::{Printer, settings};
 use crate::{break_it, constants, soak_hours};

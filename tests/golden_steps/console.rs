@@ -1,5 +1,6 @@
-//! The Console's end of the motion, with all that it may do at moments that dice choose: it queues moves, dwells and taps, looks at what
-//! is left and made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves, and interrupts are late.
+//! The Console's end of the motion, with all that it may do at moments that dice choose: it queues moves, dwells and
+//! taps, looks at what is left and made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves,
+//! and interrupts are late.
 
 use super::clock::{Clock, Timer};
 use super::dice::Dice;
@@ -99,7 +100,8 @@ struct Machine<'m> {
 }
 
 impl Machine<'_> {
-    /// A round: the generator runs if it was asked or dice say so, the Stepper up to twelve times, and the Console looks.
+    /// A round: the generator runs if it was asked or dice say so, the Stepper up to twelve times, and the Console
+    /// looks.
     fn run(&mut self) {
         if self.pended.generator.replace(false) || self.dice.roll() < 0.1 {
             self.generator.run(&self.pended);
@@ -205,7 +207,8 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.look();
     // In the first epoch, too.
     machine.meet_endstop(&watched);
-    // A whole path with a dwell, while an endstop is pressed that nobody watches, then paths that are broken off sooner and later.
+    // A whole path with a dwell, while an endstop is pressed that nobody watches, then paths that are broken off sooner
+    // and later.
     machine.pressed.set(2);
     machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), MOST_ROUNDS);
     machine.stop();

@@ -13,8 +13,8 @@ fn whole<const N: usize>(back: &ForwardKinematics<N>, counts: &[i64; N]) -> Opti
     fractions.iter().all(|(sum, over)| sum % over == 0).then(|| fractions.map(|(sum, over)| sum / over))
 }
 
-/// Reproducer: with halves rounded upwards one of two groups that mirror each other had a step more in the piece that ended
-/// on half a step; found together with others, its steps then came a tick beside the other's.
+/// Reproducer: with halves rounded upwards one of two groups that mirror each other had a step more in the piece that
+/// ended on half a step; found together with others, its steps then came a tick beside the other's.
 #[test]
 fn groups_that_mirror_each_other_round_alike() {
     for (whole, way) in (-5..6).flat_map(|whole| [0.25, 0.5, 0.75, 1.5, 2.5].map(|way| (f64::from(whole), way))) {

@@ -11,8 +11,8 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
-    /// Any path on any machine: motors of a group step together, what four coordinates of three axes must not do stays below
-    /// two steps, and the end is met to half a step.
+    /// Any path on any machine: motors of a group step together, what four coordinates of three axes must not do stays
+    /// below two steps, and the end is met to half a step.
     #[test]
     fn a_path_is_stepped_as_the_rows_say(
         path in prop::collection::vec(((0.0..30.0f64, 0.0..30.0f64, 0.0..3.0f64), 5.0..200.0f64), 1..8),

@@ -6,8 +6,8 @@ use super::stepping::add;
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::Motor;
 
-/// The tool's distance from the line of an axis move, in steps: how far the motors bring it to the side between begin and
-/// end.
+/// The tool's distance from the line of an axis move, in steps: how far the motors bring it to the side between begin
+/// and end.
 fn lateral(way: &[f64; 3], axis: usize) -> f64 {
     way.iter().enumerate().filter(|(i, _)| *i != axis).map(|(_, w)| w * w).sum::<f64>().sqrt()
 }
@@ -55,8 +55,8 @@ fn is_near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-12
 }
 
-/// Carlyle's zig-zag: motors that step one after the other bring the tool aside by this many steps, by the order. Stepping
-/// them in one instant, as the next test shows of our generator, makes it 0.
+/// Carlyle's zig-zag: motors that step one after the other bring the tool aside by this many steps, by the order.
+/// Stepping them in one instant, as the next test shows of our generator, makes it 0.
 #[test]
 fn sequential_steps_zig_zag() {
     use Motor::{M1, M4, M8, M11};
@@ -104,8 +104,8 @@ fn sequential_steps_zig_zag() {
     }
 }
 
-/// Our generator's real events, also of moves to places between steps: in a move of one axis all motors that it needs step in the same instants, so that the tool
-/// never leaves the line and nothing is strained, on every machine.
+/// Our generator's real events, also of moves to places between steps: in a move of one axis all motors that it needs
+/// step in the same instants, so that the tool never leaves the line and nothing is strained, on every machine.
 #[test]
 fn axis_moves_do_not_zig_zag() {
     for (name, mechanism) in MACHINES {

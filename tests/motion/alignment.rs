@@ -1,5 +1,5 @@
-//! Moves along one axis: all motors that they need step in the same instants, whatever came before. And where their steps
-//! fall is nothing to the corners, which are those of the commanded path.
+//! Moves along one axis: all motors that they need step in the same instants, whatever came before. And where their
+//! steps fall is nothing to the corners, which are those of the commanded path.
 
 use super::dice::Dice;
 use super::line::{Step, generate_on, generate_shaped, plan};
@@ -37,8 +37,8 @@ fn axis_moves(path: &Path, moves: &[Move]) -> Vec<(f64, f64, bool)> {
     each.collect()
 }
 
-/// Paths of long and short moves, along axes and across, to thousandths and to places between them; some that come to rest
-/// on half steps.
+/// Paths of long and short moves, along axes and across, to thousandths and to places between them; some that come to
+/// rest on half steps.
 fn wild(count: usize, dice: &mut Dice) -> Path {
     let mut place = [150.0, 150.0, 1.0, 0.0];
     let mut path = vec![(place, 200.0)];
@@ -143,7 +143,8 @@ fn no_end_is_missed_by_more_than_half_a_step() {
     }
 }
 
-/// Reproducers: ends on whole steps bent lines that were straight, by up to 60 degrees where one piece was 0.01 mm long.
+/// Reproducers: ends on whole steps bent lines that were straight, by up to 60 degrees where one piece was 0.01 mm
+/// long.
 #[test]
 fn a_straight_line_in_pieces_is_run_at_one_speed() {
     let s = Settings::prototype();

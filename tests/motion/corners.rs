@@ -2,9 +2,9 @@
 //! corner, for corners of all angles in x, y and z.
 //!
 //! The reference shares neither code nor formulas with the planner, which works with half angles and no circle. Here
-//! the circle is constructed: it touches both moves, its centre lies on the line that halves the angle between them, and
-//! it leaves the corner by the deviation. What the axes and motors bear is asked for along that line, the direction of
-//! the acceleration in the middle of the arc.
+//! the circle is constructed: it touches both moves, its centre lies on the line that halves the angle between them,
+//! and it leaves the corner by the deviation. What the axes and motors bear is asked for along that line, the direction
+//! of the acceleration in the middle of the arc.
 
 use super::dice::Dice;
 use super::line::plan;
@@ -13,8 +13,8 @@ use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Ratio, Steps};
 
-/// Speeds are planned in single precision, from directions of 30 bits: over 200,000 corners that makes 1e-5 of the speed
-/// at most.
+/// Speeds are planned in single precision, from directions of 30 bits: over 200,000 corners that makes 1e-5 of the
+/// speed at most.
 const TOLERANCE: f64 = 5e-5;
 
 type Vector = [f64; 3];

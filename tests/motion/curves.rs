@@ -1,5 +1,5 @@
-//! Curves of all kinds, as polylines from coarse to fine: within 4 ms the tool's velocity varies by no more than 1.3 times what
-//! the acceleration makes of it, beside the most that junction deviation allows at one corner (`share`).
+//! Curves of all kinds, as polylines from coarse to fine: within 4 ms the tool's velocity varies by no more than 1.3
+//! times what the acceleration makes of it, beside the most that junction deviation allows at one corner (`share`).
 //!
 //! The reference knows nothing of chords or of the planner's law: it looks at the velocities alone.
 
@@ -19,8 +19,9 @@ const MOST: f64 = 1.3;
 
 type Points = Vec<[f64; 2]>;
 
-/// What two velocities differ by, as a share of what they may. The jump of a corner that turns by t under junction deviation d
-/// is `2 v sin(t/2)` with `v^2 = a d s / (1 - s)` and `s = cos(t/2)`, which is `sqrt(4 a d s (1 + s))`: at most `sqrt(8 a d)`.
+/// What two velocities differ by, as a share of what they may. The jump of a corner that turns by t under junction
+/// deviation d is `2 v sin(t/2)` with `v^2 = a d s / (1 - s)` and `s = cos(t/2)`, which is `sqrt(4 a d s (1 + s))`: at
+/// most `sqrt(8 a d)`.
 fn share(p: Velocity, q: Velocity, a: f64, d: f64) -> f64 {
     size(std::array::from_fn(|i| q[i] - p[i])) / (MOST * a * BEND_TIME + (8.0 * a * d).sqrt())
 }
@@ -223,7 +224,8 @@ fn targets(points: &[[f64; 2]], feed: f64, prints: bool) -> Vec<([f64; 4], f64)>
     points.iter().map(target).collect()
 }
 
-/// The greatest share of a path, and when it is: planned point by point, and as a stream, in which points on a line are left out.
+/// The greatest share of a path, and when it is: planned point by point, and as a stream, in which points on a line are
+/// left out.
 pub fn points_share(points: &[[f64; 2]], feed: f64, prints: bool, s: &Settings) -> (f64, f64) {
     let targets = targets(points, feed, prints);
     let (single, joined) = (plan(&targets, s), stream(&targets, s));
@@ -267,8 +269,8 @@ fn every_curve_keeps_to_the_acceleration() {
     }
 }
 
-/// Bends of a tenth of a millimetre between two straight lines, in nine and in 24 chords, and a wave in chords of 0.02 mm: the
-/// corners of each are harmless by themselves.
+/// Bends of a tenth of a millimetre between two straight lines, in nine and in 24 chords, and a wave in chords of 0.02
+/// mm: the corners of each are harmless by themselves.
 #[test]
 fn small_bends_in_fine_chords_are_no_straight_lines() {
     let s = Settings::prototype();

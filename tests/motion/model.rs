@@ -1,8 +1,8 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
-//! It shares no code with the planner. What it takes from the firmware's documentation: moves of at least
-//! 1 mm along x or y go along the line on which the belt motors stand, the junction-deviation law, the trend of the path,
-//! the minimum cruise ratio, and the limits.
+//! It shares no code with the planner. What it takes from the firmware's documentation: moves of at least 1 mm along x
+//! or y go along the line on which the belt motors stand, the junction-deviation law, the trend of the path, the
+//! minimum cruise ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
 
@@ -133,8 +133,8 @@ fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settin
     })
 }
 
-/// What is known of the path behind: by what its direction is ahead of its means over 0.08 to 1.28 mm, by what it leads a
-/// velocity that keeps to the acceleration, and the most of late.
+/// What is known of the path behind: by what its direction is ahead of its means over 0.08 to 1.28 mm, by what it leads
+/// a velocity that keeps to the acceleration, and the most of late.
 #[derive(Default)]
 struct Path {
     ahead: [[f64; 3]; 5],
@@ -220,8 +220,8 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
     most.min(bend.sqrt()).min(jerk)
 }
 
-/// Between which places the ways are really gone. An axis that is not asked to move stays where it is. In a long move along x
-/// or y that is where the belt motors' counts say that it is, from the begin on.
+/// Between which places the ways are really gone. An axis that is not asked to move stays where it is. In a long move
+/// along x or y that is where the belt motors' counts say that it is, from the begin on.
 fn gone(ways: &[Way]) -> Vec<([f64; 4], [f64; 4])> {
     let mut place = [0.0; 4];
     ways.iter()

@@ -51,8 +51,8 @@ fn tool_jump([x, y, z, _]: [f64; 4]) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// The greatest jump of the tool's velocity in any corner: `2 v cos t` with `v^2 = a d s / (1 - s)`, s being the sine of
-/// half the angle t between the moves, is at most `sqrt(8 a d)`.
+/// The greatest jump of the tool's velocity in any corner: `2 v cos t` with `v^2 = a d s / (1 - s)`, s being the sine
+/// of half the angle t between the moves, is at most `sqrt(8 a d)`.
 fn most_jump(s: &Settings) -> f64 {
     match s.corner {
         CornerRule::JunctionDeviation(d) => {
@@ -63,8 +63,8 @@ fn most_jump(s: &Settings) -> f64 {
     }
 }
 
-/// What a chain of moves must be: continuous in speed but for corners, which jump no more than they may; within the limits
-/// of axes and belt motors; at rest at its end.
+/// What a chain of moves must be: continuous in speed but for corners, which jump no more than they may; within the
+/// limits of axes and belt motors; at rest at its end.
 pub fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
     let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
     let [motor_speed, motor_acceleration] =

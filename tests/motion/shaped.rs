@@ -53,8 +53,8 @@ impl Motion {
     }
 }
 
-/// The period of an axis at a position in steps, as a part of that in its middle: belts on both sides, and the motors behind
-/// them, as springs in a row.
+/// The period of an axis at a position in steps, as a part of that in its middle: belts on both sides, and the motors
+/// behind them, as springs in a row.
 fn period(shaper: &Shaper, length: f64, at: f64) -> f64 {
     let (span, motor): (f64, f64) = (shaper.span.to_num(), shaper.motor_frequency.to_num());
     if span == 0.0 {
@@ -193,8 +193,8 @@ fn taps_stand_closer_where_belts_are_stiffer() {
         }
         let (count, worst) = errors(&wander(150, 0x1234_5678_9ABC_DEF1), &s);
         println!("{kind:?}: {count} steps, worst {worst:.3} ticks");
-        // A tap moves evenly within a span, while the tool speeds up by up to 50 ms: that is some us of the 6 ms between
-        // taps.
+        // A tap moves evenly within a span, while the tool speeds up by up to 50 ms: that is some us of the 6 ms
+        // between taps.
         assert!(count > 20_000 && worst <= 150.0, "{kind:?}: {worst} ticks");
         // It is another motion than with taps that stand alike everywhere.
         let moves = plan(&wander(150, 0x1234_5678_9ABC_DEF1), &s);

@@ -118,7 +118,8 @@ fn no_error_adds_up_over_ten_thousand_moves() {
     assert!(worst <= 32.0, "worst of {count} steps in {} moves: {worst} ticks", model.len());
 }
 
-/// Reproducer: fractions of a move have 31 bits, of which one is 6 ticks in a move of 23 minutes, and so had its length.
+/// Reproducer: fractions of a move have 31 bits, of which one is 6 ticks in a move of 23 minutes, and so had its
+/// length.
 #[test]
 fn moves_of_many_minutes_are_as_exact() {
     for (length, speed) in
@@ -131,7 +132,8 @@ fn moves_of_many_minutes_are_as_exact() {
     }
 }
 
-/// The time of a ramp is in single precision, and its slowest steps are where a fraction of its move is the longest time.
+/// The time of a ramp is in single precision, and its slowest steps are where a fraction of its move is the longest
+/// time.
 #[test]
 fn long_ramps_are_right_to_a_part_in_two_million() {
     for acceleration in [3000, 800, 200, 100, 20, 5] {

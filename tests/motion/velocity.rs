@@ -38,8 +38,9 @@ pub fn size([x, y, z]: Velocity) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// The greatest `excess` of any two velocities that are no farther apart than `window` seconds, and when the first of them is.
-/// As the velocity is linear between knots, only pairs of knots and pairs `window` apart with a knot among them can be it.
+/// The greatest `excess` of any two velocities that are no farther apart than `window` seconds, and when the first of
+/// them is. As the velocity is linear between knots, only pairs of knots and pairs `window` apart with a knot among
+/// them can be it.
 pub fn worst(course: &[Knot], window: f64, excess: impl Fn(Velocity, Velocity) -> f64) -> (f64, f64) {
     let mut worst = (0.0, 0.0);
     let mut try_pair = |time: f64, p: Velocity, q: Velocity| {

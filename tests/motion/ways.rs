@@ -18,8 +18,8 @@ fn moves_and_their_path_are_counted() {
     }
 }
 
-/// Reproducer: what rounding left of a move that is all ramps was a cruise with time and no way, whose speed was 0; a brake
-/// (M410) that began with it took the tool for standing.
+/// Reproducer: what rounding left of a move that is all ramps was a cruise with time and no way, whose speed was 0; a
+/// brake (M410) that began with it took the tool for standing.
 #[test]
 fn no_phase_has_time_and_no_way() {
     for way in [0.05, 0.1, 0.2, 0.5, 1.0] {

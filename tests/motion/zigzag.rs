@@ -1,5 +1,5 @@
-//! Short zig-zags: with a minimum cruise ratio the machine no longer falls from accelerating into braking in every move,
-//! and shakes its frame less. Long moves stay as they are.
+//! Short zig-zags: with a minimum cruise ratio the machine no longer falls from accelerating into braking in every
+//! move, and shakes its frame less. Long moves stay as they are.
 
 use super::line::plan;
 use corehbot::motion::{Move, WHOLE};
@@ -49,7 +49,8 @@ fn fastest(moves: &[Move], width: f64) -> f64 {
     moves.iter().step_by(2).map(peak).fold(0.0, f64::max)
 }
 
-/// How far a frame of that frequency swings along x, as the root of the mean square, in mm: x'' = -w^2 x - 2 d w x' - a.
+/// How far a frame of that frequency swings along x, as the root of the mean square, in mm: x'' = -w^2 x - 2 d w x' -
+/// a.
 fn swing(moves: &[Move], width: f64, frequency: f64) -> f64 {
     let (w, d) = (TAU * frequency, 0.05);
     let (mut x, mut v, mut sum, mut count) = (0.0f64, 0.0f64, 0.0, 0.0);

@@ -82,8 +82,8 @@ impl StepPort for Pins<'_> {
     }
 }
 
-/// Plays events after these intervals; `entry` cycles go by from a ring to the handler. Says when the lines rose, in cycles
-/// since the first was due.
+/// Plays events after these intervals; `entry` cycles go by from a ring to the handler. Says when the lines rose, in
+/// cycles since the first was due.
 fn play(intervals: &[u32], start: u64, entry: u64) -> (Vec<i64>, Status) {
     let (world, status) = (World::default(), Status::new());
     world.cycles.set(start);

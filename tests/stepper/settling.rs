@@ -132,8 +132,8 @@ fn a_move_that_comes_too_late_is_counted_whether_steps_are_quick_or_slow() {
     }
 }
 
-/// Reproducer: below 20 steps a second each chord counted as a lack of steps, for the Console saw time pass only with the
-/// steps, and handed the next move on when the last step of the one before was made.
+/// Reproducer: below 20 steps a second each chord counted as a lack of steps, for the Console saw time pass only with
+/// the steps, and handed the next move on when the last step of the one before was made.
 #[test]
 fn slow_moves_that_come_50_ms_ahead_are_no_lack_of_steps() {
     for (speed, length) in

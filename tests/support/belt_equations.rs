@@ -1,5 +1,5 @@
-//! The CoreH-bot's equations as its paper has them, to hold the mechanism of rows to: four motors on one closed belt, coupled
-//! in two pairs.
+//! The CoreH-bot's equations as its paper has them, to hold the mechanism of rows to: four motors on one closed belt,
+//! coupled in two pairs.
 //!
 //! With x to the right, y to the back, counter-clockwise positive seen from above, and belt travel
 //! `r * theta` in steps, the paper's kinematics (its equation 8 with the coupling of equation 12) read

@@ -8,8 +8,9 @@ use corehbot::gcode::{
     Part, Plane, VelocityWords,
 };
 
-/// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
-/// neither printable ASCII nor a tab.
+/// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line
+/// that is not in order is printed as one with the same flaw. A text is printed with `?` for what is neither printable
+/// ASCII nor a tab.
 pub struct Printed<'c>(pub Command<'c>);
 
 impl Display for Printed<'_> {

@@ -1,4 +1,5 @@
-//! What holds for heaters whatever is measured and whatever is ordered: one body for the fuzzer and for the property tests.
+//! What holds for heaters whatever is measured and whatever is ordered: one body for the fuzzer and for the property
+//! tests.
 
 use corehbot::connectors::{HEATERS, Heater, OUTPUTS, OutputSet, Sensor};
 use corehbot::fault::Cause;
@@ -197,8 +198,8 @@ impl Watch {
     }
 }
 
-/// Orders and readings out of `data` for a machine with a hotend and a bed. Each order is followed by readings and by up to 63
-/// control periods, in which some contexts may stand still.
+/// Orders and readings out of `data` for a machine with a hotend and a bed. Each order is followed by readings and by
+/// up to 63 control periods, in which some contexts may stand still.
 pub fn heat_orders(data: &[u8]) {
     let mut machine = ThermalSettings::prototype();
     machine.heater_mut(Heater::Hotend).is_fitted = true;

@@ -1,8 +1,8 @@
 //! What other firmwares do: bang-bang, and PID with parameters from a relay.
 //!
-//! Both as Klipper's documentation describes them (Config_Reference, `control: watermark` and `control: pid`; Config_checks,
-//! *Calibrate PID settings*), in words and code of our own. It measures every 0.3 s. The relay is Astrom and Hagglund's
-//! (Automatic tuning of simple regulators, 1984), the rule Ziegler and Nichols' classic one (1942).
+//! Both as Klipper's documentation describes them (Config_Reference, `control: watermark` and `control: pid`;
+//! Config_checks, *Calibrate PID settings*), in words and code of our own. It measures every 0.3 s. The relay is Astrom
+//! and Hagglund's (Automatic tuning of simple regulators, 1984), the rule Ziegler and Nichols' classic one (1942).
 
 use std::f64::consts::PI;
 
@@ -27,8 +27,8 @@ const TURNS_OF_HEAT_UP: usize = 4;
 pub enum Output {
     /// At once, as the equations have it.
     AtOnce,
-    /// As Klipper sends it to its microcontroller: to take effect 0.3 s after the measurement, and changes of less than 0.05
-    /// only 0.75 of 3 s after the last change took effect.
+    /// As Klipper sends it to its microcontroller: to take effect 0.3 s after the measurement, and changes of less than
+    /// 0.05 only 0.75 of 3 s after the last change took effect.
     ByHost,
 }
 

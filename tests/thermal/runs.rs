@@ -1,7 +1,7 @@
 //! Runs: a controller heats the hotend of a plant, and the figures say how well.
 //!
-//! A controller is asked every 20 ms and hears the reading of the converter in C. One that measures more seldom counts the
-//! time by itself.
+//! A controller is asked every 20 ms and hears the reading of the converter in C. One that measures more seldom counts
+//! the time by itself.
 
 use corehbot::port::Sensor;
 use corehbot_rig::plant::{Drive, Plant, PlantConstants, Thermistor};

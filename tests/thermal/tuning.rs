@@ -113,8 +113,8 @@ fn what_is_not_as_it_should_be_ends_a_tuning_with_a_reason() {
     assert_eq!(failure(Plant::new(&light), 215), Tuning::Failed(TuningFailure::Impossible));
 }
 
-/// Heaters that are far from the default model: a bed of 5500 J/K with 220 W, blocks of 34 J/K, in noise too. Without the model's
-/// guards, which stopped them with E08 on 6f0e814.
+/// Heaters that are far from the default model: a bed of 5500 J/K with 220 W, blocks of 34 J/K, in noise too. Without
+/// the model's guards, which stopped them with E08 on 6f0e814.
 #[test]
 fn heavy_beds_and_heavy_blocks_are_tested_and_tuned() {
     for (heater, watt, joule, noise) in [

@@ -96,8 +96,8 @@ fn five_kinds_of_measurements_tell_all_numbers() {
     assert!(uncertainty(Parameter::BeltStiffness) < 0.02);
 }
 
-/// Tension goes with the square of the pitch and with the belt's mass, which all parts that are plucked share: more of them
-/// make the pitch better known and leave the mass as it is.
+/// Tension goes with the square of the pitch and with the belt's mass, which all parts that are plucked share: more of
+/// them make the pitch better known and leave the mass as it is.
 #[test]
 fn plucking_more_parts_does_not_weigh_the_belt() {
     let preload = |figures: &[Figure]| uncertainty(&found(figures, &[]).unwrap(), Parameter::Preload);
@@ -109,7 +109,8 @@ fn plucking_more_parts_does_not_weigh_the_belt() {
             (1.0 / (1.0 / variance + std::f64::consts::LN_2.powi(-2))).sqrt()
         };
         assert!((preload(&plucks) / with_mass(0.1) - 1.0).abs() < 1e-6);
-        // 1 % of the scale; what a belt of this kind usually has is good to a factor of two then, as all that is nominal.
+        // 1 % of the scale; what a belt of this kind usually has is good to a factor of two then, as all that is
+        // nominal.
         let weighed = [plucks, vec![Figure::BeltMass]].concat();
         let mass = (1.0 / (1e4_f64 + std::f64::consts::LN_2.powi(-2))).sqrt();
         assert!((preload(&weighed) / with_mass(mass) - 1.0).abs() < 1e-6);
@@ -130,7 +131,8 @@ fn a_weighed_belt_has_the_mass_that_the_scale_says() {
     assert!((found.params.preload_n / tension - 1.0).abs() < 0.03, "{found:?}");
 }
 
-/// A weight in grams for kilograms is told by its number; a frequency that no other measurement fits, by what is left of it.
+/// A weight in grams for kilograms is told by its number; a frequency that no other measurement fits, by what is left
+/// of it.
 #[test]
 fn a_fit_that_is_nonsense_is_refused() {
     let with = |figure: Figure, factor: f64| {
@@ -152,8 +154,8 @@ fn a_fit_that_is_nonsense_is_refused() {
     assert!(with(HEAD, 1.02).is_ok());
 }
 
-/// A push of x, of which fields are an eighth: a torque that may be off by a factor of two leaves the belt uncertain by that
-/// eighth of it, however well the deflection is known.
+/// A push of x, of which fields are an eighth: a torque that may be off by a factor of two leaves the belt uncertain by
+/// that eighth of it, however well the deflection is known.
 #[test]
 fn what_is_not_told_makes_the_rest_uncertain() {
     let nominal = Params::default();
@@ -246,8 +248,8 @@ impl Lehmer {
     }
 }
 
-/// 40 owners measure with 1 % of noise each. Errors over stated uncertainties are normal: 240 of them have a mean square of
-/// 1 give or take 0.1 (standard), and none is beyond 4.
+/// 40 owners measure with 1 % of noise each. Errors over stated uncertainties are normal: 240 of them have a mean
+/// square of 1 give or take 0.1 (standard), and none is beyond 4.
 #[test]
 fn with_noise_the_numbers_are_off_as_the_uncertainties_say() {
     const OWNERS: usize = 40;

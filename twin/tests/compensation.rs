@@ -110,7 +110,8 @@ fn idlers_with_mass_leave_the_error_of_a_square_at_a_third() {
     assert!(after < before / 3.0, "{before} {after}");
 }
 
-/// M a / K in the middle of the reach: 0.6 kg and 1.8 kg by 20 m/s^2 on 251.2 and 244.1 N/mm (docs/research/twin.md), without friction.
+/// M a / K in the middle of the reach: 0.6 kg and 1.8 kg by 20 m/s^2 on 251.2 and 244.1 N/mm (docs/research/twin.md),
+/// without friction.
 #[test]
 fn the_tool_is_sent_ahead_by_what_inertia_takes() {
     let smooth = believed(1.0).undamped();
@@ -146,9 +147,10 @@ fn what_cannot_be_compensated_is_refused() {
     assert!(matches!(beyond, Err(CompensationError::OutOfReach { .. })), "{beyond:?}");
 }
 
-/// The bar's yaw at the left end of the reach, at 10 m/s^2 along y: what there is to compensate, what stiffness that is 20 %
-/// off leaves of it, and at which frequency the exact inverse would ring for ever, as the guides hardly damp it. With the
-/// tool held on its line y is -arm psi, so what is left of the equation of psi is `(M_pp - arm M_py) psi'' + k psi = 0`.
+/// The bar's yaw at the left end of the reach, at 10 m/s^2 along y: what there is to compensate, what stiffness that is
+/// 20 % off leaves of it, and at which frequency the exact inverse would ring for ever, as the guides hardly damp it.
+/// With the tool held on its line y is -arm psi, so what is left of the equation of psi is
+/// `(M_pp - arm M_py) psi'' + k psi = 0`.
 #[test]
 fn yaw_can_be_met_at_rest_but_not_faster_than_the_bar_yaws_by_itself() {
     let params = Params::default();

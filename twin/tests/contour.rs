@@ -18,7 +18,8 @@ const CENTRE: Place = Place { x: 235.0, y: 235.0 };
 /// Columns of a CoreH-bot.
 const ROWS: [[i8; 2]; 4] = [[-1, 1], [-1, -1], [1, -1], [1, 1]];
 
-/// Places of a line in steps of motors: where it goes through, from (0, 0) on, and when a place so far along it is passed.
+/// Places of a line in steps of motors: where it goes through, from (0, 0) on, and when a place so far along it is
+/// passed.
 struct Steps<'a> {
     through: &'a [[f64; 2]],
     /// Speed in mm/s so far along a line of this length.
@@ -135,8 +136,8 @@ fn random_lines_lose_no_corner() {
         assert_eq!((found.corners.len(), found.without_lines), (30, 0), "line {line}");
         for ((corner, at), turn) in found.corners.iter().zip(&through).zip(&turns) {
             let off = (corner.at[0] - at[0]).hypot(corner.at[1] - at[1]);
-            // A line is within a step of its places, and these within half a step of what was meant. So a corner may be off by 1.5
-            // steps of both of its lines, and the shortest line turned by 3 steps.
+            // A line is within a step of its places, and these within half a step of what was meant. So a corner may be
+            // off by 1.5 steps of both of its lines, and the shortest line turned by 3 steps.
             let most = 1.5 * STEP_MM / (turn.abs() / 2.0).sin();
             let is_right = off < most && (corner.turn_rad - turn).abs() < 3.0 * STEP_MM / 0.3 * 2.0;
             assert!(is_right, "line {line}: {corner:?} {at:?} {turn}");
@@ -144,7 +145,8 @@ fn random_lines_lose_no_corner() {
     }
 }
 
-/// Stairs of 0.05 mm have no lines of their own: told, not lost. A zigzag whose lines lie that close turns right back at each end.
+/// Stairs of 0.05 mm have no lines of their own: told, not lost. A zigzag whose lines lie that close turns right back
+/// at each end.
 #[test]
 fn corners_between_lines_as_short_as_steps_are_counted() {
     let stairs: Vec<[f64; 2]> =
@@ -172,8 +174,9 @@ fn ramps(a: f64) -> impl Fn(f64, f64) -> f64 {
     move |way, length| (2.0 * a * (way.min(length - way)).max(0.001)).sqrt().min(150.0)
 }
 
-/// Lines of 2 mm, 0.05 to 0.4 mm apart, at several accelerations, against the same line and against one that takes three times as
-/// long: the error is that which the tool has of the line by its own time, not half of what lies between lines.
+/// Lines of 2 mm, 0.05 to 0.4 mm apart, at several accelerations, against the same line and against one that takes
+/// three times as long: the error is that which the tool has of the line by its own time, not half of what lies between
+/// lines.
 #[test]
 fn a_dense_zigzag_is_matched_by_time() {
     for pitch in [0.05, 0.1, 0.4] {

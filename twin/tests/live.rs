@@ -109,8 +109,8 @@ fn power_up(params: &Params, seeds: u64, pause_ms: u64) -> (f64, f64) {
 
 #[test]
 fn one_motor_after_the_other_strains_the_belt_half_as_much_as_all_at_once() {
-    // With fields that do not give way: 0.46 mm RMS and 1.6 at most, or 0.23 and 0.40. Of so few seeds each RMS is told to
-    // 5 % or so. Fields of the nominal machine leave 77 % of it.
+    // With fields that do not give way: 0.46 mm RMS and 1.6 at most, or 0.23 and 0.40. Of so few seeds each RMS is told
+    // to 5 % or so. Fields of the nominal machine leave 77 % of it.
     for (params, seeds, left) in [(Params::default(), 150, 0.618 / 0.798), (soft(), 100, 1.0)] {
         let (at_once, worst) = power_up(&params, seeds, 0);
         assert!((at_once / (0.46 * left) - 1.0).abs() < 0.12 && worst < 1.6 * left, "{at_once} {worst}");
@@ -162,8 +162,8 @@ fn an_obstacle_holds_the_tool_and_does_not_throw_it_back() {
     live.advance(live.now() + 500 * MS);
     let [x, y] = off(&live);
     assert!(x.hypot(y) < 1e-4, "{x} {y}");
-    // Of 5 N it leaves 3, in the direction of the push; belts and fields take them with 251.2 and 244.1 N/mm. What rings
-    // on the way may stop on either side of that by 2 N.
+    // Of 5 N it leaves 3, in the direction of the push; belts and fields take them with 251.2 and 244.1 N/mm. What
+    // rings on the way may stop on either side of that by 2 N.
     live.obstruct(2.0);
     live.advance(live.now() + 500 * MS);
     let [x, y] = off(&live);

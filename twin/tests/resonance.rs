@@ -24,8 +24,9 @@ fn axes_of_a_corehbot_ring_by_their_own_place_alone() {
     assert!(found.y.line.starts_with("M593 Y F"), "{}", found.y.line);
 }
 
-/// The bar on guides of 2,000 N m/rad, below both axes: 44.6 Hz with the head in the middle (docs/research/twin.md), and by inertia slower
-/// beside it, `I = m W^2 / 12 + M (x - W / 2)^2` coupled with y. A CoreXY's belts hold the bar, so it yaws faster than y rings.
+/// The bar on guides of 2,000 N m/rad, below both axes: 44.6 Hz with the head in the middle (docs/research/twin.md),
+/// and by inertia slower beside it, `I = m W^2 / 12 + M (x - W / 2)^2` coupled with y. A CoreXY's belts hold the bar,
+/// so it yaws faster than y rings.
 #[test]
 fn the_yaw_of_the_bar_is_told_and_that_no_shaper_is_made_for_it() {
     let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };
@@ -71,8 +72,8 @@ fn speeds_that_excite_an_axis_are_its_frequency_times_what_repeats() {
     assert!((found.y.resonant_speeds.full_step_mm_s - 0.1995 * 57.64).abs() < 0.06);
 }
 
-/// One step of an axis, made by motors one after the other in this order: the tool's greatest way aside, and the greatest
-/// residual, in steps.
+/// One step of an axis, made by motors one after the other in this order: the tool's greatest way aside, and the
+/// greatest residual, in steps.
 fn zigzag(machine: Machine, axis: usize, order: &[usize]) -> (f64, f64) {
     let ways = Ways::new(machine, &Params::default());
     let mut turned = vec![0.0; ways.motors.len()];
@@ -97,8 +98,8 @@ fn orders() -> Vec<Vec<usize>> {
     orders
 }
 
-/// Motors that step one after the other take the tool aside: by half a step on a CoreXY, by a quarter on a CoreH-bot whose
-/// pairs follow each other, by half in the worst order; together by nothing.
+/// Motors that step one after the other take the tool aside: by half a step on a CoreXY, by a quarter on a CoreH-bot
+/// whose pairs follow each other, by half in the worst order; together by nothing.
 #[test]
 fn motors_one_after_the_other_zig_zag() {
     let near = |a: f64, b: f64| (a - b).abs() < 1e-12;

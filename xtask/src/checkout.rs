@@ -23,8 +23,8 @@ pub fn target_dir() -> Result<PathBuf> {
     Ok(dir.to_owned())
 }
 
-/// Builds `corehbot` for this computer and says where it is. Together with xtask it is built with the dependencies that are
-/// there already.
+/// Builds `corehbot` for this computer and says where it is. Together with xtask it is built with the dependencies that
+/// are there already.
 pub fn build_command() -> Result<PathBuf> {
     run(cargo(["build", "--package", "corehbot-cli", "--package", "xtask"]))?;
     Ok(target_dir()?.join("debug").join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
@@ -76,8 +76,9 @@ pub fn for_boards(task: &str) -> Result<Command> {
 /// The variable that hands flags on to the compiler; paths in them may have spaces.
 pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
 
-/// Flags, as [`FLAGS`] takes them, by which nothing that is built says where it was built: the same source gives the same bytes
-/// in every folder, and images are tested as they are released. Paths of our own files are relative to the root by themselves.
+/// Flags, as [`FLAGS`] takes them, by which nothing that is built says where it was built: the same source gives the
+/// same bytes in every folder, and images are tested as they are released. Paths of our own files are relative to the
+/// root by themselves.
 pub fn path_flags() -> Result<String> {
     let home = cargo_home()?;
     let places =

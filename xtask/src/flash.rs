@@ -27,8 +27,8 @@ struct Way {
     /// can be read through the same probe.
     #[arg(long)]
     probe: bool,
-    /// By USB, with dfu-util; the board has to be in the chip's own bootloader (BOOT0 high and BOOT1 low at reset), with
-    /// the heaters unplugged.
+    /// By USB, with dfu-util; the board has to be in the chip's own bootloader (BOOT0 high and BOOT1 low at reset),
+    /// with the heaters unplugged.
     #[arg(long)]
     dfu: bool,
     /// By an SD card whose folder this is; the board's bootloader takes the image at the next reset.
@@ -36,8 +36,8 @@ struct Way {
     sd: Option<PathBuf>,
 }
 
-/// What has to be so before the chip's own bootloader runs. It looks for hosts on USART3 too, whose pins it pulls up: on
-/// the Octopus these are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
+/// What has to be so before the chip's own bootloader runs. It looks for hosts on USART3 too, whose pins it pulls up:
+/// on the Octopus these are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
 const BEFORE_DFU: &str = "\
 before you set the BOOT0 jumper: unplug HE2 and HE3, for the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground";

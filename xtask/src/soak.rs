@@ -1,6 +1,6 @@
-//! `cargo xtask soak`: hours of simulated printing and weeks of machines that are used, in which no guard may alarm, no switch may
-//! burn anything, and no step may be lost, power cuts while a machine is stored, and machines whose belt motors are to be aligned. `cargo xtask test` runs the same tests
-//! for a short time.
+//! `cargo xtask soak`: hours of simulated printing and weeks of machines that are used, in which no guard may alarm, no
+//! switch may burn anything, and no step may be lost, power cuts while a machine is stored, and machines whose belt
+//! motors are to be aligned. `cargo xtask test` runs the same tests for a short time.
 
 use crate::checkout::{build_image, cargo, run};
 use crate::emulate;

@@ -1,9 +1,11 @@
-//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1, and that of the Octopus Pro V1.0, which is the same.
+//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1, and that of the Octopus Pro V1.0, which is the
+//! same.
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
 //!
-//! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
+//! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core
+//! allows.
 
 use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
 use corehbot::port::{Output, Sensor};
@@ -70,8 +72,8 @@ pub static BOARD: Board = Board {
         Pin::new(Port::D, 14),
         Pin::new(Port::D, 15),
     ],
-    // HE2 and HE3 (PB10, PB11) are on the same channels of TIM2 as HE0 and HE1 and on none of TIM5, so nothing would end their
-    // pulses: they stay low.
+    // HE2 and HE3 (PB10, PB11) are on the same channels of TIM2 as HE0 and HE1 and on none of TIM5, so nothing would
+    // end their pulses: they stay low.
     heaters: &[heater(Output::Bed, 1), heater(Output::He0, 2), heater(Output::He1, 3)],
     fans: &[
         FanPin { pin: Pin::new(Port::A, 8), timer: FanTimer::One, channel: 1 },
@@ -97,8 +99,9 @@ pub static BOARD: Board = Board {
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
 
-/// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's generic-bigtreetech-octopus-pro-v1.0.cfg).
-/// Its PROBE header alone is elsewhere, on PC5, and not in use; PB7 is that of the BLTouch.
+/// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's
+/// generic-bigtreetech-octopus-pro-v1.0.cfg). Its PROBE header alone is elsewhere, on PC5, and not in use; PB7 is that
+/// of the BLTouch.
 pub static PRO: Board = Board { name: "BTT Octopus Pro V1.0", connectors: &OCTOPUS_PRO, ..BOARD };
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).

@@ -1,11 +1,11 @@
 //! Checker: holds every step of a run to physics and to the mechanism.
 //!
-//! At every event: time does not fall; two pulses of a motor are at least [`MIN_STEP_INTERVAL`] apart; motors with equal
-//! rows in the mechanism stand alike and those with opposite rows mirror each other (on the CoreH-bot, 1 and 8, 4 and 11,
-//! so that the belt is not strained, and both ball screws). Where four coordinates hold three axes, the sum of counts
-//! that should be 0 (A - B + C - D of a CoreXYZ) is what rounding makes of it: each count is within half a step of its
-//! coordinate, so the sum of four is below two steps. A step's tick is rounded as well, so in between the sum may reach two.
-//! At the end it is below two, and the counts are the expected ones.
+//! At every event: time does not fall; two pulses of a motor are at least [`MIN_STEP_INTERVAL`] apart; motors with
+//! equal rows in the mechanism stand alike and those with opposite rows mirror each other (on the CoreH-bot, 1 and 8, 4
+//! and 11, so that the belt is not strained, and both ball screws). Where four coordinates hold three axes, the sum of
+//! counts that should be 0 (A - B + C - D of a CoreXYZ) is what rounding makes of it: each count is within half a step
+//! of its coordinate, so the sum of four is below two steps. A step's tick is rounded as well, so in between the sum
+//! may reach two. At the end it is below two, and the counts are the expected ones.
 //!
 //! Speeds and accelerations are measured on positions sampled every 0.5 ms. With window T and step q:
 //!
@@ -16,10 +16,10 @@
 //!   (see [`limits`](crate::limits)). More corners within one window are within the bound if the planner lets no
 //!   chain of corners turn faster than a curve at the limit would.
 //!
-//! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis is
-//! as fast as its speed limit; a short one (T = sqrt(2Q / A)), where the three terms are least together, finds a jump: for
-//! 80 steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s. Within 4 ms the speeds of x and y are looked at step by step
-//! (`changes.rs`), which finds an oscillation that is too short for both windows.
+//! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis is as fast as
+//! its speed limit; a short one (T = sqrt(2Q / A)), where the three terms are least together, finds a jump: for 80
+//! steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s. Within 4 ms the speeds of x and y are looked at step by
+//! step (`changes.rs`), which finds an oscillation that is too short for both windows.
 
 use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};
@@ -37,8 +37,8 @@ const KEPT: usize = 10;
 /// Steps that quantisation can fake in a position difference: one, and a half for uneven rounding.
 const QUANTISATION: f64 = 1.5;
 
-/// The factor of the acceleration limit of a coordinate by its place in [`Limits::of`]. Only x, y and the belts see curves;
-/// z and e get five percent for the rounding of times to whole ticks.
+/// The factor of the acceleration limit of a coordinate by its place in [`Limits::of`]. Only x, y and the belts see
+/// curves; z and e get five percent for the rounding of times to whole ticks.
 const fn bend(coordinate: usize) -> f64 {
     if matches!(coordinate, 2 | 3) { 1.05 } else { SQRT_2 }
 }

@@ -1,4 +1,5 @@
-//! Lines of a file as the host reads them: comments, line numbers and checksums taken off, in ASCII as the wire wants it.
+//! Lines of a file as the host reads them: comments, line numbers and checksums taken off, in ASCII as the wire wants
+//! it.
 
 use std::borrow::Cow;
 
@@ -35,8 +36,8 @@ fn is_line_number(text: &str) -> bool {
     matches!(words(text).next(), Some(('M', Some(110.0))))
 }
 
-/// A line without its comments and outer blanks, in ASCII as the wire wants it. As printcore does it, `( )` is a comment
-/// if it is closed, whatever is in it.
+/// A line without its comments and outer blanks, in ASCII as the wire wants it. As printcore does it, `( )` is a
+/// comment if it is closed, whatever is in it.
 #[must_use]
 pub fn strip_comment(line: &str) -> Cow<'_, str> {
     if !line.contains('(') && line.is_ascii() {

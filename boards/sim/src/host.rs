@@ -1,12 +1,12 @@
 //! The host at the other end of the line: sends a G-code file the way printcore does.
 //!
-//! Comments and blank lines stay at home, and so do line numbers and checksums that stand in the file: they are verified,
-//! and an M110, which would be about them, is left out. `N-1 M110 N-1` resets the line number, then the commands follow as
-//! `N0`, `N1`, ... with a checksum, each when the one before was answered with `ok`. A `Resend` goes back.
-//! An `M400` is added, so that the last `ok` means that the motion is done. (Printrun, `printcore.py`.)
+//! Comments and blank lines stay at home, and so do line numbers and checksums that stand in the file: they are
+//! verified, and an M110, which would be about them, is left out. `N-1 M110 N-1` resets the line number, then the
+//! commands follow as `N0`, `N1`, ... with a checksum, each when the one before was answered with `ok`. A `Resend` goes
+//! back. An `M400` is added, so that the last `ok` means that the motion is done. (Printrun, `printcore.py`.)
 //!
-//! Where the printer waits for a user (M0, M1, M600, M601), it goes on after [`USER_SECONDS`], as a user would have it do.
-//! The file is read as it is sent; only the last commands are kept, in case they are asked for again.
+//! Where the printer waits for a user (M0, M1, M600, M601), it goes on after [`USER_SECONDS`], as a user would have it
+//! do. The file is read as it is sent; only the last commands are kept, in case they are asked for again.
 
 use crate::file_line::{command_of, words};
 use crate::lines::{Lines, Survey, lines_of, survey};

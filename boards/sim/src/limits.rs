@@ -13,11 +13,11 @@
 //!
 //! # Shaping
 //! An input shaper is a mean of the path at several times, which is no faster than the path. Pressure advance K over a
-//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`, which adds `(q(t + h/2) - q(t - h/2)) / h` to the
-//! extruder's speed, q being K times the speed of filament that is printed. The planner keeps the sum within the extruder's speed and
-//! acceleration (docs/explanation/shaping.md#what-the-extruder-bears), so neither limit is wider for an advance. A corner's jump enters the window
-//! and leaves it again, each time as a jump of its own that is no more than the extruder's jerk. Both, and a corner's own jump, may fall into
-//! one measurement.
+//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`, which adds `(q(t + h/2) - q(t - h/2)) / h`
+//! to the extruder's speed, q being K times the speed of filament that is printed. The planner keeps the sum within the
+//! extruder's speed and acceleration (docs/explanation/shaping.md#what-the-extruder-bears), so neither limit is wider
+//! for an advance. A corner's jump enters the window and leaves it again, each time as a jump of its own that is no
+//! more than the extruder's jerk. Both, and a corner's own jump, may fall into one measurement.
 
 use crate::file_line::{command_of, words};
 use corehbot::gcode::{Command, Number, VelocityWords, parse};

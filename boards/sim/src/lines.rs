@@ -30,7 +30,8 @@ impl<R: BufRead> Lines<R> {
         Self { from, bytes: Vec::new() }
     }
 
-    /// The next line without its end, `None` after the last. What is no UTF-8 is replaced; it can only stand in comments.
+    /// The next line without its end, `None` after the last. What is no UTF-8 is replaced; it can only stand in
+    /// comments.
     ///
     /// # Errors
     /// What the file reported.

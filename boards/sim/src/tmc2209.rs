@@ -208,8 +208,8 @@ impl Tmc2209 {
         places.filter(|((at, ..), _)| *at == address).map(|(_, value)| *value).next().unwrap_or(0)
     }
 
-    /// Puts something into a register as the chip itself would: a status, or the trace of a fault. A short circuit or heat switches it
-    /// off, which GSTAT keeps (drv_err, section 5.1).
+    /// Puts something into a register as the chip itself would: a status, or the trace of a fault. A short circuit or
+    /// heat switches it off, which GSTAT keeps (drv_err, section 5.1).
     pub fn set(&mut self, address: u8, value: u32) {
         if address == DRV_STATUS && value & SHUT_DOWN != 0 {
             self.set(GSTAT, self.register(GSTAT) | DRV_ERR);
@@ -247,8 +247,8 @@ impl Tmc2209 {
         self.is_powered
     }
 
-    /// Whether it drives its motor when it is enabled: it has supply, and has neither switched itself off nor too low a charge pump
-    /// (section 5.1: drv_err, uv_cp).
+    /// Whether it drives its motor when it is enabled: it has supply, and has neither switched itself off nor too low a
+    /// charge pump (section 5.1: drv_err, uv_cp).
     #[must_use]
     pub fn is_driving(&self) -> bool {
         self.is_powered && self.register(GSTAT) & (DRV_ERR | UV_CP) == 0
@@ -270,8 +270,9 @@ impl Tmc2209 {
         256 >> mres.min(8)
     }
 
-    /// Step pulses have brought it so many microsteps from where it began, of which those with the direction line high count down: where in
-    /// its sine table of 1024 places it stands now (section 5.4). It counts without motor current too.
+    /// Step pulses have brought it so many microsteps from where it began, of which those with the direction line high
+    /// count down: where in its sine table of 1024 places it stands now (section 5.4). It counts without motor current
+    /// too.
     pub fn step_to(&mut self, low_steps: i64) {
         let places = low_steps * i64::from(256 / self.microsteps());
         self.set(MSCNT, places.rem_euclid(1024) as u32);

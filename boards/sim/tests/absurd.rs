@@ -1,5 +1,5 @@
-//! Absurd lines (F50 to F55): wherever they would go, the tool stays inside the machine, no move is without an end, and the next
-//! right line gets to its place to the step.
+//! Absurd lines (F50 to F55): wherever they would go, the tool stays inside the machine, no move is without an end, and
+//! the next right line gets to its place to the step.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};
@@ -240,7 +240,8 @@ fn f55_malformed_parameters_and_indexes_move_nothing() {
     }
 }
 
-/// F87 by G-code: steps per mm, speeds and accelerations that no machine has. Whatever is taken, the machine keeps its limits.
+/// F87 by G-code: steps per mm, speeds and accelerations that no machine has. Whatever is taken, the machine keeps its
+/// limits.
 #[test]
 fn f87_settings_that_no_machine_has_leave_it_within_its_limits() {
     for line in [

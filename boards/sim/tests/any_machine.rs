@@ -71,8 +71,8 @@ fn machines() -> impl Strategy<Value = Settings> {
     )
 }
 
-/// What the checker holds these settings to. Where x and y are shaped differently, a belt motor runs the sum of an x and
-/// a y of different moments, which the planner does not limit.
+/// What the checker holds these settings to. Where x and y are shaped differently, a belt motor runs the sum of an x
+/// and a y of different moments, which the planner does not limit.
 fn limits(s: &Settings) -> Limits {
     let mut limits = Limits::new(s, None, "");
     if s.shapers.x != s.shapers.y {

@@ -16,8 +16,8 @@ impl Sink for Last<'_> {
     }
 }
 
-/// Sends everything at once, says the word at a place in motion time or when it hears that the printer is busy, and asks
-/// for the position when all is answered.
+/// Sends everything at once, says the word at a place in motion time or when it hears that the printer is busy, and
+/// asks for the position when all is answered.
 struct Shouter<'a> {
     last: &'a Cell<u64>,
     text: String,

@@ -37,8 +37,8 @@ fn settings_as_said(settings: &Settings, lines: &[&str]) -> Vec<String> {
     host.heard.into_iter().filter(|line| line.starts_with("echo:  ") || line.starts_with("echo:;")).collect()
 }
 
-/// A rule for corners: its path in the settings, its key in a machine file, and a line that sets it. A new rule does not
-/// compile before it has them.
+/// A rule for corners: its path in the settings, its key in a machine file, and a line that sets it. A new rule does
+/// not compile before it has them.
 const fn corner(rule: CornerRule) -> [&'static str; 3] {
     match rule {
         CornerRule::JunctionDeviation(_) => ["corner.JunctionDeviation", "junction_deviation", "M205 J.02"],
@@ -59,8 +59,8 @@ fn settings_and_files() -> Vec<(String, Table)> {
     all
 }
 
-/// A machine file with every key of that rule for corners, and shapers that are on. No two axes share a motor, so each may
-/// be changed alone.
+/// A machine file with every key of that rule for corners, and shapers that are on. No two axes share a motor, so each
+/// may be changed alone.
 fn file(rule: CornerRule) -> Table {
     // Axes of their own, and a belt over all their motors that could run round.
     const ROWS: [(&str, [i64; 4]); 6] = [

@@ -35,8 +35,8 @@ fn print(metres: u32, lines: &[&str]) -> (Vec<String>, i64) {
     (host.heard.into_iter().filter(|line| line.starts_with("X:")).collect(), extruder.0 - before)
 }
 
-/// Reproducer: beyond 2^31 steps, 84 m at this resolution, homing and M410 read the filament as 168 m less, and the next
-/// absolute move, which then asked for that much, was made without.
+/// Reproducer: beyond 2^31 steps, 84 m at this resolution, homing and M410 read the filament as 168 m less, and the
+/// next absolute move, which then asked for that much, was made without.
 #[test]
 fn a_long_print_goes_on_extruding() {
     for metres in [83, 84] {

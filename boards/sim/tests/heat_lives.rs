@@ -1,8 +1,9 @@
-//! Lives: one machine is used for days, as its owner would use it, and no guard may alarm; then something breaks in such a life, and
-//! must be found. `cargo xtask soak heat` makes weeks of it.
+//! Lives: one machine is used for days, as its owner would use it, and no guard may alarm; then something breaks in
+//! such a life, and must be found. `cargo xtask soak heat` makes weeks of it.
 //!
-//! A life is a machine drawn from a seed (powers, masses, losses, lags, noise, room) and a row of acts drawn from [`ACTS`]. The plant
-//! is what the seed says; the firmware knows the power of its heaters and nothing else, until it tunes itself.
+//! A life is a machine drawn from a seed (powers, masses, losses, lags, noise, room) and a row of acts drawn from
+//! [`ACTS`]. The plant is what the seed says; the firmware knows the power of its heaters and nothing else, until it
+//! tunes itself.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[path = "common/deaf.rs"]
@@ -137,7 +138,8 @@ const ACTS: [Act; 17] = [
     act("PID or model", 2, |life| {
         let watt = life.machine.hotend.watt;
         match life.dice.below(4) {
-            // What M303 has found, or what it is made with, serves only if it was tuned: a stranger's gains are no fault of a guard.
+            // What M303 has found, or what it is made with, serves only if it was tuned: a stranger's gains are no
+            // fault of a guard.
             0 => life.say("M301 P22.2 I1.08 D114"),
             1 => life.say("M304 P120 I1 D600"),
             2 => life.say(&format!("M306 E0 P{watt:.0}")),

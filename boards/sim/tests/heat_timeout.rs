@@ -38,7 +38,8 @@ impl Sink for Last {
     }
 }
 
-/// Says lines, a second apart, and leaves the machine alone. When heaters had power and a target for the last time, in s.
+/// Says lines, a second apart, and leaves the machine alone. When heaters had power and a target for the last time, in
+/// s.
 fn left_alone(lines: &[&str], mut look: impl FnMut(u64, &mut World<'_>)) -> [f64; 2] {
     let mut settings = Settings::prototype();
     settings.thermal.idle_min = IDLE_MIN;

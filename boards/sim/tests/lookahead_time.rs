@@ -1,5 +1,5 @@
-//! How far the look-ahead reaches in time: whoever pauses or cancels a print need not wait for long, and no step is another
-//! one for it.
+//! How far the look-ahead reaches in time: whoever pauses or cancels a print need not wait for long, and no step is
+//! another one for it.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/trace.rs"]
@@ -24,8 +24,8 @@ fn reaching(seconds: f64) -> Settings {
     Settings { lookahead_time: Seconds::from_num(seconds), ..Settings::prototype() }
 }
 
-/// Prints as OctoPrint does, and pauses after every `gap_ms` of printing: the line under way is answered, then comes M400.
-/// How long each pause takes to come to rest, in s.
+/// Prints as OctoPrint does, and pauses after every `gap_ms` of printing: the line under way is answered, then comes
+/// M400. How long each pause takes to come to rest, in s.
 fn pauses(settings: &Settings, gcode: &str, gap_ms: u64) -> Vec<f64> {
     let (mut trace, drivers, mut desk) = (Trace::default(), Drivers::new(), Desk::new(1));
     let start = Some([0, 0, 10].map(Mm::from_num));
@@ -76,8 +76,8 @@ fn a_pause_is_heard_within_the_look_ahead() {
     }
 }
 
-/// Moves of 4 s each: one is under way, and as the end of the next is not known without a third, two wait. Another one is
-/// in the line. With a look-ahead of moves alone it was ten minutes.
+/// Moves of 4 s each: one is under way, and as the end of the next is not known without a third, two wait. Another one
+/// is in the line. With a look-ahead of moves alone it was ten minutes.
 #[test]
 fn long_moves_are_few() {
     let gcode: String = (1..=12).map(|i| format!("G1 X{} F4500\n", 300 * (i % 2))).collect();

@@ -77,7 +77,8 @@ fn who_was_there_hears_the_error_and_who_comes_is_greeted() {
     assert!(!has_ended && !has_power);
 }
 
-/// A reset of the firmware cools nothing: what was hot at a fault is hot at the next start, and prints again from there.
+/// A reset of the firmware cools nothing: what was hot at a fault is hot at the next start, and prints again from
+/// there.
 #[test]
 fn heaters_are_as_hot_after_m999_as_before_it_and_the_machine_prints_again() {
     let mut settings = Settings::prototype();

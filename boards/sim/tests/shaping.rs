@@ -95,8 +95,8 @@ fn print(gcode: &str) -> Print {
     play(&Settings::prototype(), NoStorage, gcode, None)
 }
 
-/// A print of corners, curves, travels and retractions, which comes back to where it began; `between` stands before each
-/// of its rounds.
+/// A print of corners, curves, travels and retractions, which comes back to where it began; `between` stands before
+/// each of its rounds.
 fn rounds(between: impl Fn(u32) -> String) -> String {
     let mut gcode = "M83\nG1 X110 Y100 F9000\n".to_owned();
     for round in 0..8 {

@@ -23,8 +23,8 @@ enum Fate {
     Paused,
 }
 
-/// Sends numbered lines as printcore and OctoPrint do: one for each `ok`, and again from where it is asked to, unless it
-/// has not sent that line yet. Says what it heard, in order.
+/// Sends numbered lines as printcore and OctoPrint do: one for each `ok`, and again from where it is asked to, unless
+/// it has not sent that line yet. Says what it heard, in order.
 fn stream(lines: &[&str], fates: &[(usize, Fate)]) -> (Outcome, Vec<String>) {
     let (mut sink, drivers, mut desk) = (Deaf, Drivers::new(), Desk::new(1));
     let start = Some([100, 100, 10].map(Mm::from_num));

@@ -22,8 +22,8 @@ fn steps(outcome: &Outcome, motor: Motor) -> i32 {
     outcome.counts[motor as usize].abs()
 }
 
-/// Reproducer: where motors were under way for more than 1.7 s without a step, the generator looked for the next one for
-/// ever, and nothing below it ran.
+/// Reproducer: where motors were under way for more than 1.7 s without a step, the generator looked for the next one
+/// for ever, and nothing below it ran.
 #[test]
 fn a_step_may_be_seconds_away() {
     let outcome = print("M220 S10\nG1 X21 F1\nG1 X20 F600\nG1 X21 Y20.2 F0.5\nM400\n");

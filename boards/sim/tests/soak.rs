@@ -1,4 +1,5 @@
-//! Hours of motion across the wraps of all counters, with the position exact to the step. `cargo xtask soak` makes days of it.
+//! Hours of motion across the wraps of all counters, with the position exact to the step. `cargo xtask soak` makes days
+//! of it.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[path = "common/deaf.rs"]

@@ -1,5 +1,5 @@
-//! Hosts that are too slow: the machine slows down before it starves, goes on without a blob, comes to be as fast as its
-//! host, and says so in M122; and hosts that are just fast enough leave no trace.
+//! Hosts that are too slow: the machine slows down before it starves, goes on without a blob, comes to be as fast as
+//! its host, and says so in M122; and hosts that are just fast enough leave no trace.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};

@@ -30,8 +30,8 @@ const AHB1: u32 = 0x2060_1000;
 const AHB2: u32 = 0x0000_0081;
 /// QUADSPI, FMC.
 const AHB3: u32 = 0x0000_0003;
-/// DAC, PWR, CEC, CAN2, CAN1, FMPI2C1, I2C3 to 1, UART5 and 4, USART3 and 2, SPDIFRX, SPI3 and 2, WWDG, TIM14 to 12, TIM7
-/// to 2.
+/// DAC, PWR, CEC, CAN2, CAN1, FMPI2C1, I2C3 to 1, UART5 and 4, USART3 and 2, SPDIFRX, SPI3 and 2, WWDG, TIM14 to 12,
+/// TIM7 to 2.
 const APB1: u32 = 0x3FFF_C9FF;
 /// SAI2 and 1, TIM11 to 9, SYSCFG, SPI4, SPI1, SDIO, ADC, USART6 and 1, TIM8 and 1.
 const APB2: u32 = 0x00C7_7933;
@@ -82,7 +82,8 @@ pub fn leave_plls() {
     });
 }
 
-/// Resets all peripherals but the ports and switches their clocks off. DMA streams and USB end with that, and over-drive.
+/// Resets all peripherals but the ports and switches their clocks off. DMA streams and USB end with that, and
+/// over-drive.
 pub fn reset_peripherals() {
     for on in [true, false] {
         let bits = |mask: u32| if on { mask } else { 0 };

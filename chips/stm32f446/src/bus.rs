@@ -122,8 +122,8 @@ impl Bus {
         ports::is_high(self.scl) && ports::is_high(self.sda)
     }
 
-    /// Clocks a chip to the end of its byte, then says stop, and begins anew. The edges also wake an input filter
-    /// that is stuck, which the errata sheets of the STM32F1 know and that of the F446 does not, as far as we could see.
+    /// Clocks a chip to the end of its byte, then says stop, and begins anew. The edges also wake an input filter that
+    /// is stuck, which the errata sheets of the STM32F1 know and that of the F446 does not, as far as we could see.
     fn free(&mut self) -> Outcome<()> {
         self.is_sound = false;
         for pin in [self.scl, self.sda] {

@@ -32,8 +32,8 @@ const DIVR: PllRDiv = PllRDiv::DIV2;
 /// Takes the 48 MHz of USB from PLLSAI instead of the main PLL (RM0390, 6.3.27, CK48MSEL).
 const CK48MSEL: u32 = 1 << 27;
 
-/// Has crystal, PLL and over-drive start once, one after the other, and says what does not. embassy-stm32 0.6.0 waits for
-/// each of them without an end. The internal oscillator is the system clock, before and after.
+/// Has crystal, PLL and over-drive start once, one after the other, and says what does not. embassy-stm32 0.6.0 waits
+/// for each of them without an end. The internal oscillator is the system clock, before and after.
 pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     RCC.cr().modify(|w| w.set_hsebyp(crystal == Crystal::Clock8MHz));
     RCC.cr().modify(|w| w.set_hseon(true));

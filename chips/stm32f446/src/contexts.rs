@@ -159,19 +159,21 @@ async fn stay_awake() {
     }
 }
 
-/// Has the Console look at the world again. Not for the Stepper, which no critical section of `critical_section` holds off.
+/// Has the Console look at the world again. Not for the Stepper, which no critical section of `critical_section` holds
+/// off.
 pub fn wake_console() {
     CONSOLE_WAKER.wake();
 }
 
 /// A step is due, or software wants the Stepper to look.
-// In a section of its own name, and so not one of the functions whose common parts are put into functions of their own to
-// save flash.
+// In a section of its own name, and so not one of the functions whose common parts are put into functions of their own
+// to save flash.
 #[exception]
 #[unsafe(link_section = ".text.SysTick")]
 fn SysTick() {
     // SAFETY:
-    // - `give_stepper` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper, the
+    // - `give_stepper` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper,
+    //   the
     //   Console, the StepGenerator and ThermalControl all begin later;
     // - nobody else uses the place, and an exception does not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
@@ -180,7 +182,8 @@ fn SysTick() {
 /// A row of the step pins' words, copied while nothing interrupts, which is all that ever holds off the Stepper.
 pub fn step_pins_row(number: usize) -> Option<Row> {
     cortex_m::interrupt::free(|_| {
-        // SAFETY: [`start`] is called after `give_stepper`; nobody else runs now, and nobody who calls this works with the Stepper.
+        // SAFETY: [`start`] is called after `give_stepper`; nobody else runs now, and nobody who calls this works with
+        // the Stepper.
         unsafe { STEPPER.with_alone(|stepper| stepper.port().row(number)) }
     })
 }
@@ -191,8 +194,8 @@ pub fn step_pins_dir_row(number: usize) -> Option<DirRow> {
     cortex_m::interrupt::free(|_| unsafe { STEPPER.with_alone(|stepper| stepper.port().dir_row(number)) })
 }
 
-/// Has the step pins take another coupling, gives the one so far, and sets the direction lines anew. At rest: it takes 128 words, some
-/// 2 us.
+/// Has the step pins take another coupling, gives the one so far, and sets the direction lines anew. At rest: it takes
+/// 128 words, some 2 us.
 pub fn couple_step_pins(steps: &mut Steps, dirs: &mut &'static mut Dirs) {
     // SAFETY: as for [`step_pins_row`].
     cortex_m::interrupt::free(|_| unsafe {

@@ -8,8 +8,8 @@
 //! goes on by itself, so ticks are late and never lost, unless they are held off for 10 us while a start bit is
 //! waited for, or for a bit; an exchange that goes on then fails, as if by noise, and is repeated.
 //!
-//! A tick takes some 50 instructions, so waiting for a reply takes about 5 % of the processor, and bits, sent or received,
-//! 1 %. While motors have power the wire has little rest: ticks come 25,000 times a second then.
+//! A tick takes some 50 instructions, so waiting for a reply takes about 5 % of the processor, and bits, sent or
+//! received, 1 %. While motors have power the wire has little rest: ticks come 25,000 times a second then.
 
 use corehbot::port::{BusError, Frame};
 use corehbot_cortex_m4::Handover;
@@ -130,9 +130,9 @@ fn tick_every(clocks: u32) {
     TIM8.cr1().modify(|w| w.set_cen(true));
 }
 
-/// The next tick comes `clocks` after the one before, and so do those after it. The timer is not restarted, so it does not
-/// matter how late this is, unless that is later than the tick is due: then it is made up at once, for a counter that has
-/// passed its end would go on to 2^16.
+/// The next tick comes `clocks` after the one before, and so do those after it. The timer is not restarted, so it does
+/// not matter how late this is, unless that is later than the tick is due: then it is made up at once, for a counter
+/// that has passed its end would go on to 2^16.
 fn next_tick_after(clocks: u32) {
     TIM8.arr().write(|w| w.set_arr((clocks - 1) as u16));
     if u32::from(TIM8.cnt().read().cnt()) >= clocks {

@@ -1,9 +1,9 @@
 //! An exchange on one wire: a request's bits out, a reply's bits in, tick by tick.
 //!
-//! Plain code without time of its own: a timer ticks, this says what the line does next and when the next tick is wanted. A
-//! bit is one tick while sending. While listening the line is sampled [`OVERSAMPLING`] times a bit until a start bit is seen,
-//! and then once in the middle of each bit. Every exchange ends by itself after a time that is known when it begins,
-//! whatever the line does, unless its interrupt was masked (`storm`): then the machine has stopped.
+//! Plain code without time of its own: a timer ticks, this says what the line does next and when the next tick is
+//! wanted. A bit is one tick while sending. While listening the line is sampled [`OVERSAMPLING`] times a bit until a
+//! start bit is seen, and then once in the middle of each bit. Every exchange ends by itself after a time that is known
+//! when it begins, whatever the line does, unless its interrupt was masked (`storm`): then the machine has stopped.
 //!
 //! A bit at [`BAUD`] lasts 52 us. A tick that comes late by J moves an edge or a sample, and never the ticks after
 //! it, for the timer does not wait. What half a bit, 26 us, is spent on:
@@ -23,8 +23,8 @@ use corehbot::port::{BusError, Frame};
 /// tick may be, half as many would take 13 ms instead of 7 to read a register.
 pub const BAUD: u32 = 19_200;
 
-/// Samples in a bit while a start bit is waited for. Odd, so that the middle of a bit is a whole number of samples after
-/// the middle of the time between two samples in which its edge was. Three would spend 3.5 us more of half a bit.
+/// Samples in a bit while a start bit is waited for. Odd, so that the middle of a bit is a whole number of samples
+/// after the middle of the time between two samples in which its edge was. Three would spend 3.5 us more of half a bit.
 pub const OVERSAMPLING: u8 = 5;
 
 /// From the first low sample to the middle of the start bit, in samples.
@@ -38,8 +38,9 @@ const REST: u8 = 12;
 /// for more of a request, which it gives up after 63 bit times (section 4.1.1).
 const LONG_REST: u8 = 80 + REST;
 
-/// Bit times that a reply may take longer than its bits, and in which it must have begun. It begins after eight (TMC2209
-/// datasheet rev 1.09, section 4.1.2, SENDDELAY as it is after reset, and as the firmware sets it before it asks anything).
+/// Bit times that a reply may take longer than its bits, and in which it must have begun. It begins after eight
+/// (TMC2209 datasheet rev 1.09, section 4.1.2, SENDDELAY as it is after reset, and as the firmware sets it before it
+/// asks anything).
 const LATE: u16 = 24;
 
 /// Bits of a byte with its start and stop bit.
@@ -77,7 +78,8 @@ pub enum Action {
     },
     /// Nobody drives it, and from now on ticks come [`OVERSAMPLING`] times a bit.
     Listen,
-    /// What it does; the next tick and those after it come so many samples after the one before, the next one after this.
+    /// What it does; the next tick and those after it come so many samples after the one before, the next one after
+    /// this.
     Sample(u8),
     /// Nobody drives it, and no more ticks are needed: there is an outcome.
     End,
@@ -215,7 +217,8 @@ impl Exchange {
         }
     }
 
-    /// Whether nobody has begun to answer while a reply could begin: what is left of the time is that of a reply's bits.
+    /// Whether nobody has begun to answer while a reply could begin: what is left of the time is that of a reply's
+    /// bits.
     fn is_unanswered(&self) -> bool {
         let of_reply = self.wanted as u16 * BYTE * u16::from(OVERSAMPLING);
         self.bits == WAITING && self.reply.is_empty() && self.patience <= of_reply

@@ -1,8 +1,8 @@
 //! Fans: pulse-width modulation at 98 Hz.
 //!
-//! A fan with two wires is switched on and off with its supply, and its motor's electronics have to start each time: Klipper's
-//! default is a cycle of 10 ms (Config reference, `cycle_time` of a fan). One duty is one step of the timer, so 0 is off and
-//! 65,535 is on without a gap.
+//! A fan with two wires is switched on and off with its supply, and its motor's electronics have to start each time:
+//! Klipper's default is a cycle of 10 ms (Config reference, `cycle_time` of a fan). One duty is one step of the timer,
+//! so 0 is off and 65,535 is on without a gap.
 
 use embassy_stm32::pac::{RCC, TIM1, TIM4, TIM9};
 
@@ -10,10 +10,12 @@ use crate::ports;
 use crate::resources::fan_timer;
 use crate::wiring::{FanPin, FanTimer};
 
-/// The last count: one less than the highest duty, which so is never reached and leaves the output on (RM0390, PWM mode 1).
+/// The last count: one less than the highest duty, which so is never reached and leaves the output on (RM0390, PWM mode
+/// 1).
 const LAST: u16 = u16::MAX - 1;
 
-/// 180 MHz (APB2) over 28 and over 65,535 counts, and 90 MHz (APB1) over 14: 98.1 Hz (RM0390, 6.2: clocks of the timers).
+/// 180 MHz (APB2) over 28 and over 65,535 counts, and 90 MHz (APB1) over 14: 98.1 Hz (RM0390, 6.2: clocks of the
+/// timers).
 const PRESCALER_180: u16 = 28 - 1;
 const PRESCALER_90: u16 = 14 - 1;
 

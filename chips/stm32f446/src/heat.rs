@@ -25,8 +25,8 @@ pub struct BoardHeat {
 }
 
 impl BoardHeat {
-    /// Everything off but the power supply, and the timers, converters and pins taken. The supply stays off too if it was switched
-    /// off before the reset: a heater could not be switched off otherwise.
+    /// Everything off but the power supply, and the timers, converters and pins taken. The supply stays off too if it
+    /// was switched off before the reset: a heater could not be switched off otherwise.
     pub fn start(board: &'static Board, is_supplied: bool) -> Self {
         let thermistors = Thermistors::start(board.thermistors);
         let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
@@ -98,8 +98,9 @@ impl ThermalPort for BoardHeat {
         }
     }
 
-    /// Feeds it, unless a sensor that is wired has delivered nothing since the last time: without temperatures nothing is
-    /// safe. Nor if the cycle counter stands still (a debugger that goes may have switched it off), for then steps have no time.
+    /// Feeds it, unless a sensor that is wired has delivered nothing since the last time: without temperatures nothing
+    /// is safe. Nor if the cycle counter stands still (a debugger that goes may have switched it off), for then steps
+    /// have no time.
     fn feed_watchdog(&mut self) {
         let cycles = DWT::cycle_count();
         let has_time = cycles != core::mem::replace(&mut self.cycles, cycles);

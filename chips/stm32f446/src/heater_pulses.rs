@@ -1,12 +1,12 @@
 //! The heaters' pulses as numbers: when the next control period ends, and where in it each heater goes on.
 //!
-//! The timer counts up once and stops. An output is low until the count reaches its compare value, high from there to the end,
-//! and low again when the counter stands at 0. So all pulses end together, at the end of the period, and the interrupt of that
-//! instant begins the next one.
+//! The timer counts up once and stops. An output is low until the count reaches its compare value, high from there to
+//! the end, and low again when the counter stands at 0. So all pulses end together, at the end of the period, and the
+//! interrupt of that instant begins the next one.
 //!
-//! Until the interrupt has got through to the timer some time has passed, in which the generator's context may have run. The
-//! next count is shorter by that, and so the control period is 20 ms in the long run, and each pulse as long as its duty says,
-//! unless that is all of the period: then the heater misses what the interrupt took.
+//! Until the interrupt has got through to the timer some time has passed, in which the generator's context may have
+//! run. The next count is shorter by that, and so the control period is 20 ms in the long run, and each pulse as long
+//! as its duty says, unless that is all of the period: then the heater misses what the interrupt took.
 //!
 //! Time is that of the core's cycle counter, which wraps.
 
@@ -16,8 +16,8 @@ pub const PERIOD: u32 = 1_800_000;
 /// Cycles of the core in a count.
 const CYCLES: u32 = 2;
 
-/// A compare value that no count reaches: there is no pulse (RM0390, TIM2 to TIM5, PWM mode: with a compare value above the reload value, PWM
-/// mode 2 holds the output inactive).
+/// A compare value that no count reaches: there is no pulse (RM0390, TIM2 to TIM5, PWM mode: with a compare value above
+/// the reload value, PWM mode 2 holds the output inactive).
 pub const NEVER: u32 = u32::MAX;
 
 /// The longest that a pulse lasts, in counts. The heater goes off no later than this after it was told to go on.
@@ -37,9 +37,9 @@ impl Grid {
         Self { begin: now.wrapping_sub(PERIOD * CYCLES) }
     }
 
-    /// Begins the next period at `now`, and says how many counts it has: half of them at the least. Who comes later than that,
-    /// or before its time, as after a halt by a debugger, which stops the cycle counter and not the timer, begins a grid of
-    /// its own.
+    /// Begins the next period at `now`, and says how many counts it has: half of them at the least. Who comes later
+    /// than that, or before its time, as after a halt by a debugger, which stops the cycle counter and not the timer,
+    /// begins a grid of its own.
     pub const fn next(&mut self, now: u32) -> u32 {
         let due = self.begin.wrapping_add(PERIOD * CYCLES);
         let late = now.wrapping_sub(due);
@@ -49,8 +49,8 @@ impl Grid {
     }
 }
 
-/// The compare value for a duty of 1/65,535 of [`PERIOD`] in a period of so many counts. It is never 0: an output with that
-/// would be high while the counter stands.
+/// The compare value for a duty of 1/65,535 of [`PERIOD`] in a period of so many counts. It is never 0: an output with
+/// that would be high while the counter stands.
 #[must_use]
 pub const fn compare(duty: u16, counts: u32) -> u32 {
     if duty == 0 {

@@ -1,17 +1,18 @@
-//! The heater timer: TIM5 in one-pulse mode puts out the heaters' pulses, and the interrupt at its end is the control period.
+//! The heater timer: TIM5 in one-pulse mode puts out the heaters' pulses, and the interrupt at its end is the control
+//! period.
 //!
-//! A dead man's switch in hardware. The counter is started for one control period and stops by itself. While it stands at 0 all
-//! outputs are low (see [`heater_pulses`]), whatever the processor does: hangs, waits in an endless interrupt, erases flash, is
-//! halted. So a heater that nobody asks for again is off 20 ms after it was switched on, at the latest; that needs no
-//! instruction. The watchdog's reset comes 0.34 to 0.94 s later.
+//! A dead man's switch in hardware. The counter is started for one control period and stops by itself. While it stands
+//! at 0 all outputs are low (see [`heater_pulses`]), whatever the processor does: hangs, waits in an endless interrupt,
+//! erases flash, is halted. So a heater that nobody asks for again is off 20 ms after it was switched on, at the
+//! latest; that needs no instruction. The watchdog's reset comes 0.34 to 0.94 s later.
 //!
-//! The interrupt has no other source than the counter's end, and nobody starts the counter but [`heat`], once a period, at the
-//! end of the interrupt. A control period that does not come to call it is the last one, and the watchdog is not fed any more.
-//! The Console plays no part in this.
+//! The interrupt has no other source than the counter's end, and nobody starts the counter but [`heat`], once a period,
+//! at the end of the interrupt. A control period that does not come to call it is the last one, and the watchdog is not
+//! fed any more. The Console plays no part in this.
 //!
-//! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt is as any other hang. Stopped
-//! in the middle of a pulse, TIM5 would hold its output high: only TIM1 and TIM8 let go of their outputs in a halt (RM0390,
-//! TIM1 and TIM8, debug mode).
+//! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt is as any other hang.
+//! Stopped in the middle of a pulse, TIM5 would hold its output high: only TIM1 and TIM8 let go of their outputs in a
+//! halt (RM0390, TIM1 and TIM8, debug mode).
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -30,8 +31,8 @@ pub const IRQ: Interrupt = Interrupt::TIM5;
 /// Channels of the timer.
 const CHANNELS: usize = 4;
 
-/// What two channels do (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect with
-/// the next period (OCxPE).
+/// What two channels do (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect
+/// with the next period (OCxPE).
 const PULSES: u32 = 0x7878;
 
 /// The timer, running.

@@ -1,7 +1,7 @@
 //! What boards with an STM32F446 share: everything but pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins. An [`Image`](wiring::Image) has those of one or several boards and calls
-//! `run` with them and with the memory that they have for settings.
+//! A board is a [`Board`](wiring::Board), a table of pins. An [`Image`](wiring::Image) has those of one or several
+//! boards and calls `run` with them and with the memory that they have for settings.
 //!
 //! | priority | context | runs |
 //! |---|---|---|
@@ -13,9 +13,9 @@
 //! | 0xC0 | TIM5, at the end of the heaters' pulses, every 20 ms | ThermalControl, which feeds the watchdog |
 //! | thread | embassy executor | Console; USB |
 //!
-//! **Safe levels** are the levels of all outputs at which no motor has power and nothing heats (`safe_levels`). An **exchange** is a
-//! request to a motor driver and its reply (`exchange`). What start-up makes and one interrupt handler uses is in a
-//! `Handover` of `chips/cortex-m4`.
+//! **Safe levels** are the levels of all outputs at which no motor has power and nothing heats (`safe_levels`). An
+//! **exchange** is a request to a motor driver and its reply (`exchange`). What start-up makes and one interrupt
+//! handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
 //! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]

@@ -1,8 +1,8 @@
 //! The machine to start as, and the board as that is plugged into it.
 //!
-//! It is the one that is stored, or else that of the image. A board that has neither, or not the connectors of its machine, still
-//! talks and reports, put together as the prototype in the usual places; but no motor gets power, nothing that is stored counts, and
-//! what it says is why.
+//! It is the one that is stored, or else that of the image. A board that has neither, or not the connectors of its
+//! machine, still talks and reports, put together as the prototype in the usual places; but no motor gets power,
+//! nothing that is stored counts, and what it says is why.
 
 use core::fmt::Write as _;
 
@@ -15,7 +15,8 @@ use static_cell::StaticCell;
 use crate::board_storage::BoardStorage;
 use crate::wiring::{Board, Image, Plugged};
 
-/// Longest text about a machine that is not used: a motor or switch, a name of 8 letters, a board, and the names of all its inputs.
+/// Longest text about a machine that is not used: a motor or switch, a name of 8 letters, a board, and the names of all
+/// its inputs.
 const LONGEST_REASON: usize = 192;
 
 /// What a board starts as.

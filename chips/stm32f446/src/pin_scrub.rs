@@ -1,6 +1,6 @@
-//! The scrub of the pins' words: what the Stepper makes edges of lies in RAM for as long as the machine runs, and a bit of it that
-//! flips by itself would step another motor, or none. It is looked at every second, row by row; a step that is due meanwhile
-//! waits for one row at most, some 20 cycles.
+//! The scrub of the pins' words: what the Stepper makes edges of lies in RAM for as long as the machine runs, and a bit
+//! of it that flips by itself would step another motor, or none. It is looked at every second, row by row; a step that
+//! is due meanwhile waits for one row at most, some 20 cycles.
 
 use corehbot::fault::{Cause, Fault};
 use corehbot::settings::sum;

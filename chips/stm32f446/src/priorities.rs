@@ -35,10 +35,10 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
 const ALL_BITS_COUNT: u32 = 0x05FA_0000;
 
 /// The first instructions, before any memory is initialised: the masks that a reset leaves open are closed, or the
-/// interrupts of a bootloader would meet handlers without their data. CONTROL is what it is after a reset, too: the main
-/// stack, which is empty here, and no numbers in the floating-point unit (ARM DDI 0403E, B1.4.4).
-// SAFETY: cortex-m-rt wants the function under this name, calls it once before `main`, and keeps nothing in registers or
-// on the stack across the call but the return address.
+/// interrupts of a bootloader would meet handlers without their data. CONTROL is what it is after a reset, too: the
+/// main stack, which is empty here, and no numbers in the floating-point unit (ARM DDI 0403E, B1.4.4).
+// SAFETY: cortex-m-rt wants the function under this name, calls it once before `main`, and keeps nothing in registers
+// or on the stack across the call but the return address.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 pub unsafe extern "C" fn __pre_init() {

@@ -8,7 +8,8 @@
 //!   takes the flag back with the next byte, for the USART cannot tell its readings from ours, and when the flag has gone,
 //!   the interrupt is switched on again, by whoever looks for bytes (every millisecond). If some USART did tell them
 //!   apart, the interrupt would stay off and bytes be found a millisecond late: nothing depends on it but time.
-//! - after an error we do read the data: a receiver that was overrun takes no more bytes before. A byte may be swallowed
+//! - after an error we do read the data: a receiver that was overrun takes no more bytes before. A byte may be
+//!   swallowed
 //!   by that, which is why [`Ring::mark_damage`](crate::ring::Ring::mark_damage) marks the next one too.
 //! - every look at the status is answered, whoever looks: a look without an answer could take back an error unseen.
 //!
@@ -63,7 +64,8 @@ pub fn answer(flags: Flags, registers: &mut impl Receiving) -> News {
     News::None
 }
 
-/// Whenever there was no byte to be taken, with the interrupt held off: answers a look that is made if the interrupt is off.
+/// Whenever there was no byte to be taken, with the interrupt held off: answers a look that is made if the interrupt is
+/// off.
 #[inline]
 pub fn watch_again<R: Receiving>(registers: &mut R, look: impl FnOnce(&mut R) -> Flags) -> News {
     if registers.is_watching() {

@@ -1,8 +1,8 @@
 //! A USART, its DMA and the Console, in steps as small as an access to a register, and a byte at every instant.
 //!
-//! The registers follow RM0390, 25.6.1 and 25.4.3. Where it leaves something open, both ways are run: whether the DMA's reading of
-//! the data register counts when flags are taken back, and whether a request that the DMA has seen is forgotten when we read
-//! the byte instead.
+//! The registers follow RM0390, 25.6.1 and 25.4.3. Where it leaves something open, both ways are run: whether the DMA's
+//! reading of the data register counts when flags are taken back, and whether a request that the DMA has seen is
+//! forgotten when we read the byte instead.
 
 use std::collections::VecDeque;
 
@@ -11,8 +11,8 @@ use corehbot::port::Received;
 use super::*;
 use crate::ring::{Ring, SIZE};
 
-/// A byte takes so many steps on the wire; the processor's accesses take one. At a million bits a second an access to APB1 is a
-/// fiftieth of a byte, so this is harder than that.
+/// A byte takes so many steps on the wire; the processor's accesses take one. At a million bits a second an access to
+/// APB1 is a fiftieth of a byte, so this is harder than that.
 const BYTE: u32 = 20;
 
 /// The Console looks for bytes this often: fifteen bytes at 250,000 bits a second are more than half a millisecond.
@@ -98,8 +98,8 @@ impl Usart {
             self.is_at_rest = true;
         }
         if let Some(arrival) = self.wire.pop_front_if(|arrival| self.now >= arrival.at) {
-            // The chip says so when no byte has begun for a frame, so the next one is complete another frame later. Here it
-            // may be complete at the next step: a handler that comes late finds it so.
+            // The chip says so when no byte has begun for a frame, so the next one is complete another frame later.
+            // Here it may be complete at the next step: a handler that comes late finds it so.
             let is_followed = self.wire.front().is_some_and(|next| next.at <= self.now + BYTE);
             self.rests = (!is_followed).then_some(self.now + BYTE);
             if self.has_byte {

@@ -7,7 +7,8 @@
 //! | seconds since start | the thermal context | no |
 //! | that the power supply was switched off, for a heater could not be | the thermal context | always, until it is forgotten |
 //!
-//! The first fault of a run is the one that is recorded. Switching on, and M999 without a fault before it, end a series.
+//! The first fault of a run is the one that is recorded. Switching on, and M999 without a fault before it, end a
+//! series.
 
 use core::fmt::{self, Write as _};
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
@@ -57,8 +58,8 @@ pub struct Past {
     pub reason: Option<ResetReason>,
     /// The last fault, however long ago.
     pub record: Option<fault::Record>,
-    /// The power supply was switched off, for a heater could not be. It stays off until power was cut, or until an M999 that
-    /// no fault came before.
+    /// The power supply was switched off, for a heater could not be. It stays off until power was cut, or until an M999
+    /// that no fault came before.
     pub is_supply_off: bool,
 }
 
@@ -119,8 +120,8 @@ fn is_fresh() -> bool {
     KEPT.is_fresh.load(Ordering::Relaxed) == MAGIC
 }
 
-/// Records a fault, unless this run has recorded one. In any context: who interrupts this ends the run, or has the same to
-/// say.
+/// Records a fault, unless this run has recorded one. In any context: who interrupts this ends the run, or has the same
+/// to say.
 pub fn note(fault: Fault) {
     if is_fresh() {
         return;

@@ -60,8 +60,8 @@ pub const TIME: &str = "TIM3";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";
 
-/// The heaters' pulses and the control period. It is the only timer with 32 bits on these pins but TIM2, whose channels two
-/// pairs of heaters share.
+/// The heaters' pulses and the control period. It is the only timer with 32 bits on these pins but TIM2, whose channels
+/// two pairs of heaters share.
 pub const HEAT: &str = "TIM5";
 
 /// An interrupt in use: whose it is, for what, and its number in the vector table.
@@ -79,8 +79,8 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
     Source { peripheral, signal, number }
 }
 
-/// The interrupts in use beside the core's own timer (SysTick), which rings for steps. The supply's comes through line 16 of EXTI, which the description of the chip leaves out, so it
-/// goes by its name.
+/// The interrupts in use beside the core's own timer (SysTick), which rings for steps. The supply's comes through line
+/// 16 of EXTI, which the description of the chip leaves out, so it goes by its name.
 pub const SOURCES: [Source; 10] = [
     source("PVD", "", 1),
     source(TIME, "UP", 29),

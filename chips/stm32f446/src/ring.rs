@@ -41,8 +41,8 @@ impl Ring {
         self.laps.store(self.laps.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
     }
 
-    /// Bytes ever written, wrapping; `left` is the DMA's counter. Within a few cycles after the end of a lap it may be a
-    /// lap too few.
+    /// Bytes ever written, wrapping; `left` is the DMA's counter. Within a few cycles after the end of a lap it may be
+    /// a lap too few.
     pub fn written(&self, left: impl Fn() -> u32) -> u32 {
         loop {
             let laps = self.laps.load(Ordering::Acquire);

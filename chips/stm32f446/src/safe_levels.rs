@@ -29,7 +29,8 @@ pub fn adopt(board: &Board) {
     board.sockets.iter().filter(|slot| !slot.is_of_debug_port()).for_each(drive);
 }
 
-/// Takes the debug port's pins if a motor of the machine needs one. From then on no probe is heard, until the next reset.
+/// Takes the debug port's pins if a motor of the machine needs one. From then on no probe is heard, until the next
+/// reset.
 pub fn take_debug_pins(plugged: &Plugged) {
     plugged.slots.iter().flatten().filter(|slot| slot.is_of_debug_port()).for_each(drive);
 }
@@ -44,8 +45,8 @@ fn drive(slot: &Slot) {
     }
 }
 
-/// Has the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A dozen
-/// instructions without a branch, a lock or a stack; what changes modes at that time must not go on afterwards.
+/// Has the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A
+/// dozen instructions without a branch, a lock or a stack; what changes modes at that time must not go on afterwards.
 // A function by itself, so that `cargo xtask build` can count how many instructions lead to its end.
 #[inline(never)]
 pub fn lower_heaters() {

@@ -18,8 +18,8 @@ pub struct SerialPort {
 }
 
 /// The USARTs that are wired for hosts. A new one: the compiler asks for its bus, its receiver's DMA and its registers
-/// (`resources`, `usart`, `plain_serial`); `tests/chip.rs` for its interrupts (`SOURCES` in `resources`, with a priority and a
-/// handler each), and `LINES` in `src/port.rs` of the core is the most that a board may have.
+/// (`resources`, `usart`, `plain_serial`); `tests/chip.rs` for its interrupts (`SOURCES` in `resources`, with a
+/// priority and a handler each), and `LINES` in `src/port.rs` of the core is the most that a board may have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Usart {
     /// USART1.

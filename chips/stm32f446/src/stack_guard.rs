@@ -1,24 +1,25 @@
 //! The stack guard: two regions of the MPU under the stack that nothing may touch.
 //!
-//! The stack lies at the bottom of RAM and grows down (memory.x), so an overflow overwrites nobody. What the chip does with
-//! accesses below RAM is for its bus to say, though, and no manual promises a fault for each of them. The MPU does:
+//! The stack lies at the bottom of RAM and grows down (memory.x), so an overflow overwrites nobody. What the chip does
+//! with accesses below RAM is for its bus to say, though, and no manual promises a fault for each of them. The MPU
+//! does:
 //!
 //! | region | addresses | what ends there |
 //! |---|---|---|
 //! | 7 | the lowest KiB of RAM | a stack that grows by calls and exceptions |
 //! | 6 | the 32 KiB below RAM, which hold nothing that is ever read (RM0390, 2.2.2: the option bytes are read by registers) | one frame that reaches past the KiB; all frames are smaller than that, except that of the start-up function which builds the machine |
 //!
-//! An access there is a MemManage fault. That exception is left disabled, so that whatever faults in whatever context is a
-//! HardFault, which takes a fresh stack (see [`fault`](crate::fault)). An exception whose frame does not fit any more faults
-//! in the same way while it is entered (ARM DDI 0403E, B1.5.6 and B1.5.11: MSTKERR).
+//! An access there is a MemManage fault. That exception is left disabled, so that whatever faults in whatever context
+//! is a HardFault, which takes a fresh stack (see [`fault`](crate::fault)). An exception whose frame does not fit any
+//! more faults in the same way while it is entered (ARM DDI 0403E, B1.5.6 and B1.5.11: MSTKERR).
 //!
-//! HFNMIENA stays 0: HardFault and NMI run without the MPU. An NMI (a crystal that stops) on a stack that is nearly full
-//! then has the KiB to run in.
+//! HFNMIENA stays 0: HardFault and NMI run without the MPU. An NMI (a crystal that stops) on a stack that is nearly
+//! full then has the KiB to run in.
 //!
-//! Two more regions say what flash and RAM are, with the attributes of the processor's default map: region 0 is the flash,
-//! region 1 is the RAM, from which nothing is executed, so that a wild jump into data faults at once. (An emulator that checks
-//! each access by itself where only the default map decides needs a quarter less time with them.) Everywhere else the default
-//! map holds (PRIVDEFENA).
+//! Two more regions say what flash and RAM are, with the attributes of the processor's default map: region 0 is the
+//! flash, region 1 is the RAM, from which nothing is executed, so that a wild jump into data faults at once. (An
+//! emulator that checks each access by itself where only the default map decides needs a quarter less time with them.)
+//! Everywhere else the default map holds (PRIVDEFENA).
 
 use cortex_m::asm;
 use cortex_m::peripheral::scb::Exception;
@@ -42,8 +43,8 @@ const REGIONS: u32 = 8;
 /// ENABLE and PRIVDEFENA (ARM DDI 0403E, B3.5.6).
 const ON: u32 = 1 << 2 | 1;
 
-/// A frame of an exception with floating point, and the largest single push: so far above the guard may the stack pointer be
-/// when an access to the guard is an overflow.
+/// A frame of an exception with floating point, and the largest single push: so far above the guard may the stack
+/// pointer be when an access to the guard is an overflow.
 const LARGEST_STORE: u32 = 256;
 
 unsafe extern "C" {
@@ -55,13 +56,15 @@ fn bottom() -> u32 {
     &raw const _stack_end as u32
 }
 
-/// A region of `size` bytes, a power of two, without any access and without execution (ARM DDI 0403E, B3.5.9: XN, AP 000).
+/// A region of `size` bytes, a power of two, without any access and without execution (ARM DDI 0403E, B3.5.9: XN, AP
+/// 000).
 const fn no_access(size: u32) -> u32 {
     1 << 28 | (size.ilog2() - 1) << 1 | 1
 }
 
-/// A region of `size` bytes with every access that the default map grants, and its attributes (ARM DDI 0403E, B3.1 and B3.5.9:
-/// AP 011): flash is written through (C), RAM is written back and allocated (TEX 001, C, B) and never executed (XN).
+/// A region of `size` bytes with every access that the default map grants, and its attributes (ARM DDI 0403E, B3.1 and
+/// B3.5.9: AP 011): flash is written through (C), RAM is written back and allocated (TEX 001, C, B) and never executed
+/// (XN).
 const fn full_access(size: u32, is_ram: bool) -> u32 {
     let attributes = if is_ram { 1 << 28 | 1 << 19 | 1 << 17 | 1 << 16 } else { 1 << 17 };
     attributes | 3 << 24 | (size.ilog2() - 1) << 1 | 1
@@ -73,7 +76,8 @@ pub fn start(mpu: &mut MPU, scb: &mut SCB) {
         scb.disable(exception);
     }
     // SAFETY: the guards hold no variable that is used: the linker places none in the stack, whose lowest KiB is given
-    // up, and there is no memory below. Everything else may be accessed as it is without an MPU, and no code lies in RAM.
+    // up, and there is no memory below. Everything else may be accessed as it is without an MPU, and no code lies in
+    // RAM.
     unsafe {
         mpu.ctrl.write(0);
         for region in 0..REGIONS {

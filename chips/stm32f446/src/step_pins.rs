@@ -1,11 +1,11 @@
 //! The step port: which edges the Stepper's events make on the pins, and how long a pulse is.
 //!
-//! Nobody waits for the end of a pulse: it lasts as long as the Stepper takes to fetch the next event and set its alarm.
-//! [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors on slow pins
-//! (`Plugged::slow`) are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of
-//! the core); then either its motors are made slow ones, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
-//! apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are late and follow each other at once
-//! (`motion/stepper.rs` of the core, docs/explanation/time.md).
+//! Nobody waits for the end of a pulse: it lasts as long as the Stepper takes to fetch the next event and set its
+//! alarm. [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors on slow
+//! pins (`Plugged::slow`) are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS`
+//! (`src/port.rs` of the core); then either its motors are made slow ones, or [`StepPins::fall_quick`] has to wait. Two
+//! steps of a motor must be far enough apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are
+//! late and follow each other at once (`motion/stepper.rs` of the core, docs/explanation/time.md).
 //!
 //! A table gives the words for all ports at once, in RAM (see [`StepWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
@@ -23,8 +23,8 @@ use crate::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
 use crate::ports::{self, Registers};
 use crate::wiring::{Pin, Plugged};
 
-/// A step pulse has to be high for so many cycles of 180 MHz. What the Stepper does meanwhile takes longer; the bench counts
-/// these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
+/// A step pulse has to be high for so many cycles of 180 MHz. What the Stepper does meanwhile takes longer; the bench
+/// counts these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
 const PULSE: u32 = (STEP_PULSE_NS * CYCLES_PER_US).div_ceil(1000);
 
 /// What a pulse on a slow step pin takes beyond that (`Pin::is_slow`: good for 2 MHz): 300 ns altogether.
@@ -133,12 +133,13 @@ pub type Row = [u32; 4];
 /// The same of direction pins.
 pub type DirRow = [u32; DIR_PORTS];
 
-/// So many rows are others in another coupling: what is stored for each set of groups, and for which groups a pulse is waited for.
+/// So many rows are others in another coupling: what is stored for each set of groups, and for which groups a pulse is
+/// waited for.
 pub const COUPLED_ROWS: usize = SETS + 1;
 
 impl StepPins {
-    /// The words that edges are made of and inputs are read by, row by row; `None` after the last. Those of direction pins are
-    /// [`dir_row`](Self::dir_row)'s.
+    /// The words that edges are made of and inputs are read by, row by row; `None` after the last. Those of direction
+    /// pins are [`dir_row`](Self::dir_row)'s.
     #[must_use]
     pub fn row(&self, number: usize) -> Option<Row> {
         let Some(number) = number.checked_sub(SETS) else {
@@ -188,7 +189,8 @@ fn store(ports: &[Registers; STEP_PORTS], words: &[u32; STEP_PORTS]) {
 }
 
 /// The same for quick steps, however the compiler feels about loops. Each port and its word are loaded when it is their
-/// turn, for all at once would take longer up to the first store. The second port is 5 cycles later than the first, 28 ns.
+/// turn, for all at once would take longer up to the first store. The second port is 5 cycles later than the first, 28
+/// ns.
 #[inline(always)]
 fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; STEP_PORTS]) {
     ports::store(a.port, *x);
@@ -200,8 +202,8 @@ fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; STEP_PORTS]) {
 }
 
 impl StepPort for StepPins {
-    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted. The second pass stores to three ports
-    /// again, which changes nothing but gives these, 150 ns more, the time for a slow direction pin.
+    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted. The second pass stores to
+    /// three ports again, which changes nothing but gives these, 150 ns more, the time for a slow direction pin.
     #[inline]
     fn dir(&mut self, forward: GroupSet) {
         let Dirs { ports, writes } = &*self.dirs;

@@ -1,12 +1,12 @@
 //! The step timer: the core's cycle counter tells the time, and the core's own timer (SysTick) rings.
 //!
-//! Both answer without a bus in between. A timer on APB1, which runs at a quarter of the core's clock, has the core wait
-//! for 9 to 13 cycles at every access, and its interrupt has to be taken back besides: four accesses an event.
+//! Both answer without a bus in between. A timer on APB1, which runs at a quarter of the core's clock, has the core
+//! wait for 9 to 13 cycles at every access, and its interrupt has to be taken back besides: four accesses an event.
 //!
 //! A tick is 18 cycles. The cycle of a tick is its number times 18, and both wrap at 2^32, so there is nothing to keep
 //! in step. The cycle counter wraps first, after 23.8 s. So what is near is told by cycles, and what is not by
-//! [`StepTimer::now`], which counts on from where it was last; the Stepper asks for that every few seconds at the latest
-//! while there is motion, and at rest it does not matter if ticks are lost.
+//! [`StepTimer::now`], which counts on from where it was last; the Stepper asks for that every few seconds at the
+//! latest while there is motion, and at rest it does not matter if ticks are lost.
 //!
 //! A debugger that halts the core halts both. Whether the cycle counter counts while the processor sleeps is up to the
 //! chip, so that is [measured](StepTimer::start) at start-up.
@@ -27,8 +27,8 @@ const CYCLES: u32 = CORE_HZ / TICKS_PER_SECOND;
 const _: () = assert!(CYCLES * TICKS_PER_SECOND == CORE_HZ);
 
 /// The timer rings early, after 23 ms, for what is later, and is set again: so of 256 events, which is how often one is
-/// looked at closely, plain ones take 6 s at the most, and nobody mistakes one lap of the cycle counter for another. The
-/// timer itself has 24 bits (ARM DDI 0403E, B3.3.4).
+/// looked at closely, plain ones take 6 s at the most, and nobody mistakes one lap of the cycle counter for another.
+/// The timer itself has 24 bits (ARM DDI 0403E, B3.3.4).
 const LONGEST: u32 = NEAR * CYCLES + (1 << 22) - 1;
 const _: () = assert!(256 * (LONGEST as u64) < 1 << 31 && LONGEST < 1 << 24);
 
@@ -95,8 +95,8 @@ fn until(tick: Tick) -> u32 {
     left
 }
 
-/// Whole ticks in so many cycles: a product and a shift instead of a division, exact for all 32 bits (half of the cycles is
-/// below 2^31, and the factor is 2^33 / 9, rounded up by less than 2 / 9).
+/// Whole ticks in so many cycles: a product and a shift instead of a division, exact for all 32 bits (half of the
+/// cycles is below 2^31, and the factor is 2^33 / 9, rounded up by less than 2 / 9).
 #[inline(always)]
 const fn ticks_in(cycles: u32) -> u32 {
     const { assert!(CYCLES == 18) };
@@ -143,8 +143,8 @@ impl StepClock for StepTimer {
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
         let left = until(at);
-        // Also if that is nonsense, which takes less time than to ask first: then the alarm is set anew, or silenced, before
-        // anybody waits for it.
+        // Also if that is nonsense, which takes less time than to ask first: then the alarm is set anew, or silenced,
+        // before anybody waits for it.
         ring_in(&mut self.timer, left);
         left.wrapping_sub(NEAR * CYCLES) <= LONGEST - NEAR * CYCLES
     }

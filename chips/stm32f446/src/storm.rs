@@ -1,10 +1,11 @@
-//! Interrupt storms: a flag that cannot be cleared has its handler run again and again, and nothing that is less urgent runs any
-//! more: neither the control of heat nor the generator nor the Console. Each handler of a host line, of USB and of the drivers' UART
-//! counts its calls; one that is called too often is masked at its source, and the machine stops with a fault that names it.
+//! Interrupt storms: a flag that cannot be cleared has its handler run again and again, and nothing that is less urgent
+//! runs any more: neither the control of heat nor the generator nor the Console. Each handler of a host line, of USB
+//! and of the drivers' UART counts its calls; one that is called too often is masked at its source, and the machine
+//! stops with a fault that names it.
 //!
-//! Steps that are queued do not suffer, for their interrupt is above all of these. Where an interrupt without a count storms
-//! (embassy's time), or a handler that takes too long to be called that often, heaters go off by their timer and the
-//! watchdog resets the chip (`heater_timer`, `watchdog`).
+//! Steps that are queued do not suffer, for their interrupt is above all of these. Where an interrupt without a count
+//! storms (embassy's time), or a handler that takes too long to be called that often, heaters go off by their timer and
+//! the watchdog resets the chip (`heater_timer`, `watchdog`).
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
@@ -13,9 +14,10 @@ use corehbot::fault::{Cause, Fault};
 /// How long calls are counted, in cycles at 180 MHz: 20 ms.
 const WINDOW: u32 = 3_600_000;
 
-/// So many calls within that time are no storm. A line at 1 Mbaud that sends all the time and rests after each byte that it
-/// receives makes 4,000; the bits of motor drivers make 1,200 (`exchange`), and USB three for each of some 19 packets in 20 frames of a
-/// millisecond. A storm makes more as long as a call takes less than 600 cycles, that of steps in between included.
+/// So many calls within that time are no storm. A line at 1 Mbaud that sends all the time and rests after each byte
+/// that it receives makes 4,000; the bits of motor drivers make 1,200 (`exchange`), and USB three for each of some 19
+/// packets in 20 frames of a millisecond. A storm makes more as long as a call takes less than 600 cycles, that of
+/// steps in between included.
 const MOST: u32 = 6000;
 
 /// How often a handler was called of late. Only the handler uses it.
@@ -73,7 +75,8 @@ pub fn fault() -> Option<Fault> {
 mod tests {
     use super::*;
 
-    /// Calls with so many cycles in between, from shortly before the counter wraps; how many there were until they were a storm.
+    /// Calls with so many cycles in between, from shortly before the counter wraps; how many there were until they were
+    /// a storm.
     fn calls_until_storm(cycles: u32) -> Option<u32> {
         let rate = CallRate::new();
         let begin = u32::MAX - 2 * WINDOW;

@@ -6,10 +6,11 @@
 //! | 2.83 V (2.75 to 2.88) | the chip resets itself (BOR level 3), if its option bytes say so | flash at 180 MHz needs 2.7 V (RM0390, table of wait states) |
 //! | 1.7 V | the chip resets itself anyway | |
 //!
-//! (STM32F446 datasheet, embedded reset and power control block characteristics, falling edges.) Without BOR the processor may
-//! do anything between 2.7 and 1.7 V when the rail falls faster than the detector's interrupt, or comes back slowly. Chips are
-//! delivered without. Option bytes are written once, by whoever sets up the board (its README says how), not by us: power
-//! that fails while they are written may lock the chip, and a test of power is when it fails.
+//! (STM32F446 datasheet, embedded reset and power control block characteristics, falling edges.) Without BOR the
+//! processor may do anything between 2.7 and 1.7 V when the rail falls faster than the detector's interrupt, or comes
+//! back slowly. Chips are delivered without. Option bytes are written once, by whoever sets up the board (its README
+//! says how), not by us: power that fails while they are written may lock the chip, and a test of power is when it
+//! fails.
 
 use corehbot::fault::Cause;
 use embassy_stm32::interrupt;
@@ -33,8 +34,8 @@ const LEVEL_3: u8 = 0b00;
 const UNGUARDED: &str = "brown-out reset is not at level 3: while its supply fails the processor may do anything; the \
                          README of the board says how to set it";
 
-/// Waits for a supply that is high enough for full speed. The outputs are safe and the processor is slow here, so a board whose
-/// supply stays too low does nothing.
+/// Waits for a supply that is high enough for full speed. The outputs are safe and the processor is slow here, so a
+/// board whose supply stays too low does nothing.
 pub fn wait() {
     detect();
     while is_low() {

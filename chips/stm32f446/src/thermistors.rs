@@ -1,19 +1,20 @@
 //! The thermistors: ADC3 converts them all in turn, for ever, and DMA keeps the last sixteen of each.
 //!
-//! Sampling takes 480 of the converter's cycles and a conversion 12 more, 22 us at 22.5 MHz, far more than the 10 kOhm of
-//! thermistor and filter need (STM32F446 datasheet, ADC accuracy and R_AIN). Five channels come round every 109 us, so
-//! sixteen of each are 1.7 ms old at the most. The sum of sixteen readings of 12 bits is one of 16 bits: at 250 C a
-//! degree is 3.7 steps of 12 bits, and noise of a step or so, which averaging needs to gain anything, falls to a quarter:
-//! 0.07 degrees. Slower noise is for whoever makes degrees of it.
+//! Sampling takes 480 of the converter's cycles and a conversion 12 more, 22 us at 22.5 MHz, far more than the 10 kOhm
+//! of thermistor and filter need (STM32F446 datasheet, ADC accuracy and R_AIN). Five channels come round every 109 us,
+//! so sixteen of each are 1.7 ms old at the most. The sum of sixteen readings of 12 bits is one of 16 bits: at 250 C a
+//! degree is 3.7 steps of 12 bits, and noise of a step or so, which averaging needs to gain anything, falls to a
+//! quarter: 0.07 degrees. Slower noise is for whoever makes degrees of it.
 //!
-//! A new input is a row in the wiring of its board ([`ThermistorPin`]); there may be [`MOST_THERMISTORS`]. The kind of thermistor
-//! that is plugged in there is a setting (`settings::Thermistor` of the core), and its curve is in `thermal::sensor`.
+//! A new input is a row in the wiring of its board ([`ThermistorPin`]); there may be [`MOST_THERMISTORS`]. The kind of
+//! thermistor that is plugged in there is a setting (`settings::Thermistor` of the core), and its curve is in
+//! `thermal::sensor`.
 //!
 //! No interrupt: whoever asks sums up what lies there, and looks whether the DMA goes on counting. An overrun or a
 //! stopped clock ends that for good, and then there are no values any more.
 //!
-//! DMA2 of the STM32F405 spoils data when it serves AHB and APB2 peripherals at a time (ES0182). Whether the F446 shares
-//! this could not be read up; so long as DMA2 serves nothing on AHB1, such as GPIO ports, it does not matter.
+//! DMA2 of the STM32F405 spoils data when it serves AHB and APB2 peripherals at a time (ES0182). Whether the F446
+//! shares this could not be read up; so long as DMA2 serves nothing on AHB1, such as GPIO ports, it does not matter.
 
 use core::sync::atomic::{AtomicU16, Ordering};
 
@@ -94,8 +95,8 @@ impl Thermistors {
         self.wired.iter().any(|thermistor| thermistor.sensor == sensor)
     }
 
-    /// What is read there, in 1/65,536 of the supply. The first time after [`forget`](Self::forget) takes 22 us at the most, and
-    /// 0.2 ms if the converter has stopped.
+    /// What is read there, in 1/65,536 of the supply. The first time after [`forget`](Self::forget) takes 22 us at the
+    /// most, and 0.2 ms if the converter has stopped.
     pub fn sample(&mut self, sensor: Sensor) -> Option<u16> {
         let place = self.wired.iter().position(|thermistor| thermistor.sensor == sensor)?;
         if !*self.are_alive.get_or_insert_with(Self::is_alive) {

@@ -1,5 +1,5 @@
-//! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts. What happens when the line rests or
-//! a byte is damaged: [`receiver_flags`](crate::receiver_flags).
+//! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts. What happens when the line rests
+//! or a byte is damaged: [`receiver_flags`](crate::receiver_flags).
 //!
 //! USART1 and USART2 run the same code. Each may have a host, at the same time.
 

@@ -18,8 +18,8 @@ use embassy_usb::driver::Driver;
 
 use crate::usb_pump::{PACKET, Pump};
 
-/// A port as both of its ends see it. On a board both run in one executor, so `M` need not hold off interrupts: a packet
-/// is handled for 10 us, more than the bits of a driver's UART may wait.
+/// A port as both of its ends see it. On a board both run in one executor, so `M` need not hold off interrupts: a
+/// packet is handled for 10 us, more than the bits of a driver's UART may wait.
 pub struct Traffic<M: RawMutex> {
     pump: Mutex<M, RefCell<Pump>>,
     /// The host may get a packet, or the port was opened or closed.

@@ -1,8 +1,8 @@
 //! The watchdog: a reset for a board in which any context has stopped.
 //!
-//! The thermal context feeds it, once in a control period, while it hears of all others (`corehbot::thermal`: hearts) and while
-//! every sensor that is wired delivers. It cannot be held off by the Console, which it interrupts; a context above it that hangs
-//! holds it off, and then nobody feeds.
+//! The thermal context feeds it, once in a control period, while it hears of all others (`corehbot::thermal`: hearts)
+//! and while every sensor that is wired delivers. It cannot be held off by the Console, which it interrupts; a context
+//! above it that hangs holds it off, and then nobody feeds.
 
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 use embassy_stm32::pac::{DBGMCU, IWDG};
@@ -21,9 +21,10 @@ const CROSSING: u32 = 135_000;
 /// Starts the watchdog, which nothing but a reset stops. What follows has a third of a second until the first
 /// [`feed`] of the thermal context.
 ///
-/// While a debugger halts the processor it stands still, or a breakpoint would end in a reset. So does embassy's time, as the
-/// step timer does by itself, which is the core's own: the steps go on where they were, and both clocks agree. What the outputs
-/// drive, they drive during a halt, but for heaters: their timer goes on and ends their pulses (`heater_timer`).
+/// While a debugger halts the processor it stands still, or a breakpoint would end in a reset. So does embassy's time,
+/// as the step timer does by itself, which is the core's own: the steps go on where they were, and both clocks agree.
+/// What the outputs drive, they drive during a halt, but for heaters: their timer goes on and ends their pulses
+/// (`heater_timer`).
 pub fn start() {
     DBGMCU.apb1fzr().modify(|w| {
         w.set_iwdg(true);
@@ -47,7 +48,8 @@ pub fn restore() {
 
 /// Begins a time of so many counts.
 fn set_period(counts: u16) {
-    // Every feed locks the reload value again (RM0390 rev 6, section 19.3.2), also one by the thermal context in between.
+    // Every feed locks the reload value again (RM0390 rev 6, section 19.3.2), also one by the thermal context in
+    // between.
     critical_section::with(|_| {
         IWDG.kr().write(|w| w.set_key(Key::ENABLE));
         IWDG.rlr().write(|w| w.set_rl(counts - 1));
@@ -63,8 +65,8 @@ fn set_period(counts: u16) {
     feed();
 }
 
-/// Begins the time until the reset anew. For the thermal context, for start-up, which has no other contexts yet, and for a
-/// board that only talks.
+/// Begins the time until the reset anew. For the thermal context, for start-up, which has no other contexts yet, and
+/// for a board that only talks.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }

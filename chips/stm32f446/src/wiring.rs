@@ -1,9 +1,11 @@
-//! The wiring of a board: which pin does what, as data. A [`Board`] is a table; [`Plugged`] is the board with a machine plugged into it.
+//! The wiring of a board: which pin does what, as data. A [`Board`] is a table; [`Plugged`] is the board with a machine
+//! plugged into it.
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 //!
-//! What a board may have is capped: [`LINES`](corehbot::port::LINES) to hosts (`src/port.rs` of the core; a kind of UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
-//! [`Board::problem`] says what a table has too much of.
+//! What a board may have is capped: [`LINES`](corehbot::port::LINES) to hosts (`src/port.rs` of the core; a kind of
+//! UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins. [`Board::problem`] says what a
+//! table has too much of.
 
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::{Output, OutputSet, Sensor};
@@ -115,7 +117,8 @@ pub struct Mark {
     pub is_high: bool,
 }
 
-/// An input for a thermistor to ground, under a resistor to the converter's reference. Which kind is plugged in is a setting.
+/// An input for a thermistor to ground, under a resistor to the converter's reference. Which kind is plugged in is a
+/// setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ThermistorPin {
     /// What it measures.
@@ -164,8 +167,8 @@ pub struct FanPin {
 pub struct SupplySwitch {
     /// An output.
     pub pin: Pin,
-    /// Its level at which the supply is on: low for an ATX supply (PS_ON#; ATX12V design guide, section on PS_ON#), and so for
-    /// Marlin unless told otherwise (`PSU_ACTIVE_STATE LOW`).
+    /// Its level at which the supply is on: low for an ATX supply (PS_ON#; ATX12V design guide, section on PS_ON#), and
+    /// so for Marlin unless told otherwise (`PSU_ACTIVE_STATE LOW`).
     pub is_on_high: bool,
 }
 
@@ -181,7 +184,8 @@ pub struct Board {
     pub connectors: &'static BoardConnectors,
     /// Rate of the clock at the crystal's pins.
     pub crystal: Crystal,
-    /// The sockets of drivers: first those of the prototype's motors, in the order of [`Motor::ALL`](corehbot::port::Motor::ALL).
+    /// The sockets of drivers: first those of the prototype's motors, in the order of
+    /// [`Motor::ALL`](corehbot::port::Motor::ALL).
     pub sockets: &'static [Slot],
     /// Inputs for switches to ground, with a pull-up: first those of the prototype's x, y and z.
     pub inputs: &'static [Pin],
@@ -241,8 +245,9 @@ impl Board {
         self.heaters.iter().fold(OutputSet::NONE, |set, heater| set.with(heater.output))
     }
 
-    /// The mode register of a port whose heater pins are the timer's: the bits of these pins, and what makes outputs of them
-    /// (RM0390, 7.4.1: two bits a pin, 01 is an output). All of them are on one port, or there is a [`problem`](Self::problem).
+    /// The mode register of a port whose heater pins are the timer's: the bits of these pins, and what makes outputs of
+    /// them (RM0390, 7.4.1: two bits a pin, 01 is an output). All of them are on one port, or there is a
+    /// [`problem`](Self::problem).
     #[must_use]
     pub fn heater_modes(&self) -> [u32; 2] {
         let pair = |heater: &HeaterPin| 1 << (2 * heater.pin.number());

@@ -1,7 +1,8 @@
-//! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions, channels of
-//! the converter, DMA streams, timers and interrupts.
+//! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions,
+//! channels of the converter, DMA streams, timers and interrupts.
 //!
-//! stm32-metapac describes one chip in a build, so that of the Octopus stands for all: they are one die in three packages.
+//! stm32-metapac describes one chip in a build, so that of the Octopus stands for all: they are one die in three
+//! packages.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -21,12 +22,12 @@ mod octopus;
 #[path = "../../../boards/spider/wiring.rs"]
 mod spider;
 
-/// Pins of the package with 100 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP100; stm32-metapac 21.0.0 has
-/// the same for stm32f446ve).
+/// Pins of the package with 100 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP100;
+/// stm32-metapac 21.0.0 has the same for stm32f446ve).
 const LQFP100: [(char, u16); 5] = [('A', 0xFFFF), ('B', 0xF7FF), ('C', 0xFFFF), ('D', 0xFFFF), ('E', 0xFFFF)];
 
-/// Pins of the package with 64 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP64; stm32-metapac 21.0.0 has
-/// the same for stm32f446re).
+/// Pins of the package with 64 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP64;
+/// stm32-metapac 21.0.0 has the same for stm32f446re).
 const LQFP64: [(char, u16); 4] = [('A', 0xFFFF), ('B', 0xF7FF), ('C', 0xFFFF), ('D', 1 << 2)];
 
 fn name(pin: Pin) -> String {
@@ -65,7 +66,8 @@ fn streams() -> Vec<Channel> {
 
 /// Every pin that the table names, with what it is for.
 fn pins(board: &Board) -> Vec<(Pin, String)> {
-    // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the loads.
+    // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the
+    // loads.
     let Board {
         name: _,
         connectors: _,

@@ -36,7 +36,8 @@ impl SerialLine {
         Ok(Self { line, path: path.to_owned(), baud })
     }
 
-    /// Sends commands as a print, with numbers and checksums and again where the board asks for it, and gives what it said.
+    /// Sends commands as a print, with numbers and checksums and again where the board asks for it, and gives what it
+    /// said.
     pub fn talk(&mut self, commands: &str) -> Result<Vec<String>> {
         let (mut host, mut heard, mut part) = (FileHost::new(commands), Vec::new(), Vec::new());
         let mut active = Instant::now();

@@ -1,8 +1,8 @@
 //! `corehbot serve`: the firmware as a printer at the end of a serial line, in real time or faster.
 //!
-//! The loop turns the same world as `corehbot run`, but the host is a real one at a pseudo-terminal, and virtual
-//! time is held against the wall clock. After M112, M999 is a new start on the same line. It ends with a signal, which is
-//! no failure.
+//! The loop turns the same world as `corehbot run`, but the host is a real one at a pseudo-terminal, and virtual time
+//! is held against the wall clock. After M112, M999 is a new start on the same line. It ends with a signal, which is no
+//! failure.
 
 mod echo;
 mod pace;

@@ -45,8 +45,9 @@ impl Pace {
         Self { speed, anchor: (Duration::ZERO, 0), asked: None, moves: 0 }
     }
 
-    /// The host has sent something, and the printer has planned so many moves. Time may stand still once more only if they have
-    /// become more: a host that asks for temperatures ten times a second would otherwise never see them change.
+    /// The host has sent something, and the printer has planned so many moves. Time may stand still once more only if
+    /// they have become more: a host that asks for temperatures ten times a second would otherwise never see them
+    /// change.
     pub const fn hear(&mut self, moves: u32) {
         if self.moves != moves {
             self.moves = moves;

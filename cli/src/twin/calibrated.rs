@@ -37,7 +37,8 @@ impl Calibrated {
     /// From a file of measurements.
     ///
     /// # Errors
-    /// What is wrong with the file, what the measurements do not determine, or which of them no machine has with the others.
+    /// What is wrong with the file, what the measurements do not determine, or which of them no machine has with the
+    /// others.
     pub(super) fn read(path: &Path, machine: Machine, params: &Params) -> Result<Self> {
         let Measured { measurements, fixed } = Measured::read(path, &workspace(machine, params))?;
         let (names, measurements): (Vec<_>, Vec<_>) = measurements.into_iter().unzip();

@@ -19,8 +19,8 @@ pub(crate) struct Fit {
     /// motors.
     #[arg(value_name = "MEASURED.toml", required_unless_present = "measured", conflicts_with = "measured")]
     file: Option<PathBuf>,
-    /// Where the tool was in mm from motor 1's axis, and what x and y rang at in Hz, `-` for one that was not measured; as
-    /// often as there were places.
+    /// Where the tool was in mm from motor 1's axis, and what x and y rang at in Hz, `-` for one that was not measured;
+    /// as often as there were places.
     #[arg(long, value_name = "X,Y,FX,FY", value_parser = parse_rung, allow_hyphen_values = true)]
     measured: Vec<Rung>,
     /// The places are ones of G-code, whose X0 Y0 is the lower left corner of the reach.

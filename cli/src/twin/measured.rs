@@ -112,7 +112,8 @@ struct SlipToml {
 
 /// A pitch: 1 % of the phone, and 1.5 % of the span's length by a ruler and of its ends that hold it.
 const PLUCKED: f64 = 0.02;
-/// Half a metre of belt on a scale of 0.1 g: 0.1 g of 6 g, and 1 mm of its length; for all parts that are plucked alike.
+/// Half a metre of belt on a scale of 0.1 g: 0.1 g of 6 g, and 1 mm of its length; for all parts that are plucked
+/// alike.
 const BELT_WEIGHED: f64 = 0.02;
 /// A kitchen scale of 5 g under 600 g.
 const WEIGHED: f64 = 0.01;

@@ -1,6 +1,7 @@
 //! `corehbot twin`: what the belt makes of commanded steps, computed by the crate `corehbot-twin`.
 //!
-//! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for programs.
+//! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for
+//! programs.
 
 mod answer;
 mod calibrated;
@@ -41,12 +42,14 @@ pub(crate) enum Twin {
     Limits(limits::LimitsArgs),
     /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
     Compare(compare::Compare),
-    /// Numbers of the machine are varied, one of them or as a study says: stiffness, frequencies, what becomes of a file.
+    /// Numbers of the machine are varied, one of them or as a study says: stiffness, frequencies, what becomes of a
+    /// file.
     #[command(mut_args(sweep::not_beside_a_study))]
     Sweep(sweep::Sweep),
     /// Belt, preload, masses and motors of a CoreH-bot from what was measured on it.
     Fit(fit::Fit),
-    /// Makes G-code, or a step trace, that goes ahead by what belts and motors will give way, for the firmware as it is.
+    /// Makes G-code, or a step trace, that goes ahead by what belts and motors will give way, for the firmware as it
+    /// is.
     Compensate(compensate::Compensate),
     /// How well the nozzle's flow follows the tool, by shaper and window of the pressure advance.
     Flow(flow::Flow),

@@ -29,8 +29,8 @@ pub(crate) struct Sweep {
     study: Options,
     #[command(flatten)]
     setup: SetupArgs,
-    /// Where the tool is at the begin of the file, in mm from motor 1's axis (as --at of `twin run`); without it, where the
-    /// firmware is.
+    /// Where the tool is at the begin of the file, in mm from motor 1's axis (as --at of `twin run`); without it, where
+    /// the firmware is.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     begin: Option<[f64; 2]>,
     /// What moves besides the tool, on the file.

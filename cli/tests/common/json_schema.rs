@@ -1,5 +1,5 @@
-//! Whether a value is of a JSON Schema: of draft 7 the keywords that the schema of machine files has. One that is not known here
-//! fails. A whole validator (jsonschema) would be 37 crates and minutes of compiling.
+//! Whether a value is of a JSON Schema: of draft 7 the keywords that the schema of machine files has. One that is not
+//! known here fails. A whole validator (jsonschema) would be 37 crates and minutes of compiling.
 
 use regex_lite::Regex;
 use serde_json::Value;

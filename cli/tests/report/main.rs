@@ -12,8 +12,8 @@ use std::process::Command;
 /// A step of the prototype's x and y, in mm.
 const STEP: f64 = 0.0125;
 
-/// Moves end at halves of steps, a quarter away in x and in y; a place that the tool can reach is half a step from where it
-/// should be; a line is a step from its places, and its ends are rounded to um.
+/// Moves end at halves of steps, a quarter away in x and in y; a place that the tool can reach is half a step from
+/// where it should be; a line is a step from its places, and its ends are rounded to um.
 const TOLERANCE: f64 = 1.86 * STEP + 0.001;
 
 fn scratch(name: &str) -> PathBuf {

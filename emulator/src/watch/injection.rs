@@ -16,8 +16,8 @@ use rigless::time::VirtualNanos;
 const LOW_SUPPLY: u32 = 2900;
 const LOW_NS: u64 = 10_000_000;
 
-/// Where a supply that falls must have been armed for: PVDO in PWR_CSR, and line 16 in EXTI_IMR and EXTI_RTSR (RM0390 rev 6,
-/// sections 5.5.2, 10.3.1 and 10.3.3).
+/// Where a supply that falls must have been armed for: PVDO in PWR_CSR, and line 16 in EXTI_IMR and EXTI_RTSR (RM0390
+/// rev 6, sections 5.5.2, 10.3.1 and 10.3.3).
 const DETECTOR: [(u64, u64); 3] = [(0x4000_7004, 1 << 2), (0x4001_3C00, 1 << 16), (0x4001_3C08, 1 << 16)];
 
 /// RCC_CR, and PLLON in it (RM0390 rev 6, section 6.3.1).
@@ -75,8 +75,8 @@ pub enum Injection {
         /// What happens with it.
         with: With,
     },
-    /// A line of the interrupt controller goes high and stays there until the chip is reset, from a time on when a heater's pin has
-    /// just gone high.
+    /// A line of the interrupt controller goes high and stays there until the chip is reset, from a time on when a
+    /// heater's pin has just gone high.
     Storm {
         /// Virtual time before it, in ns.
         after: u64,

@@ -30,7 +30,8 @@ pub fn firmware() -> Firmware {
     firmware
 }
 
-/// The image as it is built, without a machine: that `COREHBOT_ELF` names, or the one in the checkout's own target directory.
+/// The image as it is built, without a machine: that `COREHBOT_ELF` names, or the one in the checkout's own target
+/// directory.
 pub fn plain_firmware() -> Firmware {
     image("COREHBOT_ELF", "corehbot-octopus")
 }

@@ -1,7 +1,7 @@
 //! Filament: on which stretches of the path it is laid.
 //!
-//! Steps of the extruder are further apart than those of the axes. The way between two forward steps is printed, unless it
-//! is much longer than the ways between the steps before it: then the tool travelled.
+//! Steps of the extruder are further apart than those of the axes. The way between two forward steps is printed, unless
+//! it is much longer than the ways between the steps before it: then the tool travelled.
 
 use super::{Place, distance};
 

@@ -1,9 +1,10 @@
 //! Store: the lines of a path, packed, in a file.
 //!
-//! They are packed in chunks of one layer each, so that a page can unpack the layer that it shows. A vertex is four numbers:
-//! the differences of x, y and z to the one before in um, and that of time in 10 us, doubled, plus one if the line to it is
-//! printed. Each number takes as many bytes as it needs, seven bits in each, the least first; a negative n is stored as
-//! -2n-1, another as 2n. The first vertex of a chunk is where the one before ended, with differences to 0.
+//! They are packed in chunks of one layer each, so that a page can unpack the layer that it shows. A vertex is four
+//! numbers: the differences of x, y and z to the one before in um, and that of time in 10 us, doubled, plus one if the
+//! line to it is printed. Each number takes as many bytes as it needs, seven bits in each, the least first; a negative
+//! n is stored as -2n-1, another as 2n. The first vertex of a chunk is where the one before ended, with differences to
+//! 0.
 
 use super::Vertex;
 use corehbot::units::TICKS_PER_SECOND;

@@ -6,13 +6,13 @@
 //! block, plate -> thermistor with lag -> divider -> converter with noise -> sample
 //!                 (sensor.rs, thermistor.rs)        (converter.rs, wiring.rs)
 //! ```
-//! Lumps of heat (constants.rs, prototype.rs) in f64, with the crate libm for every function that the language has not: the
-//! host, QEMU and the emulator compute the same bits. A step is cut into parts of at most 5 ms; the same steps from the same
-//! seed give the same readings. Nothing is limited: what is heated without end burns (in numbers). faults.rs is what may be
-//! broken.
+//! Lumps of heat (constants.rs, prototype.rs) in f64, with the crate libm for every function that the language has not:
+//! the host, QEMU and the emulator compute the same bits. A step is cut into parts of at most 5 ms; the same steps from
+//! the same seed give the same readings. Nothing is limited: what is heated without end burns (in numbers). faults.rs
+//! is what may be broken.
 //!
-//! Cost on a Cortex-M4, whose f64 is software: some 6000 instructions a part, and 16,000 (bed) or 26,000 (hotend) a reading
-//! (QEMU, -icount).
+//! Cost on a Cortex-M4, whose f64 is software: some 6000 instructions a part, and 16,000 (bed) or 26,000 (hotend) a
+//! reading (QEMU, -icount).
 
 mod bed;
 mod chamber;

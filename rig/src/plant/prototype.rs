@@ -1,5 +1,5 @@
-//! The prototype's figures, each with its source. Those marked `[estimate]` are nobody's measurement, and wait for a machine
-//! to be measured.
+//! The prototype's figures, each with its source. Those marked `[estimate]` are nobody's measurement, and wait for a
+//! machine to be measured.
 
 use super::constants::{
     BedConstants, ChamberConstants, ConverterConstants, Couplings, HeaterConstants, HotendConstants, PlantConstants,
@@ -25,7 +25,8 @@ impl PlantConstants {
                 block_to_air_watt_per_kelvin: 0.05,
                 // 17 cm^2 of emissivity 0.5: 0.01 W/K more at 215 C [estimate].
                 block_to_air_rise_watt_per_kelvin_sq: 5e-5,
-                // Marlin's defaults for MPC differ by 0.029 W/K with and without fan; a fan that blows harder [estimate].
+                // Marlin's defaults for MPC differ by 0.029 W/K with and without fan; a fan that blows harder
+                // [estimate].
                 part_fan_watt_per_kelvin: 0.05,
                 // A throat of steel: 16 W/(m K), 3 mm^2 of wall, 2.3 mm long [estimate].
                 block_to_sink_watt_per_kelvin: 0.0208,
@@ -37,7 +38,8 @@ impl PlantConstants {
                 // (2.405 mm^2) = 2.3e-3.
                 filament_joule_per_mm3_kelvin: 0.0023,
                 heater: HeaterConstants { nominal_watt: 40.0, nominal_volts: 24.0 },
-                // Marlin's default for MPC, 0.22 1/s, is 4.5 s; a sensor in a cartridge of its own is faster [estimate].
+                // Marlin's default for MPC, 0.22 1/s, is 4.5 s; a sensor in a cartridge of its own is faster
+                // [estimate].
                 sensor: SensorConstants { thermistor: Thermistor::semitec_104gt2(), lag_seconds: 1.2 },
             },
             bed: BedConstants {

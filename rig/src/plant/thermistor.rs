@@ -1,7 +1,7 @@
 //! Thermistors: what a resistance is at a temperature.
 //!
-//! Two laws of the field. Beta, from one resistance and one slope: 1/T = 1/T25 + ln(R/R25)/B. Steinhart-Hart, through three
-//! points of a table: 1/T = a + b ln R + c (ln R)^3. T in kelvin, R in ohm.
+//! Two laws of the field. Beta, from one resistance and one slope: 1/T = 1/T25 + ln(R/R25)/B. Steinhart-Hart, through
+//! three points of a table: 1/T = a + b ln R + c (ln R)^3. T in kelvin, R in ohm.
 
 /// 0 C in kelvin.
 pub(super) const ZERO_CELSIUS: f64 = 273.15;
@@ -30,14 +30,14 @@ pub enum Thermistor {
 }
 
 impl Thermistor {
-    /// NTC 100K B3950, what most heated beds have. Its sellers give R25 = 100 kOhm and B25/50 = 3950 K and nothing else, so
-    /// the law is Beta. Real ones bend away from it: Klipper's "Generic 3950" has 1770 Ohm at 150 C, Beta 1997 Ohm, which is
-    /// 5 C.
+    /// NTC 100K B3950, what most heated beds have. Its sellers give R25 = 100 kOhm and B25/50 = 3950 K and nothing
+    /// else, so the law is Beta. Real ones bend away from it: Klipper's "Generic 3950" has 1770 Ohm at 150 C, Beta 1997
+    /// Ohm, which is 5 C.
     pub const NTC_100K_B3950: Self = Self::Beta { ohm_at_25: 100e3, beta: 3950.0 };
 
-    /// ATC Semitec 104GT-2, E3D's thermistor: Steinhart-Hart through 126.8 kOhm at 20 C, 1360 Ohm at 150 C and 80.65 Ohm at
-    /// 300 C (Semitec's table for the GT series, as Klipper's temperature_sensors.cfg has it; R25 = 100 kOhm, B25/85 =
-    /// 4267 K).
+    /// ATC Semitec 104GT-2, E3D's thermistor: Steinhart-Hart through 126.8 kOhm at 20 C, 1360 Ohm at 150 C and 80.65
+    /// Ohm at 300 C (Semitec's table for the GT series, as Klipper's temperature_sensors.cfg has it; R25 = 100 kOhm,
+    /// B25/85 = 4267 K).
     #[must_use]
     pub fn semitec_104gt2() -> Self {
         Self::through([(20.0, 126.8e3), (150.0, 1360.0), (300.0, 80.65)])

@@ -1,7 +1,9 @@
 //! Answers: what a command has to say, as a value. `answer` is for what is said, `report` for how it is worded.
 //!
-//! A command does what it does and returns its answer; `main_loop::tell` writes it, and the Console has the `ok` told after it. A new reply is a variant
-//! here and an arm in `main_loop::tell`. A reply of several lines gets a function of its own, in `reports`. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
+//! A command does what it does and returns its answer; `main_loop::tell` writes it, and the Console has the `ok` told
+//! after it. A new reply is a variant here and an arm in `main_loop::tell`. A reply of several lines gets a function of
+//! its own, in `reports`. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or
+//! `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
 use super::driver_value::DriverValue;
@@ -18,8 +20,8 @@ use crate::port::{EndstopSet, Motor};
 use crate::protocol::{Action, ResendReason};
 use crate::status::Tuned;
 
-/// What there is to say. Numbers that everybody knows are looked up when they are written; those that a command keeps for itself are part
-/// of the answer.
+/// What there is to say. Numbers that everybody knows are looked up when they are written; those that a command keeps
+/// for itself are part of the answer.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum Answer<'a> {
     /// Nothing, but for the `ok`.

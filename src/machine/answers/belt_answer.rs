@@ -60,9 +60,11 @@ impl Diagnosis {
 pub(in crate::machine) enum BeltAnswer {
     /// M122: whether they are aligned, and what was found.
     State,
-    /// M122: by how many steps the places of their drivers differ from what the firmware counts, in the sum of a residual.
+    /// M122: by how many steps the places of their drivers differ from what the firmware counts, in the sum of a
+    /// residual.
     Fields(i32),
-    /// M122: the path of the tool in mm since x and y met their switches; none if they did not, or lost their place since.
+    /// M122: the path of the tool in mm since x and y met their switches; none if they did not, or lost their place
+    /// since.
     Met([Option<u32>; 2]),
     /// They are aligned: what was found.
     Aligned,

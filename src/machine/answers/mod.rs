@@ -1,7 +1,7 @@
 //! Answers: what a command has to say, as a value, and the speaker that says it.
 //!
-//! A command returns an [`answer::Answer`]. `reports` words it and says it through the [`speaker::Speaker`], one part after
-//! the other. Nothing here knows the Console.
+//! A command returns an [`answer::Answer`]. `reports` words it and says it through the [`speaker::Speaker`], one part
+//! after the other. Nothing here knows the Console.
 //!
 //! | file | is for |
 //! |---|---|

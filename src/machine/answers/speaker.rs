@@ -1,8 +1,8 @@
 //! The speaker: says the parts of one answer to the host being served, each once and in order.
 //!
 //! A part is a line, or lines that must not be separated. Nothing waits between parts: when one finds no room,
-//! `main_loop::tell` lets the world go round and runs the whole report again, and the parts that were said before are passed
-//! over. So a report is a plain function, and has no place to wait in.
+//! `main_loop::tell` lets the world go round and runs the whole report again, and the parts that were said before are
+//! passed over. So a report is a plain function, and has no place to wait in.
 
 use crate::machine::hosts::serving::Hosts;
 use crate::port::Serial;
@@ -64,8 +64,8 @@ impl<'s> Speaker<'s> {
         }
     }
 
-    /// Says a setting as the line that sets it, a line of another kind than G and a number. A BTT TFT would show it to the
-    /// user as trouble, so it is a remark where settings are said with `echo:`.
+    /// Says a setting as the line that sets it, a line of another kind than G and a number. A BTT TFT would show it to
+    /// the user as trouble, so it is a remark where settings are said with `echo:`.
     pub fn named_setting(&mut self, line: fmt::Arguments<'_>) {
         if self.is_echo { self.remark(line) } else { self.setting(line) }
     }

@@ -1,5 +1,6 @@
-//! The motors of a belt, as M915 asks for them: aligned; or the switches of x and y are met once more, to see whether the tool is where
-//! the steps say (D), and what is to be done if it is not (R); then the tool goes back to where it was. How it is done stands in `belt`.
+//! The motors of a belt, as M915 asks for them: aligned; or the switches of x and y are met once more, to see whether
+//! the tool is where the steps say (D), and what is to be done if it is not (R); then the tool goes back to where it
+//! was. How it is done stands in `belt`.
 
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
@@ -102,7 +103,8 @@ struct Aside {
 }
 
 impl Aside {
-    /// What befell a residual: by the switches as they are met now; or, if x and y were homed after it, by what homing took away.
+    /// What befell a residual: by the switches as they are met now; or, if x and y were homed after it, by what homing
+    /// took away.
     fn diagnose(self, mechanism: &Mechanism, residual: &Residual, strain: i32, full_step: i32) -> Diagnosis {
         let of = |aside| diagnose(mechanism, residual, Touched { aside, residual: strain }, full_step);
         let [x, y] = [0, 1].map(|axis| {
@@ -116,8 +118,8 @@ impl Aside {
     }
 }
 
-/// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
-/// others are as they were.
+/// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be
+/// repaired; all others are as they were.
 async fn examine<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
@@ -175,7 +177,8 @@ async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm
     shift_z(main_loop, -lift).await
 }
 
-/// Takes the tool back over a place where it was, if it is known where it is: a print that was paused goes on from there.
+/// Takes the tool back over a place where it was, if it is known where it is: a print that was paused goes on from
+/// there.
 async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
     let ([x, y, ..], [is_x, is_y, _]) = (place, main_loop.homed().axes());
     if !(is_x && is_y) {

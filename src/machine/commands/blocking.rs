@@ -1,4 +1,5 @@
-//! Commands that take time, in one match without a wildcard: a new one does not compile before it is decided what it does.
+//! Commands that take time, in one match without a wildcard: a new one does not compile before it is decided what it
+//! does.
 //!
 //! They are awaited: motion, power, storage, drivers, questions to the user. Meanwhile the main loop goes on turning.
 
@@ -99,7 +100,8 @@ pub(in crate::machine) enum Blocking<'c> {
     Diagnose,
 }
 
-/// Carries out a command that takes time, with the states that it names, and returns what there is to say before its `ok`.
+/// Carries out a command that takes time, with the states that it names, and returns what there is to say before its
+/// `ok`.
 pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,

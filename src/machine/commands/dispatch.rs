@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Neither match has a wildcard, so a new command does not compile before it has an arm in `immediate`: it is done
-//! there, or it is named as a [`Blocking`](super::blocking::Blocking), which does not compile before it has an arm in `blocking`.
+//! there, or it is named as a [`Blocking`](super::blocking::Blocking), which does not compile before it has an arm in
+//! `blocking`.
 
 use super::blocking::carry_out_blocking;
 use super::immediate::{Outcome, carry_out_immediate};
@@ -21,8 +22,8 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::job::{Answered, Kept};
 use crate::port::Pend;
 
-/// The print of a line that is kept goes on, if it can: true if the line is to be carried out now, false if it needs its `ok` alone, `None`
-/// if it goes on being kept.
+/// The print of a line that is kept goes on, if it can: true if the line is to be carried out now, false if it needs
+/// its `ok` alone, `None` if it goes on being kept.
 pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,

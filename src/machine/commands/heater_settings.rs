@@ -1,7 +1,7 @@
 //! How heaters behave, as lines set it: M301, M304, M306.
 //!
-//! A heater is controlled by its model or by PID: by the model as it is made, by PID once M301 or M304 has set a gain, by the
-//! model again once M306 has set a number. M503 says the one in use last (`reports::heat_settings_report`).
+//! A heater is controlled by its model or by PID: by the model as it is made, by PID once M301 or M304 has set a gain,
+//! by the model again once M306 has set a number. M503 says the one in use last (`reports::heat_settings_report`).
 
 use crate::connectors::Heater;
 use crate::gcode::{ModelWords, Number};
@@ -38,8 +38,8 @@ pub(in crate::machine) fn set_pid(
     Answer::Nothing
 }
 
-/// M306. F is the whole loss with the part fan at full speed, as in Marlin. What it takes depends on the kind of heater and on its
-/// power, that of the line if it has one. Without E it is the hotend's, and says so.
+/// M306. F is the whole loss with the part fan at full speed, as in Marlin. What it takes depends on the kind of heater
+/// and on its power, that of the line if it has one. Without E it is the hotend's, and says so.
 pub(in crate::machine) fn set_model(
     heater: Heater,
     is_named: bool,

@@ -1,7 +1,7 @@
 //! Heating: targets (M104, M140, M141), waits for them (M109, M116, M190, M191), and everything off (M81).
 //!
-//! A target acts at once, ahead of moves that are queued, and moves go on while a command waits for it. M108 ends a wait and
-//! leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
+//! A target acts at once, ahead of moves that are queued, and moves go on while a command waits for it. M108 ends a
+//! wait and leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
 
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
@@ -22,25 +22,26 @@ use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 const NEAR: Celsius = Celsius::const_from_int(1);
 const FAR: Celsius = Celsius::const_from_int(3);
 
-/// It has to be so for that long. Marlin waits for 10 s, for a PID controller that swings; the model does not, and after the
-/// sensor's lag of a second or two what it reads is what is there.
+/// It has to be so for that long. Marlin waits for 10 s, for a PID controller that swings; the model does not, and
+/// after the sensor's lag of a second or two what it reads is what is there.
 const RESIDENCY_MS: u32 = 3000;
 
-/// A wait for cooling ends when it goes on more slowly than by 1.5 C a minute, for the room may be warmer than the target:
-/// Marlin's MIN_COOLING_SLOPE_DEG and MIN_COOLING_SLOPE_TIME (Configuration_adv.h, 2.1).
+/// A wait for cooling ends when it goes on more slowly than by 1.5 C a minute, for the room may be warmer than the
+/// target: Marlin's MIN_COOLING_SLOPE_DEG and MIN_COOLING_SLOPE_TIME (Configuration_adv.h, 2.1).
 const LEAST_COOLING: Celsius = Celsius::lit("1.5");
 const COOLING_MS: u32 = 60_000;
 
-/// A heater below its target that gains less than this in the time of its kind does not get there. By the plants: one that can is at
-/// least 1 C below where full power would take it as long as it is waited for, so it gains 1 C x loss / capacity x time. The heaviest
-/// bed in use (5,500 J/K) loses 1 W/K at least, and gains 0.33 C in half an hour; a hotend (34 J/K at most, 0.05 W/K) 0.35 C in four
-/// minutes. The guards' floor halts the machine after ten minutes and an hour without 2 C. The host is told after a third of it.
+/// A heater below its target that gains less than this in the time of its kind does not get there. By the plants: one
+/// that can is at least 1 C below where full power would take it as long as it is waited for, so it gains 1 C x loss /
+/// capacity x time. The heaviest bed in use (5,500 J/K) loses 1 W/K at least, and gains 0.33 C in half an hour; a
+/// hotend (34 J/K at most, 0.05 W/K) 0.35 C in four minutes. The guards' floor halts the machine after ten minutes and
+/// an hour without 2 C. The host is told after a third of it.
 const LEAST_RISE: Celsius = Celsius::lit("0.2");
 const HOTEND_STUCK_MS: u32 = 240_000;
 const STUCK_MS: u32 = 1_800_000;
 
-/// A heater that has no reading for so long has a sensor that is broken. One that heats is found by the guards in half a second, and one
-/// that has just been switched on is read after a tenth of one.
+/// A heater that has no reading for so long has a sensor that is broken. One that heats is found by the guards in half
+/// a second, and one that has just been switched on is read after a tenth of one.
 const UNREAD_MS: u32 = 2000;
 
 /// From one line with temperatures to the next, in whatever wait.
@@ -281,7 +282,8 @@ async fn await_heat<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Heaters are kept again at what they were at before a pause, or before they went off in the print, and are waited for.
+/// Heaters are kept again at what they were at before a pause, or before they went off in the print, and are waited
+/// for.
 pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
@@ -354,7 +356,8 @@ mod tests {
         let celsius = Celsius::from_num::<f64>;
         let bed = |degrees: f64| [celsius(25.0), celsius(degrees), celsius(25.0)];
         let cold = [false, true, false];
-        // A bed of 5,500 J/K that loses 1 W/K and is heated to a degree above the target: seen until it is a degree below.
+        // A bed of 5,500 J/K that loses 1 W/K and is heated to a degree above the target: seen until it is a degree
+        // below.
         let mut rising = Rising::new(bed(25.0), at(0));
         let (mut degrees, mut s) = (25.0, 0);
         while degrees < 99.0 {

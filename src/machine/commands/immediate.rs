@@ -1,5 +1,6 @@
-//! Commands that are done at once, in one match without a wildcard: a new one does not compile before it is decided what
-//! it does. What takes time is only named here, as a [`Blocking`], with its words; only M220's percentage is in range already.
+//! Commands that are done at once, in one match without a wildcard: a new one does not compile before it is decided
+//! what it does. What takes time is only named here, as a [`Blocking`], with its words; only M220's percentage is in
+//! range already.
 
 use super::blocking::Blocking;
 use super::drivers::set_drivers;

@@ -48,7 +48,8 @@ pub(super) fn moving([x, y, z, _]: [Mm; 4], [to_x, to_y, to_z, _]: [Mm; 4]) -> [
     [are_apart(x, to_x), are_apart(y, to_y), are_apart(z, to_z)]
 }
 
-/// What a line of motion needs: what goes on meanwhile, what numbers mean, what is told of them, and whether filament may move.
+/// What a line of motion needs: what goes on meanwhile, what numbers mean, what is told of them, and whether filament
+/// may move.
 pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
     pub main_loop: &'c mut MainLoop<'m, P, W>,
     pub modal: &'c mut Modal,
@@ -124,8 +125,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
     }
 
-    /// In a print, a line waits for heat that has gone off by itself. One that cannot be carried out, because the hotend is too cold for it
-    /// or an axis has lost its place, is kept; the answer says so. A line that prints begins a print, and ends a pause.
+    /// In a print, a line waits for heat that has gone off by itself. One that cannot be carried out, because the
+    /// hotend is too cold for it or an axis has lost its place, is kept; the answer says so. A line that prints begins
+    /// a print, and ends a pause.
     async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
         if asked.prints() && !self.main_loop.job().is_printing() {
@@ -191,8 +193,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Ok(true)
     }
 
-    /// Whether a move of x and y to `position` may be made: it does not print, or the motors of the belt are aligned, or need not be, of
-    /// which the host is told once.
+    /// Whether a move of x and y to `position` may be made: it does not print, or the motors of the belt are aligned,
+    /// or need not be, of which the host is told once.
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
         let ([.., to], [.., from]) = (position, self.main_loop.commanded().position());
         let rule = self.main_loop.settings().belt.alignment;

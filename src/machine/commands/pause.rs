@@ -1,14 +1,16 @@
-//! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out as yet, and how the print goes on.
+//! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out as yet, and how the
+//! print goes on.
 //!
 //! ```text
 //!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed) ▶ filament out (M600 U)
 //!   and back:      heat, and wait ▶ filament in (M600 L) ▶ restore the program ▶ over its place ▶ down ▶ filament forth ▶ action:resumed
 //! ```
 //!
-//! The nozzle does not rest on the part. A host that has pulled back, lifted and parked by itself finds nothing left to do, and the other
-//! way round: how far the tool is from the part is known from where the last printing move ended, and what the pause has done counts for
-//! a script that comes later (`Commanded::leave_park`). What the tool does meanwhile, jog or home, is of no account: it goes back to where
-//! the print was. Which state follows which is in [`job`](crate::machine::state::job).
+//! The nozzle does not rest on the part. A host that has pulled back, lifted and parked by itself finds nothing left to
+//! do, and the other way round: how far the tool is from the part is known from where the last printing move ended, and
+//! what the pause has done counts for a script that comes later (`Commanded::leave_park`). What the tool does
+//! meanwhile, jog or home, is of no account: it goes back to where the print was. Which state follows which is in
+//! [`job`](crate::machine::state::job).
 
 use super::cold_extrusion::ColdExtrusion;
 use super::heating::heat_again;
@@ -29,8 +31,8 @@ use crate::units::{Celsius, Instant, Mm, MmPerSec};
 /// So far above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to 0.8 mm).
 const OFF_PART: Mm = Mm::const_from_int(1);
 
-/// Speeds of filament that is changed: Marlin's `FILAMENT_CHANGE_UNLOAD_FEEDRATE` and `FILAMENT_CHANGE_FAST_LOAD_FEEDRATE`
-/// (Configuration_adv.h 2.1).
+/// Speeds of filament that is changed: Marlin's `FILAMENT_CHANGE_UNLOAD_FEEDRATE` and
+/// `FILAMENT_CHANGE_FAST_LOAD_FEEDRATE` (Configuration_adv.h 2.1).
 const UNLOAD_SPEED: MmPerSec = MmPerSec::const_from_int(10);
 const LOAD_SPEED: MmPerSec = MmPerSec::const_from_int(6);
 
@@ -112,7 +114,8 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     Ok(Answer::Kept)
 }
 
-/// What to say of a word that is not obeyed: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour, name).
+/// What to say of a word that is not obeyed: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour,
+/// name).
 const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     match words.other {
         Some(b'E') => Answer::NotObeyed(code, b"E"),
@@ -125,8 +128,8 @@ const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     }
 }
 
-/// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, for the nozzle may have
-/// frozen to the part, or its place is not known.
+/// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, for the
+/// nozzle may have frozen to the part, or its place is not known.
 pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
@@ -194,7 +197,8 @@ async fn save_and_park<P: PortSet, W: Pend>(
     change(main_loop, modal, cold, unload.saturating_neg(), UNLOAD_SPEED).await
 }
 
-/// Filament comes out or goes in, as if a line had asked for it in the pause: no more than in one line, and none if the hotend is cold.
+/// Filament comes out or goes in, as if a line had asked for it in the pause: no more than in one line, and none if the
+/// hotend is cold.
 async fn change<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
@@ -282,8 +286,8 @@ async fn park<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// The tool goes from wherever it is to where the program wants it: over its place, down, and the filament forth that the pause has
-/// pulled back. That stays back in a cold hotend, until a line that prints is kept for it and goes on.
+/// The tool goes from wherever it is to where the program wants it: over its place, down, and the filament forth that
+/// the pause has pulled back. That stays back in a cold hotend, until a line that prints is kept for it and goes on.
 async fn go_back<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     cold: &ColdExtrusion,
@@ -307,8 +311,8 @@ async fn go_back<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the state of the program is that before
-/// the pause; without, it is what lines have made of it meanwhile.
+/// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the state of the
+/// program is that before the pause; without, it is what lines have made of it meanwhile.
 async fn go_on<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -346,7 +350,8 @@ async fn go_on<P: PortSet, W: Pend>(
     Ok(Going::On)
 }
 
-/// The program is as it was. Filament that came and went meanwhile, as when it is changed, is none that the print has asked for.
+/// The program is as it was. Filament that came and went meanwhile, as when it is changed, is none that the print has
+/// asked for.
 async fn restore<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -360,8 +365,8 @@ async fn restore<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Fans that were switched off meanwhile, by a script or to look at something, run as in the print. A speed that was chosen meanwhile
-/// counts, as a target does that one can print with.
+/// Fans that were switched off meanwhile, by a script or to look at something, run as in the print. A speed that was
+/// chosen meanwhile counts, as a target does that one can print with.
 async fn blow_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     program: &Program,
@@ -398,8 +403,8 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
     go_on(main_loop, modal, cold, false, None).await
 }
 
-/// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried out now; false if
-/// it needs its `ok`; `None` if it goes on being kept.
+/// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried
+/// out now; false if it needs its `ok`; `None` if it goes on being kept.
 pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,

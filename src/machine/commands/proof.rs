@@ -1,7 +1,8 @@
-//! Proof: whether the tool is where the steps say, and nobody strains the belt. No driver tells of a skip, so it has to be looked for.
+//! Proof: whether the tool is where the steps say, and nobody strains the belt. No driver tells of a skip, so it has to
+//! be looked for.
 //!
-//! Loads first, then the switches: a motor that has skipped before loads are measured strains the belt, and one that skips later has
-//! led the tool aside when the switches are met.
+//! Loads first, then the switches: a motor that has skipped before loads are measured strains the belt, and one that
+//! skips later has led the tool aside when the switches are met.
 
 use super::switch::touch;
 use crate::kinematics::Residuals;
@@ -15,9 +16,9 @@ use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::HomedAxis;
 
-/// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Then, and only then, they are held
-/// to be aligned; while it goes on, and if it fails, nobody is to believe in either. Gives how many steps beside their places the
-/// switches were met.
+/// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Then, and only then,
+/// they are held to be aligned; while it goes on, and if it fails, nobody is to believe in either. Gives how many steps
+/// beside their places the switches were met.
 pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
     let homed = main_loop.homed();
     let (residuals, mechanism) = (main_loop.residuals(), main_loop.groups().mechanism());

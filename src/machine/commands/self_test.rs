@@ -1,5 +1,5 @@
-//! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an update begins in
-//! `main_loop::heat_door` (`test_before_heating`).
+//! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an
+//! update begins in `main_loop::heat_door` (`test_before_heating`).
 //!
 //! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 

@@ -1,4 +1,5 @@
-//! Switches: an axis finds its endstop fast, backs off, and finds it again slowly; to be homed by it, or only to see where it is met.
+//! Switches: an axis finds its endstop fast, backs off, and finds it again slowly; to be homed by it, or only to see
+//! where it is met.
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -78,8 +79,8 @@ async fn end_homing<T, P: PortSet, W: Pend>(
     }
 }
 
-/// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool stands so far
-/// beside where the steps say.
+/// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool
+/// stands so far beside where the steps say.
 pub(super) async fn touch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
@@ -194,9 +195,9 @@ async fn travel<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
-/// with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors have pulleys of
-/// different sizes the step of an axis is long, and no whole one is where all of them stand.
+/// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares
+/// them with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors
+/// have pulleys of different sizes the step of an axis is long, and no whole one is where all of them stand.
 async fn stand_at_switch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,

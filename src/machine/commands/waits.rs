@@ -1,4 +1,5 @@
-//! Commands that wait for time (G4). Waits for heat are in [`heating`](super::heating), those for the user in [`pause`](super::pause).
+//! Commands that wait for time (G4). Waits for heat are in [`heating`](super::heating), those for the user in
+//! [`pause`](super::pause).
 
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;

@@ -5,8 +5,8 @@
 //!   serial line ◀── replies  ◀── what the command says, and what the host is told unasked
 //! ```
 //!
-//! The main loop calls [`serving::Hosts`] at every turn; the Console has it ask for the next line when the last one is answered. Nothing
-//! here knows the Console; what hosts are told after a stop is in `main_loop::halted`.
+//! The main loop calls [`serving::Hosts`] at every turn; the Console has it ask for the next line when the last one is
+//! answered. Nothing here knows the Console; what hosts are told after a stop is in `main_loop::halted`.
 //!
 //! | word | means |
 //! |---|---|

@@ -3,8 +3,9 @@
 //! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
 //! host that sent it.
 //!
-//! A host that waits hears `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s` (M113). Waits
-//! for heat say temperatures besides, every second (`LINE_MS` in `commands::heating`).
+//! A host that waits hears `busy` (`keep_alive`): its text is in `protocol::reply`, its interval
+//! `Settings::keepalive_s` (M113). Waits for heat say temperatures besides, every second (`LINE_MS` in
+//! `commands::heating`).
 
 use super::asked::Asked;
 use super::host::{Host, Text, Urgent};
@@ -29,8 +30,8 @@ pub(in crate::machine) struct Hosts<S> {
 }
 
 impl<S: Serial> Hosts<S> {
-    /// Nobody is listened to before [`open`](Self::open): 4 KiB of memory for each host would pass through the stack with all
-    /// else that is made at the start.
+    /// Nobody is listened to before [`open`](Self::open): 4 KiB of memory for each host would pass through the stack
+    /// with all else that is made at the start.
     pub(in crate::machine) const fn new(lines: Lines<S>) -> Self {
         Self { hosts: Lines::new(), closed: lines, serving: 0, owes_ok: false, is_gone: false, aside: None }
     }
@@ -219,8 +220,8 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
-    /// Says a line to the host in that place, unless it is the one being served; false if it is, or if there is none. One
-    /// that has no room for it misses it.
+    /// Says a line to the host in that place, unless it is the one being served; false if it is, or if there is none.
+    /// One that has no room for it misses it.
     pub(in crate::machine) fn notify_other(&mut self, place: usize, line: fmt::Arguments<'_>) -> bool {
         let other = self.hosts.get_mut(place).filter(|_| place != self.serving);
         other.map(|host| host.replies.line(line)).is_some()

@@ -90,8 +90,8 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.hosts.notify_others(format_args!("{}", Message { form, text }));
     }
 
-    /// Says a message to the host on one of the lines, from 0, if that is not the one being served; false if it is, or if
-    /// there is no such line.
+    /// Says a message to the host on one of the lines, from 0, if that is not the one being served; false if it is, or
+    /// if there is no such line.
     pub fn message_other(&mut self, place: usize, form: Form, text: &[u8]) -> bool {
         self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
     }

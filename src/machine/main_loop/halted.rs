@@ -1,9 +1,9 @@
 //! After a stop: nothing moves, hosts are answered, and M999 has the machine begin anew.
 //!
-//! The hosts of that time are told the error, which ends their prints, and none of their lines is answered with `ok` any
-//! more. A host that comes later, by opening its line or by saying M110, is greeted with what has happened. What such a
-//! host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for anything to be
-//! done gets the error too.
+//! The hosts of that time are told the error, which ends their prints, and none of their lines is answered with `ok`
+//! any more. A host that comes later, by opening its line or by saying M110, is greeted with what has happened. What
+//! such a host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for
+//! anything to be done gets the error too.
 
 use crate::driver;
 use crate::fault::Fault;

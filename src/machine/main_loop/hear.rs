@@ -50,7 +50,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.pauses.end_command();
     }
 
-    /// The line that is being carried out is kept without `ok`, and others are served. An answer that came in one packet with it counts.
+    /// The line that is being carried out is kept without `ok`, and others are served. An answer that came in one
+    /// packet with it counts.
     pub fn keep_line(&mut self, kept: Kept) {
         let answered = if self.pauses.is_answered() {
             Some(Answered::Resume)
@@ -90,7 +91,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes in what has arrived.
     pub(super) fn receive(&mut self) -> Option<Interrupt> {
         let urgent = self.hosts.receive();
-        // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is kept.
+        // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is
+        // kept.
         let is_for_command = self.pauses.waiting() != Waiting::Nothing;
         self.pauses.note(urgent.go_on || urgent.cancel, urgent.resume);
         self.job.note_answers(urgent.go_on && !is_for_command, urgent.resume);

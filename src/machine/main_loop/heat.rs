@@ -1,5 +1,5 @@
-//! Heat, a part of every turn: orders on their way, faults, filament, the self-test, and heaters that nobody uses. What commands order
-//! stands in [`heat_door`](super::heat_door).
+//! Heat, a part of every turn: orders on their way, faults, filament, the self-test, and heaters that nobody uses. What
+//! commands order stands in [`heat_door`](super::heat_door).
 
 use crate::connectors::Heater;
 use crate::machine::interrupt::Interrupt;
@@ -67,8 +67,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat_orders.target(heater, self.link.status().heat())
     }
 
-    /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. In a print they are heated
-    /// again before it goes on.
+    /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. In a print they are
+    /// heated again before it goes on.
     fn watch_heaters(&mut self, now: Instant) {
         if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
             self.heaters_used = now;

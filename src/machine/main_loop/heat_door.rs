@@ -29,8 +29,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat_orders.note_settings();
     }
 
-    /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. With as many speeds on their way as there
-    /// may be, it waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
+    /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. With as many speeds on their
+    /// way as there may be, it waits as a move does that finds the look-ahead full: only as long as that changes no
+    /// speed of a move.
     pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
         self.close_line();
         self.fan_schedule.note_commanded(fan, speed);
@@ -68,8 +69,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat_orders.is_empty()
     }
 
-    /// Heaters are about to be switched on: those that were not tested since the last update are tested first. Their targets
-    /// wait in the thermal context.
+    /// Heaters are about to be switched on: those that were not tested since the last update are tested first. Their
+    /// targets wait in the thermal context.
     pub fn test_before_heating(&mut self) {
         let Some(image) = self.ports.storage.image() else { return };
         let subject = test_subject(&self.settings.thermal, image);
@@ -102,7 +103,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.self_tests.know(passed);
     }
 
-    /// Whether a self-test that was passed is to be noted: at rest, for flash may stop the processor while it is written.
+    /// Whether a self-test that was passed is to be noted: at rest, for flash may stop the processor while it is
+    /// written.
     pub fn has_passed_test(&self) -> bool {
         self.self_tests.has_news() && !self.has_motion()
     }

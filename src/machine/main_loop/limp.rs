@@ -1,16 +1,18 @@
 //! Limp: a motor of the belt has failed in mid-print, and the others take the nozzle off the print.
 //!
-//! Motors that can pull against each other are more than it takes to hold x and y: without one of them the others still do. So if one
-//! driver fails, its motor alone loses its power, at once, for a driver that was reset makes other steps and pulls against the others;
-//! the motion brakes along its path; z is raised, the tool goes beside its switches, and then all power is cut and the machine is
-//! halted as after any other fault. Heaters are off from the first moment on.
+//! Motors that can pull against each other are more than it takes to hold x and y: without one of them the others still
+//! do. So if one driver fails, its motor alone loses its power, at once, for a driver that was reset makes other steps
+//! and pulls against the others; the motion brakes along its path; z is raised, the tool goes beside its switches, and
+//! then all power is cut and the machine is halted as after any other fault. Heaters are off from the first moment on.
 //!
-//! It needs to know where the tool is: all axes are homed, and nothing is being homed, measured, trimmed or run round. It ends at once, with all
-//! power cut, if another driver fails (a dip of the whole supply resets them all, and all others are looked at before anything but
-//! braking happens), if any other fault comes, at M112 and M410, and after [`MOST_MS`]. It comes once, and nothing but a reset follows.
+//! It needs to know where the tool is: all axes are homed, and nothing is being homed, measured, trimmed or run round.
+//! It ends at once, with all power cut, if another driver fails (a dip of the whole supply resets them all, and all
+//! others are looked at before anything but braking happens), if any other fault comes, at M112 and M410, and after
+//! [`MOST_MS`]. It comes once, and nothing but a reset follows.
 //!
-//! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` holds both, `emulator/tests/drivers.rs` the lift and
-//! the words; the place is told in docs/explanation/belt.md (*Limp*), times there and in docs/explanation/safety.md.
+//! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` holds both,
+//! `emulator/tests/drivers.rs` the lift and the words; the place is told in docs/explanation/belt.md (*Limp*), times
+//! there and in docs/explanation/safety.md.
 
 use crate::driver::{self, Name};
 use crate::fault::{self, Cause};
@@ -23,23 +25,24 @@ use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 
-/// Speed of the tool on its way to its place. Nobody is in a hurry once z is raised; a motor at a turn a second of a pulley of 40 mm has
-/// all its torque (docs/research/twin.md, torque at speed).
+/// Speed of the tool on its way to its place. Nobody is in a hurry once z is raised; a motor at a turn a second of a
+/// pulley of 40 mm has all its torque (docs/research/twin.md, torque at speed).
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
 
-/// Acceleration on that way: a tenth of what four motors are run with. On a diagonal a single motor drives a tool of 0.6 kg and four rotors of
-/// 0.134 kg each, which takes 1 N of its 63 (docs/research/twin.md).
+/// Acceleration on that way: a tenth of what four motors are run with. On a diagonal a single motor drives a tool of
+/// 0.6 kg and four rotors of 0.134 kg each, which takes 1 N of its 63 (docs/research/twin.md).
 const ACCELERATION: MmPerSec2 = MmPerSec2::const_from_int(500);
 
-/// It is over after so many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings of the prototype.
+/// It is over after so many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings of
+/// the prototype.
 const MOST_MS: u32 = 60_000;
 
 /// The tool rings at 57 Hz, and with one motor less more softly, before it is let go.
 const RING_MS: u32 = 200;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// A driver has failed. Either its motor alone loses its power and the tool brakes to be parked by the others, or the motion ends and
-    /// all motors lose their power, at once.
+    /// A driver has failed. Either its motor alone loses its power and the tool brakes to be parked by the others, or
+    /// the motion ends and all motors lose their power, at once.
     pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {
         let driver::Fault { motor, .. } = fault;
         let cause = fault::Fault { cause: Cause::Driver, subject: motor as u8, value: 0, limit: 0 };
@@ -117,7 +120,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         (endstop.position - endstop.towards(homing.back_off)).clamp(Mm::ZERO, length)
     }
 
-    /// Goes to a place with what three motors hold without effort. The motor that has failed has no power, so none is asked for.
+    /// Goes to a place with what three motors hold without effort. The motor that has failed has no power, so none is
+    /// asked for.
     async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         while !self.planner.prepare() {
             self.poll_again().await?;

@@ -5,9 +5,9 @@
 //!        └────── waits: turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves ▶ settings ▶ heat ▶ replies out
 //! ```
 //!
-//! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The fields are private to this folder: what a
-//! command may do with them are the methods that it can see. Nothing here uses
-//! `commands`; `halted` alone reads lines, those of a machine that has stopped.
+//! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The fields are private to
+//! this folder: what a command may do with them are the methods that it can see. Nothing here uses `commands`; `halted`
+//! alone reads lines, those of a machine that has stopped.
 //!
 //! | file or folder | for |
 //! |---|---|
@@ -200,8 +200,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Everything that must go on whatever the Console waits for. Bounded by what has arrived. Emergencies are heard first and
-    /// returned last, when all else has had its turn: moves that M112 may still hand on are dropped by the abort that follows.
+    /// Everything that must go on whatever the Console waits for. Bounded by what has arrived. Emergencies are heard
+    /// first and returned last, when all else has had its turn: moves that M112 may still hand on are dropped by the
+    /// abort that follows.
     fn go_on(&mut self) -> Result<(), Interrupt> {
         self.link.status().heat().beat_of_console();
         let now = self.ports.clock.now();

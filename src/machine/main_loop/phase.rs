@@ -1,17 +1,19 @@
 //! Phase: the motors of one belt are aligned as they get power, by where their drivers stand in their sine tables.
 //!
-//! A rotor rests where the sine table of its driver says, up to whole electrical turns of four full steps. So the sum of a residual over
-//! the places in these tables (MSCNT; TMC2209 datasheet rev 1.09, section 5.4) is the same whenever nothing strains the belt, wherever the
-//! tool stands and however far the belt has run round. It is a mark of the machine: it tells how rotors and pulleys sit on
-//! their shafts and on the belt. M915 finds it by load; it is kept as a setting (`belt.phases`).
+//! A rotor rests where the sine table of its driver says, up to whole electrical turns of four full steps. So the sum
+//! of a residual over the places in these tables (MSCNT; TMC2209 datasheet rev 1.09, section 5.4) is the same whenever
+//! nothing strains the belt, wherever the tool stands and however far the belt has run round. It is a mark of the
+//! machine: it tells how rotors and pulleys sit on their shafts and on the belt. M915 finds it by load; it is kept as a
+//! setting (`belt.phases`).
 //!
 //! ```text
 //!   power for 1, 4, 8, in turn ──▶ read all four places ──▶ step 11 until the sum is right ──▶ power for 11 ──▶ read once more
 //!                                                           (its rotor is free, the belt slack)
 //! ```
 //!
-//! A rotor without power strains nothing, so its field is brought to where it rests, and not the rotor to where its field is. If a driver
-//! does not count steps without power the sum is still wrong then, and the motor is trimmed with power.
+//! A rotor without power strains nothing, so its field is brought to where it rests, and not the rotor to where its
+//! field is. If a driver does not count steps without power the sum is still wrong then, and the motor is trimmed with
+//! power.
 
 use super::trim::{preload_of, trimmed};
 use crate::driver::Job;
@@ -31,12 +33,12 @@ const TURN: i32 = 1024;
 /// Places of a full step.
 const FULL_STEP: i32 = TURN / 4;
 
-/// How far the belt's strain may be from what is wanted, in thousandths of a step: the half step that nothing can be trimmed to, and
-/// what M915 may have been wrong by when it found the phase (half a step, and 0.4).
+/// How far the belt's strain may be from what is wanted, in thousandths of a step: the half step that nothing can be
+/// trimmed to, and what M915 may have been wrong by when it found the phase (half a step, and 0.4).
 const WITHIN: i64 = 1400;
 
-/// How a motor's place goes when it steps forward: it falls while its direction line is high (Klipper, klippy/extras/tmc.py, where a
-/// phase is `1023 - MSCNT` if the line is not inverted).
+/// How a motor's place goes when it steps forward: it falls while its direction line is high (Klipper,
+/// klippy/extras/tmc.py, where a phase is `1023 - MSCNT` if the line is not inverted).
 fn way(s: &Settings, motor: Motor) -> i32 {
     if s.wiring.of(motor).is_reversed { 1 } else { -1 }
 }
@@ -82,7 +84,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(Some((steps + turn / 2).rem_euclid(turn) - turn / 2))
     }
 
-    /// Where motors are about to get power of which each is the last of its residual: their fields are brought to their rotors.
+    /// Where motors are about to get power of which each is the last of its residual: their fields are brought to their
+    /// rotors.
     pub(super) async fn meet_phases(&mut self, residuals: &Residuals, next: MotorSet) -> Result<(), Interrupt> {
         let missing = residuals.motors().without(self.drivers.powered());
         for (number, residual) in residuals.iter().enumerate() {
@@ -99,8 +102,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Steps a motor until fields strain a residual as is wanted, if they do not; or back to where it was, if its driver does not count
-    /// as it should, which one without power may not. Gives what fields strained the residual by, and what they do now.
+    /// Steps a motor until fields strain a residual as is wanted, if they do not; or back to where it was, if its
+    /// driver does not count as it should, which one without power may not. Gives what fields strained the residual by,
+    /// and what they do now.
     async fn unstrain(
         &mut self,
         number: usize,

@@ -1,4 +1,5 @@
-//! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt in turn, or for none of them.
+//! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt in turn,
+//! or for none of them.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::machine::answers::answer::Answer;
@@ -20,9 +21,10 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Gives power to motors: to all of them, or, if one driver is not as it should be, to none.
     ///
-    /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each other get it one
-    /// after another, and settle in between: then only what the last of them finds strains the belt. Talking to drivers and
-    /// settling take up to a second and a half and happen before anything is planned, so they change no step.
+    /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each
+    /// other get it one after another, and settle in between: then only what the last of them finds strains the belt.
+    /// Talking to drivers and settling take up to a second and a half and happen before anything is planned, so they
+    /// change no step.
     pub async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
             self.reply(Answer::Refused(why)).await?;
@@ -86,7 +88,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Takes power from motors, and from all that would go on pulling at the same belt; what they held is no longer where it was.
+    /// Takes power from motors, and from all that would go on pulling at the same belt; what they held is no longer
+    /// where it was.
     pub fn unpower(&mut self, motors: MotorSet) {
         let motors = self.residuals().with_opponents(motors);
         let on = self.drivers.powered().without(motors);
@@ -120,8 +123,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Ends the motion and takes the power from all motors, at once. In this order, so that the Stepper makes no step without
-    /// power.
+    /// Ends the motion and takes the power from all motors, at once. In this order, so that the Stepper makes no step
+    /// without power.
     pub(super) fn stop_and_cut(&mut self) {
         self.link.abort();
         self.drivers.cut(&mut self.ports.drivers);

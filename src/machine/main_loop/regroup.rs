@@ -1,4 +1,5 @@
-//! Regrouping: a belt that runs round, or one motor of it, has the place of z in the planner, the generator and the step pins.
+//! Regrouping: a belt that runs round, or one motor of it, has the place of z in the planner, the generator and the
+//! step pins.
 //!
 //! Motors are regrouped at rest. `belt` says what for.
 

@@ -1,6 +1,7 @@
 //! Telling: an answer is written, and whoever tells it waits wherever there is no room for a part of it.
 //!
-//! An answer of one line is worded here, one of several lines in `reports`. A report of what the main loop does not hold gets it in its answer.
+//! An answer of one line is worded here, one of several lines in `reports`. A report of what the main loop does not
+//! hold gets it in its answer.
 
 use crate::connectors::Heater;
 use crate::gcode::{Absent, Flaw, Named, Part};

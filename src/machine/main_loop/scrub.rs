@@ -1,5 +1,5 @@
-//! The scrub, a part of every turn: settings of motion in RAM, and what was made of them, are looked at twice a second. What has
-//! changed by itself is a fault, which ends motion and heat.
+//! The scrub, a part of every turn: settings of motion in RAM, and what was made of them, are looked at twice a second.
+//! What has changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
 use crate::kinematics::Groups;
@@ -24,7 +24,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Whether the groups in use are as they are when they are made once more. Others are looked at when they come into use.
+    /// Whether the groups in use are as they are when they are made once more. Others are looked at when they come into
+    /// use.
     pub(super) fn are_groups_whole(&self) -> bool {
         *self.real.groups() == Groups::new(&self.real.grouping().rows_of(&self.settings.mechanism))
     }

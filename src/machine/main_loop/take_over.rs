@@ -1,4 +1,5 @@
-//! Taking over settings that more than the next plan depends on: the size of a step, what the generator follows, what drivers hold.
+//! Taking over settings that more than the next plan depends on: the size of a step, what the generator follows, what
+//! drivers hold.
 
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;

@@ -1,7 +1,7 @@
 //! Trim: one motor of a belt turns against the others, which strains the belt or takes strain from it.
 //!
-//! The motor has the place of z meanwhile, as a belt that runs round has (`belt::circulate`). What the firmware calls its
-//! position stays the same, though the tool goes aside by a quarter of the trim or so.
+//! The motor has the place of z meanwhile, as a belt that runs round has (`belt::circulate`). What the firmware calls
+//! its position stays the same, though the tool goes aside by a quarter of the trim or so.
 
 use crate::kinematics::{Grouping, Residual};
 use crate::machine::interrupt::Interrupt;

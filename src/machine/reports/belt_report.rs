@@ -1,4 +1,5 @@
-//! What is said of motors that can pull against each other: whether they are aligned (M122, M915), what a touch found (M915 D, R).
+//! What is said of motors that can pull against each other: whether they are aligned (M122, M915), what a touch found
+//! (M915 D, R).
 
 use super::report::Thousandths;
 use crate::driver::Name;

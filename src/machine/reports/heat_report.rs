@@ -1,4 +1,5 @@
-//! What is said of heat: temperatures (M105, M155, waits), heaters and the fault (M122), what a tuning has found (M303).
+//! What is said of heat: temperatures (M105, M155, waits), heaters and the fault (M122), what a tuning has found
+//! (M303).
 
 use super::report::Hundredths;
 use super::sensors::report_sensors;
@@ -14,8 +15,8 @@ use core::fmt;
 /// The letters of heaters in reports.
 const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
 
-/// The temperatures of the heaters that are fitted, as M105 has them. Without heaters hosts take the form of the line as a sign
-/// of life.
+/// The temperatures of the heaters that are fitted, as M105 has them. Without heaters hosts take the form of the line
+/// as a sign of life.
 pub(in crate::machine) struct Temperatures {
     /// Measured, target, and duty of 127.
     heaters: [Option<(Celsius, Celsius, u16)>; HEATERS],

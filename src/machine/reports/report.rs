@@ -15,9 +15,9 @@ use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
 
 /// What hosts may rely on: all that Marlin tells of (M115.cpp), for a screen takes some for there that are not named
-/// (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend on the
-/// machine. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which there may be none. BUILD_PERCENT: M73
-/// is kept. PRINT_JOB: M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
+/// (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend on
+/// the machine. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which there may be none.
+/// BUILD_PERCENT: M73 is kept. PRINT_JOB: M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
 const CAPABILITIES: [(&str, bool); 36] = [
     ("PAREN_COMMENTS", true),
     ("QUOTED_STRINGS", false),

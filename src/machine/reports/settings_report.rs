@@ -1,4 +1,5 @@
-//! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for M503.
+//! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for
+//! M503.
 
 use super::heat_settings_report::report_heat_settings;
 use crate::gcode::{Number, ShaperName};

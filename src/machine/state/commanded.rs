@@ -115,8 +115,9 @@ impl Commanded {
         (self.parked, self.has_taken_over) = ([Mm::ZERO, Mm::ZERO, Mm::ZERO, filament], false);
     }
 
-    /// A line is about to send the program to `to` in a pause. An axis that it sends to a place goes there, from wherever it is parked. Who
-    /// pulls filament back has a pause script of its own: what the pause has pulled back and lifted already counts for it.
+    /// A line is about to send the program to `to` in a pause. An axis that it sends to a place goes there, from
+    /// wherever it is parked. Who pulls filament back has a pause script of its own: what the pause has pulled back and
+    /// lifted already counts for it.
     pub fn leave_park(&mut self, to: [Mm; 4], words: &AxisWords, modal: &Modal) {
         let ([.., from_z, from_e], [.., to_z, to_e]) = (self.position, to);
         let [x, y, z, e] = &mut self.parked;

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Done means that the generator has put all steps of the entry into the StepQueue. They are played up to 10 ms later
-//! (`AHEAD` in `motion::stepgen`), and an input shaper delays the end further. A fan needs far longer than that to change
-//! its speed.
+//! (`AHEAD` in `motion::stepgen`), and an input shaper delays the end further. A fan needs far longer than that to
+//! change its speed.
 
 use crate::connectors::FANS;
 use heapless::Deque;

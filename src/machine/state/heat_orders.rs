@@ -1,7 +1,7 @@
 //! Orders for heaters and fans that wait for room in the queue.
 //!
-//! Of each target and each fan's speed the latest counts, and of the settings what is in force: so nothing here is ever full,
-//! and no command waits for the thermal context.
+//! Of each target and each fan's speed the latest counts, and of the settings what is in force: so nothing here is ever
+//! full, and no command waits for the thermal context.
 
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::settings::ThermalSettings;
@@ -23,7 +23,8 @@ enum Target {
     Left(Celsius, u32),
 }
 
-/// Control periods after which every sensor that is well has been read: 1 s, of which a median of readings takes a tenth.
+/// Control periods after which every sensor that is well has been read: 1 s, of which a median of readings takes a
+/// tenth.
 const READINGS: u32 = 50;
 
 /// What is yet to be told to the thermal context.
@@ -124,8 +125,8 @@ impl HeatOrders {
         is_silent && !matches!(a, Target::Waits(_)) && !matches!(b, Target::Waits(_)) && !matches!(c, Target::Waits(_))
     }
 
-    /// The next order, which leaves in that control period. There is room for it. A self-test, and what comes after it, waits a while
-    /// until all heaters have a reading (`are_read`): just after the start there is none yet.
+    /// The next order, which leaves in that control period. There is room for it. A self-test, and what comes after it,
+    /// waits a while until all heaters have a reading (`are_read`): just after the start there is none yet.
     pub fn next(&mut self, settings: &ThermalSettings, period: u32, are_read: impl Fn() -> bool) -> Option<Order> {
         if core::mem::replace(&mut self.is_off, false) {
             return Some(Order::Off);

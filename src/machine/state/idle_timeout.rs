@@ -6,8 +6,8 @@ use crate::units::Instant;
 /// idle_timeout is as long.
 const IDLE_TIMEOUT_S: u32 = 600;
 
-/// In a print they keep it for as long as a host may pause without a word: 12 hours, as owners set Klipper's idle_timeout while a print is
-/// paused. After that the print is one that nobody has ended.
+/// In a print they keep it for as long as a host may pause without a word: 12 hours, as owners set Klipper's
+/// idle_timeout while a print is paused. After that the print is one that nobody has ended.
 const PRINT_TIMEOUT_S: u32 = 12 * 3600;
 
 /// How long motors keep their power without motion.

@@ -1,8 +1,9 @@
 //! The job: whether a print is under way, is paused or was ended, and what of it is kept meanwhile.
 //!
-//! **In a print** is said in one place, here. A print begins with the first move that extrudes while x or y move (a jog moves one or the other), with
-//! M75, or with a name that no command has (`START_PRINT ...`). It ends with M77, M524, M104 S0 or M81 outside of a pause, M84 for x, y or
-//! z, M110 of its host, and when the firmware ends it. Unlike numbered lines, all hosts and files have that in common.
+//! **In a print** is said in one place, here. A print begins with the first move that extrudes while x or y move (a jog
+//! moves one or the other), with M75, or with a name that no command has (`START_PRINT ...`). It ends with M77, M524,
+//! M104 S0 or M81 outside of a pause, M84 for x, y or z, M110 of its host, and when the firmware ends it. Unlike
+//! numbered lines, all hosts and files have that in common.
 //!
 //! | phase | by | motors | heaters | what a line does |
 //! |---|---|---|---|---|
@@ -11,8 +12,8 @@
 //! | paused | M25, M0, M1, M600, M601, M125, a line that is kept | hold | go off after a time, come back before the print goes on | what it says: jogs, heats |
 //! | ended | `Interrupt::EndJob` | lose power when idle | off | moves and heats nothing until G28, M108 or M110 |
 //!
-//! A pause goes on by M24, M602, and for the line that is kept by M108 and M876 S too; or, if no line is kept, by the next line of its host
-//! that prints. The line kept is without `ok` meanwhile, and other hosts are served.
+//! A pause goes on by M24, M602, and for the line that is kept by M108 and M876 S too; or, if no line is kept, by the
+//! next line of its host that prints. The line kept is without `ok` meanwhile, and other hosts are served.
 
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
@@ -51,8 +52,9 @@ pub(in crate::machine) enum Answered {
 /// Why a job ends although the machine stays as it is: nothing is broken that a reset would mend.
 ///
 /// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, at any depth of calls.
-/// The dispatch handles all of them in one place (`commands::job`): hosts are told to cancel, in words that make none of
-/// them disconnect, heaters go off, the state of the program is a new one's, and the old stream has no effect any more.
+/// The dispatch handles all of them in one place (`commands::job`): hosts are told to cancel, in words that make none
+/// of them disconnect, heaters go off, the state of the program is a new one's, and the old stream has no effect any
+/// more.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum JobEnd {
     /// The user wished it (M524).
@@ -270,8 +272,8 @@ impl Job {
         self.targets = None;
     }
 
-    /// A line chooses a target. Meanwhile one that is warm enough to go on with is the one to go on with; any other is for the time of
-    /// the pause.
+    /// A line chooses a target. Meanwhile one that is warm enough to go on with is the one to go on with; any other is
+    /// for the time of the pause.
     pub fn note_target(&mut self, heater: Heater, target: Celsius, least: Celsius) {
         let is_enough = target > Celsius::ZERO && target >= least;
         if self.is_paused() && is_enough {

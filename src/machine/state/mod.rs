@@ -1,8 +1,9 @@
 //! State: what earlier lines said that still holds, what is known of the machine, and what the present line asked for
 //! beyond its ranges.
 //!
-//! Each struct owns its fields. What goes on changing while a command waits is held by the main loop, the rest by `commands::states`, of
-//! which `immediate` and `blocking` hand each command the ones that it needs. Pure: nothing here knows either.
+//! Each struct owns its fields. What goes on changing while a command waits is held by the main loop, the rest by
+//! `commands::states`, of which `immediate` and `blocking` hand each command the ones that it needs. Pure: nothing here
+//! knows either.
 //!
 //! | looking for | see |
 //! |---|---|

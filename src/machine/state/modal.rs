@@ -1,4 +1,5 @@
-//! Modal state: what earlier lines said that still holds, and what a number therefore means. Where a line leads with it: [`commanded`](super::commanded).
+//! Modal state: what earlier lines said that still holds, and what a number therefore means. Where a line leads with
+//! it: [`commanded`](super::commanded).
 
 use crate::gcode::{Number, Plane};
 use crate::machine::numbers::to_thousandth;

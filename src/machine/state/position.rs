@@ -1,7 +1,7 @@
 //! Where the machine really stands: which axes are homed, and what a motor group's count means.
 //!
-//! Counts of steps begin at 0 with the reset and are never set. So a position is a count and an origin: the steps that the
-//! group's coordinate was at when its count was 0.
+//! Counts of steps begin at 0 with the reset and are never set. So a position is a count and an origin: the steps that
+//! the group's coordinate was at when its count was 0.
 
 use crate::kinematics::{Grouping, Groupings, Groups, Mechanism, count_at};
 use crate::motors::MOST_GROUPS;

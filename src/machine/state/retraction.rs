@@ -3,8 +3,8 @@
 //! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
 //! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
 //!
-//! A retraction ends with what it belongs to: G28, M84 of the extruder, the end of a print and the next print forget it. The filament
-//! stays where it is then, and counts as asked for.
+//! A retraction ends with what it belongs to: G28, M84 of the extruder, the end of a print and the next print forget
+//! it. The filament stays where it is then, and counts as asked for.
 
 use crate::units::{Mm, MmPerSec};
 

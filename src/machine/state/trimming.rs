@@ -1,4 +1,5 @@
-//! Trimming: where the tool stands while one motor of the belt is turned alone, and whether the motors of one belt agree.
+//! Trimming: where the tool stands while one motor of the belt is turned alone, and whether the motors of one belt
+//! agree.
 
 use crate::settings::PHASES;
 use crate::units::{Mm, Steps};

@@ -1,8 +1,8 @@
 //! What the Console waits for, and which timers that stops.
 //!
-//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`, and the user is waited for by the
-//! [`job`](super::job), not by a command. Every timer has an exhaustive match on it: whoever adds a state has to decide
-//! whether heaters may stay on in it.
+//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`, and the user is waited for
+//! by the [`job`](super::job), not by a command. Every timer has an exhaustive match on it: whoever adds a state has to
+//! decide whether heaters may stay on in it.
 
 /// What the present command waits for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -20,8 +20,8 @@ pub(in crate::machine) enum Waiting {
 }
 
 impl Waiting {
-    /// Whether the time counts after which unused heaters go off. What the machine does by itself ends by itself; a host may stay away
-    /// for hours.
+    /// Whether the time counts after which unused heaters go off. What the machine does by itself ends by itself; a
+    /// host may stay away for hours.
     pub const fn is_idle_for_heaters(self) -> bool {
         match self {
             Self::Nothing => true,
@@ -29,8 +29,8 @@ impl Waiting {
         }
     }
 
-    /// Whether the time counts after which unused motors lose their power, and the axes their homes: not while somebody is
-    /// going to go on.
+    /// Whether the time counts after which unused motors lose their power, and the axes their homes: not while somebody
+    /// is going to go on.
     pub const fn is_idle_for_motors(self) -> bool {
         match self {
             Self::Nothing => true,

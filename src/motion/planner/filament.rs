@@ -11,11 +11,11 @@ impl Planner<'_> {
         (e.mm_bits(steps).wrapping_mul(1000)) >> Mm::FRAC_NBITS
     }
 
-    /// Filament in um that goes through the nozzle within so many ticks from now on, and um/s at their end. The extruder stands
-    /// `at`, and what has left the look-ahead takes so many ticks more.
+    /// Filament in um that goes through the nozzle within so many ticks from now on, and um/s at their end. The
+    /// extruder stands `at`, and what has left the look-ahead takes so many ticks more.
     ///
-    /// What has left counts as one move. Moves that wait count with their nominal times, so ramps are left out. After the last
-    /// move nothing flows.
+    /// What has left counts as one move. Moves that wait count with their nominal times, so ramps are left out. After
+    /// the last move nothing flows.
     #[must_use]
     pub fn filament_within(&self, ticks: u64, at: Steps, left_ticks: u64) -> [i64; 2] {
         let mut from = self.released_filament;

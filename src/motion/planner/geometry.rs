@@ -181,8 +181,8 @@ fn sign(value: i64) -> f32 {
     if value < 0 { -1.0 } else { 1.0 }
 }
 
-/// `2^61 / root` to within two, at most `i32::MAX`, for a root of 31 or 32 bits. Single precision knows 24 bits of it, one of
-/// Newton's steps the others: a division of 64 bits takes four times as long.
+/// `2^61 / root` to within two, at most `i32::MAX`, for a root of 31 or 32 bits. Single precision knows 24 bits of it,
+/// one of Newton's steps the others: a division of 64 bits takes four times as long.
 fn reciprocal(root: u32) -> i32 {
     let one = const { (1u64 << 61) as f32 };
     let guess = (one / root as f32) as i32;

@@ -6,14 +6,16 @@
 //! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
 //! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
 //!
-//! A slicer cuts a curve into chords. Each corner between two chords is harmless by itself, and together they are a turn, so
-//! three more rules limit the speed on curves:
+//! A slicer cuts a curve into chords. Each corner between two chords is harmless by itself, and together they are a
+//! turn, so three more rules limit the speed on curves:
 //!
-//! - **Long chords**, of a millimetre or more: a chord of the length L with such a corner at both ends is a part of a circle of
+//! - **Long chords**, of a millimetre or more: a chord of the length L with such a corner at both ends is a part of a
+//!   circle of
 //!   the radius `L/2 tan(t/2)`, so `v^2 = a L/2 tan(t/2)`. One corner is enough to know that.
 //! - **Shorter chords in a long curve**: the radius r is that of the path over some distance
 //!   ([`path_curvature`](super::path_curvature)), and `v^2 = a r`.
-//! - **Shorter chords in a short bend**, over before the curvature is known: at a corner that changes the direction by a small
+//! - **Shorter chords in a short bend**, over before the curvature is known: at a corner that changes the direction by
+//!   a small
 //!   angle p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may change
 //!   the velocity by no more than that, plus what the acceleration allows in the time between them; their sum, less that part, is
 //!   the lead of `path_curvature`.
@@ -22,14 +24,15 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 //!
-//! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion` (`corners`, `model`,
-//! `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of [`CornerRule`], which the compiler asks for
-//! in all these places, and `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205. What the checker of
-//! prints takes for granted stands in `boards/sim/src/check.rs` and `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law
-//! may need another bound there.
+//! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion`
+//! (`corners`, `model`, `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of
+//! [`CornerRule`], which the compiler asks for in all these places, and `boards/sim/tests/every_setting.rs` for its key
+//! in machine files and its letter of M205. What the checker of prints takes for granted stands in
+//! `boards/sim/src/check.rs` and `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law may need
+//! another bound there.
 //!
-//! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number, as a jerk of
-//! each axis, needs a `corner` and laws for bends of its own.
+//! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number,
+//! as a jerk of each axis, needs a `corner` and laws for bends of its own.
 
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
@@ -41,20 +44,20 @@ use core::f32::consts::SQRT_2;
 /// Where the sine of half the angle is less than this, the second move goes straight back: directions have 30 bits.
 const LEAST_SINE: f32 = 1e-7;
 
-/// A turn with a smaller square is none. That is a turn of a millionth: the last digits of coordinates turn a move of a metre
-/// by as much, and at 1 m/s the tool's speed jumps by a thousandth of a mm/s.
+/// A turn with a smaller square is none. That is a turn of a millionth: the last digits of coordinates turn a move of a
+/// metre by as much, and at 1 m/s the tool's speed jumps by a thousandth of a mm/s.
 const LEAST_TURN_SQ: f32 = 1e-12;
 
-/// Chords of at least so many mm are rated corner by corner, shorter ones by the [curvature](super::path_curvature) of the path,
-/// which forgets a corner over a millimetre.
+/// Chords of at least so many mm are rated corner by corner, shorter ones by the [curvature](super::path_curvature) of
+/// the path, which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
-/// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by its
-/// curvature alone, which rounded coordinates hardly change.
+/// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by
+/// its curvature alone, which rounded coordinates hardly change.
 const MAKING_UP: f32 = 1.15;
 
-/// A corner counts for so many seconds after it was passed: half a period at 125 Hz, above which printers hardly resonate, and
-/// the time over which `corehbot run` looks at changes of velocity.
+/// A corner counts for so many seconds after it was passed: half a period at 125 Hz, above which printers hardly
+/// resonate, and the time over which `corehbot run` looks at changes of velocity.
 const BEND_TIME: f32 = 0.004;
 
 /// What a corner depends on beside its two moves.
@@ -77,8 +80,8 @@ impl AccelLimits<'_> {
     }
 }
 
-/// The greatest speed squared at which `before` may turn into `after`. The curvature of the path takes up that corner, and
-/// `after`. In the corner the extruder's speed jumps by `jump` times the speed of the tool.
+/// The greatest speed squared at which `before` may turn into `after`. The curvature of the path takes up that corner,
+/// and `after`. In the corner the extruder's speed jumps by `jump` times the speed of the tool.
 #[inline(always)]
 pub(in crate::motion) fn junction_speed_sq(
     before: &Geometry,
@@ -141,8 +144,8 @@ fn bend(
         let leads = lead_length + past;
         least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, max_accel, base))
     };
-    // It was no faster at the corner of the greatest lead (the lead with this corner is in `most` already). From rest it accelerates
-    // all along.
+    // It was no faster at the corner of the greatest lead (the lead with this corner is in `most` already). From rest
+    // it accelerates all along.
     let gain = max_accel * after.size;
     let slow = least(least(most, 8.0 * base / (past * past)), accel_limits.max_speed * accel_limits.max_speed);
     let fast = if slow < gain { gain } else { slow };
@@ -152,8 +155,8 @@ fn bend(
     most
 }
 
-/// The greatest speed squared, in mm2/s2, of a corner by itself: that of junction deviation for the product of acceleration and
-/// deviation in `base`, and that of long chords.
+/// The greatest speed squared, in mm2/s2, of a corner by itself: that of junction deviation for the product of
+/// acceleration and deviation in `base`, and that of long chords.
 #[inline(always)]
 fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, base: f32) -> f32 {
     // The angle between the moves is pi minus the change of direction: its half has the cosine and the sine of half

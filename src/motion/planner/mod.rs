@@ -6,20 +6,23 @@
 //!                               direction   the corner  | ^ passes: replan, freeze |
 //! ```
 //!
-//! A stream of moves comes by [`add`](Planner::add), which first joins chords that are one line ([`joining`]); `push` plans each move
-//! by itself.
+//! A stream of moves comes by [`add`](Planner::add), which first joins chords that are one line ([`joining`]); `push`
+//! plans each move by itself.
 //!
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
 //! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
 //!
 //! # Words
 //!
-//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is stored. Its size is
+//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is
+//!   stored. Its size is
 //!   `LOOKAHEAD_MOVES` in `planned`.
-//! - **purpose**: what a move is for (print, travel, retract), each with its acceleration and least speed; limits of speed are
+//! - **purpose**: what a move is for (print, travel, retract), each with its acceleration and least speed; limits of
+//!   speed are
 //!   `Limits` in `geometry`.
 //! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
-//! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed now,
+//! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed
+//!   now,
 //!   because its move had to leave early (**forced**).
 //! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
@@ -172,7 +175,8 @@ impl<'m> Planner<'m> {
         self.pressure.is_for(window)
     }
 
-    /// Whether what follows from the settings is still in memory as it was: resolutions, and the rows of the belt motors.
+    /// Whether what follows from the settings is still in memory as it was: resolutions, and the rows of the belt
+    /// motors.
     #[must_use]
     pub fn is_whole(&self, settings: &Settings, groups: &Groups) -> bool {
         self.step_scale == step_scales(settings) && self.belts == Belts::new(groups)
@@ -248,8 +252,8 @@ impl<'m> Planner<'m> {
         self.count += 1;
     }
 
-    /// Goes to `position`, which is the end of the last move then, and finds its way. False if that is too short to be a
-    /// move.
+    /// Goes to `position`, which is the end of the last move then, and finds its way. False if that is too short to be
+    /// a move.
     #[inline(always)]
     fn go_to(&mut self, position: [Mm; 4]) -> bool {
         let path = self.path_to(position);
@@ -323,8 +327,8 @@ impl<'m> Planner<'m> {
         self.path = self.path.wrapping_add(self.vector.path());
     }
 
-    /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
-    /// Without it [`push`](Self::push) does all of it.
+    /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been
+    /// done. Without it [`push`](Self::push) does all of it.
     pub fn prepare(&mut self) -> bool {
         if self.replan() && self.window.are_exits_frozen() {
             return true;
@@ -366,7 +370,8 @@ impl<'m> Planner<'m> {
         Some(([x, y, z, e], vector))
     }
 
-    /// The length of the way from `begin` to the end of the last move to the last bit, in raw `Mm` bits, given one that has 30.
+    /// The length of the way from `begin` to the end of the last move to the last bit, in raw `Mm` bits, given one that
+    /// has 30.
     #[cold]
     #[inline(never)]
     fn exact_length(&self, begin: [Steps; 4], about: u64) -> u64 {
@@ -441,8 +446,8 @@ impl<'m> Planner<'m> {
         (self.path >> 32) as u32
     }
 
-    /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks, and
-    /// whether that is all of them.
+    /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in
+    /// ticks, and whether that is all of them.
     pub fn final_time(&mut self) -> (u64, bool) {
         if self.replan() { self.window.count_final() } else { (0, false) }
     }

@@ -66,8 +66,8 @@ impl Planner<'_> {
         self.window.is_planned()
     }
 
-    /// Whether no move was left to be planned again after a change of the feed. If not, the next few of them have been. Until
-    /// then nothing leaves.
+    /// Whether no move was left to be planned again after a change of the feed. If not, the next few of them have been.
+    /// Until then nothing leaves.
     #[inline(always)]
     pub fn replan(&mut self) -> bool {
         if !self.window.is_planned() {

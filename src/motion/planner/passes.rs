@@ -1,7 +1,7 @@
 //! Passes: work that has to look at many moves of the window, done a few at a time.
 //!
-//! A window of 144 moves takes many times as long as a move. So whoever asks for such a pass has a part of it done in each
-//! turn of the Console, and nothing that depends on its outcome happens before its end:
+//! A window of 144 moves takes many times as long as a move. So whoever asks for such a pass has a part of it done in
+//! each turn of the Console, and nothing that depends on its outcome happens before its end:
 //!
 //! | pass | begins when | until its end |
 //! |---|---|---|
@@ -32,8 +32,9 @@ impl Window<'_> {
         self.passes.replan.is_none()
     }
 
-    /// Has `change` change the next few moves, and plans them again. A speed that is too great now is braked away as fast as
-    /// the accelerations allow, and until then it counts as the greatest entry speed; it was possible when it was planned.
+    /// Has `change` change the next few moves, and plans them again. A speed that is too great now is braked away as
+    /// fast as the accelerations allow, and until then it counts as the greatest entry speed; it was possible when it
+    /// was planned.
     pub fn replan(&mut self, mut change: impl FnMut(&mut Planned)) {
         let Some((begin, mut exit_limit_sq)) = self.passes.replan else { return };
         let Some(origin) = self.get(0).map(|first| first.cumulative_gain_sq) else { return };
@@ -59,8 +60,8 @@ impl Window<'_> {
         self.passes.frozen.index >= self.forced
     }
 
-    /// Freezes the exit speeds of a few moves that were made to leave. Otherwise these speeds would depend on what is added
-    /// before the moves leave.
+    /// Freezes the exit speeds of a few moves that were made to leave. Otherwise these speeds would depend on what is
+    /// added before the moves leave.
     pub fn freeze_exits(&mut self) {
         let Cursor { index: begin, mut entry_sq } = self.passes.frozen;
         let end = self.forced.min(begin + PART);
@@ -78,8 +79,8 @@ impl Window<'_> {
         self.passes.frozen = Cursor { index: end, entry_sq };
     }
 
-    /// Looks whether the next few moves are final; only the first moves of a window are. Gives the nominal time of those that
-    /// are known to be, in ticks, and whether that is all.
+    /// Looks whether the next few moves are final; only the first moves of a window are. Gives the nominal time of
+    /// those that are known to be, in ticks, and whether that is all.
     pub fn count_final(&mut self) -> (u64, bool) {
         let FinalCount { mut next, mut ticks, mut is_done } = self.passes.counted;
         let end = next.index + PART;

@@ -5,8 +5,8 @@ use crate::motion::number::{from_bits, speed};
 use crate::motion::ramps::gain_sq;
 use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
-/// Moves that stay in the window when a forced batch has left it: so many the look-ahead sees at least, when the stream is
-/// fast enough.
+/// Moves that stay in the window when a forced batch has left it: so many the look-ahead sees at least, when the stream
+/// is fast enough.
 const LEAST_LOOKAHEAD: usize = 128;
 
 /// Moves that leave when the window is full and the first is not final: some at a time, so that the MoveQueue has
@@ -18,8 +18,8 @@ pub const LOOKAHEAD_MOVES: usize = LEAST_LOOKAHEAD + FORCED_BATCH;
 const _: () =
     assert!(FORCED_BATCH > 0 && FORCED_BATCH < LEAST_LOOKAHEAD, "a forced batch is a small part of the window");
 
-/// Places in the ring of [minima](super::window::Minima), one for each value of the bytes that count them. A slot is kept
-/// in a byte too.
+/// Places in the ring of [minima](super::window::Minima), one for each value of the bytes that count them. A slot is
+/// kept in a byte too.
 pub(in crate::motion) const MINIMA_PLACES: usize = 1 << u8::BITS;
 const _: () = assert!(LOOKAHEAD_MOVES < MINIMA_PLACES, "more moves need wider indices than u8 in Minima");
 

@@ -1,11 +1,11 @@
 //! Trapezoids: from distance, acceleration and the speeds at both ends to times.
 //!
-//! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where
-//! the distance is too short for the nominal speed, the peak is where the two ramps meet:
-//! `peak^2 = (entry^2 + exit^2) / 2 + a L`. With a minimum cruise ratio r the ramps have only `(1 - r) L` to meet in, and
-//! the move cruises between them, so that a row of short moves does not fall from accelerating into braking in each of
-//! them (Klipper's minimum_cruise_ratio). A move that must accelerate or brake all along, because the next corner is that
-//! much faster or slower, still does. A move that is entered above its nominal speed brakes to it first.
+//! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where the distance
+//! is too short for the nominal speed, the peak is where the two ramps meet: `peak^2 = (entry^2 + exit^2) / 2 + a L`.
+//! With a minimum cruise ratio r the ramps have only `(1 - r) L` to meet in, and the move cruises between them, so that
+//! a row of short moves does not fall from accelerating into braking in each of them (Klipper's minimum_cruise_ratio).
+//! A move that must accelerate or brake all along, because the next corner is that much faster or slower, still does. A
+//! move that is entered above its nominal speed brakes to it first.
 
 use crate::motion::moves::{LONG_TIME, Move, WHOLE};
 use crate::motion::number::{acceleration, from_bits, root, to_bits};
@@ -68,8 +68,9 @@ impl MoveSpec {
     };
 }
 
-/// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
-/// in mm/s; that of the entry is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` but for rounding.
+/// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit
+/// speed in mm/s; that of the entry is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` but
+/// for rounding.
 #[must_use]
 #[inline(always)]
 pub(in crate::motion) fn profile(
@@ -128,8 +129,8 @@ pub(in crate::motion) fn profile(
     (planned, exit_speed)
 }
 
-/// The times of a long move's phases, so that they are those of the fractions of its way at which they end. These are cut to
-/// whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
+/// The times of a long move's phases, so that they are those of the fractions of its way at which they end. These are
+/// cut to whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
 #[cold]
 #[inline(never)]
 fn evened([rise, cruise, fall]: [SubTicks; 3], (accelerated, decelerated): (f32, f32)) -> [SubTicks; 3] {
@@ -153,9 +154,9 @@ struct Ramp {
 }
 
 impl Ramp {
-    /// One on which the squared speed changes by `change`, given twice the acceleration and the speeds at both ends. Its
-    /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would. Neither
-    /// does it in its share: of two speeds that are nearly the same it is one less their difference.
+    /// One on which the squared speed changes by `change`, given twice the acceleration and the speeds at both ends.
+    /// Its time is its length over the mean of the two, in which nothing cancels; the difference of two roots would.
+    /// Neither does it in its share: of two speeds that are nearly the same it is one less their difference.
     #[inline(always)]
     fn new(change: SpeedSq, twice_a: f32, end: f32, peak: f32) -> Self {
         let sum = end + peak;

@@ -1,6 +1,7 @@
 //! StepScale: between millimetres and steps of one axis.
 //!
-//! Positions are exact to a bit, for they are compared and stand in traces. A distance has 32 bits, whatever its length.
+//! Positions are exact to a bit, for they are compared and stand in traces. A distance has 32 bits, whatever its
+//! length.
 
 use crate::units::{Mm, Steps, StepsPerMm};
 
@@ -32,8 +33,8 @@ impl StepScale {
         self.mantissa as f32 * f32::from_bits((127 - 32 - u32::from(self.shift & 31)) << 23)
     }
 
-    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its distance. An axis that
-    /// is asked for the same again stays where it is.
+    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its distance.
+    /// An axis that is asked for the same again stays where it is.
     #[inline(always)]
     pub fn end_and_distance(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, i64) {
         if to == asked {
@@ -56,7 +57,8 @@ impl StepScale {
         Steps::from_bits((wide >> 16) as i64)
     }
 
-    /// The position in mm of a count of steps that has wrapped with the counters, as often as makes it the nearest to `near`.
+    /// The position in mm of a count of steps that has wrapped with the counters, as often as makes it the nearest to
+    /// `near`.
     pub fn mm_near(&self, steps: Steps, near: Mm) -> Mm {
         let beside = self.mm_bits(steps.wrapping_sub(self.steps(near)));
         Mm::from_bits(near.to_bits().wrapping_add(beside))

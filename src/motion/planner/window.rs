@@ -1,25 +1,25 @@
 //! The look-ahead window: moves whose speeds may still change.
 //!
-//! The speed at the end of the last move is 0, for nobody knows what follows. With `w_i` for the
-//! square of the entry speed of move i, `m_k` for the greatest one that move k allows ([`Planned::max_entry_sq`]), and `G_k`
-//! for the sum of what the moves before move k could gain, 2 a L each ([`Planned::cumulative_gain_sq`]), the greatest speed from
-//! which the moves that follow can still brake is
+//! The speed at the end of the last move is 0, for nobody knows what follows. With `w_i` for the square of the entry
+//! speed of move i, `m_k` for the greatest one that move k allows ([`Planned::max_entry_sq`]), and `G_k` for the sum of
+//! what the moves before move k could gain, 2 a L each ([`Planned::cumulative_gain_sq`]), the greatest speed from which
+//! the moves that follow can still brake is
 //!
 //! ```text
 //! w_i = min over k >= i of (m_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
 //! ```
 //!
-//! The minima are kept in a queue, as in the sliding-window minimum. When a corner is added, all corners in the queue whose
-//! `m_k + G_k` is no smaller leave it, for none of them can be a minimum any more. So the values in the queue rise, and the first
-//! corner in it that follows move i is the minimum for move i. Adding a move costs as much whether three or a hundred wait.
-//! What has to go over all moves is done a few at a time (see [`passes`](super::passes)).
+//! The minima are kept in a queue, as in the sliding-window minimum. When a corner is added, all corners in the queue
+//! whose `m_k + G_k` is no smaller leave it, for none of them can be a minimum any more. So the values in the queue
+//! rise, and the first corner in it that follows move i is the minimum for move i. Adding a move costs as much whether
+//! three or a hundred wait. What has to go over all moves is done a few at a time (see [`passes`](super::passes)).
 //!
-//! The end of the window counts as a corner with the speed 0. A move that is added takes the end farther away and brings a corner
-//! which allows at least as much as the old end did. So a corner whose minimum is not the end has a speed that no later move
-//! can change: it is **final**. The move before a final corner may leave, sooner or later, without a difference to the steps. When
-//! a move must leave that is not final, the steps would depend on when it left. Therefore that happens only where the stream of
-//! commands itself says so (the window is full of moves that are not final, or a command waits for the motion), or when
-//! no commands come any more.
+//! The end of the window counts as a corner with the speed 0. A move that is added takes the end farther away and
+//! brings a corner which allows at least as much as the old end did. So a corner whose minimum is not the end has a
+//! speed that no later move can change: it is **final**. The move before a final corner may leave, sooner or later,
+//! without a difference to the steps. When a move must leave that is not final, the steps would depend on when it left.
+//! Therefore that happens only where the stream of commands itself says so (the window is full of moves that are not
+//! final, or a command waits for the motion), or when no commands come any more.
 
 use super::pass_progress::{FinalCount, Passes};
 use super::planned::{LOOKAHEAD_MOVES, MINIMA_PLACES, MoveMemory, NOT_FROZEN, Planned};
@@ -177,7 +177,8 @@ impl<'m> Window<'m> {
     }
 
     /// The index, in the queue of minima, of the least corner that follows the move of that index. The search begins at
-    /// `minimum`, which must not be beyond it. The queue is in order, so the next move's search begins where this one ended.
+    /// `minimum`, which must not be beyond it. The queue is in order, so the next move's search begins where this one
+    /// ended.
     #[inline(always)]
     pub(in crate::motion) fn first_minimum_after(&self, index: usize, mut minimum: u8) -> u8 {
         while self.minima.get(minimum).is_some_and(|slot| self.index(slot) <= index) {
@@ -186,8 +187,8 @@ impl<'m> Window<'m> {
         minimum
     }
 
-    /// The greatest exit speed squared of the move of that index, which is entered with `entry_sq`, and whether it is final;
-    /// `None` if no move follows.
+    /// The greatest exit speed squared of the move of that index, which is entered with `entry_sq`, and whether it is
+    /// final; `None` if no move follows.
     pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, minimum: u8) -> Option<(SpeedSq, bool)> {
         let (this, next) = (self.get(index)?, self.get(index + 1)?);
         Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(minimum)?))

@@ -187,8 +187,8 @@ fn two_heaters_that_are_fitted_share_no_output_and_no_sensor() {
     assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
 }
 
-/// Reproducer: a gantry on four screws, two of them on drivers of the belt with 16 microsteps and two with 32, was legal and would
-/// have racked.
+/// Reproducer: a gantry on four screws, two of them on drivers of the belt with 16 microsteps and two with 32, was
+/// legal and would have racked.
 #[test]
 fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ() {
     let z = [0, 0, 1, 0];

@@ -1,5 +1,5 @@
-//! Bounds: what a heater of a kind can be at all, by its power. A result of M303 outside of them is none; M306 refuses it, and
-//! `config check` warns of it ([`Plausible`](super::Plausible)).
+//! Bounds: what a heater of a kind can be at all, by its power. A result of M303 outside of them is none; M306 refuses
+//! it, and `config check` warns of it ([`Plausible`](super::Plausible)).
 //!
 //! | | power, W | K/s at full power, in an insulated room | lags, s | K above the room at full power |
 //! |---|---|---|---|---|

@@ -1,5 +1,5 @@
-//! A heater: where it hangs, what watches it (and the kinds of sensor, [`Thermistor`]), how it behaves, and what is not normal
-//! any more.
+//! A heater: where it hangs, what watches it (and the kinds of sensor, [`Thermistor`]), how it behaves, and what is not
+//! normal any more.
 
 use crate::connectors::{HEATERS, Output, Sensor};
 use crate::settings::rows::{Choice, Chosen, Field, Kind, Spec, Value, rows};
@@ -9,10 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// A kind of temperature sensor, by the name under which it is sold. `thermal::sensor` has its numbers.
 ///
-/// A new one comes behind the others, since records hold its number; the compiler and tests then ask for its curve and its data
-/// sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in machine files
-/// ([`NAMED`](Self::NAMED)). By hand: `examples/machines/prototype.toml`,
-/// docs/explanation/heat.md.
+/// A new one comes behind the others, since records hold its number; the compiler and tests then ask for its curve and
+/// its data sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in
+/// machine files ([`NAMED`](Self::NAMED)). By hand: `examples/machines/prototype.toml`, docs/explanation/heat.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum Thermistor {
     /// ATC Semitec 104GT-2: most hotends up to 300 C.

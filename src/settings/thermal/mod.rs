@@ -54,9 +54,9 @@ pub struct ThermalSettings {
 }
 
 impl ThermalSettings {
-    /// A hotend of 40 W with a Semitec 104GT-2, a bed of 500 W with a thermistor of B 3950, one fan for the part, one for the
-    /// hotend and one for the controller: what most machines of this size have. Nothing is fitted before a machine file or
-    /// M-code says so.
+    /// A hotend of 40 W with a Semitec 104GT-2, a bed of 500 W with a thermistor of B 3950, one fan for the part, one
+    /// for the hotend and one for the controller: what most machines of this size have. Nothing is fitted before a
+    /// machine file or M-code says so.
     #[must_use]
     pub const fn prototype() -> Self {
         let fan = FanSettings::new(FanRole::Commanded);

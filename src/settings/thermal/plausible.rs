@@ -1,8 +1,8 @@
 //! Which models a heater of its kind and power can have: what M306 takes, and what `corehbot config check` warns of.
 //!
-//! The wide ranges of `settings::ranges` hold for whatever is stored. These are narrower: a model beyond them is no heater that
-//! anybody has, but a slip of the pen, and the guards that believe the model would look past a fault. (The floor,
-//! `thermal::guard::Floor`, holds in any case.)
+//! The wide ranges of `settings::ranges` hold for whatever is stored. These are narrower: a model beyond them is no
+//! heater that anybody has, but a slip of the pen, and the guards that believe the model would look past a fault. (The
+//! floor, `thermal::guard::Floor`, holds in any case.)
 //!
 //! The numbers by kind are those of [`Bounds`].
 

@@ -63,9 +63,9 @@ fn a_record_of_the_first_release_reads_back() {
     assert_eq!((decoded.settings, decoded.sequence, decoded.unknown), (spelled_out(), 1, Unknown::NONE));
 }
 
-/// If this fails because there is a new setting, its record is written by `BLESS=1`: it has one element more. If an id or the shape
-/// of a value has changed, stored settings would be lost: that must not be. The values are spelled out, so that new defaults do not
-/// matter.
+/// If this fails because there is a new setting, its record is written by `BLESS=1`: it has one element more. If an id
+/// or the shape of a value has changed, stored settings would be lost: that must not be. The values are spelled out, so
+/// that new defaults do not matter.
 #[test]
 fn ids_and_values_are_written_as_in_the_first_release() {
     let record = encode(&spelled_out(), &Unknown::NONE, 1).unwrap();

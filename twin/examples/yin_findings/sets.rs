@@ -1,4 +1,5 @@
-//! Rigs at random, always the same ones: a fixed generator draws belts, masses and friction within the ranges of a group.
+//! Rigs at random, always the same ones: a fixed generator draws belts, masses and friction within the ranges of a
+//! group.
 
 use corehbot_twin::yin::{Model, Parameters, axes};
 

@@ -1,4 +1,5 @@
-//! Accesses: what an instruction loads or stores, and which values it leaves in which registers (ARM DDI 0403E, A5 and A7.7).
+//! Accesses: what an instruction loads or stores, and which values it leaves in which registers (ARM DDI 0403E, A5 and
+//! A7.7).
 //!
 //! As far as a straight line needs it: what is not decoded here accesses nothing, and what it computes is unknown.
 

@@ -16,11 +16,12 @@ const INSTRUCTIONS_PER_SECOND: f64 = 125e6;
 /// Its clock.
 const CYCLES_PER_SECOND: f64 = 180e6;
 
-/// The Stepper looks closely at one of so many events (`src/motion/queue/steps_in.rs`, REGULAR), and at that with which it asks the
-/// generator for more, once for each of the generator's entries.
+/// The Stepper looks closely at one of so many events (`src/motion/queue/steps_in.rs`, REGULAR), and at that with which
+/// it asks the generator for more, once for each of the generator's entries.
 const REGULAR: u64 = 256;
 
-/// Such an event takes about so many cycles more: 0.3 us, by which it comes later in the emulator (docs/explanation/performance.md, *Lateness*).
+/// Such an event takes about so many cycles more: 0.3 us, by which it comes later in the emulator
+/// (docs/explanation/performance.md, *Lateness*).
 const CLOSE_LOOK: u64 = 54;
 
 /// A figure.
@@ -99,8 +100,8 @@ fn of_octopus(step: &PlainStep, s: &Profile, axis: &Profile) -> Vec<Figure> {
     ]
 }
 
-/// Instructions from the entry of a fault's handler to heaters that are low, in the Octopus's image: as many as there can be, and
-/// as many as QEMU executes; and to drivers that are off.
+/// Instructions from the entry of a fault's handler to heaters that are low, in the Octopus's image: as many as there
+/// can be, and as many as QEMU executes; and to drivers that are off.
 pub fn of_last_resort(most: usize, counted: Counts) -> [Figure; 3] {
     let figure = |name, instructions| figure(name, instructions as f64, Some(50.0), "");
     [

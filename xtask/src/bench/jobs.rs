@@ -28,13 +28,14 @@ pub enum Job {
     S,
     /// The same with input shapers (MZV, 60 Hz) and pressure advance (0.05 s).
     Shaped,
-    /// X+240 Y+100 with 9,600 steps of E at 300 mm/s and 1280 steps/mm (256 microsteps), shaped as well: little but steps,
-    /// 1.42 million motor steps a second. Settings allow 500,000 steps a second of a motor, which the faster belt pair makes.
+    /// X+240 Y+100 with 9,600 steps of E at 300 mm/s and 1280 steps/mm (256 microsteps), shaped as well: little but
+    /// steps, 1.42 million motor steps a second. Settings allow 500,000 steps a second of a motor, which the faster
+    /// belt pair makes.
     Dense,
     /// X+240 alone, else as before: all four belt motors step in the same events.
     Axis,
-    /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach. Their feeds differ by turns, or they would be
-    /// joined.
+    /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach. Their feeds differ by turns,
+    /// or they would be joined.
     Planner,
     /// The first 140 of them, which are all planned before motion begins.
     Gathered,

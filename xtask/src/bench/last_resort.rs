@@ -1,9 +1,10 @@
-//! The last resort, measured: how many instructions the image of the Octopus executes from a fault to pins that are safe.
-//! No heater is on here; the stores are the same that take a pin from its timer.
+//! The last resort, measured: how many instructions the image of the Octopus executes from a fault to pins that are
+//! safe. No heater is on here; the stores are the same that take a pin from its timer.
 //!
-//! QEMU has a board with an STM32F405 (`netduinoplus2`), whose flash, RAM and ports lie where the F446's do. It runs the image's own
-//! vector table and handlers; a few instructions in the place of the bootloader bring the fault about. QEMU logs every instruction, and
-//! every access to a port, which it does not model. The image ends each fault with a reset, after which QEMU goes.
+//! QEMU has a board with an STM32F405 (`netduinoplus2`), whose flash, RAM and ports lie where the F446's do. It runs
+//! the image's own vector table and handlers; a few instructions in the place of the bootloader bring the fault about.
+//! QEMU logs every instruction, and every access to a port, which it does not model. The image ends each fault with a
+//! reset, after which QEMU goes.
 
 use crate::build::{Elf, binary};
 use crate::qemu::PROGRAM;

@@ -59,8 +59,8 @@ pub struct Counts {
 }
 
 impl Plugin {
-    /// Compiles it if need be, and makes the map of rooms of an image. In the caches, the step interrupt of that image has
-    /// the flash lines of another's, `step`.
+    /// Compiles it if need be, and makes the map of rooms of an image. In the caches, the step interrupt of that image
+    /// has the flash lines of another's, `step`.
     pub fn prepare(code: &Code<'_>, step: &PlainStep, folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let mut map = vec![0; PLACES];

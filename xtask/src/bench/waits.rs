@@ -1,7 +1,7 @@
 //! Waits: what the STM32F446 adds to the cycles that the core itself takes.
 //!
-//! Everything here is on the safe side: the bridges keep no store of their own, as they may, and what the prefetch buffer
-//! does is left out.
+//! Everything here is on the safe side: the bridges keep no store of their own, as they may, and what the prefetch
+//! buffer does is left out.
 
 /// A flash line that is in no cache: 5 wait states at 180 MHz (RM0390 rev 6, table 5).
 pub const FLASH: u64 = 5;
@@ -37,9 +37,10 @@ pub const fn bus(address: u32) -> Bus {
 
 /// Cycles that an access there takes beyond the instruction's own.
 ///
-/// A transfer on APB takes two of the bus's clocks (ARM IHI 0024C, 3.1 and 3.3), begins with one of them, and the bridge
-/// takes one of the core's: with four of the core's to one of the bus's 4 + 8 + 1 at the worst, with two 2 + 4 + 1. A port
-/// can change every two cycles (RM0390 rev 6, 8.2), and the core's own registers are not bufferable: one more for both.
+/// A transfer on APB takes two of the bus's clocks (ARM IHI 0024C, 3.1 and 3.3), begins with one of them, and the
+/// bridge takes one of the core's: with four of the core's to one of the bus's 4 + 8 + 1 at the worst, with two 2 + 4 +
+/// 1. A port can change every two cycles (RM0390 rev 6, 8.2), and the core's own registers are not bufferable: one more
+/// for both.
 pub const fn wait(bus: Bus) -> u64 {
     match bus {
         Bus::Memory => 0,

@@ -65,8 +65,8 @@ pub fn weigh(elf: &Elf<'_>) -> Result<Vec<String>> {
     Ok(complaints)
 }
 
-/// What is in the image and must not be. QEMU's image `has_plant`: the heat that stands for a machine is computed in doubles, as
-/// in the simulator.
+/// What is in the image and must not be. QEMU's image `has_plant`: the heat that stands for a machine is computed in
+/// doubles, as in the simulator.
 pub fn forbidden(elf: &Elf<'_>, has_plant: bool) -> Vec<String> {
     let mut complaints = Vec::new();
     for name in elf.symbols().filter_map(|symbol| symbol.name().ok()) {
@@ -78,7 +78,8 @@ pub fn forbidden(elf: &Elf<'_>, has_plant: bool) -> Vec<String> {
     complaints
 }
 
-/// Says which setting has its meaning in the image: only programs on a computer show it, and all of them would take 8 KB.
+/// Says which setting has its meaning in the image: only programs on a computer show it, and all of them would take 8
+/// KB.
 fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
     let sections: Vec<&[u8]> = elf
         .sections()

@@ -1,9 +1,9 @@
 //! The last resort: how many instructions lead from the entry of a fault's handler to heaters that are low.
 //!
-//! The promise: fifty at the most, without a loop. Every way of a fault begins with the same function, which lowers the heaters'
-//! pins. Counted is from the handler's first instruction, along calls and long jumps, to the last one of that function. What is
-//! not executed (a branch that is not taken) counts too, so the number is an upper bound, as long as nothing on the way branches
-//! back.
+//! The promise: fifty at the most, without a loop. Every way of a fault begins with the same function, which lowers the
+//! heaters' pins. Counted is from the handler's first instruction, along calls and long jumps, to the last one of that
+//! function. What is not executed (a branch that is not taken) counts too, so the number is an upper bound, as long as
+//! nothing on the way branches back.
 
 use super::Elf;
 use super::instruction::{Kind, decode};
@@ -14,8 +14,8 @@ use object::{Object as _, ObjectSection as _};
 /// The function that lowers them.
 const LOWER: &str = "lower_heaters";
 
-/// Handlers, by a part of their symbols: panics, HardFault with the overflow of the stack, NMI, interrupts that nobody enabled,
-/// the supply's detector.
+/// Handlers, by a part of their symbols: panics, HardFault with the overflow of the stack, NMI, interrupts that nobody
+/// enabled, the supply's detector.
 const HANDLERS: [&str; 5] = ["rust_begin_unwind", "HardFault", "NonMaskableInt", "DefaultHandler", "PVD"];
 
 /// Instructions that may lead there.
@@ -84,8 +84,8 @@ const fn is_return(first: u16) -> bool {
     first == 0x4770 || first >> 8 == 0xBD
 }
 
-/// Whether a short branch goes back: a loop (ARM DDI 0403E, A7.7.12, encodings T1 and T2: the sign is the highest bit of the
-/// distance).
+/// Whether a short branch goes back: a loop (ARM DDI 0403E, A7.7.12, encodings T1 and T2: the sign is the highest bit
+/// of the distance).
 const fn goes_back(first: u16) -> bool {
     (first >> 12 == 0xD && first & 0x80 != 0 && first >> 8 & 0xF < 0xE)
         || (first >> 11 == 0b11100 && first & 0x400 != 0)

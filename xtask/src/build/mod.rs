@@ -56,7 +56,8 @@ impl Board {
         }
     }
 
-    /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for another.
+    /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for
+    /// another.
     pub const fn has_elf(self) -> bool {
         match self {
             Self::Octopus | Self::Nucleo => true,

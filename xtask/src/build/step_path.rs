@@ -11,12 +11,12 @@ use std::collections::BTreeMap;
 /// The handler of the step timer, which is the core's own.
 const HANDLER: &str = "SysTick";
 
-/// Bytes that the handler itself may have, which plays the plain events, nineteen of twenty: 11 of the 64 lines of 16 bytes
-/// that the flash's cache holds (RM0390, 3.4.2), so that the generator's loops leave it there.
+/// Bytes that the handler itself may have, which plays the plain events, nineteen of twenty: 11 of the 64 lines of 16
+/// bytes that the flash's cache holds (RM0390, 3.4.2), so that the generator's loops leave it there.
 const LARGEST_HANDLER: u64 = 176;
 
-/// Bytes that all of it may have: an eighth more than the cache holds, for what looks closely at an event does not go through
-/// all of it.
+/// Bytes that all of it may have: an eighth more than the cache holds, for what looks closely at an event does not go
+/// through all of it.
 const LARGEST: u64 = 1184;
 
 /// Says how large the path is, and what is wrong with it.

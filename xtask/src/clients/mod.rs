@@ -32,8 +32,8 @@ const PAUSE: &str = "xtask/clients/pause.gcode";
 /// The example that is most like a sliced file.
 const EXAMPLE: &str = "examples/first-print.gcode";
 
-/// The first lines of it, which are printed in QEMU: a line takes 17 ms there. The whole is compared with the simulator by the
-/// step `qemu` of `cargo xtask test`.
+/// The first lines of it, which are printed in QEMU: a line takes 17 ms there. The whole is compared with the simulator
+/// by the step `qemu` of `cargo xtask test`.
 const LINES_IN_QEMU: usize = 400;
 
 /// Where the firmware runs.

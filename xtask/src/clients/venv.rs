@@ -36,7 +36,8 @@ impl Venv<'_> {
         let mut python = Command::new("python3");
         quietly(python.args(["-m", "venv", "--clear"]).arg(&folder))?;
         let mut pip = Command::new(self.python()?);
-        // A network that is not there should show soon. Of what is installed little is used, which Python compiles then.
+        // A network that is not there should show soon. Of what is installed little is used, which Python compiles
+        // then.
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]);
         pip.args(["--timeout=20", "--retries=1"]);
         quietly(pip.args(self.options).args(self.packages))?;

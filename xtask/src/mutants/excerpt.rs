@@ -1,8 +1,8 @@
 //! An excerpt of the core: a room, the rooms that it uses, and nothing else.
 //!
-//! For each mutant the core is built anew, and most of that time went into rooms that cannot notice it: a room uses only
-//! rooms of the lines above its own (CONTRIBUTING.md, *The layer rule*), so the machine and what it heats need not be there
-//! when a fault lies in a driver.
+//! For each mutant the core is built anew, and most of that time went into rooms that cannot notice it: a room uses
+//! only rooms of the lines above its own (CONTRIBUTING.md, *The layer rule*), so the machine and what it heats need not
+//! be there when a fault lies in a driver.
 
 use crate::checkout::root;
 use anyhow::{Context as _, Result};
@@ -10,11 +10,12 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Lines of the manifest that speak of crates beside the core. The rig is what controllers heat; it uses all of the core.
+/// Lines of the manifest that speak of crates beside the core. The rig is what controllers heat; it uses all of the
+/// core.
 const OTHER_CRATES: [&str; 4] = ["members", "exclude", "default-members", "corehbot-rig."];
 
-/// Writes the excerpt to a folder: of the core the room, and what it and these tests use; of the tests all, but the others
-/// cannot be built.
+/// Writes the excerpt to a folder: of the core the room, and what it and these tests use; of the tests all, but the
+/// others cannot be built.
 pub fn write(folder: &Path, room: &str, tests: &[&str]) -> Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).with_context(|| format!("cannot remove {}", folder.display()))?;

@@ -80,8 +80,8 @@ pub fn main(args: &Args) -> Result<()> {
     if is_reached { Ok(()) } else { bail!("less than {} % were noticed", 100.0 * GOAL) }
 }
 
-/// Makes sure that nobody else tries mutants here, as long as the file is held. Cargo takes excerpts for the same crate wherever
-/// they lie, so tests would be run that are built of another one.
+/// Makes sure that nobody else tries mutants here, as long as the file is held. Cargo takes excerpts for the same crate
+/// wherever they lie, so tests would be run that are built of another one.
 fn alone() -> Result<File> {
     let folder = target_dir()?.join("mutants");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
@@ -98,7 +98,8 @@ struct Outcome {
     unviable: usize,
 }
 
-/// Tries the mutants of a room: first with what takes a second, and those that it misses with all tests that look at the room.
+/// Tries the mutants of a room: first with what takes a second, and those that it misses with all tests that look at
+/// the room.
 fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let folder = target_dir()?.join("mutants").join(room.name);
     let unit_folder = folder.join("unit");
@@ -119,8 +120,8 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let mut all = mutants(room, room.tests, args, &all_folder)?;
     let wanted = folder.join("missed.toml");
     std::fs::write(&wanted, only(&first.missed)?).with_context(|| format!("cannot write {}", wanted.display()))?;
-    // The pattern does not keep back mutants that delete a field: those that were noticed already do not count here. They are few in
-    // these files.
+    // The pattern does not keep back mutants that delete a field: those that were noticed already do not count here.
+    // They are few in these files.
     files(&first.missed).into_iter().for_each(|file| _ = all.arg(format!("--file={file}")));
     all.arg("--config").arg(&wanted).arg("--minimum-test-timeout=60");
     room.tests.iter().for_each(|test| _ = all.arg(format!("--cargo-arg=--test={test}")));
@@ -130,8 +131,8 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     Ok(Outcome { noticed, missed, unviable: first.unviable })
 }
 
-/// cargo-mutants, for a room in an excerpt of the core. What is to be built and run is told by `--cargo-arg`: what stands after
-/// `--` would count when tests are run only, and all of them would be built for each mutant.
+/// cargo-mutants, for a room in an excerpt of the core. What is to be built and run is told by `--cargo-arg`: what
+/// stands after `--` would count when tests are run only, and all of them would be built for each mutant.
 fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Command> {
     let core = folder.join("core");
     excerpt::write(&core, room.name, tests)?;
@@ -144,8 +145,8 @@ fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Co
         // Git does not know the folder for what is built.
         command.arg("--gitignore=false").arg(format!("--jobs={}", args.jobs));
     }
-    // Nobody looks at these programs with a debugger. Of so many codegen units, the most that the compiler makes of itself, only the
-    // one with the fault is built anew: 1 s instead of 2.
+    // Nobody looks at these programs with a debugger. Of so many codegen units, the most that the compiler makes of
+    // itself, only the one with the fault is built anew: 1 s instead of 2.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.arg("--cargo-arg=--config=profile.dev.package.corehbot.codegen-units=256");
     Ok(command)

@@ -79,9 +79,9 @@ fn build_emulator_tests() -> Command {
     emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"])
 }
 
-/// The emulator's lints, with the dependencies that are built for its tests: `cargo clippy` would have the compiler look
-/// through its code generator once more, for a minute and a half. So this does what `cargo clippy` does, but in a build
-/// (its `CLIPPY_ARGS`, each ended by that word); what it makes is thrown away, so it is not optimised.
+/// The emulator's lints, with the dependencies that are built for its tests: `cargo clippy` would have the compiler
+/// look through its code generator once more, for a minute and a half. So this does what `cargo clippy` does, but in a
+/// build (its `CLIPPY_ARGS`, each ended by that word); what it makes is thrown away, so it is not optimised.
 fn lint_emulator() -> Command {
     let config = "profile.release.package.corehbot-emulator.opt-level=0";
     let mut lint = build_emulator_tests();

@@ -15,10 +15,12 @@ const SLICED: &str = "../shared/gcode";
 /// The sliced file that prints quickest.
 const QUICKEST: &str = "prusaslicer292_cubehelix_small.gcode";
 
-/// So many lines of it are printed: a quarter, which takes as long as all examples. `cargo xtask equal` prints a file whole.
+/// So many lines of it are printed: a quarter, which takes as long as all examples. `cargo xtask equal` prints a file
+/// whole.
 const LINES: usize = 2000;
 
-/// Machine files with which an example is printed here; `emulator/tests/machines.rs` prints it with them on the image of the Octopus.
+/// Machine files with which an example is printed here; `emulator/tests/machines.rs` prints it with them on the image
+/// of the Octopus.
 const MACHINES: [&str; 3] = ["machines/corexy.toml", "machines/awd-corexy.toml", "machines/core-unequal.toml"];
 const ON_MACHINES: &str = "circle.gcode";
 

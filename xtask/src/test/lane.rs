@@ -1,9 +1,9 @@
-//! Lanes: two rows of steps side by side, because much of what each does keeps one processor busy: links, the longest of some
-//! tests, a client that waits.
+//! Lanes: two rows of steps side by side, because much of what each does keeps one processor busy: links, the longest
+//! of some tests, a client that waits.
 //!
-//! What both need is built before the lanes begin, and the emulator has a folder of its own to be built in, so none waits
-//! for the other's cargo for long. It is a process of its own, whose words are kept in a file until the first lane has ended,
-//! and shown as they come from then on.
+//! What both need is built before the lanes begin, and the emulator has a folder of its own to be built in, so none
+//! waits for the other's cargo for long. It is a process of its own, whose words are kept in a file until the first
+//! lane has ended, and shown as they come from then on.
 
 use crate::checkout::target_dir;
 use anyhow::{Context as _, Result};

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in; CI runs the same.
 //!
-//! The steps share what they build: programs of this computer are built once, in the dev profile, in which `cargo xtask` itself
-//! is built. Two lanes of steps go on side by side (see [`lane`]).
+//! The steps share what they build: programs of this computer are built once, in the dev profile, in which
+//! `cargo xtask` itself is built. Two lanes of steps go on side by side (see [`lane`]).
 
 mod cargo;
 mod compare;
@@ -76,8 +76,8 @@ const STEPS: [Step; 17] = [
         run: cargo::check_wasm,
     },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
-    // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By now the other lane
-    // has built QEMU's image.
+    // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By
+    // now the other lane has built QEMU's image.
     Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
     Step { name: "cluster", lane: Host, heading: "a study outlives a worker that is killed", run: cluster::check },
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },

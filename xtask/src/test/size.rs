@@ -1,4 +1,5 @@
-//! Holds the images to the budgets of `build/contents.rs` and `build/step_path.rs`, and looks for what must not be in them.
+//! Holds the images to the budgets of `build/contents.rs` and `build/step_path.rs`, and looks for what must not be in
+//! them.
 
 use super::Verdict;
 use crate::build;

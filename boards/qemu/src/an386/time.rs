@@ -59,7 +59,8 @@ fn ticks() -> u64 {
     fifth(counts() * COUNTS_PER_TICK.1)
 }
 
-/// A fifth of it, cut off, in two halves: the processor has no division of 64 bits, and the clock is read at every turn.
+/// A fifth of it, cut off, in two halves: the processor has no division of 64 bits, and the clock is read at every
+/// turn.
 fn fifth(n: u64) -> u64 {
     const { assert!(COUNTS_PER_TICK.0 == 5, "a tick has two and a half counts") };
     let (high, low) = ((n >> 32) as u32, n as u32);

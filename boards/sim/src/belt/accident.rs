@@ -1,8 +1,8 @@
 //! Accident: what befalls the machine while it prints.
 //!
-//! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force acts against
-//! its motion for a time. It takes so many newtons to go on; a tool that has come to a halt is held, and not thrown back. A
-//! brake is something that rubs on a rotor from some motion time on, for good or for a time.
+//! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force acts
+//! against its motion for a time. It takes so many newtons to go on; a tool that has come to a halt is held, and not
+//! thrown back. A brake is something that rubs on a rotor from some motion time on, for good or for a time.
 
 use corehbot::motors::Motor;
 use corehbot::units::TICKS_PER_MS;

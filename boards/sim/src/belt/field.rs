@@ -1,7 +1,8 @@
 //! Field: by how much a driver turns the field of its motor at a step.
 //!
-//! A TMC2209 that was reset runs by its pins, mostly 8 microsteps instead of 16, so a step turns the field twice as far; and it counts its
-//! microsteps from 0 again (MSCNT, datasheet rev 1.09, section 5.4), so the field jumps to where it was at power-up in the electrical turn.
+//! A TMC2209 that was reset runs by its pins, mostly 8 microsteps instead of 16, so a step turns the field twice as
+//! far; and it counts its microsteps from 0 again (MSCNT, datasheet rev 1.09, section 5.4), so the field jumps to where
+//! it was at power-up in the electrical turn.
 
 use crate::tmc2209::Tmc2209;
 

@@ -1,9 +1,9 @@
 //! Load: what a TMC2209 measures of its motor's load (StallGuard4).
 //!
-//! From the datasheet (rev 1.09, sections 5.3 and 11): SG_RESULT is measured in stealthChop, is updated with each full step
-//! whatever TCOOLTHRS says, and is higher for less load; of its ten bits 9 and 0 are always 0. Without steps it stays.
-//! Assumed, since the datasheet gives no slope: a straight line from [`FREE`] without load to 0 where the motor has no torque
-//! left, the same at every speed, with [`NOISE`].
+//! From the datasheet (rev 1.09, sections 5.3 and 11): SG_RESULT is measured in stealthChop, is updated with each full
+//! step whatever TCOOLTHRS says, and is higher for less load; of its ten bits 9 and 0 are always 0. Without steps it
+//! stays. Assumed, since the datasheet gives no slope: a straight line from [`FREE`] without load to 0 where the motor
+//! has no torque left, the same at every speed, with [`NOISE`].
 
 use crate::tmc2209::{SG_RESULT, TPWMTHRS, Tmc2209, gconf};
 use corehbot_twin::sampling::random::Random;
@@ -40,7 +40,8 @@ impl Load {
         Self { random: Random::new(seed, STREAM + motor as u64), stepped: 0 }
     }
 
-    /// The motor has stepped to `count`. At a full step its driver measures the share of its torque that it bears, of 1.
+    /// The motor has stepped to `count`. At a full step its driver measures the share of its torque that it bears, of
+    /// 1.
     pub(super) fn step(&mut self, now: u64, count: i64, chip: &mut Tmc2209, share: impl FnOnce() -> f64) {
         let gap = (now - self.stepped) as f64;
         self.stepped = now;

@@ -7,10 +7,11 @@
 //!  step events of Z and E ───────────────> rigid rig ─────────────> endstop Z
 //! ```
 //!
-//! Words: a *phase* is where a motor's magnetic zero lies against the belt at power-up; a *skip* is a rotor that settled in
-//! another electrical turn than its field; a *hit* is something in the tool's way, a *brake* something that rubs on a rotor; the *torque share* is
-//! the part that a motor bears of the torque that it has. A tool is *off* by how far it is from where the steps say, counted
-//! from the place where homing met each switch. Places here are those of G-code, whose X0 Y0 is the corner of the reach.
+//! Words: a *phase* is where a motor's magnetic zero lies against the belt at power-up; a *skip* is a rotor that
+//! settled in another electrical turn than its field; a *hit* is something in the tool's way, a *brake* something that
+//! rubs on a rotor; the *torque share* is the part that a motor bears of the torque that it has. A tool is *off* by how
+//! far it is from where the steps say, counted from the place where homing met each switch. Places here are those of
+//! G-code, whose X0 Y0 is the corner of the reach.
 //!
 //! | file | what |
 //! |---|---|
@@ -124,8 +125,8 @@ fn reversed(settings: &Settings) -> MotorSet {
 }
 
 impl BeltPlant {
-    /// The plant of these settings with its tool at `place` (x, y, z), or somewhere, at a time in ticks. `is_known` if the
-    /// firmware knows that place, as if it had homed.
+    /// The plant of these settings with its tool at `place` (x, y, z), or somewhere, at a time in ticks. `is_known` if
+    /// the firmware knows that place, as if it had homed.
     ///
     /// # Errors
     /// The twin has no such machine, or the tool does not reach so far.

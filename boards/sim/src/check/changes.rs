@@ -1,9 +1,9 @@
 //! Changes of speed: how much the speeds of x and y vary within 4 ms.
 //!
-//! Sampled positions are only exact to one step of length q. Over 4 ms that error would hide a curve which is driven several
-//! times too fast. The instants of steps are known to a tick, and between two of them a motor goes one step: so its mean speed
-//! is known there, which is a speed that it has had. Where a motor reverses or starts, up to `sqrt(A q)` of its speed cannot be
-//! seen.
+//! Sampled positions are only exact to one step of length q. Over 4 ms that error would hide a curve which is driven
+//! several times too fast. The instants of steps are known to a tick, and between two of them a motor goes one step: so
+//! its mean speed is known there, which is a speed that it has had. Where a motor reverses or starts, up to `sqrt(A q)`
+//! of its speed cannot be seen.
 //!
 //! Within a window T an axis may change its speed by `1.3 A T + J + sqrt(A q)`: J is the jump of one corner (see
 //! [`limits`](crate::limits)), and the factor leaves room for braking in a curve.

@@ -1,5 +1,5 @@
-//! Accidents of heat: what breaks, where, and when. One row of [`KINDS`] is one kind; the grammar, its errors, the list in
-//! docs/explanation/heat.md and the soak go by that table.
+//! Accidents of heat: what breaks, where, and when. One row of [`KINDS`] is one kind; the grammar, its errors, the list
+//! in docs/explanation/heat.md and the soak go by that table.
 
 use corehbot::connectors::Heater;
 use corehbot::settings::ThermalSettings;

@@ -1,5 +1,5 @@
-//! Truth: a TOML file that says what the heaters of the simulated machine are. Every key is optional; what is left out is as the
-//! machine's settings have it.
+//! Truth: a TOML file that says what the heaters of the simulated machine are. Every key is optional; what is left out
+//! is as the machine's settings have it.
 
 use anyhow::{Result, anyhow};
 use corehbot_machine_file::{Place, words};

@@ -32,8 +32,8 @@ fn has(printed: &Printed, text: &str) -> bool {
     printed.heard.iter().any(|line| line.contains(text))
 }
 
-/// Random phases, belts from half to twice as stiff, loads with noise and rounded as by the driver: within a sixteenth of a full step, or
-/// it is told that it could not be done. `cargo xtask soak belt` does so with 1,000 seeds.
+/// Random phases, belts from half to twice as stiff, loads with noise and rounded as by the driver: within a sixteenth
+/// of a full step, or it is told that it could not be done. `cargo xtask soak belt` does so with 1,000 seeds.
 #[test]
 fn aligned_motors_strain_the_belt_by_a_sixteenth_of_a_full_step_at_most() {
     let settings = Settings::prototype();
@@ -170,8 +170,8 @@ fn printing_moves_are_told_of_refused_or_aligned_for() {
     assert!(has(&automatic, "Belt: motors not aligned since motors got power"), "{:?}", automatic.heard);
 }
 
-/// A motor that is held while others are aligned, homed again or measured again: either nobody calls the belt aligned, whatever is
-/// known of its phase and however often motors are asked to have power, or it is.
+/// A motor that is held while others are aligned, homed again or measured again: either nobody calls the belt aligned,
+/// whatever is known of its phase and however often motors are asked to have power, or it is.
 #[test]
 fn a_skip_while_motors_are_aligned_is_noticed() {
     let phase = |printed: &Printed| {

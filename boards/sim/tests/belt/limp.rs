@@ -259,8 +259,8 @@ fn a_motor_that_fails_in_mid_print_is_off_within_100_ms_and_the_others_park_the_
     }
 }
 
-/// It goes twice as far as the others until it is off, so these skip meanwhile, and nobody counts by how much: at 100 mm/s the belt is pulled by 8 mm
-/// in 80 ms, of which the tool has half.
+/// It goes twice as far as the others until it is off, so these skip meanwhile, and nobody counts by how much: at 100
+/// mm/s the belt is pulled by 8 mm in 80 ms, of which the tool has half.
 #[test]
 fn a_driver_that_was_reset_pulls_the_tool_aside_until_it_is_off_and_not_afterwards() {
     for (place, motor) in BELT.into_iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Phases: motors whose drivers stand to each other as they did when nothing strained the belt are aligned, as soon as they get power.
+//! Phases: motors whose drivers stand to each other as they did when nothing strained the belt are aligned, as soon as
+//! they get power.
 
 use crate::printer::{Printed, of_each, plant_of, print_as, seeds};
 use corehbot::motors::Motor;
@@ -39,7 +40,8 @@ fn with_phase(phase: u16) -> Settings {
     settings
 }
 
-/// One machine (its seed), aligned by load once, is switched on again, with its tool anywhere. It takes no motion and no second.
+/// One machine (its seed), aligned by load once, is switched on again, with its tool anywhere. It takes no motion and
+/// no second.
 #[test]
 fn a_machine_that_was_aligned_once_is_aligned_whenever_it_is_switched_on() {
     let found = of_each(seeds(2), |seed| {

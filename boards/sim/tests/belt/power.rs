@@ -29,7 +29,8 @@ fn power_up_strains_the_belt_within_bounds_and_is_no_skip() {
         print_on(&mut plant, start, &["M17", "G4 P500"]);
         let figures = plant.unwrap().figures();
         assert!(figures.skips.is_empty(), "{seed}: {figures}");
-        // Motors get power in turn, so only the last one strains the belt: by two full steps at most, and fields give way.
+        // Motors get power in turn, so only the last one strains the belt: by two full steps at most, and fields give
+        // way.
         let residual = figures.residual_mm.unwrap();
         assert!(residual.abs() < 0.40, "{seed}: {figures}");
         // Nobody told the firmware that the tool went aside.

@@ -106,7 +106,8 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
         let Story { is_homed, turns, skips, heard, off_mm, residual_mm } = story;
         let what = || format!("{seed}: {skips:?} {heard:?}, off {off_mm:.3} mm, residual {residual_mm:.4} mm");
         assert!(heard.iter().any(|line| line.contains("belt motors aligned")), "{}", what());
-        // Whatever has happened, the tool is where the program sent it, within a switch's step and what friction leaves.
+        // Whatever has happened, the tool is where the program sent it, within a switch's step and what friction
+        // leaves.
         assert!(*off_mm < 0.04 && residual_mm.abs() < 0.0125, "{}", what());
         let said = |text: &str| heard.iter().any(|line| line.contains(text));
         // Of motors that skipped alike homing leaves nothing.
@@ -135,8 +136,8 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
     assert!(single > 0 && named * 100 >= single * 99, "{named} of {single}");
 }
 
-/// A motor is held for a moment, x and y are homed, and only then it is asked what has happened: what homing took away is known. A
-/// second skip is held against what the repair left.
+/// A motor is held for a moment, x and y are homed, and only then it is asked what has happened: what homing took away
+/// is known. A second skip is held against what the repair left.
 #[test]
 fn a_skip_is_found_after_x_and_y_were_homed() {
     let lines =
@@ -154,7 +155,8 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     let figures = plant.unwrap().figures();
     assert_eq!(figures.skips.len(), 1, "{figures}");
     let said = |text: &str| printed.heard.iter().filter(|line| line.contains(text)).count();
-    // M915 D leaves everything as it was but for what it believes in: M915 R has nothing to compare with, and M915 is due.
+    // M915 D leaves everything as it was but for what it believes in: M915 R has nothing to compare with, and M915 is
+    // due.
     assert_eq!(said("motor 11 has skipped by +4 full steps"), 1, "{:#?}", printed.heard);
     assert!(said("nothing to compare with") >= 1, "{:#?}", printed.heard);
 }

@@ -1,8 +1,8 @@
-//! Trust: whatever befalls the motors, how often and when, a place that the firmware says is right is right to a full step, and a belt
-//! that it calls aligned is not strained.
+//! Trust: whatever befalls the motors, how often and when, a place that the firmware says is right is right to a full
+//! step, and a belt that it calls aligned is not strained.
 //!
-//! No driver tells of a skip, so a place is trusted for no longer than its proof: what M915 D or R has just said. M122 tells how
-//! long ago the switches were met.
+//! No driver tells of a skip, so a place is trusted for no longer than its proof: what M915 D or R has just said. M122
+//! tells how long ago the switches were met.
 
 use crate::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::settings::Settings;
@@ -141,8 +141,8 @@ fn a_place_that_is_said_to_be_right_is_right_to_a_full_step() {
     hold_to_the_plant(Trouble::Held, 4);
 }
 
-/// A motor that rubs for good, from before it is aligned, while it is or later: the place is right and stays so as the tool goes on, or
-/// it is not trusted.
+/// A motor that rubs for good, from before it is aligned, while it is or later: the place is right and stays so as the
+/// tool goes on, or it is not trusted.
 #[test]
 fn a_place_is_trusted_beside_a_motor_that_rubs_only_if_it_stays_right() {
     hold_to_the_plant(Trouble::Rubbing, 4);
@@ -170,8 +170,8 @@ const SEIZED: [&str; 13] = [
     "M400",
 ];
 
-/// Of the three others the belt was told to be repaired, and the tool was 0.44 mm off: a motor without torque is named, whichever it is,
-/// and nothing is vouched for.
+/// Of the three others the belt was told to be repaired, and the tool was 0.44 mm off: a motor without torque is named,
+/// whichever it is, and nothing is vouched for.
 #[test]
 fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
     let names = [("m1", "motor 1 "), ("m11", "motor 11 ")];

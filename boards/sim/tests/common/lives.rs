@@ -300,7 +300,8 @@ impl Life<'_> {
         self.awaiting == 0
     }
 
-    /// Sends a line and waits for its answer; what was heard meanwhile. A line that has none within two hours is a failure.
+    /// Sends a line and waits for its answer; what was heard meanwhile. A line that has none within two hours is a
+    /// failure.
     pub fn say(&mut self, line: &str) -> Vec<String> {
         self.heard.clear();
         self.put(line);

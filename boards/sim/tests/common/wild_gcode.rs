@@ -101,8 +101,8 @@ impl Watched<'_> {
     }
 }
 
-/// Bytes from a host, pauses and breakages out of `data`, on a machine with a hotend and a bed; in the end every sensor breaks,
-/// and whatever was said before, all is off within half a second.
+/// Bytes from a host, pauses and breakages out of `data`, on a machine with a hotend and a bed; in the end every sensor
+/// breaks, and whatever was said before, all is off within half a second.
 pub fn heat_gcode(data: &[u8]) {
     let mut settings = Settings::prototype();
     for heater in [Heater::Hotend, Heater::Bed] {

@@ -1,5 +1,5 @@
-//! What holds for a stored machine whatever is in the storage and whatever a host says: one body each for the fuzzer and for the
-//! property tests.
+//! What holds for a stored machine whatever is in the storage and whatever a host says: one body each for the fuzzer
+//! and for the property tests.
 
 use corehbot::connectors::SIM;
 use corehbot::motors::MotorSet;
@@ -31,8 +31,8 @@ fn crc<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
     !bytes.fold(!0, |sum, byte| (0..8).fold(sum ^ u32::from(*byte), bit))
 }
 
-/// The bytes change the record of a machine, each three of them one of its bytes, and its checksum is made right: what a firmware
-/// finds is legal, or nothing.
+/// The bytes change the record of a machine, each three of them one of its bytes, and its checksum is made right: what
+/// a firmware finds is legal, or nothing.
 pub fn record(data: &[u8]) {
     let mut eeprom = Eeprom::blank();
     let mut machine = Settings::prototype();
@@ -62,8 +62,8 @@ pub fn record(data: &[u8]) {
     }
 }
 
-/// The bytes choose lines of the dialogue, right and wrong: each is answered once, the board stays on, and what it then has stored is a
-/// machine that it can be, or nothing.
+/// The bytes choose lines of the dialogue, right and wrong: each is answered once, the board stays on, and what it then
+/// has stored is a machine that it can be, or nothing.
 pub fn dialogue(data: &[u8]) {
     let right = lines_of(&Settings { keepalive_s: 9, ..Settings::prototype() });
     let mut bytes = data.iter().copied();

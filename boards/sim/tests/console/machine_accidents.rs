@@ -1,4 +1,5 @@
-//! A machine that is sent while things go wrong: the power is cut in any byte that is stored, or the lines are any lines at all.
+//! A machine that is sent while things go wrong: the power is cut in any byte that is stored, or the lines are any
+//! lines at all.
 
 use super::talk::{Steps, Talk};
 use super::wild_machine::{self, lines_of};
@@ -48,8 +49,8 @@ fn say(storage: impl Storage, lines: &[String]) -> Vec<String> {
     host.heard
 }
 
-/// Cuts at 200 bytes, some of them within the first page that is written and some after the last: the board then is the old machine or
-/// the new one, and takes the new one again.
+/// Cuts at 200 bytes, some of them within the first page that is written and some after the last: the board then is the
+/// old machine or the new one, and takes the new one again.
 #[test]
 fn a_power_cut_at_any_byte_leaves_the_old_machine_or_the_new() {
     let mut old = Settings::prototype();

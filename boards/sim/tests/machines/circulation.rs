@@ -91,7 +91,8 @@ fn prints_go_on_as_if_nothing_had_been() {
     assert_eq!(ran.counts[4..], twice.counts[4..]);
 }
 
-/// A move along an axis stands up to half a step beside the place that was asked for. What runs round starts where the motors are.
+/// A move along an axis stands up to half a step beside the place that was asked for. What runs round starts where the
+/// motors are.
 #[test]
 fn nothing_adds_up_behind_moves_along_an_axis() {
     let round = "G1 X100 Y100.004 F6000\nG1 X120.0025\nG1 C0\nG1 X100 Y100\nG1 Y119.9973\nG1 C1\n";
@@ -187,7 +188,8 @@ impl Host for Stopper<'_> {
     }
 }
 
-/// Wherever it is stopped, the motors rest where their counts agree, z is where it was, and the way back is known to the step.
+/// Wherever it is stopped, the motors rest where their counts agree, z is where it was, and the way back is known to
+/// the step.
 #[test]
 fn a_quick_stop_loses_neither_belt_nor_tool_nor_z() {
     let s = Settings::prototype();

@@ -49,8 +49,8 @@ fn after_homing_an_axis_moves_alone() {
     }
 }
 
-/// M92 gives a place between new steps its name; the motors must not come to pull against each other, each time by a step
-/// more.
+/// M92 gives a place between new steps its name; the motors must not come to pull against each other, each time by a
+/// step more.
 #[test]
 fn other_resolutions_strain_nothing() {
     for (name, s) in machines() {

@@ -53,8 +53,8 @@ fn a_pause_script_of_the_host_neither_retracts_nor_parks_twice() {
 const PRINT: [&str; 10] =
     ["G28", "G90", "M82", "G92 E0", "M109 S200", "G1 Z0.3 F600", "G1 X50 Y50 E3 F3000", "M600", "G1 X80 E5", "M400"];
 
-/// printcore and OctoPrint as their sources have them (tests/support), with their M110 and what each sends when it is cancelled.
-/// Before a line of the print the host takes its time.
+/// printcore and OctoPrint as their sources have them (tests/support), with their M110 and what each sends when it is
+/// cancelled. Before a line of the print the host takes its time.
 fn models(pauses: &[u32]) -> [(Box<dyn Host>, &'static str, &'static [&'static str]); 2] {
     let program = || PRINT.map(str::to_owned).to_vec();
     let cancel: &[&str] = &["M108", "M400", "M114", "M84", "M104 T0 S0", "M140 S0", "M106 S0"];
@@ -148,7 +148,8 @@ fn both_models_of_hosts_cancel_while_the_printer_waits_and_print_again() {
     }
 }
 
-/// printcore says nothing when it pauses; what it says before it goes on is from its source (printcore.py 2.2.0, `resume`).
+/// printcore says nothing when it pauses; what it says before it goes on is from its source (printcore.py 2.2.0,
+/// `resume`).
 #[test]
 fn printcore_pauses_for_an_hour_and_goes_on() {
     live(&Settings::prototype(), 1, |life| {
@@ -167,8 +168,8 @@ fn printcore_pauses_for_an_hour_and_goes_on() {
     });
 }
 
-/// OctoPrint cancels while a line is held: M108 out of band, and its script after the `ok` that this brings (comm.py 1.11.8,
-/// `cancelPrint`; the script as it is delivered).
+/// OctoPrint cancels while a line is held: M108 out of band, and its script after the `ok` that this brings (comm.py
+/// 1.11.8, `cancelPrint`; the script as it is delivered).
 #[test]
 fn octoprint_cancels_a_print_that_is_held_and_prints_again() {
     live(&heated(), 1, |life| {

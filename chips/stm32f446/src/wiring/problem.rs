@@ -56,8 +56,8 @@ impl Board {
 
     /// Every pin that leads to no socket.
     fn pins_beside_drivers(&self) -> impl Iterator<Item = Pin> {
-        // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the loads,
-        // those of sockets are looked at beside this.
+        // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the
+        // loads, those of sockets are looked at beside this.
         let Self {
             name: _,
             connectors: _,

@@ -1,9 +1,9 @@
 //! G-code that is sent ahead by what the tool would lag behind, for the firmware as it is.
 //!
-//! The file goes through the firmware once. Each stretch of motion between two rests is then a path in time, which is sent ahead
-//! ([`corehbot_twin::compensation`]) and written as chords, each with the feed that makes it last as long as it did. The planner
-//! must not slow them down: accelerations and corners are set so high that belt motors alone limit them (`motor_max_acceleration`
-//! of the machine). What the file's own limits asked for is in the times of the chords.
+//! The file goes through the firmware once. Each stretch of motion between two rests is then a path in time, which is
+//! sent ahead ([`corehbot_twin::compensation`]) and written as chords, each with the feed that makes it last as long as
+//! it did. The planner must not slow them down: accelerations and corners are set so high that belt motors alone limit
+//! them (`motor_max_acceleration` of the machine). What the file's own limits asked for is in the times of the chords.
 
 use super::sections::{Kind, Line, Modes, Section, is_kept, is_origin, sections};
 use crate::printer::Printer;
@@ -28,18 +28,19 @@ use std::fmt::Write as _;
 /// What ends a section, so that its end is known.
 const REST: &str = "M400";
 
-/// Time before the first step and after the last in which the motors are sent ahead, in ticks: five widths of 4 ms and more.
+/// Time before the first step and after the last in which the motors are sent ahead, in ticks: five widths of 4 ms and
+/// more.
 const MARGIN: u64 = 300_000;
 
 /// Decimals of a way: 0.01 um.
 const DECIMALS: i32 = 5;
 
-/// Ways of the tool shorter than this, 2 um, wait: the firmware takes less than 0.5 um for none, and filament that goes with
-/// them would have their speed.
+/// Ways of the tool shorter than this, 2 um, wait: the firmware takes less than 0.5 um for none, and filament that goes
+/// with them would have their speed.
 const LEAST_WAY: i64 = 200;
 
-/// What the chords are planned by: the greatest legal values, so that motors limit x and y alone. From chord to chord the speed
-/// of filament changes by less than this jerk.
+/// What the chords are planned by: the greatest legal values, so that motors limit x and y alone. From chord to chord
+/// the speed of filament changes by less than this jerk.
 const LIMITS: &str = "M201 X100000 Y100000 Z100000 E100000\nM204 P100000 R100000 T100000\nM205 J1 E20\n";
 
 /// A file that was played, in sections.

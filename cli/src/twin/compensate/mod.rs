@@ -40,7 +40,8 @@ pub(crate) struct Compensate {
     /// Over how many ms (standard deviation of a Gaussian) the path is smoothed before its acceleration is taken.
     #[arg(long, value_name = "MS", value_parser = parse_width, default_value = "1")]
     smooth: f64,
-    /// Plays both on the machine with rotors, as it is believed to be and with belts and fields 20 % off, and tells what is left.
+    /// Plays both on the machine with rotors, as it is believed to be and with belts and fields 20 % off, and tells
+    /// what is left.
     #[arg(long)]
     measure: bool,
     /// What moves besides the tool where it is measured.

@@ -1,8 +1,8 @@
 //! Sections: a G-code file as stretches of motion and what stands between them.
 //!
-//! A stretch goes on as long as no command makes the motion end: those that set limits, the feed, shapers or the advance shape the
-//! plan of the stretch and are then in it; those that look after heat, fans and displays are carried out under way. Everything
-//! else, as homing, waiting or switching motors off, stands by itself between two stretches.
+//! A stretch goes on as long as no command makes the motion end: those that set limits, the feed, shapers or the
+//! advance shape the plan of the stretch and are then in it; those that look after heat, fans and displays are carried
+//! out under way. Everything else, as homing, waiting or switching motors off, stands by itself between two stretches.
 
 use corehbot_sim::file_line::{command_of, words};
 use std::fmt::Write as _;
@@ -61,7 +61,8 @@ pub(super) fn is_origin(text: &str) -> bool {
     matches!(words(text).next(), Some(('G', Some(92.0))))
 }
 
-/// Whether a command about planning is said where moves come planned, too: greatest speeds are, for they are of motors and screws.
+/// Whether a command about planning is said where moves come planned, too: greatest speeds are, for they are of motors
+/// and screws.
 pub(super) fn is_kept(text: &str) -> bool {
     matches!(words(text).next(), Some(('M', Some(203.0))))
 }
@@ -79,7 +80,8 @@ impl Modes {
     /// As a printer begins.
     pub(super) const NEW: Self = Self { is_relative: false, is_e_relative: false, are_inches: false, at: [0.0; 4] };
 
-    /// Takes a command and says how long the path is that it makes, roughly: it tells where on the way a fan is switched.
+    /// Takes a command and says how long the path is that it makes, roughly: it tells where on the way a fan is
+    /// switched.
     pub(super) fn take(&mut self, text: &str) -> f64 {
         let mut all = words(text);
         let first = all.next();
@@ -135,8 +137,8 @@ impl Modes {
         }
     }
 
-    /// The lines that set them after a stretch, and say what its end is called: on the way the tool is ahead of its path, and filament
-    /// goes by its steps, flow and all.
+    /// The lines that set them after a stretch, and say what its end is called: on the way the tool is ahead of its
+    /// path, and filament goes by its steps, flow and all.
     pub(super) fn text(self, stretch: &[Line]) -> String {
         let mut origin = String::new();
         for (letter, at) in ['X', 'Y', 'Z', 'E'].into_iter().zip(self.at) {

@@ -1,9 +1,9 @@
 //! Journal: the samples that are finished, kept beside the result until that is whole.
 //!
-//! A file that is only appended to, a line a sample ([`super::line`]), the study's own line first. A process that is killed
-//! leaves at most half a line at its end: what has no line end is cut off before the next sample is written, and a line whose
-//! check is wrong is as if it were not there. Nobody else may write while one process does; where files cannot be locked, as
-//! on some network drives, the user is asked to see to it.
+//! A file that is only appended to, a line a sample ([`super::line`]), the study's own line first. A process that is
+//! killed leaves at most half a line at its end: what has no line end is cut off before the next sample is written, and
+//! a line whose check is wrong is as if it were not there. Nobody else may write while one process does; where files
+//! cannot be locked, as on some network drives, the user is asked to see to it.
 
 use super::line;
 use super::plan::{Sample, Study};

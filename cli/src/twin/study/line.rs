@@ -1,8 +1,8 @@
 //! Lines of a journal: a sample each, with a check at the end by which a line that was cut is known.
 //!
-//! `corehbot twin sweep STUDY.toml --sample I` prints one, so a journal can also be put together from what other machines
-//! have computed. A line is one JSON object; its last entry is the check, the first four bytes of the SHA-256 of what stands
-//! before it.
+//! `corehbot twin sweep STUDY.toml --sample I` prints one, so a journal can also be put together from what other
+//! machines have computed. A line is one JSON object; its last entry is the check, the first four bytes of the SHA-256
+//! of what stands before it.
 
 use super::plan::{Point, Sample, Study};
 use serde::{Deserialize, Serialize, Serializer};

@@ -1,8 +1,9 @@
 //! Study: what follows when numbers of the machine vary, as a file says (`corehbot twin sweep STUDY.toml`).
 //!
-//! A sample is a pure function of the study and of its number; so they can be computed in any order, on any number of cores
-//! and computers, be interrupted and gone on with, and the result is the same bytes: with one build of the command, on one
-//! kind of machine. What `sin`, `tanh`, `exp` and `hypot` round to differs between C libraries and processors.
+//! A sample is a pure function of the study and of its number; so they can be computed in any order, on any number of
+//! cores and computers, be interrupted and gone on with, and the result is the same bytes: with one build of the
+//! command, on one kind of machine. What `sin`, `tanh`, `exp` and `hypot` round to differs between C libraries and
+//! processors.
 //!
 //! | file | job |
 //! |---|---|

@@ -51,7 +51,8 @@ pub(in crate::twin) struct Sample {
 }
 
 impl Study {
-    /// One number at these levels, on one machine with its tool at a place; and what becomes of a file, if there is one.
+    /// One number at these levels, on one machine with its tool at a place; and what becomes of a file, if there is
+    /// one.
     pub(in crate::twin) fn of_one(setup: Setup, key: String, levels: Vec<f64>, run: Option<Query>) -> Self {
         let Setup { machine, params, tool, freedom } = setup;
         let places = Places::At(tool);

@@ -1,7 +1,7 @@
 //! Played: the file whose steps samples play, read when the first sample is computed.
 //!
-//! G-code goes through the firmware, which takes its time; the first line of a journal and the table of finished samples
-//! do not wait for it.
+//! G-code goes through the firmware, which takes its time; the first line of a journal and the table of finished
+//! samples do not wait for it.
 
 use crate::printer::Printer;
 use crate::stop::Stop;

@@ -49,8 +49,8 @@ fn beside(path: &Path, file: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(file)
 }
 
-/// What the last bits of the samples depend on besides the build: the C library rounds `sin`, `tanh`, `exp` and `hypot` in
-/// its own way, and does it by what the processor has.
+/// What the last bits of the samples depend on besides the build: the C library rounds `sin`, `tanh`, `exp` and `hypot`
+/// in its own way, and does it by what the processor has.
 pub(super) const PLATFORM: [&str; 3] = [std::env::consts::ARCH, std::env::consts::OS, C_LIBRARY];
 
 /// The C library, as the target's name ends in it.

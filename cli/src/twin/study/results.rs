@@ -1,5 +1,5 @@
-//! Results: the files that a study makes, claimed before it is computed, so that one that cannot be written is told in the
-//! first second and not after hours.
+//! Results: the files that a study makes, claimed before it is computed, so that one that cannot be written is told in
+//! the first second and not after hours.
 
 use super::page;
 use super::plan::{Sample, Study};

@@ -176,7 +176,8 @@ fn a_chamber_comes_to_what_its_power_and_losses_say() {
     assert_eq!(prototype().sample(Sensor::Hotend1), None, "the prototype has none");
 }
 
-/// What one gives the other, by hand: 2 W/K between plate and air, 3.5 W/K from the plate and 5 from the air to the room.
+/// What one gives the other, by hand: 2 W/K between plate and air, 3.5 W/K from the plate and 5 from the air to the
+/// room.
 #[test]
 fn things_that_are_coupled_share_their_heat() {
     let mut constants = PlantConstants::prototype();

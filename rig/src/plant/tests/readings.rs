@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Celsius from a reading, by the laws as papers print them: Beta, or 1/T = a + b ln R + c (ln R)^3, fitted here to the same
-/// table by Cramer's rule.
+/// Celsius from a reading, by the laws as papers print them: Beta, or 1/T = a + b ln R + c (ln R)^3, fitted here to the
+/// same table by Cramer's rule.
 fn celsius(sensor: Sensor, reading: f64) -> f64 {
     let ohm = 4700.0 * reading / (65_536.0 - reading);
     let x = ohm.ln();
@@ -152,8 +152,8 @@ fn there_are_two_sensors() {
     assert_near(f64::from(plant.sample(Sensor::Hotend0).unwrap()), 62_594.0, 32.0);
 }
 
-/// A guard, not a truth: it changes with the prototype's figures. What it holds is that every platform computes the same: a
-/// Cortex-M4 (QEMU, mps2-an386) has printed these figures too.
+/// A guard, not a truth: it changes with the prototype's figures. What it holds is that every platform computes the
+/// same: a Cortex-M4 (QEMU, mps2-an386) has printed these figures too.
 #[test]
 fn the_bits_are_the_same_everywhere() {
     let mut plant = prototype();

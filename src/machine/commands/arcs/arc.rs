@@ -50,8 +50,9 @@ const FARTHEST_CENTRE: Mm = Mm::const_from_int(100_000);
 /// radius, which is within any tolerance that would allow fewer chords.
 const LEAST_CHORDS_A_TURN: i64 = 8;
 
-/// A position as its part in a plane, and the two coordinates outside: the axis across it, and the extruder. The first axis of a plane turns
-/// counter-clockwise into the second, seen from where the third points to (RS-274/NGC, section 3.5.3).
+/// A position as its part in a plane, and the two coordinates outside: the axis across it, and the extruder. The first
+/// axis of a plane turns counter-clockwise into the second, seen from where the third points to (RS-274/NGC, section
+/// 3.5.3).
 pub(in crate::machine) fn split<T>(plane: Plane, position: [T; 4]) -> ([T; 2], [T; 2]) {
     let [x, y, z, e] = position;
     match plane {

@@ -1,6 +1,7 @@
 //! Settings as lines set them: all values of a line if each is legal, otherwise none, and following moves obey.
 //!
-//! Plain functions on the settings, which change a copy of what they set and put it back; M92 alone needs the machine at rest.
+//! Plain functions on the settings, which change a copy of what they set and put it back; M92 alone needs the machine
+//! at rest.
 
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;

@@ -77,8 +77,9 @@ pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
     Ok(survey.map(|survey| survey.on(&main_loop.defaults().mechanism)))
 }
 
-/// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
-/// host listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored counts.
+/// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a host
+/// listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored
+/// counts.
 pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
@@ -111,7 +112,8 @@ pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
     paced.into_result()
 }
 
-/// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not become one.
+/// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not
+/// become one.
 pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &MachinePieces,
@@ -138,8 +140,8 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
     Ok(saved)
 }
 
-/// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a board without
-/// a machine.
+/// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a
+/// board without a machine.
 pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {

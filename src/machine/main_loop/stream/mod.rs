@@ -6,8 +6,8 @@
 //!                                       └── release: what may leave now, how much of the feed
 //! ```
 //!
-//! A command that moves calls `plan` (in [`plan`]), one that needs the machine at rest `finish` (in [`rest`]), and every turn
-//! `feed_motion` (in [`hand_on`]).
+//! A command that moves calls `plan` (in [`plan`]), one that needs the machine at rest `finish` (in [`rest`]), and
+//! every turn `feed_motion` (in [`hand_on`]).
 //!
 //! | word | means |
 //! |---|---|

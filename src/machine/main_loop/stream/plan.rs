@@ -1,9 +1,10 @@
 //! Into the look-ahead: a move is planned as soon as there is room for it.
 //!
-//! How much motion waits before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`, whose default is in
-//! `Settings::prototype`. Without room the look-ahead counts as full to `release` (`note_full`): motion begins, and a slow host's share
-//! ends. `main_loop::heat_door` (`set_fan`) waits by the same exemption; `main_loop::tell` (P of `advanced_ok`) asks `has_room`.
-//! `boards/sim/tests/lookahead_time.rs` holds it; it is told in docs/explanation/flow.md, docs/reference/host-protocol.md, README.md, its row in `settings` and
+//! How much motion waits before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`, whose
+//! default is in `Settings::prototype`. Without room the look-ahead counts as full to `release` (`note_full`): motion
+//! begins, and a slow host's share ends. `main_loop::heat_door` (`set_fan`) waits by the same exemption;
+//! `main_loop::tell` (P of `advanced_ok`) asks `has_room`. `boards/sim/tests/lookahead_time.rs` holds it; it is told in
+//! docs/explanation/flow.md, docs/reference/host-protocol.md, README.md, its row in `settings` and
 //! `examples/machines/prototype.toml`. M220 is here too.
 
 use crate::machine::interrupt::Interrupt;
@@ -48,9 +49,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Whether the look-ahead takes another move: there is a place for it, and the planned moves do not last for too long. As
-    /// long as the first waiting move is not final, there are too few moves, however long they last. So a full look-ahead
-    /// delays moves, and changes no speed.
+    /// Whether the look-ahead takes another move: there is a place for it, and the planned moves do not last for too
+    /// long. As long as the first waiting move is not final, there are too few moves, however long they last. So a full
+    /// look-ahead delays moves, and changes no speed.
     pub(in crate::machine::main_loop) fn has_room(&mut self) -> bool {
         let most_ticks = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
         let most_ticks = most_ticks >> Seconds::FRAC_NBITS;
@@ -58,14 +59,16 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.planner.has_room() && (planned_ticks < most_ticks || self.planner.lacks_moves())
     }
 
-    /// A move is about to be added. If an earlier one has left that would have been faster with it, the host was too slow.
+    /// A move is about to be added. If an earlier one has left that would have been faster with it, the host was too
+    /// slow.
     fn note_added(&mut self) {
         if self.policy.add(self.ports.clock.now()) {
             self.link.status().count_underrun();
         }
     }
 
-    /// Slows down for a stream that has run dry and goes on. How long the moves last is known when all of them are planned.
+    /// Slows down for a stream that has run dry and goes on. How long the moves last is known when all of them are
+    /// planned.
     pub(in crate::machine::main_loop) fn follow_stream(&mut self) {
         if !self.policy.is_steady() && self.planner.is_planned() {
             let share = self.policy.share(self.planner.waiting(), self.link.left());
@@ -73,8 +76,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// M220: from now on, and for the moves that wait. An earlier change is carried out first, and moves leave before the
-    /// next change: a host that changes the feed all the time would keep all moves back.
+    /// M220: from now on, and for the moves that wait. An earlier change is carried out first, and moves leave before
+    /// the next change: a host that changes the feed all the time would keep all moves back.
     pub async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
         if !self.planner.is_planned() {
             while !self.planner.replan() {
@@ -87,8 +90,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Chords that are one line and wait to be continued get their place in the look-ahead, as they must before settings of the
-    /// planner change; false if there are none.
+    /// Chords that are one line and wait to be continued get their place in the look-ahead, as they must before
+    /// settings of the planner change; false if there are none.
     pub(in crate::machine::main_loop) fn close_line(&mut self) -> bool {
         let is_closed = self.planner.close_line(&self.settings);
         if is_closed {

@@ -65,7 +65,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Moves that are planned go on to their end while a command waits for something else. False if nothing moves any more.
+    /// Moves that are planned go on to their end while a command waits for something else. False if nothing moves any
+    /// more.
     pub fn let_motion_end(&mut self) -> bool {
         self.release_all();
         let has_motion = self.has_motion();
