@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 
 /// Nothing is there yet.
 const EMPTY: u8 = 0;
-/// The value is there and nobody uses it.
+/// The value is there and not in use.
 const FREE: u8 = 1;
 /// Somebody holds a reference to the value, or fills the place.
 const IN_USE: u8 = 2;
@@ -17,9 +17,8 @@ pub struct Handover<T> {
     state: AtomicU8,
 }
 
-// SAFETY: a reference to the value exists only between a change of `state` from EMPTY or FREE to IN_USE,
-// which one context at a time can make, and the change back; whoever finds anything else panics. The
-// value moves between contexts, hence `T: Send`.
+// SAFETY: a reference to the value exists only while `state` is IN_USE. Only one context at a time can change EMPTY or
+// FREE to IN_USE; a caller that finds another state panics. The value moves between contexts, hence `T: Send`.
 unsafe impl<T: Send> Sync for Handover<T> {}
 
 impl<T> Default for Handover<T> {
@@ -40,7 +39,7 @@ impl<T> Handover<T> {
     /// If it was filled before.
     pub fn fill(&self, value: T) {
         assert_eq!(self.state.swap(IN_USE, Ordering::Acquire), EMPTY, "a handle is given out twice");
-        // SAFETY: the state was EMPTY and is IN_USE, so nobody else has a reference.
+        // SAFETY: the state was EMPTY and is IN_USE, so no other reference exists.
         unsafe { (*self.value.get()).write(value) };
         self.state.store(FREE, Ordering::Release);
     }
@@ -49,8 +48,8 @@ impl<T> Handover<T> {
     /// are many.
     ///
     /// # Safety
-    /// The place was filled before, and nobody who works with the value can be interrupted by the caller, the caller
-    /// itself least of all.
+    /// The place was filled before, and the caller cannot interrupt any context that works with the value, itself
+    /// included.
     #[inline(always)]
     pub unsafe fn with_alone<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
         // SAFETY: the value is there, and by the caller's word this is the only reference.
@@ -60,11 +59,10 @@ impl<T> Handover<T> {
     /// Works with the value.
     ///
     /// # Panics
-    /// If there is none yet, or if the caller has interrupted somebody who works with it.
+    /// If there is no value yet, or if the caller has interrupted a context that works with it.
     pub fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
         assert_eq!(self.state.swap(IN_USE, Ordering::Acquire), FREE, "a handle is missing or shared");
-        // SAFETY: the state was FREE, so the value is there, and it is IN_USE now, so nobody else has a
-        // reference.
+        // SAFETY: the state was FREE, so the value is there. It is IN_USE now, so no other reference exists.
         let result = work(unsafe { (*self.value.get()).assume_init_mut() });
         self.state.store(FREE, Ordering::Release);
         result

@@ -16,8 +16,8 @@ critical_section::set_impl!(Basepri);
 
 // SAFETY: all contexts run on one core, and those that use critical sections have priorities from 0x40 on
 // (each chip's table of priorities):
-// - while BASEPRI is 0x10 none of them can start, so nothing runs between acquire and release but the
-//   Stepper, which uses no critical section;
+// - while BASEPRI is 0x10, no such interrupt can start. Only the Stepper runs between acquire and release, and it uses
+//   no critical section;
 // - BASEPRI_MAX never lowers the mask, and `release` restores what `acquire` found, so sections nest;
 // - the fences keep the compiler from moving memory accesses out of the section.
 unsafe impl critical_section::Impl for Basepri {

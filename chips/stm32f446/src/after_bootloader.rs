@@ -1,10 +1,9 @@
-//! After a bootloader: its clocks and peripherals are taken back, so that what follows meets the chip as a reset
-//! leaves it.
+//! After a bootloader: resets clocks and peripherals, so that the firmware finds the chip as after a reset.
 //!
-//! BTT's bootloader starts us at 180 MHz from a PLL, with over-drive, a second PLL, SDIO, DMA2 and USART3 clocked and
-//! their interrupts enabled (emulator/src/bootloader.rs). Over-drive and voltage scale may change only while HSI or
-//! HSE is the system clock and the PLL is off (RM0390, 5.4.1), and embassy-stm32 0.6.0 resets PWR and switches
-//! over-drive on before it looks. So the PLLs are left first.
+//! BTT's bootloader starts the firmware at 180 MHz from a PLL, with over-drive and a second PLL on. SDIO, DMA2 and
+//! USART3 are clocked and their interrupts enabled (emulator/src/bootloader.rs). Over-drive and voltage scale may
+//! change only while HSI or HSE is the system clock and the PLL is off (RM0390, 5.4.1). embassy-stm32 0.6.0 resets PWR
+//! and switches over-drive on before it checks this. So this code leaves the PLLs first.
 //!
 //! Interrupts are masked since the reset vector (see `priorities`). No wait here is without an end.
 
@@ -19,12 +18,12 @@ use crate::fault;
 pub const HSI_HZ: u32 = 16_000_000;
 
 /// The longest wait in cycles: 0.1 s of the internal oscillator, 9 ms at 180 MHz. A crystal starts in 2 ms, a PLL locks
-/// in 0.3 ms, over-drive takes 0.1 ms (STM32F446 datasheet, HSE oscillator, PLL and over-drive switching
-/// characteristics), and ST's own library gives a crystal 0.1 s. The watchdog gives all of them 0.34 s.
+/// in 0.3 ms, over-drive takes 0.1 ms. Source: STM32F446 datasheet, HSE oscillator, PLL and over-drive switching
+/// characteristics. ST's own library gives a crystal 0.1 s. The watchdog gives all these waits 0.34 s together.
 const LONGEST: u32 = HSI_HZ / 10;
 
-/// Peripherals that are reset: all that there are but the ports, whose outputs are safe and stay so (RM0390, 6.3.5 to
-/// 6.3.9). AHB1: OTG_HS, DMA2, DMA1, CRC.
+/// Peripherals to reset: all except the ports, because their outputs are safe and stay so (RM0390, 6.3.5 to 6.3.9).
+/// AHB1: OTG_HS, DMA2, DMA1, CRC.
 const AHB1: u32 = 0x2060_1000;
 /// OTG_FS, DCMI.
 const AHB2: u32 = 0x0000_0081;

@@ -1,5 +1,5 @@
-//! Assembly: every handle of the core is made by a function of its own and in the place where it stays, so that no two
-//! of them are on the stack at once. Their contexts begin later.
+//! Assembly: one function makes each handle of the core, in the place where the handle stays. So no two handles are on
+//! the stack at once. Their contexts begin later.
 
 use corehbot::app::{ConsoleKit, GeneratorKit, Kits, Memory, StepPorts, ThermalKit};
 use corehbot::settings::Settings;

@@ -1,9 +1,9 @@
 //! The bus of the EEPROM: I2C1 as its only master.
 //!
-//! A transfer is done by looking, not by interrupts or DMA: 32 bytes take 0.9 ms in the lowest context, nothing
-//! waits for them but the Console, and that is all it costs. Every wait ends: a bus that somebody holds low, an
-//! arbitration lost against noise, a chip that is not there give an error. embassy-stm32's driver does not free a
-//! stuck bus and waits by time alone, which a long interrupt eats up.
+//! Transfers are polled, without interrupts or DMA. 32 bytes take 0.9 ms in the lowest context, and only the Console
+//! waits for them. Every wait ends. A line held low, an arbitration lost against noise and a missing chip each give an
+//! error. With embassy-stm32's driver a stuck bus stays stuck. Its waits use time alone, which a long interrupt
+//! consumes.
 
 use corehbot::port::StorageError;
 use embassy_stm32::pac::gpio::vals::Ot;
@@ -27,8 +27,9 @@ const THIRD: u32 = APB1_HZ.div_ceil(3 * 400_000);
 /// 300 ns, the slowest edge at 400 kHz, in clock periods and one more (RM0390, 24.6.9).
 const RISE: u32 = APB1_MHZ * 300 / 1000 + 1;
 
-/// Looks at the status until a wait is given up. A look takes 10 to 40 cycles of 180 MHz, so that is 0.6 to 2.2 ms,
-/// and a byte 23 us. Looks are counted rather than time, because interrupts take time and nobody looks.
+/// Polls of the status before a wait is given up. A poll takes 10 to 40 cycles of 180 MHz, so the wait is 0.6 to 2.2
+/// ms; a byte takes 23 us. The limit counts polls and not time, because time also passes during interrupts, without a
+/// poll.
 const LOOKS: u32 = 10_000;
 
 /// Half a period of the clock by which a stuck bus is freed, in cycles of 180 MHz: 5 us, as at 100 kHz.
@@ -48,7 +49,7 @@ pub struct Bus {
     is_sound: bool,
 }
 
-/// What a chip says to its address.
+/// The chip's acknowledgement of its address.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer {
     /// Here I am.
@@ -64,7 +65,7 @@ impl Bus {
     pub fn new(scl: Pin, sda: Pin) -> Self {
         RCC.apb1enr().modify(|w| w.set_i2c1en(true));
         let _ = RCC.apb1enr().read();
-        // What comes first frees it: a reset in mid-transfer leaves a chip that waits for clocks.
+        // Free the bus first: a reset in mid-transfer leaves a chip that waits for clocks.
         Self { scl, sda, is_sound: false }
     }
 
@@ -117,13 +118,13 @@ impl Bus {
         result
     }
 
-    /// Whether nobody holds a line low.
+    /// Whether both lines are released.
     fn is_idle(&self) -> bool {
         ports::is_high(self.scl) && ports::is_high(self.sda)
     }
 
-    /// Clocks a chip to the end of its byte, then says stop, and begins anew. The edges also wake an input filter that
-    /// is stuck, which the errata sheets of the STM32F1 know and that of the F446 does not, as far as we could see.
+    /// Clocks a chip to the end of its byte, then sends a stop and restarts the unit. The edges also release a stuck
+    /// input filter. The STM32F1 errata sheets describe this fault; we found no such entry for the F446.
     fn free(&mut self) -> Outcome<()> {
         self.is_sound = false;
         for pin in [self.scl, self.sda] {
@@ -175,7 +176,7 @@ impl Bus {
         for byte in bytes {
             wait(Sr1::txe)?;
             I2C1.dr().write(|w| w.set_dr(*byte));
-            // Later than the byte before would do, but the chip's refusal is that of its own byte then.
+            // TXE would come earlier, but with BTF a refusal by the chip belongs to its own byte.
             wait(Sr1::btf)?;
         }
         Ok(Answer::Here)
@@ -195,7 +196,7 @@ impl Bus {
         for (place, byte) in into.iter_mut().enumerate() {
             let has_come = match place {
                 _ if place < last => wait(Sr1::rxne),
-                // This one and the next have come: from here on no byte is wanted any more.
+                // This one and the next have come: from here on no more bytes are wanted.
                 _ if place == last => {
                     let come = wait(Sr1::btf);
                     I2C1.cr1().modify(|w| w.set_ack(false));
@@ -240,7 +241,8 @@ fn begin(address: u8) -> Outcome<Answer> {
     Ok(Answer::Here)
 }
 
-/// Waits for `what`. A bus error that the unit sees as master is none (ES0298, spurious bus error in master mode).
+/// Waits for `what`. A bus error that the unit reports as master is ignored (ES0298, spurious bus error in master
+/// mode).
 fn wait(what: impl Fn(&Sr1) -> bool) -> Outcome<()> {
     for _ in 0..LOOKS {
         let status = I2C1.sr1().read();

@@ -95,9 +95,10 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     config.rcc.ahb_pre = AHBPrescaler::DIV1;
     config.rcc.apb1_pre = APBPrescaler::DIV4;
     config.rcc.apb2_pre = APBPrescaler::DIV2;
-    // embassy's time counts half laps of TIM3 by its flags. Before the counter starts, the compare register of the half
-    // lap is as 0 as the counter, which sets that flag in the emulated chip if not in the real one, and embassy-stm32
-    // 0.6.0 does not take it back. With a half lap too many, a read just when a half lap ends goes back by 65 ms.
+    // embassy's time counts half laps of TIM3 by its flags. Before the counter starts, the counter and the compare
+    // register of the half lap are both 0. That sets the half-lap flag in the emulated chip, and perhaps in the real
+    // one; embassy-stm32 0.6.0 does not clear it. With one half lap too many, a read just when a half lap ends goes
+    // back by 65 ms.
     critical_section::with(|_| {
         // The peripherals are used by their registers here.
         let _ = embassy_stm32::init(config);
@@ -115,9 +116,9 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     RCC.cr().modify(|w| w.set_csson(true));
 }
 
-/// Has embassy's time stand still during `work`, in which no interrupt is served for longer than a half lap of TIM3,
-/// 33 ms. Of the half laps that end meanwhile embassy would count two at the most, and after an odd number of others a
-/// read just when a half lap ends goes back by 65 ms, from then on for ever.
+/// Stops embassy's time during `work`, which may hold off interrupts for longer than a half lap of TIM3, 33 ms. embassy
+/// would count at most two of the half laps that end in that time. After an odd number of uncounted half laps, every
+/// later read just when a half lap ends would go back by 65 ms.
 pub fn without_time<R>(work: impl FnOnce() -> R) -> R {
     TIM3.cr1().modify(|w| w.set_cen(false));
     let result = work();
@@ -125,7 +126,7 @@ pub fn without_time<R>(work: impl FnOnce() -> R) -> R {
     result
 }
 
-/// What makes 2 MHz of the crystal's clock, for either PLL.
+/// Divides the crystal's clock to 2 MHz, for either PLL.
 const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
     match crystal {
         Crystal::Oscillator12MHz => PllPreDiv::DIV6,
@@ -135,8 +136,8 @@ const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
 
 /// Starts the 48 MHz of USB: 2 MHz * 96 / 4 in PLLSAI, which is off before. Says whether they run.
 ///
-/// embassy-stm32 0.6.0 cannot: it leaves the predivider PLLSAIM, which the F446 has in a register of its own, at the
-/// forbidden 0 (RM0390, 6.3.24), and writes CK48MSEL into DCKCFGR, where other chips have it.
+/// embassy-stm32 0.6.0 cannot do this: it leaves the predivider PLLSAIM at the forbidden 0 (RM0390, 6.3.24). The F446
+/// has PLLSAIM in a register of its own. It also writes CK48MSEL into DCKCFGR, where other chips have it.
 pub fn start_usb(crystal: Crystal) -> bool {
     RCC.pllsaicfgr().modify(|w| {
         w.set_pllm(to_2_mhz(crystal));

@@ -1,4 +1,4 @@
-//! The contexts: each owns one handle of the core, and nobody else touches it.
+//! The contexts: each owns one handle of the core, and no other context touches it.
 
 use core::fmt::Write as _;
 use core::future::poll_fn;
@@ -32,7 +32,7 @@ use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, wat
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
-/// The ports of a board, but for those of the steps.
+/// The ports of a board, except the step ports.
 pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
 /// Heat, with the ports of a board.
@@ -76,7 +76,7 @@ pub fn start(handles: Handles, usb: Option<UsbPort>, awake: bool) -> ! {
     })
 }
 
-/// Communication-only mode: hosts are told of the `fault`, and nothing else runs until M999 comes.
+/// Communication-only mode: reports the `fault` to hosts, and runs nothing else until M999 comes.
 pub fn only_talk(lines: Lines<HostSerial>, usb: Option<UsbPort>, fault: Fault) -> ! {
     priorities::enable();
     EXECUTOR.init(Executor::new()).run(|spawner| {
@@ -96,7 +96,7 @@ fn spawn<S>(spawner: Spawner, task: Result<SpawnToken<S>, SpawnError>) {
     }
 }
 
-/// Polls the Console whenever [`wake_console`] asks for it. When the Console ends, the machine begins anew.
+/// Polls the Console whenever [`wake_console`] asks for it. When the Console ends, the machine restarts.
 #[embassy_executor::task]
 async fn run_console(console: &'static mut Console) {
     let mut run = pin!(console.run());
@@ -111,7 +111,7 @@ async fn run_console(console: &'static mut Console) {
 /// Says every two seconds that nothing but M999 is heard, and listens for that.
 #[embassy_executor::task]
 async fn talk(mut lines: Lines<HostSerial>, fault: Fault) {
-    /// Between two looks, of which 40 lie between two messages.
+    /// Time between two polls; messages are 40 polls apart.
     const LOOK: Duration = Duration::from_millis(50);
     let mut message: heapless::String<192> = heapless::String::new();
     // What does not fit is lost.
@@ -166,23 +166,22 @@ pub fn wake_console() {
 }
 
 /// A step is due, or software wants the Stepper to look.
-// In a section of its own name, and so not one of the functions whose common parts are put into functions of their own
-// to save flash.
+// In a section of its own name. So the tool that moves common parts of functions into shared functions, to save flash,
+// leaves this one alone.
 #[exception]
 #[unsafe(link_section = ".text.SysTick")]
 fn SysTick() {
     // SAFETY:
-    // - `give_stepper` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper,
-    //   the
-    //   Console, the StepGenerator and ThermalControl all begin later;
-    // - nobody else uses the place, and an exception does not interrupt itself.
+    // - `give_stepper` fills the place before any code runs that could set the alarm or pend this exception: the
+    //   Stepper, the Console, the StepGenerator and ThermalControl all begin later;
+    // - no other code uses the place, and an exception does not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
 }
 
 /// A row of the step pins' words, copied while nothing interrupts, which is all that ever holds off the Stepper.
 pub fn step_pins_row(number: usize) -> Option<Row> {
     cortex_m::interrupt::free(|_| {
-        // SAFETY: [`start`] is called after `give_stepper`; nobody else runs now, and nobody who calls this works with
+        // SAFETY: [`start`] is called after `give_stepper`; no other context runs now, and no caller of this works with
         // the Stepper.
         unsafe { STEPPER.with_alone(|stepper| stepper.port().row(number)) }
     })
@@ -194,8 +193,8 @@ pub fn step_pins_dir_row(number: usize) -> Option<DirRow> {
     cortex_m::interrupt::free(|_| unsafe { STEPPER.with_alone(|stepper| stepper.port().dir_row(number)) })
 }
 
-/// Has the step pins take another coupling, gives the one so far, and sets the direction lines anew. At rest: it takes
-/// 128 words, some 2 us.
+/// Gives the step pins another coupling, returns the previous one, and sets the direction lines again. At rest: it
+/// moves 128 words, some 2 us.
 pub fn couple_step_pins(steps: &mut Steps, dirs: &mut &'static mut Dirs) {
     // SAFETY: as for [`step_pins_row`].
     cortex_m::interrupt::free(|_| unsafe {

@@ -1,12 +1,12 @@
 //! The UART of the motor drivers: one wire a driver, one exchange at a time, bit by bit in the interrupt of TIM8.
 //!
-//! [`exchange`](crate::exchange) says what the wire does next; this does it. The wire is pulled up by the processor
-//! and let go, but for the time from one bit before a request to its end, when it is driven both ways: the driver
-//! answers after eight bit times and lets go by itself.
+//! [`exchange`](crate::exchange) decides the wire's next action; this file carries it out. The wire has a pull-up in
+//! the processor and is released. Only from one bit before a request to the request's end is it driven both ways. The
+//! driver answers after eight bit times and releases the wire by itself.
 //!
-//! The interrupt comes at the priority of the serial line, so the steps delay it, and it delays no step. The timer
-//! goes on by itself, so ticks are late and never lost, unless they are held off for 10 us while a start bit is
-//! waited for, or for a bit; an exchange that goes on then fails, as if by noise, and is repeated.
+//! The interrupt has the priority of the serial line, so steps delay it, and it delays no step. The timer runs on by
+//! itself, so ticks may be late but are never lost. Ticks are lost only if they are held off for 10 us while waiting
+//! for a start bit, or otherwise for a bit. The current exchange then fails, as if by noise, and is repeated.
 //!
 //! A tick takes some 50 instructions, so waiting for a reply takes about 5 % of the processor, and bits, sent or
 //! received, 1 %. While motors have power the wire has little rest: ticks come 25,000 times a second then.
@@ -130,9 +130,9 @@ fn tick_every(clocks: u32) {
     TIM8.cr1().modify(|w| w.set_cen(true));
 }
 
-/// The next tick comes `clocks` after the one before, and so do those after it. The timer is not restarted, so it does
-/// not matter how late this is, unless that is later than the tick is due: then it is made up at once, for a counter
-/// that has passed its end would go on to 2^16.
+/// The next tick comes `clocks` after the previous one, and so do the ticks after it. The timer is not restarted, so a
+/// late call does not matter. If the tick is overdue already, it is raised at once, because a counter past its end
+/// would run on to 2^16.
 fn next_tick_after(clocks: u32) {
     TIM8.arr().write(|w| w.set_arr((clocks - 1) as u16));
     if u32::from(TIM8.cnt().read().cnt()) >= clocks {

@@ -31,7 +31,7 @@ pub fn couplings() -> u32 {
 }
 
 impl Drivers {
-    /// The drivers of a board, whose enable lines are outputs already; `refusal` says why they must stay off, if they
+    /// The drivers of a board; their enable lines are outputs already. `refusal` says why they must stay off, if they
     /// must. Levels of other couplings go into `spare`.
     pub fn start(plugged: &'static Plugged, refusal: Option<&'static str>, spare: &'static mut Dirs) -> Self {
         Self { plugged, refusal, uart: DriverUart::start(plugged.board), spare }

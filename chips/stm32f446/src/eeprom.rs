@@ -18,8 +18,8 @@ const SIZE: u32 = 4096;
 const PAGE: u32 = 32;
 const _: () = assert!(PAGE as usize == corehbot::storage::PAGE);
 
-/// A page is written within 5 ms (AT24C32E datasheet 8905F, t_WR), and within 10 ms by older members of the family
-/// (0336K); nobody is in a hurry.
+/// A page write ends within 5 ms (AT24C32E datasheet 8905F, t_WR), and within 10 ms on older members of the family
+/// (0336K). The longer limit is harmless: no caller is in a hurry.
 const WRITING: Duration = Duration::from_millis(20);
 
 /// The EEPROM.
@@ -29,7 +29,7 @@ pub struct Eeprom {
     handed_over: Option<Instant>,
 }
 
-/// The EEPROM of `board`, for its `main`.
+/// The EEPROM of `board`, for the `main` function of that board.
 pub fn eeprom(board: &'static Board) -> &'static mut dyn Memory {
     static EEPROM: StaticCell<Option<Eeprom>> = StaticCell::new();
     let bus = board.eeprom.map(|[scl, sda]| Bus::new(scl, sda));
@@ -50,7 +50,7 @@ const fn here(answer: Answer) -> Result<(), StorageError> {
 }
 
 impl Eeprom {
-    /// Waits for the page that was handed over last, if nobody did.
+    /// Waits for the last page write, unless a caller has waited for it already.
     fn finish(&mut self) -> Result<(), StorageError> {
         while !self.is_done()? {}
         Ok(())

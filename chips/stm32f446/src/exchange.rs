@@ -1,21 +1,24 @@
 //! An exchange on one wire: a request's bits out, a reply's bits in, tick by tick.
 //!
-//! Plain code without time of its own: a timer ticks, this says what the line does next and when the next tick is
-//! wanted. A bit is one tick while sending. While listening the line is sampled [`OVERSAMPLING`] times a bit until a
-//! start bit is seen, and then once in the middle of each bit. Every exchange ends by itself after a time that is known
-//! when it begins, whatever the line does, unless its interrupt was masked (`storm`): then the machine has stopped.
+//! Plain code without a clock: a timer ticks, and this code says the wire's next action and the time of the next tick.
+//! While sending, a bit is one tick. While listening, the line is sampled [`OVERSAMPLING`] times a bit until a start
+//! bit is seen, and then once in the middle of each bit. Every exchange ends by itself after a time that is known at
+//! its begin, regardless of the line. The exception is a masked interrupt (`storm`): then the machine has stopped.
 //!
-//! A bit at [`BAUD`] lasts 52 us. A tick that comes late by J moves an edge or a sample, and never the ticks after
-//! it, for the timer does not wait. What half a bit, 26 us, is spent on:
+//! A bit at [`BAUD`] lasts 52 us. A tick that is late by J moves one edge or sample, but no later tick, because the
+//! timer runs on. The budget is half a bit, 26 us:
 //!
-//! | direction | spent | so J may be |
-//! |---|---|---|
-//! | sending | The driver measures the length of a bit over four bits of the sync nibble, so a late tick makes it wrong by J / 4. Its last sample comes 9.5 bits later and is wrong by 9.5 J / 4 = 2.4 J. This byte's start bit and the edge next to the sample may each be late by another J, but only one of them counts: 3.4 J | 7.7 us |
-//! | listening | The driver speaks with the bit that it measured, so a stop bit may end 2.5 J early; a start bit is seen within a tick, half of which counts, 5.2 us; the sample is late by J: 5.2 us + 3.5 J | 5.9 us |
+//! - Sending: the driver measures the bit length over four bits of the sync nibble, so a late tick makes it wrong by J
+//!   / 4. Its last sample comes 9.5 bits later and is wrong by 9.5 J / 4 = 2.4 J. This byte's start bit and the edge
+//!   next to the sample may each be late by another J, but only one of them counts. The sum is 3.4 J, so J may be 7.7
+//!   us.
+//! - Listening: the driver sends with the bit length that it measured, so a stop bit may end 2.5 J early. A start bit
+//!   is detected within a tick, and half a tick counts, 5.2 us. The sample is late by J. The sum is 5.2 us + 3.5 J, so
+//!   J may be 5.9 us.
 //!
-//! 2 % between the clocks, beyond what J makes of them, leave 2.9 us. In the emulator, which knows no flash wait
-//! states, J is 2 us at rest, 3 us in a print and 5 us at 100,000 step events a second. What is garbled nevertheless is
-//! noticed by a stop bit or by the datagram's checksum.
+//! A clock difference of 2 %, in addition to the effect of J, leaves 2.9 us. In the emulator, which has no flash wait
+//! states, J is 2 us at rest, 3 us in a print and 5 us at 100,000 step events a second. The stop bit or the datagram's
+//! checksum detects data that is garbled anyway.
 
 use corehbot::port::{BusError, Frame};
 
@@ -30,12 +33,12 @@ pub const OVERSAMPLING: u8 = 5;
 /// From the first low sample to the middle of the start bit, in samples.
 const TO_MIDDLE: u8 = OVERSAMPLING / 2;
 
-/// Bit times of an idle line before a request. TMC2209 datasheet rev 1.09, sections 4.1.1 and 4.1.2: a driver lets
-/// go four bit times after its reply, and 12 make it forget what it took for an error.
+/// Bit times of an idle line before a request. TMC2209 datasheet rev 1.09, sections 4.1.1 and 4.1.2: a driver releases
+/// the line four bit times after its reply. After 12 idle bit times it resets its receiver.
 const REST: u8 = 12;
 
-/// The same after an exchange that failed or was given up: the driver may say the eight bytes of a reply yet, or wait
-/// for more of a request, which it gives up after 63 bit times (section 4.1.1).
+/// The same after an exchange that failed or was given up. The driver may still send the eight bytes of a reply. Or it
+/// may wait for the rest of a request, which it gives up after 63 bit times (section 4.1.1).
 const LONG_REST: u8 = 80 + REST;
 
 /// Bit times that a reply may take longer than its bits, and in which it must have begun. It begins after eight
@@ -46,7 +49,7 @@ const LATE: u16 = 24;
 /// Bits of a byte with its start and stop bit.
 const BYTE: u16 = 10;
 
-/// What is left of a byte when all bits were sent.
+/// Remainder of a byte after all its bits were sent.
 const SENT: u16 = 1;
 
 /// The stop bit of a byte to be sent, and the mark that ends up as [`SENT`].
@@ -64,24 +67,23 @@ const TAKEN: u16 = 1 << 5;
 /// The start bit was high in its middle: it was a pulse.
 const FALSE_START: u16 = 1 << 15 | STARTED >> 1;
 
-/// What the line does next.
+/// The next action of the line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Action {
-    /// What it does.
+    /// The line stays as it is.
     Stay,
-    /// It is driven high, after nobody drove it.
+    /// The line is driven high, after it was released.
     Take,
     /// The level of a bit.
     Drive {
         /// Whether it is high.
         is_high: bool,
     },
-    /// Nobody drives it, and from now on ticks come [`OVERSAMPLING`] times a bit.
+    /// The line is released, and from now on ticks come [`OVERSAMPLING`] times a bit.
     Listen,
-    /// What it does; the next tick and those after it come so many samples after the one before, the next one after
-    /// this.
+    /// The line stays as it is. From this tick on, ticks come this many samples apart.
     Sample(u8),
-    /// Nobody drives it, and no more ticks are needed: there is an outcome.
+    /// The line is released, and no more ticks are needed: there is an outcome.
     End,
 }
 
@@ -143,7 +145,7 @@ impl Exchange {
         self.phase = Phase::Resting;
     }
 
-    /// Ends what goes on, if anything, without anybody's answer.
+    /// Aborts the current exchange, if any, without an outcome.
     pub fn fail(&mut self) {
         let _ = self.end(Err(BusError::Silent));
     }
@@ -217,14 +219,13 @@ impl Exchange {
         }
     }
 
-    /// Whether nobody has begun to answer while a reply could begin: what is left of the time is that of a reply's
-    /// bits.
+    /// Whether no reply has begun while a reply could still begin: the remaining time is the length of a reply.
     fn is_unanswered(&self) -> bool {
         let of_reply = self.wanted as u16 * BYTE * u16::from(OVERSAMPLING);
         self.bits == WAITING && self.reply.is_empty() && self.patience <= of_reply
     }
 
-    /// The next tick comes so many samples after this one.
+    /// The next tick comes this many samples after the current one.
     const fn sample_after(&mut self, samples: u8) -> Action {
         if self.count == samples {
             return Action::Stay;

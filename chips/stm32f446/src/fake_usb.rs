@@ -1,4 +1,4 @@
-//! A USB bus without hardware: what the host does is put into a [`Wire`], and what the device does is found there.
+//! A USB bus without hardware: the test puts the host's actions into a [`Wire`] and finds the device's actions there.
 //!
 //! Nothing wakes anybody; the test polls everything until nothing happens any more.
 
@@ -12,11 +12,11 @@ use std::future::poll_fn;
 use std::rc::Rc;
 use std::task::Poll;
 
-/// What is between host and device.
+/// The state between host and device.
 #[derive(Default)]
 pub struct Wire {
     pub events: VecDeque<Event>,
-    /// Requests of the host, and what they carry.
+    /// Requests of the host, with their data.
     pub requests: VecDeque<([u8; 8], Vec<u8>)>,
     /// Answers to requests that ask for something, and how many of the others were accepted and rejected.
     pub answers: Vec<u8>,

@@ -14,10 +14,10 @@ const MEMORY: u32 = 0xFF;
 /// MMARVALID: MMFAR holds the address.
 const MEMORY_ADDRESS: u32 = 1 << 7;
 
-/// STKERR and MSTKERR: what the handler finds on the stack is not what was interrupted.
+/// STKERR and MSTKERR: the stacked registers are not those of the interrupted code.
 const NOT_PUSHED: u32 = 1 << 12 | 1 << 4;
 
-/// First of all, in every handler: nobody else runs any more, heaters are low and drivers off.
+/// First action of every handler: stops all other contexts, sets heaters low and switches drivers off.
 #[inline(always)]
 fn make_safe() {
     cortex_m::interrupt::disable();
@@ -32,7 +32,7 @@ fn end((cause, value, limit): (Cause, u32, u32), reason: core::fmt::Arguments<'_
     SCB::sys_reset()
 }
 
-/// The user wants a reset. What the thermal context has noted is told after it, and otherwise nothing.
+/// The user wants a reset. If the thermal context has noted a reason, it is reported after the reset.
 pub fn begin_anew() -> ! {
     make_safe();
     reset_reason::end_series();
@@ -65,14 +65,14 @@ fn on_panic(info: &PanicInfo<'_>) -> ! {
 }
 
 /// The crystal has stopped (RM0390, 6.2.7), or memory is at fault.
-// SAFETY: the handler never returns and shares nothing but atomics with what it interrupts.
+// SAFETY: the handler never returns and shares only atomics with the interrupted code.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     make_safe();
     end((Cause::ClockFailed, 0, 0), format_args!("the crystal has stopped"))
 }
 
-/// An interrupt or exception that nobody enabled.
+/// An interrupt or exception that was never enabled.
 // SAFETY: as for NonMaskableInt.
 #[exception]
 unsafe fn DefaultHandler(irq: i16) -> ! {
@@ -115,7 +115,7 @@ extern "C" fn describe(stack: u32) -> ! {
 
 /// The program counter that the core pushed at `stack`, or 0 if that is outside of RAM.
 fn counter(stack: u32) -> u32 {
-    /// Where the program counter lies in what the core pushes (ARM DDI 0403E, B1.5.6).
+    /// Offset of the program counter in the exception frame (ARM DDI 0403E, B1.5.6).
     const OFFSET: u32 = 24;
     /// SRAM1 and SRAM2.
     const RAM: core::ops::Range<u32> = 0x2000_0000..0x2000_0000 + stack_guard::RAM_SIZE - OFFSET - 4;

@@ -1,12 +1,14 @@
 //! The processor's flash as memory for settings: sectors 1 and 2.
 //!
-//! Registers and not embassy-stm32's driver, which erases without regard to the watchdog: while a sector is erased the
-//! processor cannot fetch instructions and stands still, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits), and
-//! the watchdog bites after 0.34 s. So it gets a longer period for that time, in which the Console's clock stands
-//! still. Motors rest when settings are saved, and drivers hold on their own. Heaters go off by themselves: their timer
-//! ends the pulse that is under way (`heater_timer`), and no control period starts another while the processor stands
-//! still. (No board that keeps its settings in flash has heaters.) Commands are heard again afterwards: DMA keeps the
-//! 2,048 bytes that came last.
+//! This uses registers and not embassy-stm32's driver, which erases without regard to the watchdog. While a sector is
+//! erased the processor cannot fetch instructions and stands still. That takes up to 0.5 s (STM32F446 datasheet,
+//! t_ERASE16KB at 32 bits), and the watchdog resets after 0.34 s. So the watchdog gets a longer period for that time,
+//! and the Console's clock stands still.
+//!
+//! Motors rest when settings are saved, and drivers hold on their own. Heaters go off by themselves: their timer ends
+//! the current pulse (`heater_timer`), and no control period starts another while the processor stands still. Besides,
+//! no board that keeps its settings in flash has heaters. Commands are heard again afterwards: DMA keeps the last 2,048
+//! bytes.
 
 use corehbot::port::StorageError;
 use embassy_stm32::pac::FLASH;
@@ -27,9 +29,9 @@ const BASE: u32 = 0x0800_0000;
 /// The keys that open the control register, in this order (RM0390, 3.5.1).
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
-/// Looks at the status until an operation is given up. A word takes 100 us at the most (STM32F446 datasheet, t_prog)
-/// and a sector 0.5 s; a look takes 7 to 20 cycles of 180 MHz if the loop is in the instruction cache, 0.8 to 2.2 s in
-/// all, and else the processor stands still until the operation is done.
+/// Polls of the status before an operation is given up. A word takes at most 100 us (STM32F446 datasheet, t_prog) and a
+/// sector 0.5 s. A poll takes 7 to 20 cycles of 180 MHz if the loop is in the instruction cache, so the limit is 0.8 to
+/// 2.2 s. Otherwise the processor stands still until the operation is done.
 const LOOKS: u32 = 20_000_000;
 
 // SAFETY: the linker script of cortex-m-rt defines the symbol; only its address is taken.
@@ -38,7 +40,7 @@ unsafe extern "C" {
     safe static _stext: u8;
 }
 
-/// The memory in flash, for the `main` of a board whose image leaves it free.
+/// The memory in flash, for the `main` function of a board with an image that leaves it free.
 pub fn flash(_board: &'static Board) -> &'static mut dyn Memory {
     static PAGES: StaticCell<Option<FlashPages<Flash>>> = StaticCell::new();
     // An image that lies elsewhere has something else in these sectors: itself, or a bootloader.
@@ -61,7 +63,7 @@ impl Sectors for Flash {
         check(at, into.len())?;
         for (byte, address) in into.iter_mut().zip(BASE + at..) {
             // SAFETY: the address was checked to lie in the sectors, which are readable; any byte is a legal u8. No
-            // reference to them exists, so nobody relies on what they hold.
+            // reference to them exists, so no code relies on their content.
             *byte = unsafe { core::ptr::read_volatile(address as *const u8) };
         }
         Ok(())
@@ -110,8 +112,8 @@ impl Sectors for Flash {
     }
 }
 
-/// Opens the control register for one operation. What was read before is forgotten then: the data cache does not see
-/// that flash has changed (RM0390, 3.4.2).
+/// Opens the control register for one operation and discards cached reads: the data cache does not see that flash has
+/// changed (RM0390, 3.4.2).
 fn operate(operation: impl FnOnce() -> Result<(), StorageError>) -> Result<(), StorageError> {
     // The keys, written to a register that is unlocked already, lock it until the next reset; a debugger may have left
     // it unlocked.
@@ -128,7 +130,7 @@ fn operate(operation: impl FnOnce() -> Result<(), StorageError>) -> Result<(), S
     result
 }
 
-/// Waits for the end of what goes on.
+/// Waits for the end of the current operation.
 fn finish() -> Result<(), StorageError> {
     cortex_m::asm::dsb();
     if (0..LOOKS).any(|_| !FLASH.sr().read().bsy()) && FLASH.sr().read().0 & flags().0 == 0 {
@@ -138,7 +140,7 @@ fn finish() -> Result<(), StorageError> {
     }
 }
 
-/// What can go wrong; the flags are taken back by writing 1 (RM0390, 3.8.4).
+/// Error flags; writing 1 clears them (RM0390, 3.8.4).
 fn flags() -> Sr {
     let mut flags = Sr(0);
     flags.set_operr(true);

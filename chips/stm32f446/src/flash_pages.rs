@@ -1,18 +1,17 @@
 //! Pages of settings in the processor's flash: a sector of 16 KiB for each of the core's two slots.
 //!
-//! The core writes its slots in turns, and never the one that holds the newest settings (`corehbot::storage`). So the
-//! sector of a slot may be erased when a save begins to write it, whatever a power cut makes of that. Nobody has to
-//! judge whether an erase was complete: what was not erased by this run of the firmware is erased before it is written
-//! (`flash_slot`).
+//! The core writes its slots in turns, and never the slot that holds the newest settings (`corehbot::storage`). So a
+//! save may erase the sector of its slot first, wherever a power cut hits it. The code need not judge whether an
+//! earlier erase was complete: it erases every sector once in this run before it writes there (`flash_slot`).
 //!
 //! It costs an erase for each save, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits), and wear: 10,000 erases
 //! a sector (datasheet, N_END), so 20,000 saves. Several places in a sector would save erases; but a place that a cut
 //! has left half programmed may read as blank, so they need judging again.
 //!
-//! The contract is narrower than that of an EEPROM. A slot is written from its last page to its first, as a save does;
-//! a write that does not go down begins the slot anew, and all its other pages are blank then. The last page of all,
-//! which the core writes at any time, lies elsewhere in the sector of slot B: its slot does not have to be erased for
-//! it. It is carried over when that is; a power cut at that moment loses it.
+//! The contract is narrower than the contract of an EEPROM. A slot is written from its last page to its first, as a
+//! save does. A write that does not go down starts the slot again, and all its other pages are blank then. The very
+//! last page, which the core writes at any time, lies elsewhere in the sector of slot B: its slot need not be erased
+//! for it. When that sector is erased, the page is carried over; a power cut at that moment loses it.
 
 use corehbot::port::StorageError;
 use corehbot::storage::{NEEDED, PAGE, STRIDE};
@@ -86,8 +85,8 @@ impl<F: Sectors> Memory for FlashPages<F> {
         Ok(())
     }
 
-    /// Takes a millisecond, and up to 0.5 s more when it begins a slot. The rest of a page that begins or continues a
-    /// slot is blank; that of the note stays.
+    /// Takes a millisecond, and up to 0.5 s more when it begins a slot. A partial write to a page of settings leaves
+    /// the rest of that page blank; a partial write to the note keeps its rest.
     fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
         let Place { slot, page, begin } = Place::of(at, bytes.len())?;
         let [a, b] = &mut self.slots;

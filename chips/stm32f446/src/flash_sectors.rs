@@ -1,4 +1,4 @@
-//! The sectors of flash that are put aside for settings, and what can be done to them.
+//! The flash sectors reserved for settings, and the operations on them.
 
 use core::ops::Range;
 
@@ -14,8 +14,8 @@ pub const SECTOR: u32 = 0x4000;
 /// Bytes that are programmed at a time.
 pub const WORD: u32 = 4;
 
-/// Flash with these sectors. A power cut in the middle of an operation may leave anything in the word that was being
-/// programmed, or in the sector that was being erased, and nothing else changes.
+/// Flash with these sectors. A power cut in an operation may leave any content in the word being programmed, or in the
+/// sector being erased. Nothing else changes.
 pub trait Sectors {
     /// Fills `into` with the bytes from `at` on.
     ///

@@ -7,15 +7,15 @@
 //! | 32.. | the pages | |
 //! | 4096.. | notes, one behind the other; the last counts | |
 //!
-//! Both marks are made zero before the next erase. Cells whose erase or programming was cut may read as ones now and as
-//! zeros later; so nothing that may have been cut is trusted:
+//! Both marks are made zero before the next erase. Cells may read as ones now and as zeros later if their erase or
+//! programming was cut. So the code trusts no operation that may have been cut:
 //!
-//! | what was cut | what it leaves |
-//! |---|---|
-//! | the erase | no `ERASED`, but by a chance of one in 2^128: the sector holds nothing, and is erased again before it is written |
-//! | a page | no `WHOLE`: blank pages, whatever they read as |
-//! | `WHOLE` | all of the record, and a mark that may be seen or not. It is programmed again before the other slot's sector is erased |
-//! | zeroing the marks | the record of before, seen or not; the other slot's is newer |
+//! - A cut erase leaves no `ERASED`, except by a chance of one in 2^128. The sector counts as empty and is erased again
+//!   before it is written.
+//! - A cut page leaves no `WHOLE`: the pages count as blank, whatever they read as.
+//! - A cut write of `WHOLE` leaves the whole record and a mark that may read as set or not. The mark is programmed
+//!   again before the other slot's sector is erased.
+//! - A cut zeroing of the marks leaves the previous record, seen or not; the other slot holds a newer one.
 
 use corehbot::port::StorageError;
 use corehbot::storage::{PAGE, STRIDE};
@@ -53,9 +53,9 @@ pub struct FlashSlot {
     erased: usize,
 }
 
-/// What a sector holds.
+/// Content of a sector.
 enum Holds {
-    /// It could not be read, so nobody may erase it.
+    /// It could not be read, so it must not be erased.
     Unread,
     /// Nothing that counts: blank, what an erase has left that was cut, or code of another image.
     Nothing,
@@ -74,7 +74,7 @@ impl FlashSlot {
     /// A page; blank if it was not written since the slot was begun.
     ///
     /// # Errors
-    /// Those of the flash.
+    /// The errors of the flash.
     pub fn page(&self, flash: &mut impl Sectors, number: usize) -> Result<[u8; PAGE], StorageError> {
         let mut page = BLANK;
         match &self.holds {
@@ -86,11 +86,11 @@ impl FlashSlot {
         Ok(page)
     }
 
-    /// Writes a page, and begins the slot anew if the page does not lie below all that were written since it was begun.
-    /// `other` is the slot that counts meanwhile.
+    /// Writes a page. Restarts the slot first, unless the page lies below all pages written since the last restart.
+    /// `other` is the slot with the current settings.
     ///
     /// # Errors
-    /// Those of the flash.
+    /// The errors of the flash.
     pub fn put_page(
         &mut self,
         flash: &mut impl Sectors,
@@ -110,10 +110,10 @@ impl FlashSlot {
         Ok(())
     }
 
-    /// The last note; blank if there is none.
+    /// The last note; a blank page if there is none.
     ///
     /// # Errors
-    /// Those of the flash.
+    /// The errors of the flash.
     pub fn note(&self, flash: &mut impl Sectors) -> Result<[u8; PAGE], StorageError> {
         Ok(self.last_note(flash)?.1)
     }
@@ -121,7 +121,7 @@ impl FlashSlot {
     /// Writes a note. A sector that holds nothing is erased first.
     ///
     /// # Errors
-    /// Those of the flash, and [`StorageError::Failed`] if there is no room.
+    /// The errors of the flash, and [`StorageError::Failed`] if there is no room.
     pub fn put_note(&mut self, flash: &mut impl Sectors, other: &Self, note: &[u8; PAGE]) -> Result<(), StorageError> {
         match self.holds {
             Holds::Unread => return Err(StorageError::Failed),
@@ -181,7 +181,7 @@ impl FlashSlot {
     }
 }
 
-/// Finds out what a sector holds.
+/// Determines the content of a sector.
 fn look(flash: &mut impl Sectors, sector: u32) -> Result<Holds, StorageError> {
     let mut marks = [0; PAGES_AT as usize];
     flash.read(sector, &mut marks)?;

@@ -1,4 +1,4 @@
-//! Heat: what a board has of heaters, fans and sensors, as the core's thermal port.
+//! Heat: a board's heaters, fans and sensors, as the core's thermal port.
 
 use corehbot::port::{OUTPUTS, OutputSet, Sensor, ThermalPort};
 use cortex_m::peripheral::DWT;
@@ -32,7 +32,7 @@ impl BoardHeat {
         let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
         if let Some(switch) = board.supply_switch {
             ports::put(switch.pin, is_supplied == switch.is_on_high);
-            // Here and nowhere else: what changes modes later would lose what an interrupt changes meanwhile.
+            // Modes change only here: a later change of the register would race with interrupts and lose their changes.
             ports::make_output(switch.pin);
         }
         Self {
@@ -98,9 +98,9 @@ impl ThermalPort for BoardHeat {
         }
     }
 
-    /// Feeds it, unless a sensor that is wired has delivered nothing since the last time: without temperatures nothing
-    /// is safe. Nor if the cycle counter stands still (a debugger that goes may have switched it off), for then steps
-    /// have no time.
+    /// Feeds the watchdog, unless a wired sensor has delivered nothing since the last time: without temperatures
+    /// nothing is safe. Does not feed it either if the cycle counter stands still, because steps have no time then. (A
+    /// debugger that detaches may have switched the counter off.)
     fn feed_watchdog(&mut self) {
         let cycles = DWT::cycle_count();
         let has_time = cycles != core::mem::replace(&mut self.cycles, cycles);

@@ -4,11 +4,11 @@
 //! the end, and low again when the counter stands at 0. So all pulses end together, at the end of the period, and the
 //! interrupt of that instant begins the next one.
 //!
-//! Until the interrupt has got through to the timer some time has passed, in which the generator's context may have
-//! run. The next count is shorter by that, and so the control period is 20 ms in the long run, and each pulse as long
-//! as its duty says, unless that is all of the period: then the heater misses what the interrupt took.
+//! The interrupt reaches the timer with a delay, in which the generator's context may have run. The next count is
+//! shorter by that delay, so the control period averages 20 ms and each pulse has the length of its duty. The exception
+//! is a duty of the full period: then the heater loses the delay.
 //!
-//! Time is that of the core's cycle counter, which wraps.
+//! The clock is the core's cycle counter, which wraps.
 
 /// A control period, in counts of the timer at 90 MHz (APB1 timer clock, RM0390, 6.2): 20 ms.
 pub const PERIOD: u32 = 1_800_000;
@@ -16,8 +16,8 @@ pub const PERIOD: u32 = 1_800_000;
 /// Cycles of the core in a count.
 const CYCLES: u32 = 2;
 
-/// A compare value that no count reaches: there is no pulse (RM0390, TIM2 to TIM5, PWM mode: with a compare value above
-/// the reload value, PWM mode 2 holds the output inactive).
+/// A compare value that no count reaches, so there is no pulse. RM0390, TIM2 to TIM5, PWM mode: with a compare value
+/// above the reload value, PWM mode 2 holds the output inactive.
 pub const NEVER: u32 = u32::MAX;
 
 /// The longest that a pulse lasts, in counts. The heater goes off no later than this after it was told to go on.
@@ -37,9 +37,9 @@ impl Grid {
         Self { begin: now.wrapping_sub(PERIOD * CYCLES) }
     }
 
-    /// Begins the next period at `now`, and says how many counts it has: half of them at the least. Who comes later
-    /// than that, or before its time, as after a halt by a debugger, which stops the cycle counter and not the timer,
-    /// begins a grid of its own.
+    /// Begins the next period at `now`, and returns its counts, at least half of them. A call that is later than that,
+    /// or early, starts a new grid. This happens after a halt by a debugger, which stops the cycle counter and not the
+    /// timer.
     pub const fn next(&mut self, now: u32) -> u32 {
         let due = self.begin.wrapping_add(PERIOD * CYCLES);
         let late = now.wrapping_sub(due);
@@ -49,8 +49,8 @@ impl Grid {
     }
 }
 
-/// The compare value for a duty of 1/65,535 of [`PERIOD`] in a period of so many counts. It is never 0: an output with
-/// that would be high while the counter stands.
+/// The compare value for a duty of 1/65,535 of [`PERIOD`] in a period of `counts` counts. It is never 0: an output with
+/// 0 would be high while the counter stands.
 #[must_use]
 pub const fn compare(duty: u16, counts: u32) -> u32 {
     if duty == 0 {

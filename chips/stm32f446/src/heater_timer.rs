@@ -2,17 +2,17 @@
 //! period.
 //!
 //! A dead man's switch in hardware. The counter is started for one control period and stops by itself. While it stands
-//! at 0 all outputs are low (see [`heater_pulses`]), whatever the processor does: hangs, waits in an endless interrupt,
-//! erases flash, is halted. So a heater that nobody asks for again is off 20 ms after it was switched on, at the
-//! latest; that needs no instruction. The watchdog's reset comes 0.34 to 0.94 s later.
+//! at 0, all outputs are low (see [`heater_pulses`]), even if the processor hangs, waits in an endless interrupt,
+//! erases flash or is halted. So a heater goes off at most 20 ms after it was switched on, unless it is requested
+//! again; that needs no instruction. The watchdog's reset comes 0.34 to 0.94 s later.
 //!
-//! The interrupt has no other source than the counter's end, and nobody starts the counter but [`heat`], once a period,
-//! at the end of the interrupt. A control period that does not come to call it is the last one, and the watchdog is not
-//! fed any more. The Console plays no part in this.
+//! The interrupt has only one source, the counter's end. Only [`heat`] starts the counter, once a period, at the end of
+//! the interrupt. If one control period fails to call it, that period is the last, and nothing feeds the watchdog any
+//! more. The Console plays no part in this.
 //!
-//! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt is as any other hang.
-//! Stopped in the middle of a pulse, TIM5 would hold its output high: only TIM1 and TIM8 let go of their outputs in a
-//! halt (RM0390, TIM1 and TIM8, debug mode).
+//! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt acts like any other hang.
+//! TIM5 stopped in the middle of a pulse would hold its output high: only TIM1 and TIM8 release their outputs in a halt
+//! (RM0390, TIM1 and TIM8, debug mode).
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -42,7 +42,7 @@ pub struct HeaterTimer {
 }
 
 impl HeaterTimer {
-    /// Takes the timer and hands it the pins, whose level does not change with that. The first period begins with
+    /// Takes the timer and connects the pins to it; their level does not change by that. The first period begins with
     /// [`heat`](Self::heat).
     pub fn start(heaters: &'static [HeaterPin]) -> Self {
         RCC.apb1enr().modify(|w| w.set_tim5en(true));

@@ -1,7 +1,7 @@
 //! What boards with an STM32F446 share: everything but pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins. An [`Image`](wiring::Image) has those of one or several
-//! boards and calls `run` with them and with the memory that they have for settings.
+//! A board is a [`Board`](wiring::Board), a table of pins. An [`Image`](wiring::Image) lists one or several boards. It
+//! calls `run` with these boards and with the settings memory that they have.
 //!
 //! | priority | context | runs |
 //! |---|---|---|

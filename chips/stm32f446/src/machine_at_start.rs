@@ -1,8 +1,8 @@
 //! The machine to start as, and the board as that is plugged into it.
 //!
-//! It is the one that is stored, or else that of the image. A board that has neither, or not the connectors of its
-//! machine, still talks and reports, put together as the prototype in the usual places; but no motor gets power,
-//! nothing that is stored counts, and what it says is why.
+//! The machine is the stored one, or else the machine of the image. A board may have neither, or lack the connectors of
+//! its machine. It then still talks and reports, as the prototype on the usual connectors. But no motor gets power, no
+//! stored value counts, and its messages say why.
 
 use core::fmt::Write as _;
 
@@ -19,7 +19,7 @@ use crate::wiring::{Board, Image, Plugged};
 /// its inputs.
 const LONGEST_REASON: usize = 192;
 
-/// What a board starts as.
+/// The result of start-up.
 pub struct Start {
     /// The machine.
     pub settings: &'static Settings,
@@ -53,7 +53,7 @@ pub fn machine_at_start(image: &Image, board: &'static Board, storage: &mut Boar
             *machine = *stored;
         }
     }
-    // What is stored counts in any case, by the Console, which looks again and tells what it finds.
+    // Stored values count in any case for the Console, which reads them again and reports what it finds.
     let is_fit = stored.map_or(Ok(()), |stored| stored.check_connectors(board.connectors));
     let (plugged, refusal) = match is_fit.and_then(|()| board.plugged(machine)) {
         Ok(plugged) => (plugged, has_none.then_some(NO_MACHINE)),

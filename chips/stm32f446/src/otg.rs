@@ -28,8 +28,8 @@ const MORE_FIFO: u16 = 30;
 /// Turnaround time in clocks of the bus, from 32 MHz on (RM0390, table of TRDT values).
 const TURNAROUND: u8 = 6;
 
-/// Looks at a status register, at four cycles of 180 MHz each or more, that take longer than the core takes to become
-/// a device, which is 25 ms (RM0390, 31.15.4, FDMOD).
+/// Polls of a status register, at four cycles of 180 MHz each or more. They take longer than the 25 ms in which the
+/// core becomes a device (RM0390, 31.15.4, FDMOD).
 const LOOKS: u32 = 2_000_000;
 
 static STATE: State<ENDPOINTS> = State::new();
@@ -38,12 +38,12 @@ static STATE: State<ENDPOINTS> = State::new();
 pub type UsbDriver = Driver<'static, ENDPOINTS>;
 
 fn registers() -> Otg {
-    // SAFETY: both crates mean the same device; the address is that of its first register.
+    // SAFETY: both crates mean the same device; the address is the address of its first register.
     unsafe { Otg::from_ptr(pac::USB_OTG_FS.as_ptr()) }
 }
 
 /// Switches the core on, as a device that is not connected yet. `buffer` holds packets from the host, one for each
-/// endpoint. `None` if the core does not become one.
+/// endpoint. Returns `None` if the core does not become a device.
 pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
     for pin in USB {
         ports::speed_up(pin, Speed::VeryHigh);
@@ -60,7 +60,7 @@ pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
         w.set_physel(true);
     });
     let is_device = (0..LOOKS).any(|_| !otg.gintsts().read().cmod());
-    // The transceiver is on. Nothing senses VBUS, whose pin is USART1's transmitter: it counts as there.
+    // The transceiver is on. Nothing senses VBUS, because its pin is USART1's transmitter: VBUS counts as present.
     otg.gccfg_v2().modify(|w| {
         w.set_pwrdwn(true);
         w.set_vbden(false);

@@ -1,6 +1,6 @@
-//! The scrub of the pins' words: what the Stepper makes edges of lies in RAM for as long as the machine runs, and a bit
-//! of it that flips by itself would step another motor, or none. It is looked at every second, row by row; a step that
-//! is due meanwhile waits for one row at most, some 20 cycles.
+//! The pin scrub checks the port words that the Stepper writes, which stay in RAM as long as the machine runs. A bit
+//! that flips by itself would step another motor, or none. The scrub checks them every second, row by row. A step that
+//! falls due in between waits for one row at most, some 20 cycles.
 
 use corehbot::fault::{Cause, Fault};
 use corehbot::settings::sum;
@@ -14,7 +14,7 @@ use crate::step_pins::COUPLED_ROWS;
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(900);
 
-/// Looks at the words as long as the machine runs; what has changed is a fault.
+/// Checks the words as long as the machine runs; a changed word is a fault.
 #[embassy_executor::task]
 pub async fn run(status: &'static Status) {
     let (mut couplings, mut coupled, lasting) = (drivers::couplings(), sum_of_coupled(), sum_of_lasting());

@@ -1,4 +1,4 @@
-//! Port writes: what is stored to the ports' set/reset registers (BSRR) for a set of motor groups, ready in a table.
+//! Port writes: a table of the values to store to the ports' set/reset registers (BSRR) for each set of motor groups.
 
 use corehbot::kinematics::SETS;
 use corehbot::motors::{Coupling, MOST_GROUPS};
@@ -15,8 +15,8 @@ pub const DIR_PORTS: usize = 5;
 /// Ports that a quick step is stored to, the first of them.
 pub const QUICK: usize = 3;
 
-/// For every set of groups, what is written to each port's BSRR: one load of neighbouring values and one store a
-/// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
+/// For every set of groups, the value for each port's BSRR: one load of neighbouring values and one store a port,
+/// however many motors there are. Lies in RAM, where no flash wait state delays it.
 pub struct PortWrites<const PORTS: usize> {
     /// The ports; those not needed repeat the first, and their values are 0.
     pub ports: [Port; PORTS],
@@ -24,7 +24,7 @@ pub struct PortWrites<const PORTS: usize> {
     values: [[u32; PORTS]; SETS],
 }
 
-/// What makes steps.
+/// Port writes that make steps.
 pub type StepWrites = PortWrites<STEP_PORTS>;
 
 /// What sets directions.
@@ -38,8 +38,8 @@ impl<const PORTS: usize> PortWrites<PORTS> {
         pins.into_iter().all(|pin| ports.ports[..ports.used].contains(&pin.port))
     }
 
-    /// What sets the step pins of the motors of the groups and leaves the others. Pins on one port too many have none,
-    /// which [`can_hold`](Self::can_hold) says. The ports of motors that are not `slow` come first.
+    /// Writes that set the step pins of the motors in the groups and leave the other pins. Pins on one port too many
+    /// get no write; [`can_hold`](Self::can_hold) reports that. The ports of motors that are not `slow` come first.
     #[must_use]
     pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, coupling: &Coupling) -> Self {
         let of = |are_slow| {
@@ -57,8 +57,8 @@ impl<const PORTS: usize> PortWrites<PORTS> {
         GroupSet((0..MOST_GROUPS).filter(is_beyond).map(|group| 1 << group).sum())
     }
 
-    /// What sets the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
-    /// motor that turns forward, or backward if it is `reversed`.
+    /// Writes that set the direction pins if the coordinates of the groups grow and all other coordinates fall. A pin
+    /// is high for a motor that turns forward, or backward if it is `reversed`.
     #[must_use]
     pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, coupling: &Coupling) -> Self {
         let high = |set| MotorSet(coupling.forward_motors(set).0 ^ reversed.0);
@@ -105,7 +105,7 @@ struct Ports<const PORTS: usize> {
 }
 
 impl<const PORTS: usize> Ports<PORTS> {
-    /// Those of `pins`, as far as there is room.
+    /// The ports of `pins`, as far as there is room.
     fn of(pins: impl Iterator<Item = Pin>) -> Self {
         let (mut ports, mut used) = ([Port::A; PORTS], 0);
         for pin in pins {

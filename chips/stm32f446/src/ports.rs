@@ -62,7 +62,7 @@ pub fn store(port: Registers, word: u32) {
     port.bsrr().write_value(Bsrr(word));
 }
 
-/// Makes an output of `pin`, whose level was chosen before.
+/// Makes an output of `pin`; its level was chosen before.
 pub fn make_output(pin: Pin) {
     registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::OUTPUT));
 }
@@ -93,7 +93,7 @@ pub fn make_analog(pin: Pin) {
     registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::ANALOG));
 }
 
-/// Leaves an input to what is connected.
+/// Makes an input without a pull resistor.
 pub fn float(pin: Pin) {
     registers(pin.port).pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::FLOATING));
 }

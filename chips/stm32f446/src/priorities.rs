@@ -1,4 +1,4 @@
-//! The interrupts' priorities, and what a bootloader may have left.
+//! The interrupt priorities, and clean-up of state that a bootloader may have left.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SCB;
@@ -10,7 +10,7 @@ use embassy_stm32::pac::Interrupt;
 use crate::resources::SOURCES;
 use crate::{contexts, driver_uart, heater_timer, otg, supply};
 
-/// What the lines to hosts, the drivers' UART and embassy's time share: below the Stepper, above everything else.
+/// Priority shared by the host lines, the drivers' UART and embassy's time: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// The step timer's exception, which is always enabled.
@@ -34,9 +34,9 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
 /// AIRCR with its key and groups of priorities that take all bits, as after a reset (ARM DDI 0403E, B3.2.6).
 const ALL_BITS_COUNT: u32 = 0x05FA_0000;
 
-/// The first instructions, before any memory is initialised: the masks that a reset leaves open are closed, or the
-/// interrupts of a bootloader would meet handlers without their data. CONTROL is what it is after a reset, too: the
-/// main stack, which is empty here, and no numbers in the floating-point unit (ARM DDI 0403E, B1.4.4).
+/// The first instructions, before any memory is initialised. They close the interrupt masks that a reset leaves open;
+/// otherwise interrupts of a bootloader would meet handlers without data. CONTROL gets its reset value, too: the main
+/// stack, which is empty here, and no numbers in the floating-point unit (ARM DDI 0403E, B1.4.4).
 // SAFETY: cortex-m-rt wants the function under this name, calls it once before `main`, and keeps nothing in registers
 // or on the stack across the call but the return address.
 #[unsafe(no_mangle)]
@@ -45,7 +45,7 @@ pub unsafe extern "C" fn __pre_init() {
     core::arch::naked_asm!("cpsid i", "movs r0, #0", "msr CONTROL, r0", "isb", "bx lr")
 }
 
-/// They are those of the table, in its order.
+/// The priorities are the table's, in its order.
 const _: () = {
     let mut place = 0;
     while place < SOURCES.len() {
@@ -67,7 +67,7 @@ pub fn reset(peripherals: &mut Peripherals) {
             peripherals.NVIC.icpr[bank].write(u32::MAX);
         }
     }
-    // SAFETY: no interrupt is enabled, so none has a priority that could change under it.
+    // SAFETY: no interrupt is enabled, so no active priority can change.
     unsafe { peripherals.SCB.aircr.write(ALL_BITS_COUNT) };
     peripherals.SCB.clear_sleepdeep();
     for (irq, priority) in PRIORITIES {

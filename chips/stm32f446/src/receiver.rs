@@ -1,4 +1,4 @@
-//! The receiver: DMA carries bytes from a USART into a ring, and nobody is disturbed until the line rests.
+//! The receiver: DMA carries bytes from a USART into a ring, without an interrupt until the line is idle.
 //!
 //! Where a byte was damaged or lost, the Console gets [`Received::Lost`] in that place.
 

@@ -1,24 +1,23 @@
-//! What is done with the flags of a USART's receiver, when the DMA takes its bytes.
+//! Handling of a USART receiver's flags while DMA takes its bytes.
 //!
-//! Whoever reads the status register and then the data register takes the flags back that stood at the first reading:
-//! that the line rests, and errors (RM0390, 25.6.1: IDLE, ORE, NF, FE). But the data register is the DMA's. A byte that
-//! arrives between both readings is swallowed if we read it, and the next reading is the DMA's only if we do not. So
+//! A read of the status register and then of the data register clears the flags that stood at the first read. These are
+//! idle and errors (RM0390, 25.6.1: IDLE, ORE, NF, FE). But the data register belongs to the DMA. If we read it, we
+//! swallow a byte that arrives between both reads. If we do not, the next read is the DMA's. So
 //!
-//! - when the line rests we read the status and nothing else. The flag stays, so its interrupt is switched off; the DMA
-//!   takes the flag back with the next byte, for the USART cannot tell its readings from ours, and when the flag has gone,
-//!   the interrupt is switched on again, by whoever looks for bytes (every millisecond). If some USART did tell them
-//!   apart, the interrupt would stay off and bytes be found a millisecond late: nothing depends on it but time.
-//! - after an error we do read the data: a receiver that was overrun takes no more bytes before. A byte may be
-//!   swallowed
-//!   by that, which is why [`Ring::mark_damage`](crate::ring::Ring::mark_damage) marks the next one too.
-//! - every look at the status is answered, whoever looks: a look without an answer could take back an error unseen.
+//! - When the line is idle we read only the status. The flag stays, so its interrupt is switched off. The DMA clears
+//!   the flag with the next byte, because the USART cannot tell its reads from ours. Once the flag is clear, the next
+//!   look for bytes (every millisecond) switches the interrupt on again. If some USART did tell the reads apart, the
+//!   interrupt would stay off and bytes would be found a millisecond late. Nothing but time depends on it.
+//! - After an error we do read the data, because an overrun receiver takes no more bytes before. That may swallow a
+//!   byte, so [`Ring::mark_damage`](crate::ring::Ring::mark_damage) marks the next one too.
+//! - Every read of the status is handled, wherever it happens: an unhandled read could clear an error unseen.
 //!
-//! | flag | set by | taken back by |
+//! | flag | set by | cleared by |
 //! |---|---|---|
-//! | at rest | one frame of silence after a byte | a look, then the DMA's reading of the next byte |
-//! | error | a byte that is damaged or has no room | a look, then our reading of the data |
+//! | at rest | one frame of silence after a byte | a read of the status, then the DMA's read of the next byte |
+//! | error | a byte that is damaged or has no room | a read of the status, then our read of the data |
 
-/// Flags, as one look at the status register finds them.
+/// Flags, as one read of the status register finds them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Flags {
     /// The line has rested for a frame since the last byte.
@@ -27,7 +26,7 @@ pub struct Flags {
     pub is_damaged: bool,
 }
 
-/// What a look at them asks for.
+/// The action that flags ask for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum News {
     /// Nothing.
@@ -40,7 +39,7 @@ pub enum News {
 
 /// The registers.
 pub trait Receiving {
-    /// Reads the data register, and throws away what was in it.
+    /// Reads the data register and discards its content.
     fn discard(&mut self);
 
     /// Whether a line at rest raises the interrupt.

@@ -1,8 +1,8 @@
 //! A USART, its DMA and the Console, in steps as small as an access to a register, and a byte at every instant.
 //!
-//! The registers follow RM0390, 25.6.1 and 25.4.3. Where it leaves something open, both ways are run: whether the DMA's
-//! reading of the data register counts when flags are taken back, and whether a request that the DMA has seen is
-//! forgotten when we read the byte instead.
+//! The registers follow RM0390, 25.6.1 and 25.4.3. Where the manual leaves something open, the tests run both variants.
+//! One: whether the DMA's read of the data register counts when flags are cleared. Two: whether the DMA forgets a
+//! request that it has seen when we read the byte instead.
 
 use std::collections::VecDeque;
 
@@ -11,14 +11,14 @@ use corehbot::port::Received;
 use super::*;
 use crate::ring::{Ring, SIZE};
 
-/// A byte takes so many steps on the wire; the processor's accesses take one. At a million bits a second an access to
-/// APB1 is a fiftieth of a byte, so this is harder than that.
+/// A byte takes this many steps on the wire; the processor's accesses take one. At a million bits a second an access to
+/// APB1 is a fiftieth of a byte, so this test is harder than the hardware.
 const BYTE: u32 = 20;
 
 /// The Console looks for bytes this often: fifteen bytes at 250,000 bits a second are more than half a millisecond.
 const POLL: u32 = 15 * BYTE;
 
-/// What the manual leaves open, and how quick everybody is.
+/// The variants that the manual leaves open, and the speeds of the parts.
 #[derive(Clone, Copy, Debug)]
 struct Chip {
     does_dma_take_flags_back: bool,
@@ -29,7 +29,7 @@ struct Chip {
     handler: u32,
 }
 
-/// What is on the wire: when a byte is complete, and whether it is sound.
+/// A byte on the wire: when it is complete, and whether it is sound.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
     at: u32,
@@ -143,7 +143,7 @@ impl Usart {
         self.woken += 1;
     }
 
-    /// Runs until everything has come and was looked for; what the Console received.
+    /// Runs until everything has come and was looked for; returns the bytes that the Console received.
     fn run(&mut self, poll: u32) -> Vec<Received> {
         let (mut received, mut read) = (Vec::new(), 0);
         let (mut next_poll, mut woken) = (poll, 0);
@@ -239,7 +239,7 @@ fn a_byte_that_comes_at_any_instant_round_a_rest_is_not_lost() {
                 let received = usart.run(poll);
                 let expected: Vec<_> = LINES.concat().into_iter().map(Received::Byte).collect();
                 assert_eq!(received, expected, "{chip:?}, a pause of {pause}, first look at {poll}");
-                // One for each rest at the most, and none again and again.
+                // At most one interrupt for each idle line, and no repeated ones.
                 assert!(usart.answered <= 2, "{} interrupts", usart.answered);
             }
         }

@@ -1,10 +1,10 @@
 //! The converter's own reference, 1.21 V (STM32F446 datasheet, V_REFINT), which tells how high the supply is that
 //! thermistors are compared with.
 //!
-//! Only ADC1 has it, on channel 17 (RM0390, 13.3.3), and thermistors are on ADC3. So ADC1 converts it, once in a
-//! control period: [`begin`](ReferenceVoltage::begin) starts what [`read`](ReferenceVoltage::read) finds in the next
-//! one. Nobody waits. The clock of the converters and the switch of the reference are in registers that all three
-//! share; the clock is set by `thermistors`, to the same.
+//! Only ADC1 has it, on channel 17 (RM0390, 13.3.3), and thermistors are on ADC3. So ADC1 converts it once in a control
+//! period: [`begin`](ReferenceVoltage::begin) starts a conversion, and [`read`](ReferenceVoltage::read) reads it in the
+//! next period. There is no wait. All three converters share the registers with their clock and with the switch of the
+//! reference. `thermistors` sets the clock, to the same value.
 
 use embassy_stm32::pac::adc::vals::SampleTime;
 use embassy_stm32::pac::adccommon::vals::Adcpre;
@@ -40,7 +40,7 @@ impl ReferenceVoltage {
         ADC1.cr2().modify(|w| w.set_swstart(true));
     }
 
-    /// What the last one has found, in 1/65,536 of the supply, if it is over. Reading takes it away (RM0390, 13.13.1:
+    /// Result of the last conversion, in 1/65,536 of the supply, if it is over. Reading clears it (RM0390, 13.13.1:
     /// EOC).
     pub fn read(&mut self) -> Option<u16> {
         ADC1.sr().read().eoc().then(|| ADC1.dr().read().data() << 4)

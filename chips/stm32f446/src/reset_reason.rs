@@ -1,11 +1,11 @@
 //! Reset reason: why the processor had to be reset, kept in RAM that start-up leaves alone.
 //!
-//! | what | written by | told after the reset |
-//! |---|---|---|
-//! | a text | the handler that ends a run | always |
-//! | a record: the fault as numbers, and how many came how fast | the same; the thermal context for a fault that the core has latched; start-up for a bite of the watchdog | if there is no text |
-//! | seconds since start | the thermal context | no |
-//! | that the power supply was switched off, for a heater could not be | the thermal context | always, until it is forgotten |
+//! - A text: written by the handler that ends a run; reported after every reset.
+//! - A record, the fault as numbers and how many came how fast: reported if there is no text. The same handler writes
+//!   it; so does the thermal context for a fault that the core has latched, and start-up after a watchdog reset.
+//! - Seconds since start: written by the thermal context; never reported.
+//! - The power supply was switched off because a heater did not go off: written by the thermal context. Reported after
+//!   every reset until it is forgotten.
 //!
 //! The first fault of a run is the one that is recorded. Switching on, and M999 without a fault before it, end a
 //! series.
@@ -52,14 +52,14 @@ static KEPT: Kept = Kept {
     supply_off: AtomicU32::new(0),
 };
 
-/// What is known of the time before the reset.
+/// Facts about the time before the reset.
 pub struct Past {
     /// Why the reset happened, if it was not for a good reason.
     pub reason: Option<ResetReason>,
     /// The last fault, however long ago.
     pub record: Option<fault::Record>,
-    /// The power supply was switched off, for a heater could not be. It stays off until power was cut, or until an M999
-    /// that no fault came before.
+    /// The power supply was switched off because a heater did not go off. It stays off until power was cut, or until an
+    /// M999 without a fault before it.
     pub is_supply_off: bool,
 }
 
@@ -67,12 +67,12 @@ pub struct Past {
 pub struct ResetReason(String<LONGEST>);
 
 impl ResetReason {
-    /// What was said.
+    /// The text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// What a host is told.
+    /// The report to a host.
     pub fn parts(&self) -> [&str; 3] {
         ["echo:the last reset came after ", &self.0, "\n"]
     }
@@ -120,8 +120,8 @@ fn is_fresh() -> bool {
     KEPT.is_fresh.load(Ordering::Relaxed) == MAGIC
 }
 
-/// Records a fault, unless this run has recorded one. In any context: who interrupts this ends the run, or has the same
-/// to say.
+/// Records a fault, unless this run has recorded one. Works in any context: a context that interrupts this one ends the
+/// run, or records the same fault.
 pub fn note(fault: Fault) {
     if is_fresh() {
         return;
@@ -138,7 +138,7 @@ pub fn set_uptime(seconds: u32) {
     KEPT.uptime.store(seconds, Ordering::Relaxed);
 }
 
-/// The power supply was switched off, for a heater could not be.
+/// Notes that the power supply was switched off because a heater did not go off.
 pub fn note_supply_off() {
     KEPT.supply_off.store(MAGIC, Ordering::Relaxed);
 }
@@ -157,7 +157,7 @@ pub fn forget() {
     KEPT.is_fresh.store(0, Ordering::Relaxed);
 }
 
-/// What is known of the time before the reset; asked once, before anything can fail that is worth a record.
+/// Facts about the time before the reset; read once, before any fault can be recorded.
 pub fn take() -> Past {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));

@@ -1,7 +1,7 @@
 //! Which peripheral does which job: alternate functions, DMA streams, timers and interrupts.
 //!
-//! Plain numbers and names, so that a test on the host can hold them against the description of the chip that
-//! stm32-metapac is generated from (`tests/chip.rs`); the code takes them from here.
+//! Plain numbers and names, so that a host test can compare them with the chip description behind stm32-metapac
+//! (`tests/chip.rs`); the code uses these.
 
 use crate::serial_port::Usart;
 use crate::wiring::FanTimer;
@@ -15,7 +15,7 @@ pub const I2C_FUNCTION: u8 = 4;
 /// OTG_FS (the same table).
 pub const USB_FUNCTION: u8 = 10;
 
-/// TIM5, whose channels the heaters are on (the same table).
+/// TIM5 drives the heaters with its channels (the same table).
 pub const HEATER_FUNCTION: u8 = 2;
 
 /// The timer of a fan, its alternate function (the same table), and its channels.
@@ -35,15 +35,15 @@ pub struct Channel {
     pub controller: u8,
     /// The stream.
     pub stream: usize,
-    /// What the manual calls the channel: the request that the stream listens to.
+    /// The manual's name for the channel: the request that the stream listens to.
     pub request: u8,
 }
 
 /// ADC3 (RM0390, table of DMA2 requests).
 pub const CONVERTER: Channel = Channel { controller: 2, stream: 0, request: 2 };
 
-/// The receiver of a USART (RM0390, tables of DMA1 and DMA2 requests). That of USART1 is on stream 5 and not 2, which
-/// TIM8 and the second ADC may want; nothing here uses TIM1 or SPI1, the others on stream 5.
+/// The receiver of a USART (RM0390, tables of DMA1 and DMA2 requests). USART1 uses stream 5 and not 2, which TIM8 and
+/// the second ADC may want. No other user of stream 5 is in use here: neither TIM1 nor SPI1.
 #[must_use]
 pub const fn receiver(usart: Usart) -> Channel {
     match usart {
@@ -60,16 +60,16 @@ pub const TIME: &str = "TIM3";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";
 
-/// The heaters' pulses and the control period. It is the only timer with 32 bits on these pins but TIM2, whose channels
-/// two pairs of heaters share.
+/// The heaters' pulses and the control period. Besides TIM2 this is the only timer with 32 bits on these pins, and on
+/// TIM2 two pairs of heaters would share channels.
 pub const HEAT: &str = "TIM5";
 
-/// An interrupt in use: whose it is, for what, and its number in the vector table.
+/// An interrupt in use: its owner, its purpose, and its number in the vector table.
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
     /// The peripheral.
     pub peripheral: &'static str,
-    /// What it signals.
+    /// The event that it signals.
     pub signal: &'static str,
     /// Its number.
     pub number: u16,
@@ -79,8 +79,8 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
     Source { peripheral, signal, number }
 }
 
-/// The interrupts in use beside the core's own timer (SysTick), which rings for steps. The supply's comes through line
-/// 16 of EXTI, which the description of the chip leaves out, so it goes by its name.
+/// The interrupts in use besides the core's own timer (SysTick), which triggers steps. The supply's interrupt comes
+/// through line 16 of EXTI, which the chip description leaves out, so it goes by its name.
 pub const SOURCES: [Source; 10] = [
     source("PVD", "", 1),
     source(TIME, "UP", 29),

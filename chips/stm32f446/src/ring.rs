@@ -2,7 +2,7 @@
 //!
 //! | who | writes | reads |
 //! |---|---|---|
-//! | DMA | `bytes`, and counts down what is left of a lap | |
+//! | DMA | `bytes`, and counts down the rest of a lap | |
 //! | the DMA's interrupt | `laps`, at the end of each | |
 //! | the USART's interrupt | `damaged`: sets bits | `laps` |
 //! | Console | `damaged`: clears bits | everything |
@@ -53,9 +53,9 @@ impl Ring {
         }
     }
 
-    /// Marks as damaged the last of the bytes that have been `written` and the one that comes next. The last is the one
-    /// that came with an error, or a lost one followed it. The next is marked because whoever takes back the error may
-    /// have swallowed a byte just now: if that was the end of a line, what follows belongs to no line.
+    /// Marks as damaged the last of the `written` bytes and the byte that comes next. The last one came with an error,
+    /// or a lost byte followed it. The next one is marked because clearing the error may have swallowed a byte just
+    /// now. If that byte ended a line, the bytes after it belong to no line.
     pub fn mark_damage(&self, written: u32) {
         for position in [written.wrapping_sub(1), written] {
             let position = (position % SIZE) as usize;

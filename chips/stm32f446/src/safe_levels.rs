@@ -8,7 +8,7 @@ use crate::wiring::{Board, HEATER_PORT, Plugged, Port, Slot};
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
 static WORDS: [AtomicU32; Port::ALL.len()] = [const { AtomicU32::new(0) }; Port::ALL.len()];
 
-/// The bits of the heaters' pins in their port's mode register, and what makes outputs of them again.
+/// The bits of the heaters' pins in their port's mode register, and the value that makes them outputs again.
 static HEATER_MODES: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 
 /// Makes the board's outputs outputs, safe from the first instant on. Heaters come first.
@@ -35,7 +35,7 @@ pub fn take_debug_pins(plugged: &Plugged) {
     plugged.slots.iter().flatten().filter(|slot| slot.is_of_debug_port()).for_each(drive);
 }
 
-/// Makes outputs of a driver's step and direction pins, whose levels have been chosen.
+/// Makes outputs of a driver's step and direction pins; their levels were chosen before.
 fn drive(slot: &Slot) {
     for pin in [slot.step, slot.dir] {
         if !pin.is_slow() {

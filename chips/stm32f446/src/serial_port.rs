@@ -17,9 +17,9 @@ pub struct SerialPort {
     pub baud: u32,
 }
 
-/// The USARTs that are wired for hosts. A new one: the compiler asks for its bus, its receiver's DMA and its registers
-/// (`resources`, `usart`, `plain_serial`); `tests/chip.rs` for its interrupts (`SOURCES` in `resources`, with a
-/// priority and a handler each), and `LINES` in `src/port.rs` of the core is the most that a board may have.
+/// The USARTs wired for hosts. For a new one the compiler asks for its bus, its receiver's DMA and its registers
+/// (`resources`, `usart`, `plain_serial`). `tests/chip.rs` asks for its interrupts (`SOURCES` in `resources`, with a
+/// priority and a handler each). `LINES` in `src/port.rs` of the core limits the number that a board may have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Usart {
     /// USART1.
@@ -28,8 +28,8 @@ pub enum Usart {
     Two,
 }
 
-/// Bits a second may be off by one part in so many. Receivers put up with 3.3 % between both ends (RM0390, 25.4.5,
-/// tolerance with ONEBIT = 0), so a third of that is ours.
+/// The bit rate may be off by one part in this many. Receivers tolerate 3.3 % between both ends (RM0390, 25.4.5,
+/// tolerance with ONEBIT = 0), and we use up a third of that.
 const TOLERANCE: u32 = 100;
 
 /// The smallest divisor with 16 samples a bit (RM0390, 25.4.4).
@@ -89,7 +89,7 @@ impl SerialPort {
         (self.usart.bus_hz() + self.baud / 2) / self.baud
     }
 
-    /// What is wrong with it, if anything.
+    /// The first problem of the port, if any.
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
         if !self.usart.reaches(self.tx, self.rx) {

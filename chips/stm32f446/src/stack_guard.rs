@@ -1,25 +1,24 @@
 //! The stack guard: two regions of the MPU under the stack that nothing may touch.
 //!
-//! The stack lies at the bottom of RAM and grows down (memory.x), so an overflow overwrites nobody. What the chip does
-//! with accesses below RAM is for its bus to say, though, and no manual promises a fault for each of them. The MPU
-//! does:
+//! The stack lies at the bottom of RAM and grows down (memory.x), so an overflow overwrites no variable. But the bus
+//! decides what happens to accesses below RAM, and no manual promises a fault for each of them. The MPU does:
 //!
-//! | region | addresses | what ends there |
-//! |---|---|---|
-//! | 7 | the lowest KiB of RAM | a stack that grows by calls and exceptions |
-//! | 6 | the 32 KiB below RAM, which hold nothing that is ever read (RM0390, 2.2.2: the option bytes are read by registers) | one frame that reaches past the KiB; all frames are smaller than that, except that of the start-up function which builds the machine |
+//! - Region 7, the lowest KiB of RAM, stops a stack that grows by calls and exceptions.
+//! - Region 6, the 32 KiB below RAM, stops one frame that reaches past the KiB. All frames are smaller than a KiB,
+//!   except for the start-up function that builds the machine. The firmware reads nothing in these 32 KiB (RM0390,
+//!   2.2.2: it reads the option bytes by registers).
 //!
-//! An access there is a MemManage fault. That exception is left disabled, so that whatever faults in whatever context
-//! is a HardFault, which takes a fresh stack (see [`fault`](crate::fault)). An exception whose frame does not fit any
-//! more faults in the same way while it is entered (ARM DDI 0403E, B1.5.6 and B1.5.11: MSTKERR).
+//! An access there is a MemManage fault. That exception stays disabled, so that every fault in any context is a
+//! HardFault, which takes a fresh stack (see [`fault`](crate::fault)). An exception with a frame that no longer fits
+//! faults in the same way on entry (ARM DDI 0403E, B1.5.6 and B1.5.11: MSTKERR).
 //!
 //! HFNMIENA stays 0: HardFault and NMI run without the MPU. An NMI (a crystal that stops) on a stack that is nearly
 //! full then has the KiB to run in.
 //!
-//! Two more regions say what flash and RAM are, with the attributes of the processor's default map: region 0 is the
-//! flash, region 1 is the RAM, from which nothing is executed, so that a wild jump into data faults at once. (An
-//! emulator that checks each access by itself where only the default map decides needs a quarter less time with them.)
-//! Everywhere else the default map holds (PRIVDEFENA).
+//! Two more regions describe flash and RAM with the attributes of the processor's default map. Region 0 is the flash.
+//! Region 1 is the RAM, where execution is forbidden, so a wild jump into data faults at once. An emulator that checks
+//! each access of the default map by itself runs in a quarter less time with them. Everywhere else the default map
+//! holds (PRIVDEFENA).
 
 use cortex_m::asm;
 use cortex_m::peripheral::scb::Exception;
@@ -28,7 +27,7 @@ use cortex_m::peripheral::{MPU, SCB};
 /// The lowest KiB of the stack, which is the lowest of RAM.
 const GUARD: u32 = 1024;
 
-/// What is guarded below it.
+/// Size of the guarded memory below it.
 const BELOW: u32 = 32 * 1024;
 
 /// Where flash begins, and its size (RM0390, 3.3; STM32F446xE).
@@ -43,8 +42,8 @@ const REGIONS: u32 = 8;
 /// ENABLE and PRIVDEFENA (ARM DDI 0403E, B3.5.6).
 const ON: u32 = 1 << 2 | 1;
 
-/// A frame of an exception with floating point, and the largest single push: so far above the guard may the stack
-/// pointer be when an access to the guard is an overflow.
+/// An exception frame with floating point, which is the largest single push. An access to the guard is an overflow if
+/// the stack pointer is at most this far above the guard.
 const LARGEST_STORE: u32 = 256;
 
 unsafe extern "C" {
@@ -75,9 +74,8 @@ pub fn start(mpu: &mut MPU, scb: &mut SCB) {
     for exception in [Exception::MemoryManagement, Exception::BusFault, Exception::UsageFault] {
         scb.disable(exception);
     }
-    // SAFETY: the guards hold no variable that is used: the linker places none in the stack, whose lowest KiB is given
-    // up, and there is no memory below. Everything else may be accessed as it is without an MPU, and no code lies in
-    // RAM.
+    // SAFETY: the guards hold no used variable. The linker places none in the stack, and the stack gives up its lowest
+    // KiB; there is no memory below. All other memory stays accessible as without an MPU, and no code lies in RAM.
     unsafe {
         mpu.ctrl.write(0);
         for region in 0..REGIONS {

@@ -34,7 +34,7 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static DIRS: StaticCell<[Dirs; 2]> = StaticCell::new();
 
-/// What a host is told at a start after a switch that stuck.
+/// The message to hosts at a start after a heater switch that stuck.
 const SUPPLY_OFF: &str = "echo:the power supply stays off, for a heater could not be switched off: mend it, then cut all power \
     (USB too) or send M999 once more\n";
 
@@ -85,7 +85,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         refuse(board, open_headers(board, None));
     }
     if let Some(record) = past.record.filter(Record::is_series) {
-        // What is stored may be what brings the faults about, so it is not looked at, not even for the rate.
+        // Stored settings may cause the faults, so they are not read here, not even for the baud rate.
         let (lines, usb) = open_lines(board, None, past.reason);
         let mut fans = Fans::start(board.fans);
         (0..fans.len()).for_each(|fan| fans.set_fan(fan, u16::MAX));
@@ -167,7 +167,7 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
     }
 }
 
-/// Tells the hosts why the last reset happened, unless it was for a good reason, and what the board lacks.
+/// Reports to the hosts why the last reset happened, unless the reset was intended, and what the board lacks.
 fn report(lines: &mut [HostSerial], reason: Option<&ResetReason>) {
     if let Some(reason) = reason {
         defmt::error!("the last reset came after {=str}", reason.as_str());

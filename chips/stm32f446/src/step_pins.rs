@@ -1,11 +1,13 @@
 //! The step port: which edges the Stepper's events make on the pins, and how long a pulse is.
 //!
-//! Nobody waits for the end of a pulse: it lasts as long as the Stepper takes to fetch the next event and set its
-//! alarm. [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors on slow
-//! pins (`Plugged::slow`) are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS`
-//! (`src/port.rs` of the core); then either its motors are made slow ones, or [`StepPins::fall_quick`] has to wait. Two
-//! steps of a motor must be far enough apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are
-//! late and follow each other at once (`motion/stepper.rs` of the core, docs/explanation/time.md).
+//! Nothing waits for the end of a pulse: it lasts while the Stepper fetches the next event and sets its alarm.
+//! [`PULSE`] is the shortest allowed pulse, and `cargo xtask bench` counts it in the image. Only motors on slow pins
+//! (`Plugged::slow`) get a wait ([`SLOW_REST`]).
+//!
+//! For a driver that needs a longer pulse, raise `STEP_PULSE_NS` (`src/port.rs` of the core). Then either mark its
+//! motors as slow, or let [`StepPins::fall_quick`] wait. Two steps of a motor must be far enough apart for such a
+//! pulse. That holds for planned steps (`MIN_STEP_INTERVAL`, asserted below), and for late steps that follow each other
+//! at once (`motion/stepper.rs` of the core, docs/explanation/time.md).
 //!
 //! A table gives the words for all ports at once, in RAM (see [`StepWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
@@ -23,11 +25,11 @@ use crate::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
 use crate::ports::{self, Registers};
 use crate::wiring::{Pin, Plugged};
 
-/// A step pulse has to be high for so many cycles of 180 MHz. What the Stepper does meanwhile takes longer; the bench
+/// Minimum length of a step pulse in cycles of 180 MHz. The Stepper's work during a pulse takes longer. The bench
 /// counts these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
 const PULSE: u32 = (STEP_PULSE_NS * CYCLES_PER_US).div_ceil(1000);
 
-/// What a pulse on a slow step pin takes beyond that (`Pin::is_slow`: good for 2 MHz): 300 ns altogether.
+/// Extra pulse length of a slow step pin (`Pin::is_slow`: good for 2 MHz): 300 ns altogether.
 const SLOW_REST: u32 = 54 - PULSE;
 
 /// Cycles of 180 MHz.
@@ -38,15 +40,15 @@ const _: () =
     assert!(2 * (PULSE + SLOW_REST) as u64 * TICKS_PER_MS as u64 <= MIN_STEP_INTERVAL * 1000 * CYCLES_PER_US as u64);
 
 /// Step and direction pins of all motors, and the endstop inputs.
-// In this order: what a quick step needs is in front.
+// The order matters: the fields for a quick step come first.
 #[repr(C)]
 pub struct StepPins {
     quick: [Quick; QUICK],
     steps: StepWrites,
     step_ports: [Registers; STEP_PORTS],
-    /// What lowers all step lines. Most are low, but sorting them out would take longer.
+    /// Values that lower all step lines. Most lines are low, but selecting the high ones would take longer.
     low: [u32; STEP_PORTS],
-    /// Groups with a motor whose step pin is slow.
+    /// Groups with a motor on a slow step pin.
     held: GroupSet,
     dirs: &'static mut Dirs,
     endstops: Endstops,
@@ -54,7 +56,7 @@ pub struct StepPins {
     slow_groups: GroupSet,
 }
 
-/// Direction pins: their ports, and what is stored there.
+/// Direction pins: their ports, and the values to store there.
 // In this order: both are within reach of short instructions.
 #[repr(C)]
 pub struct Dirs {
@@ -70,10 +72,10 @@ impl Dirs {
     }
 }
 
-/// What makes the steps of a coupling.
+/// The step writes of a coupling.
 pub struct Steps {
     writes: StepWrites,
-    /// Groups with a motor whose step pin is slow.
+    /// Groups with a motor on a slow step pin.
     held: GroupSet,
 }
 
@@ -119,7 +121,7 @@ impl StepPins {
         }
     }
 
-    /// Takes another coupling and gives the one so far. Ports and levels at rest are those of the pins, and stay.
+    /// Takes another coupling and returns the previous one. Ports and idle levels belong to the pins, and stay.
     pub fn couple(&mut self, steps: &mut Steps, dirs: &mut &'static mut Dirs) {
         core::mem::swap(&mut self.steps, &mut steps.writes);
         core::mem::swap(&mut self.held, &mut steps.held);
@@ -133,13 +135,13 @@ pub type Row = [u32; 4];
 /// The same of direction pins.
 pub type DirRow = [u32; DIR_PORTS];
 
-/// So many rows are others in another coupling: what is stored for each set of groups, and for which groups a pulse is
-/// waited for.
+/// Number of rows that differ in another coupling: the values for each set of groups, and the groups with a waited
+/// pulse.
 pub const COUPLED_ROWS: usize = SETS + 1;
 
 impl StepPins {
-    /// The words that edges are made of and inputs are read by, row by row; `None` after the last. Those of direction
-    /// pins are [`dir_row`](Self::dir_row)'s.
+    /// The words for edges and for reading inputs, row by row; `None` after the last. The words of direction pins come
+    /// from [`dir_row`](Self::dir_row).
     #[must_use]
     pub fn row(&self, number: usize) -> Option<Row> {
         let Some(number) = number.checked_sub(SETS) else {
@@ -163,7 +165,7 @@ impl StepPins {
         })
     }
 
-    /// What is stored to direction pins for a set of groups, and where; `None` after the last.
+    /// The values for direction pins for a set of groups, and their ports; `None` after the last.
     #[must_use]
     pub fn dir_row(&self, number: usize) -> Option<DirRow> {
         match number {

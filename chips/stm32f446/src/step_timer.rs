@@ -1,12 +1,12 @@
 //! The step timer: the core's cycle counter tells the time, and the core's own timer (SysTick) rings.
 //!
-//! Both answer without a bus in between. A timer on APB1, which runs at a quarter of the core's clock, has the core
-//! wait for 9 to 13 cycles at every access, and its interrupt has to be taken back besides: four accesses an event.
+//! Neither needs a bus access. A timer on APB1, which runs at a quarter of the core's clock, stalls the core for 9 to
+//! 13 cycles at every access. Its interrupt also has to be cleared: four accesses an event.
 //!
-//! A tick is 18 cycles. The cycle of a tick is its number times 18, and both wrap at 2^32, so there is nothing to keep
-//! in step. The cycle counter wraps first, after 23.8 s. So what is near is told by cycles, and what is not by
-//! [`StepTimer::now`], which counts on from where it was last; the Stepper asks for that every few seconds at the
-//! latest while there is motion, and at rest it does not matter if ticks are lost.
+//! A tick is 18 cycles. The cycle of a tick is its number times 18, and both wrap at 2^32, so they stay in step. The
+//! cycle counter wraps first, after 23.8 s. So cycles measure near times; [`StepTimer::now`] measures far ones by
+//! counting on from its last call. While there is motion, the Stepper calls it every few seconds at the latest; at
+//! rest, lost ticks do not matter.
 //!
 //! A debugger that halts the core halts both. Whether the cycle counter counts while the processor sleeps is up to the
 //! chip, so that is [measured](StepTimer::start) at start-up.
@@ -26,22 +26,22 @@ use crate::clocks::{self, CORE_HZ};
 const CYCLES: u32 = CORE_HZ / TICKS_PER_SECOND;
 const _: () = assert!(CYCLES * TICKS_PER_SECOND == CORE_HZ);
 
-/// The timer rings early, after 23 ms, for what is later, and is set again: so of 256 events, which is how often one is
-/// looked at closely, plain ones take 6 s at the most, and nobody mistakes one lap of the cycle counter for another.
-/// The timer itself has 24 bits (ARM DDI 0403E, B3.3.4).
+/// For a later tick the timer fires early, after 23 ms, and is set again. One in 256 events is checked closely, so
+/// plain ones take at most 6 s, and no lap of the cycle counter is mistaken for another. The timer itself has 24 bits
+/// (ARM DDI 0403E, B3.3.4).
 const LONGEST: u32 = NEAR * CYCLES + (1 << 22) - 1;
 const _: () = assert!(256 * (LONGEST as u64) < 1 << 31 && LONGEST < 1 << 24);
 
 /// The timer rings no sooner than this after it was set: 0.4 us, the way out of the interrupt and into it again.
 const NEAR: u32 = 4;
 
-/// The timer rings so many cycles early: 12 that the core takes from there to the handler's first instruction
-/// (ARM 100166, 3.9), and 6 that the alarm takes to be set when the counter has been read. The handler looks at the
-/// counter again, so no step comes before its tick.
+/// The timer fires this many cycles early. The core takes 12 from there to the handler's first instruction (ARM 100166,
+/// 3.9). Setting the alarm after reading the counter takes 6. The handler reads the counter again, so no step comes
+/// before its tick.
 const EARLY: u32 = 12 + 6;
 const _: () = assert!(EARLY < (NEAR - 1) * CYCLES);
 
-/// How long the processor sleeps to find out whether the counter counts meanwhile: 0.1 ms.
+/// How long the processor sleeps to check that the counter runs during sleep: 0.1 ms.
 const SLEEP: u32 = CORE_HZ / 10_000;
 
 /// The step timer's port.
@@ -95,8 +95,8 @@ fn until(tick: Tick) -> u32 {
     left
 }
 
-/// Whole ticks in so many cycles: a product and a shift instead of a division, exact for all 32 bits (half of the
-/// cycles is below 2^31, and the factor is 2^33 / 9, rounded up by less than 2 / 9).
+/// Whole ticks in a number of cycles: a product and a shift instead of a division. It is exact for all 32 bits: half of
+/// the cycles is below 2^31, and the factor is 2^33 / 9, rounded up by less than 2 / 9.
 #[inline(always)]
 const fn ticks_in(cycles: u32) -> u32 {
     const { assert!(CYCLES == 18) };
@@ -104,7 +104,8 @@ const fn ticks_in(cycles: u32) -> u32 {
 }
 const _: () = assert!(ticks_in(u32::MAX) == u32::MAX / 18 && ticks_in(17) == 0 && ticks_in(18) == 1);
 
-/// Has the timer ring when so many cycles have passed since the counter was read, again and again until it is set anew.
+/// Makes the timer fire once this many cycles have passed since the counter was read, and repeatedly until it is set
+/// again.
 #[inline(always)]
 fn ring_in(timer: &mut SYST, cycles: u32) {
     timer.set_reload(cycles.wrapping_sub(EARLY));
@@ -121,7 +122,8 @@ impl StepClock for StepTimer {
 
     #[inline(always)]
     fn is_due(&self, at: Tick, ticks: u32) -> bool {
-        // Below zero, but not by more than that; from the second cycle of the tick on, for this is one comparison.
+        // The difference is below zero, but by no more than `ticks`. True from the second cycle of the tick on, because
+        // this is a single comparison.
         until(at) >= (ticks * CYCLES).wrapping_neg()
     }
 
@@ -143,8 +145,8 @@ impl StepClock for StepTimer {
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
         let left = until(at);
-        // Also if that is nonsense, which takes less time than to ask first: then the alarm is set anew, or silenced,
-        // before anybody waits for it.
+        // Sets the alarm even if the value is invalid, because that is faster than checking first. The alarm is then
+        // set again, or silenced, before any code waits for it.
         ring_in(&mut self.timer, left);
         left.wrapping_sub(NEAR * CYCLES) <= LONGEST - NEAR * CYCLES
     }

@@ -1,11 +1,11 @@
-//! Interrupt storms: a flag that cannot be cleared has its handler run again and again, and nothing that is less urgent
-//! runs any more: neither the control of heat nor the generator nor the Console. Each handler of a host line, of USB
-//! and of the drivers' UART counts its calls; one that is called too often is masked at its source, and the machine
-//! stops with a fault that names it.
+//! Interrupt storms: a flag that cannot be cleared makes its handler run again and again. Then no less urgent context
+//! runs: no heat control, no generator, no Console. Each handler of a host line, of USB and of the drivers' UART counts
+//! its calls. An interrupt that comes too often is masked at its source, and the machine stops with a fault that names
+//! it.
 //!
-//! Steps that are queued do not suffer, for their interrupt is above all of these. Where an interrupt without a count
-//! storms (embassy's time), or a handler that takes too long to be called that often, heaters go off by their timer and
-//! the watchdog resets the chip (`heater_timer`, `watchdog`).
+//! Queued steps do not suffer, because their interrupt is above all of these. Two storms escape the count: an interrupt
+//! without a count (embassy's time), and a handler too slow to be called that often. Then heaters go off by their timer
+//! and the watchdog resets the chip (`heater_timer`, `watchdog`).
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
@@ -14,10 +14,10 @@ use corehbot::fault::{Cause, Fault};
 /// How long calls are counted, in cycles at 180 MHz: 20 ms.
 const WINDOW: u32 = 3_600_000;
 
-/// So many calls within that time are no storm. A line at 1 Mbaud that sends all the time and rests after each byte
-/// that it receives makes 4,000; the bits of motor drivers make 1,200 (`exchange`), and USB three for each of some 19
-/// packets in 20 frames of a millisecond. A storm makes more as long as a call takes less than 600 cycles, that of
-/// steps in between included.
+/// This many calls in a window are no storm. A line at 1 Mbaud that sends all the time and rests after each received
+/// byte makes 4,000. The bits of motor drivers make 1,200 (`exchange`), and USB three for each of some 19 packets in 20
+/// frames of a millisecond. A storm makes more, provided that a call takes less than 600 cycles, including the steps in
+/// between.
 const MOST: u32 = 6000;
 
 /// How often a handler was called of late. Only the handler uses it.
@@ -45,7 +45,7 @@ impl CallRate {
     }
 }
 
-/// The first interrupt that was masked, plus one; 0 is none.
+/// The first masked interrupt, plus one; 0 means that no interrupt was masked.
 static MASKED: AtomicU8 = AtomicU8::new(0);
 
 /// The handler of `irq` has been called: masks it if that is a storm. Nothing enables it again but a reset.
@@ -58,7 +58,7 @@ pub fn count_call(irq: embassy_stm32::pac::Interrupt, rate: &CallRate) {
     }
 }
 
-/// An interrupt was masked. Handlers that count share a priority, so none comes between.
+/// An interrupt was masked. Handlers that count share a priority, so none of them preempts another.
 fn note(irq: u8) {
     if MASKED.load(Ordering::Relaxed) == 0 {
         MASKED.store(irq + 1, Ordering::Relaxed);
@@ -75,8 +75,7 @@ pub fn fault() -> Option<Fault> {
 mod tests {
     use super::*;
 
-    /// Calls with so many cycles in between, from shortly before the counter wraps; how many there were until they were
-    /// a storm.
+    /// Makes a call every `cycles`, from shortly before the counter wraps; returns the number of calls until a storm.
     fn calls_until_storm(cycles: u32) -> Option<u32> {
         let rate = CallRate::new();
         let begin = u32::MAX - 2 * WINDOW;
@@ -89,7 +88,7 @@ mod tests {
         assert_eq!([100, 180, 590].map(calls_until_storm), [Some(MOST); 3]);
         // A byte each 10 us in both directions, and a driver's bits: for ever.
         assert_eq!([900, 3000].map(calls_until_storm), [None; 2]);
-        // Just so many in each window.
+        // Exactly the limit in each window.
         assert_eq!(calls_until_storm(WINDOW / MOST), None);
     }
 

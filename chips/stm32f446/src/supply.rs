@@ -1,16 +1,17 @@
 //! The supply: what happens when the 3.3 V of the processor fail.
 //!
-//! | below | what | why there |
-//! |---|---|---|
-//! | 2.93 V (2.85 to 2.99) | the detector (PVD, level 6) raises an interrupt that nothing masks: heaters low, drivers off, a note, reset | the highest level whose upper threshold, 3.10 V at most, a rail of 3.3 V less 3 % has certainly passed; level 7 has 3.21 V |
-//! | 2.83 V (2.75 to 2.88) | the chip resets itself (BOR level 3), if its option bytes say so | flash at 180 MHz needs 2.7 V (RM0390, table of wait states) |
-//! | 1.7 V | the chip resets itself anyway | |
+//! - Below 2.93 V (2.85 to 2.99) the detector (PVD, level 6) raises an interrupt that nothing masks: heaters low,
+//!   drivers off, a note, reset. Level 6 is the highest usable level: its upper threshold is 3.10 V at most, and a rail
+//!   of 3.3 V less 3 % has certainly passed that. Level 7 has 3.21 V.
+//! - Below 2.83 V (2.75 to 2.88) the chip resets itself (BOR level 3), if its option bytes say so. Flash at 180 MHz
+//!   needs 2.7 V (RM0390, table of wait states).
+//! - Below 1.7 V the chip resets itself in any case.
 //!
-//! (STM32F446 datasheet, embedded reset and power control block characteristics, falling edges.) Without BOR the
-//! processor may do anything between 2.7 and 1.7 V when the rail falls faster than the detector's interrupt, or comes
-//! back slowly. Chips are delivered without. Option bytes are written once, by whoever sets up the board (its README
-//! says how), not by us: power that fails while they are written may lock the chip, and a test of power is when it
-//! fails.
+//! Thresholds are falling edges (STM32F446 datasheet, embedded reset and power control block characteristics). Without
+//! BOR the processor may do anything between 2.7 and 1.7 V. That happens when the rail falls faster than the detector's
+//! interrupt, or comes back slowly. Chips are delivered without BOR. The person who sets up the board writes the option
+//! bytes once (the board's README says how); the firmware never does. If power fails while they are written, the chip
+//! may lock, and power is likely to fail in a test of power.
 
 use corehbot::fault::Cause;
 use embassy_stm32::interrupt;
@@ -35,7 +36,7 @@ const UNGUARDED: &str = "brown-out reset is not at level 3: while its supply fai
                          README of the board says how to set it";
 
 /// Waits for a supply that is high enough for full speed. The outputs are safe and the processor is slow here, so a
-/// board whose supply stays too low does nothing.
+/// board with too low a supply does nothing.
 pub fn wait() {
     detect();
     while is_low() {
@@ -57,7 +58,7 @@ pub fn watch() {
     }
 }
 
-/// What is to be said of the protection, if it lacks.
+/// The message about missing brown-out protection, if it is missing.
 pub fn warning() -> Option<&'static str> {
     (FLASH.optcr().read().bor_lev() != LEVEL_3).then_some(UNGUARDED)
 }

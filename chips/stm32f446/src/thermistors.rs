@@ -1,10 +1,11 @@
 //! The thermistors: ADC3 converts them all in turn, for ever, and DMA keeps the last sixteen of each.
 //!
-//! Sampling takes 480 of the converter's cycles and a conversion 12 more, 22 us at 22.5 MHz, far more than the 10 kOhm
-//! of thermistor and filter need (STM32F446 datasheet, ADC accuracy and R_AIN). Five channels come round every 109 us,
-//! so sixteen of each are 1.7 ms old at the most. The sum of sixteen readings of 12 bits is one of 16 bits: at 250 C a
-//! degree is 3.7 steps of 12 bits, and noise of a step or so, which averaging needs to gain anything, falls to a
-//! quarter: 0.07 degrees. Slower noise is for whoever makes degrees of it.
+//! Sampling takes 480 of the converter's cycles and a conversion 12 more, 22 us at 22.5 MHz. That is far more than the
+//! 10 kOhm of thermistor and filter need (STM32F446 datasheet, ADC accuracy and R_AIN). Five channels take 109 us a
+//! round, so sixteen readings of each are 1.7 ms old at the most.
+//!
+//! The sum of sixteen readings of 12 bits is one of 16 bits. At 250 C a degree is 3.7 steps of 12 bits. Averaging needs
+//! noise of about a step, and reduces it to a quarter: 0.07 degrees. The conversion to degrees filters slower noise.
 //!
 //! A new input is a row in the wiring of its board ([`ThermistorPin`]); there may be [`MOST_THERMISTORS`]. The kind of
 //! thermistor that is plugged in there is a setting (`settings::Thermistor` of the core), and its curve is in
@@ -95,8 +96,8 @@ impl Thermistors {
         self.wired.iter().any(|thermistor| thermistor.sensor == sensor)
     }
 
-    /// What is read there, in 1/65,536 of the supply. The first time after [`forget`](Self::forget) takes 22 us at the
-    /// most, and 0.2 ms if the converter has stopped.
+    /// The reading, in 1/65,536 of the supply. The first call after [`forget`](Self::forget) takes 22 us at the most,
+    /// and 0.2 ms if the converter has stopped.
     pub fn sample(&mut self, sensor: Sensor) -> Option<u16> {
         let place = self.wired.iter().position(|thermistor| thermistor.sensor == sensor)?;
         if !*self.are_alive.get_or_insert_with(Self::is_alive) {
@@ -118,7 +119,7 @@ impl Thermistors {
     }
 }
 
-/// Has the readings of so many channels written round and round.
+/// Starts circular DMA for the readings of `channels` channels.
 fn start_dma(channels: usize) {
     let stream = DMA2.st(STREAM);
     stream.par().write_value(ADC3.dr().as_ptr() as u32);
@@ -136,7 +137,7 @@ fn start_dma(channels: usize) {
     stream.cr().modify(|w| w.set_en(true));
 }
 
-/// Readings until the DMA begins anew.
+/// Readings until the DMA starts its next round.
 fn waiting() -> u16 {
     DMA2.st(STREAM).ndtr().read().ndt()
 }

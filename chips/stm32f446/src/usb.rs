@@ -17,8 +17,8 @@ use crate::usb_pump::PACKET;
 use crate::usb_traffic::{Surroundings, Traffic};
 use crate::wiring::Board;
 
-/// The identity that pid.codes keeps for tests (pid.codes/1209/0001): nobody else's, but not ours alone. A host that
-/// finds a device by it should look at manufacturer and product too.
+/// The identity that pid.codes keeps for tests (pid.codes/1209/0001): it belongs to no product, but is shared by all
+/// tests. A host that finds a device by it should check manufacturer and product too.
 const IDENTITY: (u16, u16) = (0x1209, 0x0001);
 
 /// Descriptors and packets.
@@ -45,7 +45,7 @@ static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 pub struct UsbLine {
     /// Why the last reset happened, until somebody has opened the port: it was closed when the others were told.
     farewell: Option<ResetReason>,
-    /// Nobody has opened the port so far.
+    /// The port has not been opened so far.
     is_new: bool,
 }
 
@@ -55,7 +55,7 @@ pub struct UsbPort {
     class: CdcAcmClass<'static, UsbDriver>,
 }
 
-/// Starts the port of `board`; the host sees it when [`serve`] runs. `None` if the USB core does not start.
+/// Starts the port of `board`; the host sees it when [`serve`] runs. Returns `None` if the USB core does not start.
 ///
 /// # Panics
 /// If it was started before.
@@ -72,7 +72,7 @@ pub fn start(board: &'static Board, farewell: Option<ResetReason>) -> Option<(Us
     Some((UsbLine { farewell, is_new: true }, UsbPort { device: builder.build(), class }))
 }
 
-/// The contexts beside which the port is served.
+/// The contexts that run besides the port.
 struct Contexts;
 
 impl Surroundings for Contexts {

@@ -1,14 +1,13 @@
-//! The USB pump: what waits between the Console and the USB port, without the port.
+//! The USB pump: the buffers between the Console and the USB port, without the port.
 //!
-//! | | |
-//! |---|---|
-//! | to the host | leaves with the next packet, however short; a full one that ends a reply is followed by an empty one |
-//! | the port is closed | what the Console says is thrown away; what the host had sent is still carried out |
-//! | the host opens the port | nothing is left of before, in either direction; 100 ms later the Console is told, first of all |
-//! | the host has the port open and fetches nothing for 500 ms | what the Console says is thrown away until it does |
-//! | from the host | a packet is asked for only if it fits, so the host waits and nothing is lost |
+//! - Bytes to the host leave with the next packet, however short. A full packet that ends a reply is followed by an
+//!   empty one.
+//! - While the port is closed, output of the Console is discarded; lines that the host had sent are still carried out.
+//! - When the host opens the port, both directions start empty. 100 ms later the Console gets that event first.
+//! - If the host has the port open and fetches nothing for 500 ms, output of the Console is discarded until it fetches.
+//! - A packet from the host is requested only if it fits, so the host waits and nothing is lost.
 //!
-//! Where something was thrown away, the host never sees half a line before a whole one: what goes on begins with a
+//! After discarded output, the host never sees half a line joined to a whole one. Output resumes at the start of a
 //! line, after a line break if the host has half of another.
 
 use corehbot::port::Received;
@@ -24,8 +23,8 @@ const INCOMING: usize = 512;
 /// Bytes that wait for the host: a report of the settings (M503).
 const OUTGOING: usize = 1024;
 
-/// A host that reads at all fetches a packet within a few ms; the Console must not wait much longer than it takes to
-/// print the moves that it has planned.
+/// A host that reads at all fetches a packet within a few ms. The Console must not wait much longer than the planned
+/// moves take to print.
 const PATIENCE_MS: u32 = 500;
 
 /// After opening the port the host is left alone for this long: Linux sends back what arrives until the program that
@@ -84,21 +83,21 @@ impl Pump {
         }
     }
 
-    /// What the Console gets next from the host.
+    /// The next event or byte from the host for the Console.
     pub fn recv(&mut self, now: impl FnOnce() -> Instant) -> Option<Received> {
         if let Some(opened) = self.opened {
             if now() < opened.after_ms(SETTLE_MS) {
                 return None;
             }
             self.opened = None;
-            // The Console forgets what it was about to say to whoever had the port before.
+            // Drops output that the Console was sending to the previous session.
             self.is_within = false;
             return Some(Received::Opened);
         }
         self.incoming.pop_front().map(Received::Byte)
     }
 
-    /// Takes as many of `bytes` as fit and says how many; what is thrown away counts as taken.
+    /// Takes as many of `bytes` as fit and returns their number; discarded bytes count as taken.
     pub fn send(&mut self, bytes: &[u8], now: Instant) -> usize {
         if self.waits_since.is_some_and(|since| now >= since.after_ms(PATIENCE_MS)) {
             self.is_deaf = true;
@@ -191,7 +190,7 @@ impl Pump {
         INCOMING - self.incoming.len() >= PACKET
     }
 
-    /// Whether a packet that is there already is none of this session; asked once.
+    /// Whether a packet that is there already belongs to an earlier session; asked once.
     pub fn take_stray(&mut self) -> bool {
         core::mem::take(&mut self.has_stray)
     }

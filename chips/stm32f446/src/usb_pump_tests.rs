@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A pump, and a host that fetches packets when it is told to.
+/// A pump, and a host that fetches packets on request.
 struct Port {
     pump: Pump,
     now: Instant,

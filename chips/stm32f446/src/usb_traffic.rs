@@ -18,8 +18,8 @@ use embassy_usb::driver::Driver;
 
 use crate::usb_pump::{PACKET, Pump};
 
-/// A port as both of its ends see it. On a board both run in one executor, so `M` need not hold off interrupts: a
-/// packet is handled for 10 us, more than the bits of a driver's UART may wait.
+/// A port as both of its ends see it. On a board both run in one executor, so `M` need not hold off interrupts.
+/// Handling a packet takes 10 us, longer than the bits of a driver's UART may wait.
 pub struct Traffic<M: RawMutex> {
     pump: Mutex<M, RefCell<Pump>>,
     /// The host may get a packet, or the port was opened or closed.
@@ -28,7 +28,7 @@ pub struct Traffic<M: RawMutex> {
     from_host: AtomicWaker,
 }
 
-/// What the port needs of the board.
+/// The hooks that the port needs from the board.
 pub trait Surroundings {
     /// Has the Console look.
     fn wake_console(&self);
@@ -49,7 +49,7 @@ impl<M: RawMutex> Traffic<M> {
         Self { pump: Mutex::new(RefCell::new(Pump::new())), to_host: AtomicWaker::new(), from_host: AtomicWaker::new() }
     }
 
-    /// What the Console gets next from the host.
+    /// The next event or byte from the host for the Console.
     pub fn recv(&self, now: impl FnOnce() -> Instant) -> Option<Received> {
         let (received, has_more_room) = self.with(|pump| {
             let had_room = pump.has_room();

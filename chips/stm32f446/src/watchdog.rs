@@ -1,8 +1,8 @@
 //! The watchdog: a reset for a board in which any context has stopped.
 //!
-//! The thermal context feeds it, once in a control period, while it hears of all others (`corehbot::thermal`: hearts)
-//! and while every sensor that is wired delivers. It cannot be held off by the Console, which it interrupts; a context
-//! above it that hangs holds it off, and then nobody feeds.
+//! The thermal context feeds it once in a control period, while all other contexts send heartbeats
+//! (`corehbot::thermal`: hearts) and every wired sensor delivers. The Console cannot hold it off, because it interrupts
+//! the Console. A context above it that hangs does hold it off, and then nothing feeds the watchdog.
 
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 use embassy_stm32::pac::{DBGMCU, IWDG};
@@ -14,16 +14,16 @@ const COUNTS: u16 = 500;
 /// The reload value has 12 bits (RM0390 rev 6, section 19.4.3).
 const MOST_COUNTS: u16 = 4096;
 
-/// Looks at the status while prescaler and reload value cross over, which takes five cycles of the slow oscillator
-/// (RM0390 rev 6, section 19.3), 0.3 ms at 17 kHz: ten times that at four cycles a look and 180 MHz.
+/// Polls of the status while prescaler and reload value cross over. That takes five cycles of the slow oscillator
+/// (RM0390 rev 6, section 19.3), 0.3 ms at 17 kHz. The limit is ten times that, at four cycles a poll and 180 MHz.
 const CROSSING: u32 = 135_000;
 
-/// Starts the watchdog, which nothing but a reset stops. What follows has a third of a second until the first
-/// [`feed`] of the thermal context.
+/// Starts the watchdog; only a reset stops it. The first [`feed`] by the thermal context must come within a third of a
+/// second.
 ///
-/// While a debugger halts the processor it stands still, or a breakpoint would end in a reset. So does embassy's time,
-/// as the step timer does by itself, which is the core's own: the steps go on where they were, and both clocks agree.
-/// What the outputs drive, they drive during a halt, but for heaters: their timer goes on and ends their pulses
+/// The watchdog stands still while a debugger halts the processor; otherwise a breakpoint would end in a reset. So does
+/// embassy's time, and the step timer does by itself, being part of the core. So steps go on where they were, and both
+/// clocks agree. Outputs keep their levels during a halt, except for heaters: their timer runs on and ends their pulses
 /// (`heater_timer`).
 pub fn start() {
     DBGMCU.apb1fzr().modify(|w| {
@@ -36,7 +36,7 @@ pub fn start() {
     set_period(COUNTS);
 }
 
-/// Gives what follows the longest time that there is, 2.8 to 7.7 s: an operation for which the processor stands still.
+/// Sets the longest period, 2.8 to 7.7 s, for an operation that stops the processor.
 pub fn stretch() {
     set_period(MOST_COUNTS);
 }
@@ -46,7 +46,7 @@ pub fn restore() {
     set_period(COUNTS);
 }
 
-/// Begins a time of so many counts.
+/// Starts a period of `counts` counts.
 fn set_period(counts: u16) {
     // Every feed locks the reload value again (RM0390 rev 6, section 19.3.2), also one by the thermal context in
     // between.
@@ -65,8 +65,8 @@ fn set_period(counts: u16) {
     feed();
 }
 
-/// Begins the time until the reset anew. For the thermal context, for start-up, which has no other contexts yet, and
-/// for a board that only talks.
+/// Restarts the period until the reset. Called by the thermal context, by start-up, which has no other contexts yet,
+/// and by a board that only talks.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }

@@ -3,9 +3,9 @@
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 //!
-//! What a board may have is capped: [`LINES`](corehbot::port::LINES) to hosts (`src/port.rs` of the core; a kind of
-//! UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins. [`Board::problem`] says what a
-//! table has too much of.
+//! A board's resources are limited: [`LINES`](corehbot::port::LINES) to hosts (`src/port.rs` of the core; a kind of
+//! UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins. [`Board::problem`] reports what
+//! a table has too much of.
 
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::{Output, OutputSet, Sensor};
@@ -87,7 +87,7 @@ pub struct Slot {
     pub step: Pin,
     /// High is forward, unless the board says otherwise.
     pub dir: Pin,
-    /// Low is on; one line may be that of several drivers.
+    /// Low is on; several drivers may share one line.
     pub enable: Pin,
     /// The driver's UART, if it is connected; a driver without runs as its jumpers say.
     pub uart: Option<Pin>,
@@ -113,7 +113,7 @@ impl Slot {
 pub struct Mark {
     /// An input, with the internal resistor against `is_high`.
     pub pin: Pin,
-    /// What it reads if the resistor on the board is the one that we expect.
+    /// The level if the resistor on the board is the expected one.
     pub is_high: bool,
 }
 
@@ -121,7 +121,7 @@ pub struct Mark {
 /// setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ThermistorPin {
-    /// What it measures.
+    /// The sensor on this pin.
     pub sensor: Sensor,
     /// Its pin.
     pub pin: Pin,
@@ -132,7 +132,7 @@ pub struct ThermistorPin {
 /// A heater output on a channel of TIM5, which ends each pulse by itself (see `heater_timer`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeaterPin {
-    /// What is printed beside it.
+    /// The output printed next to it on the board.
     pub output: Output,
     /// Its pin, which is one of [`Board::loads`] too: high heats.
     pub pin: Pin,
@@ -178,16 +178,16 @@ pub const MOST_THERMISTORS: usize = 5;
 /// A board.
 #[derive(Clone, Copy, Debug)]
 pub struct Board {
-    /// What the board is called in messages.
+    /// The board's name in messages.
     pub name: &'static str,
-    /// The names of its connectors: sockets of drivers in the order of `sockets`, inputs in that of `inputs`.
+    /// The names of its connectors: driver sockets in the order of `sockets`, inputs in the order of `inputs`.
     pub connectors: &'static BoardConnectors,
     /// Rate of the clock at the crystal's pins.
     pub crystal: Crystal,
-    /// The sockets of drivers: first those of the prototype's motors, in the order of
+    /// The driver sockets: first the sockets for the prototype's motors, in the order of
     /// [`Motor::ALL`](corehbot::port::Motor::ALL).
     pub sockets: &'static [Slot],
-    /// Inputs for switches to ground, with a pull-up: first those of the prototype's x, y and z.
+    /// Inputs for switches to ground, with a pull-up: first the inputs for the prototype's x, y and z.
     pub inputs: &'static [Pin],
     /// The input for a Z probe.
     pub probe: Option<Pin>,
@@ -245,9 +245,8 @@ impl Board {
         self.heaters.iter().fold(OutputSet::NONE, |set, heater| set.with(heater.output))
     }
 
-    /// The mode register of a port whose heater pins are the timer's: the bits of these pins, and what makes outputs of
-    /// them (RM0390, 7.4.1: two bits a pin, 01 is an output). All of them are on one port, or there is a
-    /// [`problem`](Self::problem).
+    /// The bits of the heater pins in their port's mode register, and the value that makes them outputs. RM0390, 7.4.1:
+    /// two bits a pin, 01 is an output. All heater pins are on one port, or there is a [`problem`](Self::problem).
     #[must_use]
     pub fn heater_modes(&self) -> [u32; 2] {
         let pair = |heater: &HeaterPin| 1 << (2 * heater.pin.number());

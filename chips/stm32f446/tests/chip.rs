@@ -1,7 +1,7 @@
 //! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions,
 //! channels of the converter, DMA streams, timers and interrupts.
 //!
-//! stm32-metapac describes one chip in a build, so that of the Octopus stands for all: they are one die in three
+//! stm32-metapac describes one chip in a build, so the Octopus's chip stands for all: they are one die in three
 //! packages.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
@@ -38,7 +38,7 @@ fn peripheral(name: &str) -> &'static Peripheral {
     METADATA.peripherals.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("the chip has no {name}"))
 }
 
-/// What is wrong with a pin that is to be a peripheral's signal.
+/// The problem of a pin for a peripheral's signal, if any.
 fn misplaced(pin: Pin, owner: &str, signal: &str, function: Option<u8>) -> Option<String> {
     let name = name(pin);
     let found = peripheral(owner).pins.iter().find(|p| p.pin == name && p.signal == signal);
@@ -49,7 +49,7 @@ fn misplaced(pin: Pin, owner: &str, signal: &str, function: Option<u8>) -> Optio
     }
 }
 
-/// What is wrong with a stream that is to carry a peripheral's signal.
+/// The problem of a stream for a peripheral's signal, if any.
 fn misdirected(channel: Channel, owner: &str, signal: &str) -> Option<String> {
     let stream = format!("DMA{}_CH{}", channel.controller, channel.stream);
     let is_there = peripheral(owner)
@@ -64,10 +64,10 @@ fn streams() -> Vec<Channel> {
     Usart::all().map(resources::receiver).chain([resources::CONVERTER]).collect()
 }
 
-/// Every pin that the table names, with what it is for.
+/// Every pin in the table, with its purpose.
 fn pins(board: &Board) -> Vec<(Pin, String)> {
-    // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the
-    // loads.
+    // Lists all fields by name, so that a new field must be classified here: does it have pins? The pins of heaters and
+    // fans are among the loads.
     let Board {
         name: _,
         connectors: _,
@@ -85,7 +85,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         eeprom,
         marks: _,
     } = *board;
-    // A pin that heaters or fans have beside that of the load would be one more; so all their fields, too.
+    // A second pin of a heater or fan would need a check too; so this lists all their fields.
     heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
     fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
     let mut pins = Vec::new();
@@ -264,7 +264,8 @@ fn interrupts_have_the_numbers_of_their_sources() {
     }
 }
 
-/// An interrupt without a handler ends in the default one, which halts the board. embassy has that of its own time.
+/// An interrupt without a handler ends in the default handler, which halts the board. embassy handles the interrupt of
+/// its own time.
 #[test]
 fn every_interrupt_has_a_handler() {
     let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src")).unwrap();

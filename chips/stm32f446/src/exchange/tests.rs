@@ -9,7 +9,7 @@ const BIT: f64 = 1e6 / BAUD as f64;
 /// No exchange takes more ticks than this: a rest, taking the line, eight bytes, and listening for eight.
 const MOST_TICKS: usize = LONG_REST as usize + 81 + (LATE + 8 * BYTE) as usize * OVERSAMPLING as usize;
 
-/// What is on the far end of the wire.
+/// The far end of the wire.
 #[derive(Clone, Debug)]
 enum Far {
     /// A driver that answers with these bytes, a clock that is wrong by this part, and stop bits at these levels.
@@ -38,8 +38,8 @@ impl Wire {
         }
     }
 
-    /// The bytes on the wire as a TMC2209 takes them (datasheet rev 1.09, section 4.1.1), its bit, and when the last
-    /// stop bit ends: falling edges of the start bit and of bit 3 of the first byte are four bits apart.
+    /// The bytes on the wire as a TMC2209 decodes them (datasheet rev 1.09, section 4.1.1), its bit length, and the end
+    /// of the last stop bit. The falling edges of the start bit and of bit 3 of the first byte are four bits apart.
     fn decode(&self) -> (Vec<u8>, f64, f64) {
         let falls: Vec<f64> = self.0.windows(2).filter(|pair| pair[0].1 && !pair[1].1).map(|pair| pair[1].0).collect();
         let bit = (falls[2] - falls[0]) / 4.0;
@@ -55,7 +55,7 @@ impl Wire {
     }
 }
 
-/// What came of an exchange, what the far end heard, and how many ticks it took.
+/// The outcome of an exchange, the bytes that the far end heard, and the number of ticks.
 struct Run {
     outcome: Result<Vec<u8>, BusError>,
     heard: Vec<u8>,
@@ -152,7 +152,7 @@ fn a_driver_that_says_nothing_is_silent_and_so_is_one_that_stops() {
     }
 }
 
-/// Who is silent is asked again, up to four times, while a motor turns without a driver.
+/// A silent driver is asked again, up to four times, while its motor turns.
 #[test]
 fn nobody_is_waited_for_when_no_reply_has_begun() {
     let mut exchange = Exchange::new();

@@ -15,13 +15,14 @@ pub struct Image {
 }
 
 impl Image {
-    /// The machine block. The compiler must not take what it compiles for what is there when it runs.
+    /// The machine block. The compiler must read it at run time: the block in the flashed image may differ from the
+    /// compiled one.
     #[must_use]
     pub fn block(&self) -> &'static [u8; BLOCK] {
         black_box(self.block)
     }
 
-    /// The board that the image is on; `None` if its block names another.
+    /// The board that runs the image; `None` if its block names another.
     #[must_use]
     pub fn board(&self) -> Option<&'static Board> {
         let key = board_of(self.block())?;

@@ -13,7 +13,7 @@ pub struct Plugged {
     pub board: &'static Board,
     /// The drivers by motor; a motor without one is counted, but does not turn.
     pub slots: [Option<Slot>; Motor::ALL.len()],
-    /// Motors whose direction line is low for forward.
+    /// Motors with a direction line that is low for forward.
     pub reversed: MotorSet,
     /// Switches of x, y and z: closed at rest, so that a broken wire reads as pressed.
     pub endstops: [Pin; 3],
@@ -23,7 +23,7 @@ pub struct Plugged {
     pub normally_open: EndstopSet,
 }
 
-/// A Z probe. Its input is pulled up, as those of switches are.
+/// A Z probe. Its input has a pull-up, like the inputs of switches.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Probe {
     /// The input.
@@ -46,7 +46,7 @@ impl Board {
     /// The board with a machine plugged in.
     ///
     /// # Errors
-    /// What is plugged in where the board has nothing for it.
+    /// A plugged-in part without a connector on the board.
     pub fn plugged(&'static self, machine: &Settings) -> Result<Plugged, ConnectorError> {
         machine.check_connectors(self.connectors)?;
         let mut plugged = Plugged { slots: [None; Motor::ALL.len()], ..self.usual() };
@@ -97,7 +97,7 @@ impl Plugged {
         self.slots.map(|slot| slot.map(|slot| slot.dir))
     }
 
-    /// Motors whose step pin is slow and needs a longer pulse.
+    /// Motors with a slow step pin, which needs a longer pulse.
     #[must_use]
     pub fn slow(&self) -> MotorSet {
         motors(|motor| self.slots[motor as usize].is_some_and(|slot| slot.step.is_slow()))
@@ -116,7 +116,7 @@ impl Plugged {
         self.slots[motor as usize].and_then(|slot| slot.uart)
     }
 
-    /// Motors whose driver has a UART.
+    /// Motors with a driver that has a UART.
     #[must_use]
     pub fn uarts(&self) -> MotorSet {
         motors(|motor| self.uart(motor).is_some())

@@ -1,4 +1,4 @@
-//! What is wrong with a board's table, to be asked by a test.
+//! Problems of a board's table, for tests to check.
 
 use corehbot::port::{FANS, LINES, Motor};
 
@@ -6,7 +6,7 @@ use super::{Board, FanPin, HEATER_PORT, HeaterPin, MOST_THERMISTORS, Pin, Serial
 use crate::port_writes::{DirWrites, StepWrites};
 
 impl Board {
-    /// What is wrong with the table, if anything.
+    /// The first problem of the table, if any.
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
         let sockets = || self.sockets.iter();
@@ -56,8 +56,8 @@ impl Board {
 
     /// Every pin that leads to no socket.
     fn pins_beside_drivers(&self) -> impl Iterator<Item = Pin> {
-        // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the
-        // loads, those of sockets are looked at beside this.
+        // Lists all fields by name, so that a new field must be classified here: does it have pins? The pins of heaters
+        // and fans are among the loads. The pins of sockets are checked elsewhere.
         let Self {
             name: _,
             connectors: _,
@@ -75,7 +75,7 @@ impl Board {
             eeprom,
             marks: _,
         } = *self;
-        // A pin that heaters or fans have beside that of the load would be one more; so all their fields, too.
+        // A second pin of a heater or fan would need a check too; so this lists all their fields.
         heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
         fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
         let pins = loads.iter().chain(inputs).copied();
@@ -87,7 +87,7 @@ impl Board {
             .chain(supply_switch.map(|switch| switch.pin))
     }
 
-    /// What is wrong with heaters and fans.
+    /// The first problem of heaters and fans, if any.
     fn load_problem(&self) -> Option<&'static str> {
         let heaters = || self.heaters.iter();
         let fans = || self.fans.iter();

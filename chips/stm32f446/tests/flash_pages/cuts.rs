@@ -6,9 +6,9 @@ use corehbot::port::Storage as _;
 use corehbot::settings::Settings;
 use corehbot::storage::STRIDE;
 
-/// Cuts a save of `settings` in every operation, in all ways; what is there then is the old or the new, and can be
-/// saved over, which is cut as well where `again` says so. How often the old ones and how often the new ones were
-/// found.
+/// Cuts a save of `settings` in every operation, in all ways. Afterwards the settings are the old or the new ones, and
+/// can be saved over; that save is cut as well where `again` says so. Returns how often the old and how often the new
+/// ones were found.
 pub fn cut_everywhere(flash: &Nor, settings: &Settings, again: impl Fn(usize) -> bool) -> [usize; 2] {
     let (old, _) = newest(flash.clone());
     let (_, whole) = save(flash.clone(), settings);
@@ -30,7 +30,7 @@ pub fn cut_everywhere(flash: &Nor, settings: &Settings, again: impl Fn(usize) ->
     found
 }
 
-/// Cuts what follows a cut, in the operations about the erase and some others.
+/// Cuts the start-up and save after a cut, in the operations around the erase and in some others.
 fn cut_again(flash: &Nor, settings: &Settings, old: Option<&Settings>, first: usize) {
     let (_, whole) = save(flash.clone(), settings);
     let about = whole.erased_at.saturating_sub(3)..whole.erased_at + 8;
@@ -105,9 +105,9 @@ fn what_an_erase_has_left_that_was_cut_is_not_looked_at() {
     }
 }
 
-/// A cut in the last word of a save, which the next start may take for written or not. If it does, that save holds the
-/// newest settings, and the sector of the others is erased in the next one: what was a chance has to be certain by
-/// then.
+/// A cut in the last word of a save: the next start may take the word as written or not. If it does, that save holds
+/// the newest settings, and the next save erases the sector of the other settings. The uncertain word has to be certain
+/// by then.
 #[test]
 fn a_record_that_may_be_seen_or_not_is_seen_for_good_before_the_other_is_erased() {
     let (_, flash) = save(Nor::blank(), &variant(1));

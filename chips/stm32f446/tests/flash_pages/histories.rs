@@ -9,8 +9,8 @@ use corehbot::storage;
 /// Operations of a save, and some more: a cut behind them does not come.
 const OPERATIONS: usize = 230;
 
-/// Saves with cuts in them, several runs of the firmware after each other. What may be there are the settings whose
-/// save was the last to be done, and those of saves that were cut since.
+/// Saves with cuts in them, in several runs of the firmware. The result must be the settings of the last complete save,
+/// or of one that was cut since.
 fn follow(mut flash: Nor, mut may_be: Vec<Option<Settings>>, random: &mut Random, tears: &[Tear]) -> [usize; 2] {
     let mut counts = [0; 2];
     for _ in 0..12 {

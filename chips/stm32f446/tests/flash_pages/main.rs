@@ -1,4 +1,4 @@
-//! Settings in flash whose power can be cut in any operation: the old or the new ones survive.
+//! Settings in flash with power cuts in any operation: the old or the new settings survive.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -117,7 +117,7 @@ fn a_page_that_does_not_lie_below_the_last_begins_its_slot_anew() {
     assert_eq!(flash.erases, [0x8000, 0x4000, 0x4000, 0x4000, 0x4000, 0x4000]);
 }
 
-/// One erase for each save, and so 20,000 saves by the datasheet; none for a save of what is stored.
+/// One erase for each save, and so 20,000 saves by the datasheet; no erase for a save of unchanged settings.
 #[test]
 fn a_save_erases_the_sector_of_its_slot_once() {
     let mut flash = Nor::blank();
@@ -195,7 +195,7 @@ impl Sectors for Unreadable {
     }
 }
 
-/// Nobody knows what would be lost.
+/// An unreadable sector may hold data that an erase would lose.
 #[test]
 fn what_cannot_be_read_is_not_erased() {
     let mut pages = FlashPages::new(Unreadable(0));

@@ -1,4 +1,4 @@
-//! Flash whose power may go in any operation.
+//! Flash that can lose power in any operation.
 
 use crate::random::Random;
 use corehbot::port::StorageError;
@@ -28,7 +28,7 @@ pub struct Nor {
     random: RefCell<Random>,
 }
 
-/// What is left of an operation in which the power goes.
+/// The remainder of an operation that a power cut interrupts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Tear {
     /// Nothing has happened yet.
@@ -43,7 +43,7 @@ pub enum Tear {
     Ends,
     /// Each cell holds anything: an erase may make all bits zero before it makes them one.
     Anything,
-    /// All is done, but for this cell out of so many.
+    /// All cells are done, except for one.
     Nearly,
     /// All that changes reads as something else each time, until it is erased.
     Unsure,
@@ -76,7 +76,7 @@ impl Nor {
         Self::holding(vec![0xFF; SECTORS.end as usize])
     }
 
-    /// Whose cells hold anything.
+    /// Flash with random content.
     pub fn code() -> Self {
         let mut random = Random(1);
         Self::holding((0..SECTORS.end).map(|_| random.byte()).collect())
@@ -88,7 +88,7 @@ impl Nor {
         Self { unsure, random, ..Self::holding(self.cells) }
     }
 
-    /// The same, whose power goes in an operation.
+    /// The same flash, with a power cut in an operation.
     pub fn cut(&self, left: usize, tear: Tear) -> Self {
         Self { left, tear, ..self.clone().revived() }
     }
@@ -133,7 +133,7 @@ impl Nor {
         assert!(at >= SECTORS.start && place.end <= SECTORS.end as usize);
         let cells = self.cells[place.clone()].iter().zip(&self.unsure[place]);
         let mut random = self.random.borrow_mut();
-        // All as before the cut, all the other way round, or each as it likes.
+        // All as before the cut, all inverted, or each at random.
         let all = random.choose(&[Some(0), Some(0xFF), None]);
         for (byte, (cell, unsure)) in into.iter_mut().zip(cells) {
             *byte = if *unsure == 0 { *cell } else { cell ^ (all.unwrap_or_else(|| random.byte()) & unsure) };
@@ -145,7 +145,7 @@ impl Nor {
         assert!(at >= SECTORS.start && end <= SECTORS.end && at.is_multiple_of(4) && end.is_multiple_of(4));
         for (i, word) in bytes.chunks(4).enumerate() {
             let at = at as usize + 4 * i;
-            // Programming clears bits and sets none.
+            // Programming clears bits and never sets one.
             let new: Vec<u8> = word.iter().zip(&self.cells[at..]).map(|(new, old)| new & old).collect();
             self.operate(at, &new)?;
         }

@@ -42,7 +42,7 @@ fn a_note_that_is_there_is_not_written_again_and_too_many_are_refused() {
         (flash, count) = (next, count + 1);
     }
     assert_eq!((count, noted(flash.clone()).0), (64, Some(163)));
-    // The second save from here begins that sector anew.
+    // The second save from here erases that sector again.
     let (_, flash) = save(flash.revived(), &variant(2));
     let (_, flash) = save(flash.revived(), &variant(3));
     let (is_noted, flash) = note(flash.revived(), 999);
@@ -50,7 +50,7 @@ fn a_note_that_is_there_is_not_written_again_and_too_many_are_refused() {
     assert!(is_noted && found == Some(999) && newest(flash).0 == Some(variant(3)));
 }
 
-/// A note is the old or the new one, or there is none; settings are what they were.
+/// A note is the old or the new one, or missing; settings stay unchanged.
 #[test]
 fn a_cut_leaves_no_note_that_was_not_written() {
     let (_, flash) = save(Nor::blank(), &variant(1));
@@ -68,7 +68,7 @@ fn a_cut_leaves_no_note_that_was_not_written() {
             assert!(is_noted && noted(cut.revived()).0 == Some(13), "{left} {tear:?}");
         }
     }
-    // A save that begins its sector anew.
+    // A save that erases its sector again.
     let (_, whole) = save(flash.clone(), &variant(2));
     let mut counts = [0; 2];
     for left in 0..whole.operations {

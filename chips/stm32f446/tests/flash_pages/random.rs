@@ -1,6 +1,6 @@
 //! Numbers as by chance, the same in each run.
 
-/// A linear congruential generator (Numerical Recipes, section 7.1), of which the upper bits are used.
+/// A linear congruential generator (Numerical Recipes, section 7.1); the upper bits are used.
 #[derive(Clone, Debug)]
 pub struct Random(pub u32);
 
