@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::settings::Settings;
-use corehbot::settings::rows::{Field, Key, Kind, NEXT_ID, Value, Visitor, described};
+use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
+use corehbot::settings::table::{NEXT_ID, described};
 use std::collections::BTreeSet;
 
 #[derive(Default)]

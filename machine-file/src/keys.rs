@@ -1,6 +1,7 @@
 //! Keys: every key of a machine file, from the rows of all settings; and the few that are no setting of their own.
 
-use corehbot::settings::rows::{Kind, Legal, Row, Text, described};
+use corehbot::settings::rows::{Kind, Legal, Row, Text};
+use corehbot::settings::table::described;
 use std::sync::LazyLock;
 
 /// A key of a machine file.

@@ -5,7 +5,7 @@ use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table
 use crate::value;
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
-use corehbot::settings::{Bed, Belt, Endstop, MachineName, PHASES, Settings, Wiring, ranges};
+use corehbot::settings::{Bed, Belt, Endstop, MachineName, PHASES, Settings, Wiring};
 use corehbot::units::Mm;
 use std::collections::BTreeMap;
 use toml::{Table, Value as Toml};
@@ -170,7 +170,7 @@ impl Given {
                 AxisEnd::Max => length,
             };
         }
-        let legal = ranges::endstop_position(e.end, length);
+        let legal = e.end.positions(length);
         if has_position && !legal.holds(e.position) {
             let value = keys::shortest(e.position.to_bits(), Mm::FRAC_NBITS);
             return Err(MachineFileError::Range { key, value, legal: format!("{} to {}", legal.least, legal.most) });

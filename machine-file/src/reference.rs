@@ -3,7 +3,8 @@
 use crate::keys::{about, legal_words, names_of};
 use crate::value::toml;
 use corehbot::settings::Settings;
-use corehbot::settings::rows::{Field, Key, Kind, Row, Text, Value, Visitor, described};
+use corehbot::settings::rows::{Field, Key, Kind, Row, Text, Value, Visitor};
+use corehbot::settings::table::described;
 use std::fmt::Write as _;
 
 /// The document.

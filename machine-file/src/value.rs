@@ -4,7 +4,7 @@ use crate::error::MachineFileError;
 use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
 use corehbot::kinematics::{MOST_MULTIPLE, Row, direction, multiple};
 use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
-use corehbot::settings::{MachineName, Range, Thermistor, ranges};
+use corehbot::settings::{EndstopPlug, MachineName, Range, Thermistor, ranges};
 use toml::Value as Toml;
 
 /// The value of a setting.
@@ -92,8 +92,9 @@ fn text(text: &str) -> Value {
 /// The name of a connector, which the field itself looks at.
 fn plug(key: &str, name: &str) -> Result<Value, MachineFileError> {
     let value = text(name);
-    let mut plug = corehbot::settings::EndstopPlug::NONE;
-    if plug.set(&value) {
+    let mut plug = EndstopPlug::NONE;
+    // Nothing is plugged in nowhere the other way round.
+    if name != "!" && plug.set(&value) {
         return Ok(value);
     }
     Err(MachineFileError::Connector { key: key.to_owned(), value: name.to_owned() })

@@ -63,7 +63,7 @@ impl Alignment {
 
 impl Belt {
     /// No phase: it is not known. Phases are less than an electrical turn.
-    pub const NO_PHASE: u16 = 1024;
+    pub const NO_PHASE: u16 = ranges::NO_PHASE;
 
     /// That of the CoreH-bot.
     ///

@@ -99,7 +99,7 @@ const fn legal_beside(is_legal: bool, key: &'static str) -> Result<(), SettingsE
 }
 
 fn endstop(e: Endstop, length: Mm, key: &'static str) -> Result<(), SettingsError> {
-    legal_beside(ranges::endstop_position(e.end, length).holds(e.position), key)
+    legal_beside(e.end.positions(length).holds(e.position), key)
 }
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {

@@ -1,7 +1,7 @@
 //! Endstops: at which end of its axis each switch sits, where that is, and in which order G28 looks for them.
 
 use super::rows::{Choice, Chosen, Spec, rows};
-use super::{Settings, ranges};
+use super::{Range, Settings, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +21,16 @@ impl AxisEnd {
         match self {
             Self::Min => "min",
             Self::Max => "max",
+        }
+    }
+
+    /// Where an endstop at this end of an axis of this length may sit: in its half, or somewhat outside.
+    #[must_use]
+    pub fn positions(self, length: Mm) -> Range<Mm> {
+        let half = length / 2;
+        match self {
+            Self::Min => Range { least: -ranges::ENDSTOP_OUTSIDE, most: half },
+            Self::Max => Range { least: half, most: length.saturating_add(ranges::ENDSTOP_OUTSIDE) },
         }
     }
 

@@ -29,9 +29,11 @@ mod kept;
 mod name;
 mod pause;
 mod plugged;
+mod range;
 pub mod ranges;
 pub mod rows;
 mod shaping;
+pub mod table;
 mod thermal;
 mod wiring;
 
@@ -45,7 +47,7 @@ pub use kept::{Kept, sum};
 pub use name::MachineName;
 pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
-pub use ranges::Range;
+pub use range::Range;
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, Plausible,

@@ -2,39 +2,10 @@
 //! machine would not do what the number says. They hold on every board. `plugged.rs` asks for what one board bears less
 //! or more of, a field of `BoardConnectors`.
 
-use super::{AxisEnd, Belt};
+use super::Range;
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
 };
-
-/// Least and greatest legal value.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Range<T> {
-    /// Least legal value.
-    pub least: T,
-    /// Greatest legal value.
-    pub most: T,
-}
-
-impl<T: PartialOrd + Copy> Range<T> {
-    /// Whether `value` is legal.
-    #[must_use]
-    pub fn holds(&self, value: T) -> bool {
-        self.least <= value && value <= self.most
-    }
-
-    /// The legal value nearest to `value`.
-    #[must_use]
-    pub fn clamp(&self, value: T) -> T {
-        if value < self.least {
-            self.least
-        } else if value > self.most {
-            self.most
-        } else {
-            value
-        }
-    }
-}
 
 /// Resolution: from a full-step rack to 256 microsteps on a fine screw.
 pub const STEPS_PER_MM: Range<StepsPerMm> =
@@ -55,26 +26,19 @@ pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
 /// How far an axis backs off after the first approach to an endstop.
 pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
 /// How far outside the reachable space an endstop may sit: as far as an axis may back off.
-const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
+pub(super) const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
 /// Where an endstop of any axis may sit.
 pub const ENDSTOP_POSITION: Range<Mm> =
     Range { least: Mm::const_from_int(-50), most: Mm::const_from_int(5000).saturating_add(ENDSTOP_OUTSIDE) };
-/// Where an endstop at that end of an axis of this length may sit: in its half, or a bit outside.
-#[must_use]
-pub fn endstop_position(end: AxisEnd, length: Mm) -> Range<Mm> {
-    let half = length / 2;
-    match end {
-        AxisEnd::Min => Range { least: -ENDSTOP_OUTSIDE, most: half },
-        AxisEnd::Max => Range { least: half, most: length.saturating_add(ENDSTOP_OUTSIDE) },
-    }
-}
 /// Where an edge of the bed may lie: anywhere that an axis could reach.
 pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
 /// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it
 /// may be twice.
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
-/// Phase of a residual: less than an electrical turn, or [`Belt::NO_PHASE`].
-pub const PHASE: Range<u16> = Range { least: 0, most: Belt::NO_PHASE };
+/// The phase of a residual that is not known: phases are less than an electrical turn.
+pub const NO_PHASE: u16 = 1024;
+/// Phase of a residual: less than an electrical turn, or [`NO_PHASE`].
+pub const PHASE: Range<u16> = Range { least: 0, most: NO_PHASE };
 /// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/explanation/belt.md).
 pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
 /// How far z is raised when a motor of the belt has failed.

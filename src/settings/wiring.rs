@@ -95,9 +95,7 @@ fn plug(connector: ConnectorName, is_inverted: bool) -> Value {
 fn plugged(value: &Value) -> Option<(ConnectorName, bool)> {
     let Value::Text(text) = value else { return None };
     let inverted = text.strip_prefix('!');
-    let connector = ConnectorName::new(inverted.unwrap_or(text))?;
-    // What is plugged in nowhere is not inverted.
-    (inverted.is_none() || !connector.is_none()).then_some((connector, inverted.is_some()))
+    Some((ConnectorName::new(inverted.unwrap_or(text))?, inverted.is_some()))
 }
 
 impl Field for MotorPlug {

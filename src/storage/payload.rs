@@ -10,15 +10,19 @@
 //! So firmware that knows more settings reads what firmware that knows fewer has written, and the reverse: what is
 //! missing has its default, and what is unknown is kept for whoever knows it.
 
-use super::record::Rejected;
 use crate::settings::Settings;
-use crate::settings::rows::{self, Field, Key, Text24, Value, Visitor};
+use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
+use crate::settings::table;
 
 /// Bytes of unknown elements that are kept, as settings of later firmware may be.
 pub(super) const MOST_UNKNOWN: usize = 64;
 
 /// Bytes of the longest payload.
-pub(super) const LONGEST_PAYLOAD: usize = rows::LONGEST + MOST_UNKNOWN;
+pub(super) const LONGEST_PAYLOAD: usize = table::LONGEST + MOST_UNKNOWN;
+
+/// Bytes that are no payload.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Damaged;
 
 /// Elements that this firmware does not know, as they are.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -69,15 +73,15 @@ struct Element<'a> {
 struct Elements<'a>(&'a [u8]);
 
 impl<'a> Iterator for Elements<'a> {
-    type Item = Result<Element<'a>, Rejected>;
+    type Item = Result<Element<'a>, Damaged>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let begin = self.0;
         (!begin.is_empty()).then(|| {
             let mut rest = begin;
-            let id = take_number(&mut rest).and_then(|id| u16::try_from(id).ok()).ok_or(Rejected::Damaged)?;
-            let (length, rest) = rest.split_first().ok_or(Rejected::Damaged)?;
-            let (values, rest) = rest.split_at_checked(usize::from(*length)).ok_or(Rejected::Damaged)?;
+            let id = take_number(&mut rest).and_then(|id| u16::try_from(id).ok()).ok_or(Damaged)?;
+            let (length, rest) = rest.split_first().ok_or(Damaged)?;
+            let (values, rest) = rest.split_at_checked(usize::from(*length)).ok_or(Damaged)?;
             let whole = begin.get(..begin.len() - rest.len()).unwrap_or(begin);
             self.0 = rest;
             Ok(Element { id, values, whole })
@@ -232,17 +236,17 @@ pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> 
 /// The settings in a payload, and the elements that are unknown.
 ///
 /// # Errors
-/// [`Rejected::Damaged`] if it is no payload, or if a value is none of its type.
-pub(super) fn read(payload: &[u8]) -> Result<(Settings, Unknown), Rejected> {
+/// [`Damaged`] if it is no payload, or if a value is none of its type.
+pub(super) fn read(payload: &[u8]) -> Result<(Settings, Unknown), Damaged> {
     let mut unknown = Unknown::NONE;
     for element in Elements(payload) {
         let element = element?;
-        if !rows::is_known(element.id) {
+        if !table::is_known(element.id) {
             unknown.keep(element.whole);
         }
     }
     let mut settings = Settings::prototype();
     let mut reader = Reader { payload, next: Elements(payload), open: None, is_damaged: false };
     settings.visit(&mut reader);
-    if reader.is_damaged { Err(Rejected::Damaged) } else { Ok((settings, unknown)) }
+    if reader.is_damaged { Err(Damaged) } else { Ok((settings, unknown)) }
 }

@@ -12,7 +12,7 @@
 //! Numbers are little-endian. CRC-32 finds every burst of up to 32 bits; of anything worse it misses one
 //! in 2^32.
 
-use super::payload::{LONGEST_PAYLOAD, Unknown, read, write};
+use super::payload::{Damaged, LONGEST_PAYLOAD, Unknown, read, write};
 use crate::checksum::crc32;
 use crate::settings::{Settings, SettingsError};
 
@@ -154,7 +154,7 @@ pub(super) fn decode(record: &[u8]) -> Result<Decoded, Rejected> {
     if header.format != FORMAT {
         return Err(Rejected::Format(header.format));
     }
-    let (settings, unknown) = read(payload)?;
+    let (settings, unknown) = read(payload).map_err(|Damaged| Rejected::Damaged)?;
     settings.check().map_err(Rejected::Illegal)?;
     Ok(Decoded {
         settings,

@@ -37,10 +37,10 @@ pub const fn bus(address: u32) -> Bus {
 
 /// Cycles that an access there takes beyond the instruction's own.
 ///
-/// A transfer on APB takes two of the bus's clocks (ARM IHI 0024C, 3.1 and 3.3), begins with one of them, and the
-/// bridge takes one of the core's: with four of the core's to one of the bus's 4 + 8 + 1 at the worst, with two 2 + 4 +
-/// 1. A port can change every two cycles (RM0390 rev 6, 8.2), and the core's own registers are not bufferable: one more
-/// for both.
+/// A transfer on APB takes two of the bus's clocks (ARM IHI 0024C, 3.1 and 3.3) and begins with one of them; the bridge
+/// takes one of the core's. That is 4 + 8 + 1 at the worst with four of the core's clocks to one of the bus's, and
+/// 2 + 4 + 1 with two. A port can change every two cycles (RM0390 rev 6, 8.2), and the core's own registers are not
+/// bufferable: both take one more.
 pub const fn wait(bus: Bus) -> u64 {
     match bus {
         Bus::Memory => 0,

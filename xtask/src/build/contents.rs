@@ -2,7 +2,7 @@
 
 use super::Elf;
 use anyhow::{Result, bail};
-use corehbot::settings::rows::described;
+use corehbot::settings::table::described;
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags};
 
@@ -107,7 +107,7 @@ fn has(bytes: &[u8], wanted: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::{LONG, has, objection};
-    use corehbot::settings::rows::described;
+    use corehbot::settings::table::described;
 
     #[test]
     fn a_name_that_only_looks_like_arithmetic_is_none() {
@@ -115,5 +115,14 @@ mod tests {
         assert!(objection("__adddf3").is_some());
         assert!(objection("_ZN8contexts13CONSOLE_WAKER17h434a119d3ddf3bf7E").is_none());
         assert!(objection("__aeabi_uldivmod").is_none());
+    }
+
+    #[test]
+    fn a_meaning_would_be_found_among_other_bytes() {
+        assert!(has(b"\0\x01 Steps a millimetre (M92).\0", b" Steps a millimetre (M92)."));
+        assert!(!has(b"", b" Steps"));
+        // Most settings have a line that is long enough to be looked for.
+        let long = described().filter(|(_, text)| text.meaning.iter().any(|line| line.len() > LONG)).count();
+        assert!(long > 80, "{long}");
     }
 }

@@ -1,0 +1,75 @@
+//! The table of all settings: the rows of each file of this room, in one order.
+
+use super::Settings;
+use super::rows::{Row, Rows, Text, Visitor};
+
+/// The id that the next new setting gets.
+pub const NEXT_ID: u16 = 100;
+
+/// The files that have rows.
+macro_rules! files {
+    ($($file:ident$(::$inner:ident)*),+ $(,)?) => {
+        /// The rows of each file.
+        const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
+
+        /// What the rows of each file mean.
+        const TEXTS: &[&[Text]] = &[$(super::$file$(::$inner)*::TEXTS),+];
+    };
+}
+
+files! {
+    top,
+    axis,
+    axis::homing,
+    bed,
+    belt,
+    belt::phases,
+    drivers,
+    endstops,
+    endstops::order,
+    pause,
+    shaping,
+    shaping::advance,
+    thermal,
+    thermal::heater,
+    thermal::fans,
+    wiring::motors,
+    wiring::endstops,
+    wiring::mechanism,
+}
+
+impl Settings {
+    /// Shows every setting to a visitor, a row after the other, and of a row a part after the other.
+    pub fn visit(&mut self, visitor: &mut dyn Visitor) {
+        ALL.iter().for_each(|file| (file.visit)(self, visitor));
+    }
+}
+
+/// Whether this firmware knows a setting with this id, or knew one once.
+#[must_use]
+pub const fn is_known(id: u16) -> bool {
+    0 < id && id < NEXT_ID
+}
+
+/// Every row with what it means to people. Not for images: the texts would be in them.
+pub fn described() -> impl Iterator<Item = (&'static Row, &'static Text)> {
+    let texts = TEXTS.iter().copied().flatten();
+    ALL.iter().flat_map(|file| file.rows).zip(texts)
+}
+
+/// Bytes that all rows take in a record at most.
+pub(crate) const LONGEST: usize = {
+    let mut bytes = 0;
+    let mut files = ALL;
+    while let [file, other_files @ ..] = files {
+        let mut rows = file.rows;
+        while let [row, others @ ..] = rows {
+            // An id of up to 14 bits, and a length.
+            bytes += if row.id < 128 { 2 } else { 3 };
+            bytes += row.longest();
+            rows = others;
+        }
+        files = other_files;
+    }
+    bytes
+};
