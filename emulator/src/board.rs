@@ -1,4 +1,4 @@
-//! The emulated board: an STM32F427 model in place of the F446, with what the board hangs on its pins.
+//! The emulated board: an STM32F427 model in place of the F446, with the parts that the board connects to its pins.
 //!
 //! The F427 is the same family with more of everything; what differs and is used is listed in `gaps`.
 //! [`Firmware`](crate::firmware::Firmware) sees to it that nothing is placed in memory that the F446 has not.
@@ -39,11 +39,11 @@ const PRIORITY_BITS: u8 = 4;
 const THERMISTORS: usize = 2;
 const REFERENCE: usize = 0;
 
-/// What a conversion makes of its reference: the inputs of ADC3 are given in these steps.
+/// Full scale of a conversion, its reference: the inputs of ADC3 are given in these steps.
 const FULL_SCALE: u32 = 4095;
 
-/// JTDO and NJTRST, which are the debug port's after a reset: driven by nobody unless a JTAG probe is there, the second
-/// pulled up by the chip (RM0390 rev 6, section 7.3.1).
+/// JTDO and NJTRST, which belong to the debug port after a reset. Without a JTAG probe they are not driven; the chip
+/// pulls up the second (RM0390 rev 6, section 7.3.1).
 const JTAG: [Pin; 2] = [Pin::new('B', 3), Pin::new('B', 4)];
 
 /// The board's rail in mV.
@@ -57,15 +57,15 @@ pub struct Emulated {
     wiring: &'static Wiring,
 }
 
-/// What a port's outputs do.
+/// The state of a port's outputs.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Port {
     /// Pins that are outputs, push-pull or not.
     pub outputs: u16,
     /// Pins that a peripheral of the chip drives.
     pub alternate: u16,
-    /// Those of them that are driven high now, or will be before anybody writes again, as far as that is known: a
-    /// heater's pin on its timer whose pulse is under way or to come, and every pin of another peripheral.
+    /// The alternate pins that are driven high now, or will be before the next register write, as far as that is known.
+    /// These are a heater's timer pin with a pulse in progress or to come, and every pin of another peripheral.
     pub live: u16,
     /// The output data register.
     pub data: u16,
@@ -141,13 +141,12 @@ impl Emulated {
         }
     }
 
-    /// Puts so many mV on the converters' supply. The thermistors hang there too, so only the internal reference shows
-    /// it.
+    /// Sets the converters' supply in mV. The thermistors share that supply, so only the internal reference shows it.
     pub fn set_analog_supply(&mut self, millivolts: u32) {
         self.mcu.adc[REFERENCE].set_reference(millivolts);
     }
 
-    /// What the firmware does with port `n` now.
+    /// What the firmware drives on port `n` now.
     pub fn port(&mut self, n: usize) -> Port {
         let (_, registers) = self.mcu.port(n);
         let mode = registers.get(Register::Moder);
@@ -208,7 +207,7 @@ impl Emulated {
 
     /// The far ends of the serial ports that have one.
     pub fn hosts(&mut self) -> impl Iterator<Item = &mut HostLine> {
-        // In the order of the wiring, which is not that of the chip.
+        // In the order of the wiring, which differs from the chip's order.
         let mut hosts: Vec<_> = self.mcu.usart.iter_mut().map(|usart| usart.chip_mut::<HostLine>()).collect();
         self.wiring.host_ports.iter().filter_map(move |port| hosts[port.place].take())
     }

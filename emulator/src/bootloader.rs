@@ -1,13 +1,13 @@
 //! The bootloader's stand-in: leaves the chip as BTT's does.
 //!
-//! What BTT's leaves was read from its machine code, `DFU Update bootloader/bootload/F446/bootload.hex` of
-//! github.com/bigtreetech/BIGTREETECH-OCTOPUS-V1.0; the addresses in `STEPS` are of instructions in it. Registers
-//! and bits are those of RM0390 rev 6 and PM0214 rev 10. It looks for a card, in vain here, sets up a USART for a
-//! Wi-Fi module, resets what it has used and jumps. Interrupts stay enabled, clocks stay on, and the processor runs at
-//! 180 MHz from the PLL's output R with over-drive.
+//! The state after BTT's bootloader was read from its machine code, `DFU Update bootloader/bootload/F446/bootload.hex`
+//! of github.com/bigtreetech/BIGTREETECH-OCTOPUS-V1.0. The addresses in `STEPS` are addresses of its instructions.
+//! Registers and bits follow RM0390 rev 6 and PM0214 rev 10. It looks for a card (there is none here), sets up a USART
+//! for a Wi-Fi module, resets the peripherals that it has used and jumps. Interrupts stay enabled, clocks stay on, and
+//! the processor runs at 180 MHz from the PLL's output R with over-drive.
 //!
-//! The real one takes 1.38 s for that, in loops of waiting (200 + 100 + 1000 + 10 + 100 ms by its own count of 22
-//! instead of 22.5 ticks a microsecond, at 0x044c). The stand-in does not wait.
+//! The real bootloader takes 1.38 s for that, in delay loops. They take 200 + 100 + 1000 + 10 + 100 ms by its own count
+//! of 22 instead of 22.5 ticks a microsecond, at 0x044c. The stand-in does not wait.
 
 use std::iter;
 
@@ -17,7 +17,7 @@ const STACK: u32 = 0x2002_0000;
 /// Where the chip looks for its first vector table.
 pub const RESET: u32 = 0x0800_0000;
 
-/// What the bootloader does to one register.
+/// An action of the bootloader on one register.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     /// Gives bits of the register at the address a value.
@@ -54,7 +54,7 @@ const SCB_VTOR: u32 = 0xE000_ED08;
 const SCB_AIRCR: u32 = 0xE000_ED0C;
 const SCB_CPACR: u32 = 0xE000_ED88;
 
-/// What it does, in its order.
+/// The bootloader's actions, in its order.
 const STEPS: &[Step] = &[
     // 0x3848: coprocessors on, VTOR its own.
     Set(SCB_CPACR, 0xF << 20, 0xF << 20),
@@ -87,7 +87,7 @@ const STEPS: &[Step] = &[
     Set(RCC_DCKCFGR2, ALL, 1 << 27),
     // 0x5060: priorities of four bits.
     Set(SCB_AIRCR, ALL, 0x05FA_0300),
-    // 0x2658: GPIOA, for a light on PA13.
+    // 0x2658: GPIOA, for an LED on PA13.
     Set(RCC_AHB1ENR, 1, 1),
     // 0x27b4: SDIO, GPIOC and D, DMA2; interrupts 49, 59 and 69.
     Set(RCC_APB2ENR, 1 << 11, 1 << 11),
@@ -148,8 +148,8 @@ pub enum Bootloader {
     /// As BTT's leaves it.
     #[default]
     Btt,
-    /// Worse, as none is known to: SysTick is about to interrupt, priorities have no bits that count, and SWDIO is an
-    /// output.
+    /// Worse than any known bootloader: SysTick is about to interrupt, priorities have no bits that count, and SWDIO is
+    /// an output.
     Careless,
 }
 

@@ -13,7 +13,7 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 use std::path::Path;
 
-/// Where the application of this test writes down what it finds.
+/// Where this test's application writes its findings.
 const NOTES: u32 = 0x2000_0000;
 
 /// The application: reads the registers in its list, then PRIMASK and CONTROL, and notes them.
@@ -33,7 +33,7 @@ const APPLICATION: [u16; 18] = [
     0xBF00, 0xBF00, 0xBF00, 0xBF00, // nop
 ];
 
-/// What is left: the register, and its value as BTT's leaves it (see the table of steps).
+/// The state left behind: the register, and its value after BTT's bootloader (see the table of steps).
 const LEFT: [(&str, u32, u32); 20] = [
     // HSI, HSE, PLL and PLLSAI, each on and ready.
     ("RCC_CR", RCC_CR, 0x3303_0083),
@@ -90,7 +90,7 @@ impl Driver<Emulated> for Watch {
     }
 }
 
-/// What an application after `loader` finds in its registers, and what was broken on the way there.
+/// The register values that an application finds after `loader`, and the rules broken before it starts.
 fn hand_over(loader: Vec<u8>) -> (Vec<u32>, ClockRules) {
     let begin = OCTOPUS.application + 8;
     let mut application: Vec<u8> = [STACK, begin + 1].iter().flat_map(|word| word.to_le_bytes()).collect();

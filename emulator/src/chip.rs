@@ -1,12 +1,12 @@
 //! The chip: the STM32F427 model with a clock tree of its own, a USB port with nothing plugged in, and the lines of
 //! EXTI.
 //!
-//! The crate's own model of OTG_FS answers for the reset register; all others only keep what is written. A firmware
-//! that clears the interrupt flags by writing ones would find all of them set, and believe in a host for ever.
+//! The crate's own model of OTG_FS handles only the reset register; all other registers keep the written value. A
+//! firmware that clears interrupt flags by writing ones would find all of them set, and would always see a host.
 //!
-//! EXTI has no model in the crate, whose table does not connect it with the interrupt of the supply's detector either.
-//! Here it keeps what is written, and nothing is ever pending; a test that lets the supply fall looks whether the line
-//! is armed, and pends the interrupt itself.
+//! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
+//! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the
+//! line is armed, and pends the interrupt itself.
 //!
 //! The crate's flash cannot be written to: the processor's stores to it are dropped. For a board that keeps settings
 //! there, [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
@@ -44,7 +44,7 @@ pub struct Chip {
     lines: Lines,
     /// The flash interface of a board that keeps settings in flash.
     pub flash: Option<FlashInterface>,
-    /// A bus with that board's memory, for the emulator to take its map from before it starts.
+    /// A bus with that board's memory, which gives the emulator its map before it starts.
     map: Option<Bus>,
     /// Where the bus has the six.
     slots: [Option<usize>; 6],
@@ -67,7 +67,7 @@ impl Device for Core {
     }
 }
 
-/// The device registers of OTG_FS, which keep what is written: without a host nothing comes of it.
+/// The device registers of OTG_FS, which keep the written value: without a host they have no effect.
 #[derive(Debug, Default)]
 struct Block;
 
@@ -84,7 +84,7 @@ impl Device for Lines {
 
     fn write(&mut self, register: exti::Register, _: u64, registers: &mut RegisterFile, _: &mut DeviceContext<'_>) {
         if register == exti::Register::Pr {
-            // Ones take back what is pending (RM0390 rev 6, section 10.3.6).
+            // Writing ones clears pending bits (RM0390 rev 6, section 10.3.6).
             registers.set(exti::Register::Pr, 0);
         }
     }
@@ -112,7 +112,7 @@ impl Chip {
         })
     }
 
-    /// Fits a crystal of so many Hz, and breaks something of the clocks.
+    /// Fits a crystal of `crystal` Hz, and breaks a part of the clocks.
     pub fn fit(&mut self, crystal: u64, defect: Defect) {
         self.clock_tree.fit(crystal);
         self.clock_tree.weaken(defect);
@@ -138,13 +138,13 @@ impl Chip {
         }
     }
 
-    /// Has the slow oscillator run at so many Hz.
+    /// Runs the slow oscillator at `hz` Hz.
     pub fn calibrate_slow_oscillator(&mut self, hz: u64) {
         self.clock_tree.calibrate(hz);
     }
 
-    /// The crystal stops: what the clock security system makes of that happens at once (RM0390 rev 6, section 6.2.7),
-    /// but for the exception, which the model does not raise. Says whether the system watched for it.
+    /// Stops the crystal. The clock security system reacts at once (RM0390 rev 6, section 6.2.7), except for the
+    /// exception, which the model does not raise. Returns whether the system watched for it.
     pub fn stop_crystal(&mut self, at: VirtualNanos) -> bool {
         /// RCC_CR and RCC_CIR, and CSSF in the latter (RM0390 rev 6, sections 6.3.1 and 6.3.4).
         const CONTROL: u64 = 0x4002_3800;

@@ -63,7 +63,7 @@ struct Cli {
     /// Prints the conversation.
     #[arg(long)]
     talk: bool,
-    /// What the motors turn.
+    /// The load on the motors.
     #[command(flatten)]
     plant: PlantArgs,
     /// Virtual time after which the run is given up, in s.
@@ -71,7 +71,7 @@ struct Cli {
     limit: u64,
 }
 
-/// A board whose image runs here.
+/// A board with an image that runs here.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Board {
     /// BTT Octopus V1.0 or V1.1.
@@ -93,7 +93,7 @@ impl Board {
 struct Prepared {
     firmware: Firmware,
     gcode: String,
-    /// The machine, and the EEPROM that holds it, if it is not that of the image.
+    /// The machine, and the EEPROM that holds it, if it differs from the image's machine.
     settings: Settings,
     eeprom: Eeprom,
     belt: Option<BeltSetup>,
@@ -183,8 +183,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
     outputs.keep()?;
     print_run(cli, &seen);
     let host = match &cli.settings {
-        // A simulator that is made as the prototype has no heaters for what the EEPROM would have it heat, and no other
-        // mechanism.
+        // A simulator built as the prototype lacks the heaters and the mechanism that the EEPROM may ask for.
         Some(_)
             if wiring.settings == SettingsMemory::Eeprom
                 && !settings.thermal.has_heater()

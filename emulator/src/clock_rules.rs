@@ -1,8 +1,8 @@
 //! Rules for clocks that the chip does not enforce and a model does not know: a board that breaks one may start today
 //! and not tomorrow.
 //!
-//! Sections are those of RM0390 rev 6. Every write to RCC, PWR or the flash interface is looked at, the bootloader's
-//! as well.
+//! Sections are those of RM0390 rev 6. Every write to RCC, PWR or the flash interface is checked, the bootloader's as
+//! well.
 //!
 //! | rule | section |
 //! |---|---|
@@ -70,11 +70,11 @@ pub enum Rule {
     Factor(&'static str, u64),
     /// A frequency in a PLL is out of range, in Hz.
     Frequency(&'static str, u64),
-    /// What the system clock comes from was switched off.
+    /// The source of the system clock was switched off.
     InUse(&'static str),
     /// HSE was switched on with a crystal taken for a clock or a clock for a crystal, or HSEBYP changed while it is on.
     Bypass,
-    /// So many wait states, and so many are needed.
+    /// Wait states that are set, and wait states that are needed.
     WaitStates(u64, u64),
     /// A clock is faster than it may be, in Hz.
     TooFast(&'static str, u64),
@@ -107,7 +107,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// A broken rule, and who broke it.
+/// A broken rule, and the code that broke it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Breach {
     /// When, in ns.
@@ -152,7 +152,7 @@ const RESET: Registers = Registers {
 pub struct ClockRules {
     hse: Hse,
     before: Registers,
-    /// What was broken, each rule once.
+    /// The broken rules, each once.
     pub breaches: Vec<Breach>,
 }
 
@@ -192,7 +192,7 @@ impl ClockRules {
         }
     }
 
-    /// What a write of `value` breaks, after which the registers are `now`.
+    /// The rules that a write of `value` breaks; afterwards the registers are `now`.
     fn judge(&mut self, address: u64, value: u64, now: &Registers) -> Vec<Rule> {
         let before = std::mem::replace(&mut self.before, *now);
         let mut broken = Vec::new();
@@ -251,7 +251,7 @@ impl ClockRules {
         broken
     }
 
-    /// What is wrong with the factors that two PLLs have in the same places.
+    /// Broken rules about the factors that two PLLs have in the same places.
     fn pll(&self, factors: u64, which: &'static str) -> Vec<Rule> {
         let (m, n) = (factors & 0x3F, factors >> 6 & 0x1FF);
         let mut broken: Vec<_> = factor("PLLM", m).into_iter().chain(factor("PLLQ", factors >> 24 & 0xF)).collect();
@@ -269,7 +269,7 @@ impl ClockRules {
         broken
     }
 
-    /// What the PLLs take in.
+    /// The input frequency of the PLLs.
     const fn source(&self, pllcfgr: u64) -> u64 {
         if pllcfgr & 1 << 22 == 0 { HSI_HZ } else { self.hse.hz() }
     }
@@ -309,7 +309,7 @@ fn factor(name: &'static str, value: u64) -> Option<Rule> {
     (value < 2).then_some(Rule::Factor(name, value))
 }
 
-/// What the three bits of PPRE1 or PPRE2 divide by (section 6.3.3).
+/// The divisor for the three bits of PPRE1 or PPRE2 (section 6.3.3).
 const fn apb(bits: u64) -> u64 {
     match bits & 7 {
         ppre @ 4.. => 1 << (ppre - 3),

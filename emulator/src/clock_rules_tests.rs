@@ -52,7 +52,7 @@ fn broken_by(n: usize, write: Write) -> Vec<Rule> {
     breaks(&writes)
 }
 
-/// What a write breaks at 180 MHz.
+/// The rules that a write breaks at 180 MHz.
 fn broken_at_180_mhz(write: Write) -> Vec<Rule> {
     breaks(&[&UP[..], &[write]].concat())
 }
@@ -115,7 +115,7 @@ fn every_factor_has_its_range() {
     ] {
         assert_eq!(breaks(&[(RCC_PLLCFGR, factors)]), [Rule::Factor(name, value)]);
     }
-    // What embassy-stm32 0.6.0 writes if nobody asks for Q and R.
+    // The values that embassy-stm32 0.6.0 writes if the firmware does not ask for Q and R.
     let both = [Rule::Factor("PLLQ", 0), Rule::Factor("PLLR", 0)];
     assert_eq!(breaks(&[(RCC_PLLCFGR, 6 | 180 << 6 | 1 << 22)]), both);
 }
@@ -151,7 +151,7 @@ fn what_the_system_runs_from_stays_on() {
 fn the_wait_states_come_before_the_clock_and_go_after_it() {
     assert!(broken_by(6, (FLASH_ACR, 4)).contains(&Rule::WaitStates(4, 5)));
     assert_eq!(broken_at_180_mhz((FLASH_ACR, 4)), [Rule::WaitStates(4, 5)]);
-    // 30 MHz need none, a Hz more needs one: 180 MHz by 4 and by 8.
+    // 30 MHz need no wait state, one Hz more needs one: 180 MHz by 4 and by 8.
     let by = |hpre: u64, acr| breaks(&[&UP[..6], &[(FLASH_ACR, acr), (RCC_CFGR, 2 | hpre << 4)]].concat());
     assert_eq!(by(9, 1), []);
     assert_eq!(by(9, 0), [Rule::WaitStates(0, 1)]);

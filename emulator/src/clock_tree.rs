@@ -1,9 +1,9 @@
-//! The clock tree: the model of an STM32F427's RCC, made an STM32F446's where a bootloader or an image meets the
-//! difference, and what may be broken of clocks.
+//! The clock tree: the model of an STM32F427's RCC, changed to an STM32F446's where a bootloader or an image meets the
+//! difference. Clocks may have defects.
 //!
 //! The F446 may take its system clock from the PLL's output R (RM0390 rev 6, section 6.3.3, SW = 3), which the F427
-//! has not. The model is told of output P instead, and whoever reads the register finds what was written. The rate is
-//! right as long as both outputs divide alike.
+//! lacks. The model gets output P instead, and a read of the register returns the written value. The rate is right as
+//! long as both outputs divide alike.
 
 use rigless::device::{Device, DeviceContext, RegisterFile, RequestChange, ResetCause};
 use rigless::soc::stm32f427::generated::pwr;
@@ -12,12 +12,13 @@ use rigless::soc::stm32f427::peripherals::pwr::Pwr;
 use rigless::soc::stm32f427::peripherals::rcc::Rcc;
 use rigless::time::{EventId, VirtualNanos};
 
-/// Configuration register (RM0390 rev 6, section 6.3.3): what is wanted, what it is, and the number of output P.
+/// Configuration register (RM0390 rev 6, section 6.3.3): the wanted source, the current source, and the number of
+/// output P.
 const SW: u64 = 3;
 const SWS: u64 = 3 << 2;
 const PLL_P: u64 = 2;
 
-/// What is broken. A bootloader still starts it: without clocks it hands over to nobody.
+/// A defect of the clocks. A bootloader still starts: without clocks it would never hand over.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Defect {
     /// Nothing.
@@ -25,7 +26,7 @@ pub enum Defect {
     None,
     /// The crystal, once stopped, does not start again.
     Crystal,
-    /// Neither a crystal nor a clock is there: HSE never starts.
+    /// Neither a crystal nor a clock is connected: HSE never starts.
     NoClock,
     /// The PLL, once stopped, does not lock again.
     Pll,
@@ -62,7 +63,7 @@ impl Switch {
         written & !self.shown
     }
 
-    /// What a read of `value` finds, if it is something else.
+    /// The result of a read in place of `value`, if it differs.
     fn read(&self, value: u64) -> Option<u64> {
         (self.shown != 0).then_some(value | self.shown)
     }
@@ -141,7 +142,7 @@ pub struct ClockTree {
     defect: Defect,
     /// The system clock, or the one that is wanted, is the PLL's output R.
     is_from_r: bool,
-    /// Of what is broken.
+    /// The switch for the defect.
     switch: Switch,
     /// The crystal is about to stop.
     stops: bool,
@@ -154,12 +155,12 @@ impl ClockTree {
         Self { model: Rcc::new(), defect: Defect::None, is_from_r: false, switch: Switch::default(), stops: false }
     }
 
-    /// Fits a crystal of so many Hz.
+    /// Fits a crystal of `crystal` Hz.
     pub fn fit(&mut self, crystal: u64) {
         self.model.attach_crystals(crystal, 0);
     }
 
-    /// Has the slow oscillator run at so many Hz, 17,000 to 47,000 (STM32F446 datasheet, LSI).
+    /// Runs the slow oscillator at `hz` Hz, 17,000 to 47,000 (STM32F446 datasheet, LSI).
     pub fn calibrate(&mut self, hz: u64) {
         self.model.calibrate_lsi(hz);
     }
@@ -181,7 +182,7 @@ impl ClockTree {
         };
     }
 
-    /// What is broken.
+    /// The current defect.
     #[must_use]
     pub const fn defect(&self) -> Defect {
         self.defect
@@ -193,7 +194,7 @@ impl ClockTree {
         &self.model
     }
 
-    /// The part was reset: everything but what is soldered is new.
+    /// The part was reset: all state starts again, except soldered parts.
     pub fn restarted(&mut self, cause: ResetCause, registers: &mut RegisterFile) {
         let (crystal, slow, defect) = (self.model.crystals().0, self.model.lsi_hz(), self.defect);
         *self = Self::new();
@@ -204,7 +205,7 @@ impl ClockTree {
         self.model.restarted(cause, registers.get(Register::Csr), registers);
     }
 
-    /// What a read of `register` finds, if it is not what the model has there.
+    /// The value that a read of `register` returns, if it differs from the model's value.
     fn shown(&self, register: Register, registers: &RegisterFile) -> Option<u64> {
         let value = registers.get(register);
         match register {

@@ -1,4 +1,4 @@
-//! Compares the steps on the pins with those of the host simulator.
+//! Compares the steps on the pins with the steps of the host simulator.
 //!
 //! The sequence, which motors step which way, has to be equal, without exception. Then two things are looked at:
 //! whether the firmware plays each event at the host's tick, and how late the edges are.
@@ -22,7 +22,7 @@ pub struct Scheduled {
     pub tick: u64,
     /// The motors that step.
     pub steps: MotorSet,
-    /// Those of them that step forward.
+    /// The stepping motors that step forward.
     pub forward: MotorSet,
 }
 
@@ -62,7 +62,7 @@ pub fn scheduled_with(
     Ok(steps.0)
 }
 
-/// What a board shows of `events` that has no other motors than `motors`.
+/// The part of `events` that a board shows if it has only the motors `motors`.
 #[must_use]
 pub fn of_motors(events: &[Scheduled], motors: MotorSet) -> Vec<Scheduled> {
     let seen = |event: &Scheduled| Scheduled {
@@ -145,7 +145,7 @@ pub struct Timing {
     pub stretched: u64,
     /// Events that the firmware plays at the host's tick.
     pub exact: u64,
-    /// Events that it plays at another, or whose schedule could not be read.
+    /// Events played at another tick than scheduled, or with a schedule that could not be read.
     pub inexact: u64,
     /// Longest time from the first edge of an event to its last, in ns.
     pub spread: u32,
@@ -161,7 +161,8 @@ impl Timing {
     }
 }
 
-/// Holds the schedule of `pins` to that of `host`, whose sequence is equal, and the edges to the schedule.
+/// Compares the schedule of `pins` with the schedule of `host`, which has the same sequence, and the edges with the
+/// schedule.
 #[must_use]
 pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
     let mut timing = Timing::default();

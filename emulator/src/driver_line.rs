@@ -1,4 +1,4 @@
-//! A driver on its wire: the simulator's TMC2209, and what it hears and says bit by bit.
+//! A driver on its wire: the simulator's TMC2209, and the bits that it hears and sends.
 //!
 //! The firmware's edges come from its stores to the port; the driver's own are played at their instants of virtual
 //! time, for which the run stops between two instructions.
@@ -11,7 +11,7 @@ use corehbot_sim::tmc2209::Tmc2209;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 
-/// Number of the register SLAVECONF, whose bits 8 to 11 are SENDDELAY (datasheet rev 1.09, section 5.1).
+/// Number of the register SLAVECONF; its bits 8 to 11 are SENDDELAY (datasheet rev 1.09, section 5.1).
 const SLAVECONF: u8 = 0x03;
 
 /// A bit at the rate that the firmware states, in ns; only to measure how far its edges are from where they belong.
@@ -22,13 +22,13 @@ const STATED_BIT: f64 = 1e9 / 19_200.0;
 pub struct DriverLine {
     /// The chip.
     pub chip: Tmc2209,
-    /// Every so many replies a bit of one is turned over on the wire; 0 is never.
+    /// Inverts one bit of every `noise`-th reply on the wire; 0 is never.
     pub noise: u32,
     /// The wire is shorted to the supply or to ground.
     pub short: Option<bool>,
     /// The firmware drove the wire while the driver did.
     pub collisions: u32,
-    /// The wire was left to nobody, and no resistor pulled it up.
+    /// Times when the wire was driven by neither end, and no resistor pulled it up.
     pub floating: u32,
     /// Datagrams heard, and replies said.
     pub datagrams: [u32; 2],
@@ -40,7 +40,7 @@ pub struct DriverLine {
     hearing: Hearing,
     /// When the present datagram began.
     first: Option<u64>,
-    /// Levels to come, and when; at last nobody drives.
+    /// Levels to come, and their times; the last entry releases the wire.
     saying: VecDeque<(u64, Option<bool>)>,
     is_saying: bool,
 }
@@ -95,7 +95,7 @@ impl DriverLine {
         self.saying.front().map(|(at, _)| *at).or_else(|| self.hearing.next())
     }
 
-    /// Comes to `at`: what was heard, and whether the wire is to be driven otherwise.
+    /// Advances to `at`: handles the heard bytes, and returns the new level of the wire if it changes.
     fn advance(&mut self, at: u64) -> Option<Option<bool>> {
         if self.short.is_some() {
             self.is_saying = true;
@@ -180,7 +180,7 @@ impl DriverLines {
         &mut self.lines[motor as usize]
     }
 
-    /// The chip of `motor`, for what its motor does to it.
+    /// The chip of `motor`, so that the motor's state can act on it.
     pub const fn chip(&mut self, motor: Motor) -> &mut Tmc2209 {
         &mut self.lines[motor as usize].chip
     }
@@ -190,7 +190,7 @@ impl DriverLines {
         self.lines.iter()
     }
 
-    /// Motors whose driver makes another number of microsteps than `microsteps`.
+    /// Motors with a driver that makes another number of microsteps than `microsteps`.
     #[must_use]
     pub fn others_than(&self, microsteps: u32) -> MotorSet {
         let motors = Motor::ALL.into_iter().zip(&self.lines).filter(|(_, line)| line.chip.microsteps() != microsteps);

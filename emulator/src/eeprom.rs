@@ -1,7 +1,7 @@
-//! The EEPROM of the board: AT24C32, 4 KiB at address 0x50, whose power can be cut.
+//! The EEPROM of the board: AT24C32, 4 KiB at address 0x50, with power cuts.
 //!
-//! Datasheet AT24C32E 8905F: two address bytes, pages of 32 bytes within which a write goes round, and no
-//! acknowledge for up to 5 ms while a page is being written, which begins with the stop.
+//! Datasheet AT24C32E 8905F: two address bytes, pages of 32 bytes in which a write wraps around. The stop starts the
+//! write of a page, and for up to 5 ms the chip then gives no acknowledge.
 
 use rigless::chip::Timeline;
 use rigless::chip::i2c::Peer;
@@ -16,7 +16,7 @@ const PAGE: usize = 32;
 /// t_WR at most.
 const WRITE_NS: u64 = 5_000_000;
 
-/// When the power goes, and what it does to the cells.
+/// The time of a power cut, and its effect on the cells.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Cut {
     /// Bytes that are still written.
@@ -28,7 +28,7 @@ pub struct Cut {
 /// An AT24C32.
 #[derive(Clone, Debug)]
 pub struct At24c32 {
-    /// What it holds.
+    /// The content.
     pub cells: Vec<u8>,
     /// The power goes in the middle of a write.
     pub cut: Option<Cut>,
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn a_write_goes_round_within_its_page() {
         let mut chip = At24c32::default();
-        // Address 0x1234, whose upper four bits mean nothing, is byte 20 of its page.
+        // The upper four bits of address 0x1234 mean nothing, so it is byte 20 of its page.
         for byte in [0x12, 0x34].into_iter().chain(0..40) {
             chip.take(byte);
         }

@@ -1,7 +1,7 @@
 //! The image under test: an ELF file, exactly as the build made it, after a stand-in for the bootloader.
 //!
-//! A test may change single words of the copy in memory, to make a fault happen that a sound image has no
-//! way to; the file's digest is always that of the file.
+//! A test may change single words of the copy in memory, to cause a fault that a sound image cannot have; the file's
+//! digest always stays the file's.
 
 use crate::bootloader::{Bootloader, RESET};
 use crate::wiring::Wiring;
@@ -28,7 +28,7 @@ pub struct Firmware {
     /// What runs before it.
     pub bootloader: Bootloader,
     bytes: Vec<u8>,
-    /// What lies beside the image.
+    /// Bytes in addition to the image.
     extra: Vec<(u32, Vec<u8>)>,
 }
 
@@ -50,7 +50,7 @@ impl Firmware {
         Ok(firmware)
     }
 
-    /// What goes into memory, the bootloader before a firmware that needs one.
+    /// The initial memory; a firmware that needs a bootloader gets it in front.
     ///
     /// # Errors
     /// If the file is no ELF file.
@@ -93,7 +93,7 @@ impl Firmware {
         Ok(begin..begin + found.with_context(|| format!("the image has no function {name}"))?.size())
     }
 
-    /// Puts `halfwords` over the code at `address`: what runs is no longer what the file holds.
+    /// Puts `halfwords` over the code at `address`: the running code then differs from the file.
     ///
     /// # Errors
     /// If the image has nothing there.
@@ -122,7 +122,7 @@ impl Firmware {
         image::set_board(&mut self.bytes, key)
     }
 
-    /// Puts `bytes` into flash beside the image.
+    /// Puts `bytes` into flash in addition to the image.
     pub fn add(&mut self, address: u32, bytes: Vec<u8>) {
         self.extra.push((address, bytes));
     }
@@ -139,14 +139,14 @@ impl Firmware {
         }
     }
 
-    /// What the firmware makes of its own image: FNV-1a over the words of code and constants (`image::sum` of
-    /// chips/stm32f446). What is patched counts.
+    /// The firmware's sum over its own image: FNV-1a over the words of code and constants (`image::sum` of
+    /// chips/stm32f446). Patched words count.
     ///
     /// # Errors
     /// If the image does not say where they begin and end.
     pub fn sum(&self) -> Result<u32> {
         let (from, to) = (self.symbol("__stext")?, self.symbol("__erodata")?);
-        // Between the two is what was erased.
+        // The bytes between both are erased flash.
         let mut flash = vec![0xFF; ((to & !3) - from) as usize];
         for segment in self.file()?.segments() {
             for (address, byte) in (segment.address()..).zip(segment.data()?) {
@@ -160,7 +160,7 @@ impl Firmware {
         Ok(words.fold(0x811C_9DC5, |sum: u32, word| (sum ^ word).wrapping_mul(0x0100_0193)))
     }
 
-    /// Where the file holds what goes to `address`.
+    /// The place in the file of the bytes for `address`.
     fn offset(&self, address: u32) -> Result<usize> {
         let at = u64::from(address);
         let found = self.file()?.segments().find_map(|segment| {

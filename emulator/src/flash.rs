@@ -1,7 +1,7 @@
-//! The sectors of flash in which a board keeps settings: what they hold, and what a power cut leaves of it.
+//! The sectors of flash in which a board keeps settings: their content, and the remainder after a power cut.
 //!
-//! Sectors 1 and 2 (RM0390 rev 6, section 3.3). Programming turns ones into zeros and an erase all bits of a sector
-//! into ones (section 3.5.4); either takes its time, and a cut may come in the middle of it.
+//! Sectors 1 and 2 (RM0390 rev 6, section 3.3). Programming turns ones into zeros, and an erase sets all bits of a
+//! sector to one (section 3.5.4). Either takes time, and a cut may come in the middle of it.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ pub const SECTOR: u64 = 0x4000;
 /// Number of the first.
 const FIRST: u64 = 1;
 
-/// What is left of an operation in which the power goes.
+/// The remainder of an operation that a power cut interrupts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Tear {
     /// Nothing has happened yet.
@@ -32,7 +32,8 @@ pub enum Tear {
 }
 
 impl Tear {
-    /// What becomes of the byte at `at` of `length` that was to be `new`. `any` is what may come of it by chance.
+    /// The new value of the byte at `at` of `length`, which was to become `new`. `any` is the random value that it may
+    /// get.
     const fn byte(self, at: usize, length: usize, old: u8, new: u8, any: u8) -> u8 {
         let end = if length == SECTOR as usize { 4 } else { 1 };
         match self {
@@ -46,7 +47,7 @@ impl Tear {
     }
 }
 
-/// A byte as by chance, the same for each address (the upper bits of a product with 2^32 over the golden ratio; Knuth,
+/// A pseudo-random byte, the same for each address: the upper bits of a product with 2^32 over the golden ratio (Knuth,
 /// The Art of Computer Programming, volume 3, section 6.4).
 const fn chance(at: usize) -> u8 {
     ((at as u32).wrapping_mul(0x9E37_79B1) >> 24) as u8
@@ -57,14 +58,14 @@ const fn chance(at: usize) -> u8 {
 pub struct FlashCut {
     /// Operations that are still done.
     pub after: usize,
-    /// What is left of the next.
+    /// The remainder of the next operation.
     pub tear: Tear,
 }
 
-/// What the interface is told to do.
+/// An operation of the interface.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Operation {
-    /// So many bytes of this value are programmed at an address.
+    /// Programs bytes of this value at an address.
     Program {
         /// Where.
         address: u64,
@@ -96,13 +97,13 @@ impl Operation {
 /// The sectors.
 #[derive(Clone, Debug)]
 pub struct FlashSectors {
-    /// What they hold.
+    /// The content.
     pub cells: Vec<u8>,
     /// The power goes in an operation.
     pub cut: Option<FlashCut>,
     /// All operations that were begun.
     pub operations: Vec<Operation>,
-    /// What the image should not have done to the interface.
+    /// Misuse of the interface by the image.
     pub faults: Vec<&'static str>,
     is_cut: bool,
 }
@@ -144,7 +145,7 @@ impl FlashSectors {
         Some(operation)
     }
 
-    /// Carries an operation out, as far as `tear` says, and returns what it has changed: addresses and words.
+    /// Carries an operation out, as far as `tear` says, and returns the changes: addresses and words.
     pub(crate) fn end(&mut self, operation: Operation, tear: Option<Tear>) -> Vec<(u64, u32)> {
         let Range { start, end } = operation.addresses();
         let place = (start - SECTORS.start) as usize..(end - SECTORS.start) as usize;
@@ -204,7 +205,7 @@ mod tests {
         assert!(flash.cells[0x4000..].iter().all(|cell| *cell == 0xFF));
     }
 
-    /// An erase that looks done to who judges by both ends, and one that looks like nothing.
+    /// One erase looks complete if only both ends are read, and one looks like no erase.
     #[test]
     fn what_is_between_the_ends_may_hold_anything() {
         for (tear, blank) in [(Tear::Ends, 8), (Tear::Anything, 0)] {

@@ -1,12 +1,12 @@
 //! The flash interface of a board that keeps settings in flash (RM0390 rev 6, chapter 3).
 //!
-//! | what | section | who has it |
-//! |---|---|---|
-//! | keys, LOCK, write access only while unlocked, option bytes | 3.5.1, 3.6 | the crate's model |
-//! | SER, SNB, STRT: a sector is erased, BSY until then | 3.5.3 | the crate's model; what that does to the cells is here |
-//! | a store to flash: a word is programmed, BSY until then | 3.5.4 | here |
-//! | PGSERR: PG not set, or an erase selected; PGAERR: beyond a row of 128 bits; PGPERR: another width than PSIZE; WRPERR | 3.5.4, 3.8.4 | here |
-//! | operations and writes to CR while BSY is set, of which the manual says that the bus waits | 3.5.1 | here, a fault of the image |
+//! - Keys, LOCK, write access only while unlocked, option bytes (3.5.1, 3.6): the crate's model.
+//! - SER, SNB, STRT: a sector is erased, BSY until then (3.5.3): the crate's model. The effect on the cells is here.
+//! - A store to flash: a word is programmed, BSY until then (3.5.4): here.
+//! - PGSERR: PG not set, or an erase selected. PGAERR: beyond a row of 128 bits. PGPERR: another width than PSIZE.
+//!   WRPERR (3.5.4, 3.8.4). All are here.
+//! - Operations and writes to CR while BSY is set: the manual says that the bus waits (3.5.1). Here they are a fault of
+//!   the image.
 //!
 //! While a sector is erased the processor stands still (3.5: no code can be fetched), so the watch holds it. While a
 //! word is programmed it goes on, as it does if it waits for BSY in the instruction cache.
@@ -37,9 +37,9 @@ const ROW: u64 = 16;
 #[derive(Debug)]
 pub struct FlashInterface {
     model: Flash,
-    /// What is in the sectors.
+    /// The content of the sectors.
     pub sectors: FlashSectors,
-    /// What goes on, and until when.
+    /// The current operation, and its end.
     work: Option<(Operation, u64)>,
     /// Words that are another now, and that the processor does not see yet.
     changes: Vec<(u64, u32)>,
@@ -75,7 +75,7 @@ impl FlashInterface {
         }
     }
 
-    /// What goes on is left unfinished. Without power it stays so.
+    /// Leaves the current operation unfinished. Without power it stays so.
     fn tear(&mut self, tear: Tear) {
         if let Some((operation, _)) = self.work {
             self.changes.extend(self.sectors.end(operation, Some(tear)));
@@ -123,7 +123,7 @@ impl FlashInterface {
         (register == Register::Sr && self.work.is_some()).then(|| registers.get(register) | sr::BSY.mask())
     }
 
-    /// What a write to the control register has begun.
+    /// Starts the operation that a write to the control register asks for.
     fn controlled(&mut self, was_busy: bool, registers: &RegisterFile, context: &DeviceContext<'_>) {
         let control = registers.get(Register::Cr);
         if was_busy || !sr::BSY.is_set(registers.get(Register::Sr)) {

@@ -131,7 +131,7 @@ fn an_erase_holds_the_processor_for_the_longest_time() {
     assert_eq!(flash.sectors.operations, [Operation::Erase { sector: 2 }]);
 }
 
-/// A reset in the middle of it leaves neither what was there nor what was to be.
+/// A reset in the middle of it leaves neither the old word nor the new one.
 #[test]
 fn a_reset_while_a_word_is_programmed_leaves_a_mixture() {
     let mut chip = unlocked();

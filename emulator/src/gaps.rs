@@ -1,7 +1,7 @@
-//! Gaps: what the firmware asked of the chip and the model could not stand in for.
+//! Gaps: requests of the firmware that the chip model could not serve.
 //!
-//! Every access to a register that is not there, that no model answers for, or that the model refused is a
-//! finding, unless it stands in [`ALLOWED`] with the reason why it does no harm.
+//! A finding is every access to a register that is missing, has no model, or is refused by the model. [`ALLOWED`] lists
+//! the exceptions with the reason why each does no harm.
 
 use rigless::machine::Board;
 use rigless::session::Session;
@@ -12,7 +12,7 @@ use std::fmt;
 pub struct Allowed {
     /// First and last address.
     pub addresses: (u64, u64),
-    /// What is there.
+    /// The name of the part at this address.
     pub name: &'static str,
     /// Why it does no harm.
     pub reason: &'static str,
@@ -45,7 +45,7 @@ pub const ALLOWED: &[Allowed] = &[
 /// One gap.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Gap {
-    /// The address, 0 for what has none.
+    /// The address; 0 if there is none.
     pub address: u64,
     /// What happened.
     pub what: String,

@@ -1,23 +1,23 @@
-//! Hearing: what a TMC2209 makes of the edges on its wire (datasheet rev 1.09, section 4.1.1).
+//! Hearing: how a TMC2209 decodes the edges on its wire (datasheet rev 1.09, section 4.1.1).
 //!
-//! The first byte of each datagram begins with the sync nibble 0101: from its start bit's edge to the falling edge
-//! before bit 3 are four bit times, and with that measure this byte and the others are sampled. After an error the
-//! wire must rest for 12 bit times, and a datagram whose next byte does not begin within 63 is forgotten.
+//! The first byte of each datagram begins with the sync nibble 0101. From its start bit's edge to the falling edge
+//! before bit 3 are four bit times. With this measure, this byte and the others are sampled. After an error the wire
+//! must rest for 12 bit times. A datagram is dropped if its next byte does not begin within 63 bit times.
 
-/// What was heard.
+/// A result of hearing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Heard {
     /// A byte of a datagram.
     Byte(u8),
-    /// What was heard of a datagram so far does not count.
+    /// An error: the bytes of the current datagram so far do not count.
     Nothing,
 }
 
 /// A datagram's first byte: the sync nibble in the lower half.
 const SYNC: u8 = 0x5;
 
-/// Four bits take no longer than this in ns: 9,000 bits a second are the least with a clock of 20 MHz (datasheet rev
-/// 1.09, section 4.1.1), so 5,400 with 12 MHz.
+/// Longest time of four bits in ns. The lowest rate is 9,000 bits a second with a clock of 20 MHz (datasheet rev 1.09,
+/// section 4.1.1), so 5,400 with 12 MHz.
 const SLOWEST: u64 = 800_000;
 
 /// Bits of a byte on the wire.
@@ -82,7 +82,7 @@ impl Hearing {
         self.instant(2 * FRAME - 1)
     }
 
-    /// What was heard up to `now`, if a byte has come to its end.
+    /// The result up to `now`, if a byte has ended.
     pub fn take(&mut self, now: u64) -> Option<Heard> {
         if self.next().is_none_or(|end| end > now) {
             return None;
@@ -117,7 +117,7 @@ impl Hearing {
         self.bytes.0 == 0
     }
 
-    /// Whether a datagram that has begun is to be forgotten, for its next byte would begin at `now`.
+    /// Whether to drop a datagram that has begun, because its next byte would begin too late at `now`.
     pub fn is_late(&mut self, now: u64) -> bool {
         let bit = self.four_bits.unwrap_or(u64::MAX / 63) / 4;
         let is_late = self.bytes.0 > 0 && self.edges.is_empty() && now > self.began + 63 * bit;

@@ -22,7 +22,7 @@ const SAMPLED: u32 = 20;
 /// Duties and speeds are of 65,535 (`ThermalPort`).
 const FULL: f64 = 65_535.0;
 
-/// What is round the machine's heat.
+/// The thermal surroundings of the machine.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Climate {
     /// Hotend and bed have long been so hot at the start, in C; otherwise they have the room's temperature.
@@ -45,13 +45,13 @@ pub struct Mishap {
 pub struct Edge {
     /// When, in ns.
     pub at: u64,
-    /// Whose pin.
+    /// The output of this pin.
     pub output: Output,
     /// To what.
     pub is_high: bool,
 }
 
-/// What is so at an instant.
+/// The state at an instant.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sample {
     /// When, in ns.
@@ -79,7 +79,7 @@ impl Meter {
         has_changed
     }
 
-    /// The part of the time since `begin` that it was on; begins anew.
+    /// The share of the time since `begin` that it was on; restarts the count.
     fn take(&mut self, begin: u64, at: u64) -> f64 {
         self.set(at, self.level);
         std::mem::take(&mut self.sum) / (at - begin) as f64
@@ -115,7 +115,7 @@ pub fn fitted(settings: &Settings) -> OutputSet {
 }
 
 impl HeatWatch {
-    /// The heat of a machine of `settings`, whose supply is off if the board can switch it.
+    /// The heat of a machine of `settings`; the supply starts off if the board can switch it.
     #[must_use]
     pub fn new(wiring: &'static Wiring, settings: &Settings, climate: &Climate) -> Self {
         let mut heat = match climate.start {
@@ -145,8 +145,8 @@ impl HeatWatch {
         self.heaters[output as usize].level > 0.0
     }
 
-    /// Looks at the pins, at an access that may have changed them and whenever a timer may have; the extruder has made
-    /// so many steps.
+    /// Checks the pins, at every access or timer event that may have changed them; the extruder has made `extruded`
+    /// steps.
     pub fn look(&mut self, board: &mut Emulated, at: u64, extruded: i32) {
         if !self.is_heated {
             return;
@@ -201,7 +201,7 @@ impl HeatWatch {
         }
     }
 
-    /// When the last pin of a heater went low, if none is high.
+    /// When the last pin of a heater went low; `None` while one is high.
     #[must_use]
     pub fn off_since(&self) -> Option<u64> {
         let are_low = self.heaters.iter().all(|meter| meter.level == 0.0);

@@ -1,10 +1,10 @@
 //! Emulator: runs the exact image that a user flashes, and records what its pins do.
 //!
 //! A model of the chip (the `rigless` crate) executes the release ELF file instruction by instruction in virtual time.
-//! Around it stand the board ([`wiring`], [`board`]) with its motor drivers ([`driver_line`]), hosts on the serial
-//! lines ([`mod@line`]) and the simulated machine of the host simulator ([`mechanics`]), whose endstops the firmware
-//! feels. Before the image runs what stands for its [`bootloader`]. The record ([`steps`], [`safety`], [`clock_rules`],
-//! [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
+//! Around it stand the board ([`wiring`], [`board`]) with its motor drivers ([`driver_line`]) and hosts on the serial
+//! lines ([`mod@line`]). The firmware feels the endstops of the simulated machine, the host simulator's
+//! ([`mechanics`]). A stand-in for its [`bootloader`] runs before the image. The record ([`steps`], [`safety`],
+//! [`clock_rules`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
 //!
 //! What this cannot show stands in README.md.
 

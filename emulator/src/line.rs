@@ -19,8 +19,8 @@ const KEPT: usize = 400;
 /// How hosts talk.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct Manner {
-    /// Their rate, if it is not that of the image: then the watch writes another divisor over the image's, as if it
-    /// stood in the board's table.
+    /// The lines' rate, if it differs from the image's: then the watch overwrites the image's divisor, as if the
+    /// board's table had this rate.
     pub baud: Option<u32>,
     /// How many of a million bytes arrive at the board with a framing error.
     pub damaged: u32,
@@ -80,7 +80,7 @@ impl HostLine {
         if self.manner.is_impatient { self.answered >= self.asked } else { self.host.is_done() }
     }
 
-    /// Has the line damage what it carries to the board; the same bytes in every run.
+    /// Damages the bytes to the board; the same bytes in every run.
     pub fn damage(&self, errors: &mut Errors) {
         errors.framing = Rate { name: "framing", per_million: self.manner.damaged };
     }

@@ -1,4 +1,4 @@
-//! Loads: what the firmware drives the pins of heaters and fans with, as outputs and through the chip's timers.
+//! Loads: how the firmware drives the pins of heaters and fans, as outputs and through the chip's timers.
 
 use crate::board::Emulated;
 use crate::wiring::{Load, Pin, Timer};
@@ -19,8 +19,7 @@ const TIM5: usize = 3;
 const TIM9: [u64; 4] = [0x4001_4000, 0x4001_4020, 0x4001_402C, 0x4001_4034];
 
 impl Emulated {
-    /// What the firmware drives `load` with now: 0 is off, 1 on, and for a timer that has no model the share of the
-    /// time.
+    /// How the firmware drives `load` now: 0 is off, 1 on. For a timer without a model it is the share of the time.
     pub fn drives(&mut self, at: VirtualNanos, load: Load) -> f64 {
         let (_, registers) = self.mcu.port(load.pin.port);
         match registers.get(Register::Moder) >> (2 * load.pin.bit) & 3 {

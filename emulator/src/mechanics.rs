@@ -1,8 +1,9 @@
-//! Mechanics: what the motors turn. The rigid rig of the simulator, and with `--plant belt` its belt plant too, whose
-//! switches and loads count then.
+//! Mechanics: the load on the motors. It is the simulator's rigid rig; with `--plant belt` also its belt plant, and
+//! then the plant's switches and loads count.
 //!
-//! The plant lives in virtual time; motion time is that of the firmware's schedule. Switches follow the rig with each
-//! step, and the belt's tool, which moves between steps too, every [`LOOK_NS`] while it is near one of them.
+//! The plant lives in virtual time; motion time follows the firmware's schedule. Switches follow the rig with each
+//! step. The belt's tool also moves between steps, so its switches are checked every [`LOOK_NS`] while it is near one
+//! of them.
 
 use crate::driver_line::DriverLines;
 use crate::timer::NS_PER_TICK;
@@ -17,7 +18,7 @@ use corehbot_sim::tmc2209::Tmc2209;
 /// How often switches are looked at while the belt's tool is near one: at 20 mm/s it goes 0.2 um.
 const LOOK_NS: u64 = 10_000;
 
-/// What the motors turn.
+/// The load on the motors.
 pub struct Mechanics {
     rig: Rig,
     belt: Option<Box<BeltPlant>>,
@@ -27,7 +28,7 @@ pub struct Mechanics {
     next: Option<u64>,
 }
 
-/// What the plant sees of the board's drivers.
+/// The plant's view of the board's drivers.
 struct OnBoard<'w> {
     drivers: &'w mut DriverLines,
     /// Motors with power, and since when, in ticks.

@@ -29,7 +29,7 @@ use rigless::time::VirtualNanos;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// A baud rate further than this from the stated one is another rate: 2 %, half of what a UART tolerates.
+/// A baud rate counts as another rate if it is off by more than 2 %, half of a UART's tolerance.
 const BAUD_TOLERANCE: f64 = 0.02;
 
 /// RCC_AHB1ENR, APB1ENR and APB2ENR (RM0390 rev 6, section 6.3.28).
@@ -46,7 +46,7 @@ pub struct Request<'a> {
     pub settings: &'a Settings,
     /// The file to print.
     pub gcode: &'a str,
-    /// What the host on the second serial port prints at the same time, if there is one.
+    /// The file that the host on the second serial port prints at the same time, if there is one.
     pub second: Option<&'a str>,
     /// How they talk.
     pub manner: Manner,
@@ -62,11 +62,11 @@ pub struct Request<'a> {
     pub flash: &'a FlashSectors,
     /// Channels of ADC3 that have another voltage than at room temperature, in mV.
     pub thermistors: &'a [(u8, u32)],
-    /// What is round the machine's heat, if it has any.
+    /// The machine's thermal surroundings, if it has heat.
     pub climate: Climate,
     /// The belt that the motors turn; without one the machine is rigid.
     pub belt: Option<&'a BeltSetup>,
-    /// The rate of the slow oscillator in Hz, if it is not that of the data sheet.
+    /// The rate of the slow oscillator in Hz, if it differs from the data sheet.
     pub slow_oscillator: Option<u64>,
     /// A pin that something holds high or low all the time.
     pub stuck: Option<(Pin, bool)>,
@@ -93,7 +93,7 @@ pub struct Seen {
     pub drivers: DriverLines,
     /// What came of the belt.
     pub belt: Option<BeltFigures>,
-    /// What the model could not stand in for.
+    /// Requests that the model could not serve.
     pub gaps: Gaps,
     /// Rules for clocks that were broken.
     pub breaches: Vec<Breach>,
@@ -131,7 +131,7 @@ pub struct Seen {
     pub wall: Duration,
 }
 
-/// What was said on the serial line.
+/// The traffic on the serial line.
 #[derive(Clone, Default, Debug)]
 pub struct LineSeen {
     /// The first lines that the board said.
@@ -140,7 +140,7 @@ pub struct LineSeen {
     pub bytes: [u64; 2],
     /// Why the print failed, if it did.
     pub failure: Option<String>,
-    /// What the printer found odd.
+    /// Warnings of the simulated printer.
     pub warnings: Vec<String>,
     /// Commands sent again.
     pub resends: u32,

@@ -1,4 +1,4 @@
-//! What must never happen on the pins, whatever the firmware does.
+//! Pin states that must never happen, whatever the firmware does.
 
 use crate::board::Port;
 use crate::wiring::{PORTS, Wiring};
@@ -33,7 +33,7 @@ pub struct Safety {
 }
 
 impl Safety {
-    /// A watch over the pins of `wiring`, none of them driven, where nothing but the outputs of `fitted` may heat.
+    /// A watch over the pins of `wiring`, all of them undriven; only the outputs of `fitted` may heat.
     #[must_use]
     pub fn new(wiring: &'static Wiring, fitted: OutputSet) -> Self {
         let (mut masks, mut heaters) = ([0; PORTS], [0; PORTS]);
@@ -76,7 +76,7 @@ impl Safety {
             if slot.enable.port == n {
                 let one = MotorSet::of(slot.motor);
                 powered = powered.without(one);
-                // A pull-up on the board keeps a driver off that nobody drives.
+                // A pull-up on the board keeps an undriven driver off.
                 if port.low() & slot.enable.mask() != 0 {
                     powered = powered.with(one);
                 }

@@ -9,7 +9,7 @@ use crate::timer::Schedule;
 use crate::wiring::{PORTS, Wiring};
 use corehbot::motors::{Motor, MotorSet};
 
-/// Rises further apart than this are no one event: 1 us, a twentieth of the closest spacing of one motor.
+/// Rises further apart than this belong to different events: 1 us, a twentieth of the closest spacing of one motor.
 pub const WINDOW_NS: u64 = 1000;
 
 /// One step event.
@@ -17,7 +17,7 @@ pub const WINDOW_NS: u64 = 1000;
 pub struct StepEvent {
     /// When the first line rose, in ns since reset.
     pub at: u64,
-    /// Motors whose step line rose.
+    /// Motors with a rising step line.
     pub steps: MotorSet,
     /// Direction lines of those motors when they rose.
     pub forward: MotorSet,

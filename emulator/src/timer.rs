@@ -1,8 +1,8 @@
 //! The schedule: when the firmware means to play the event that is on the pins.
 //!
 //! Its time is the core's cycle counter, and its alarm the core's own timer, which no bus sees. So the schedule is read
-//! where the firmware keeps it: `STEPPER` in the image is the Stepper, the first words of which are laid out for the
-//! step interrupt (`motion::stepper`), and it leads to the status (`status`).
+//! from the firmware's memory: `STEPPER` in the image is the Stepper. Its first words are laid out for the step
+//! interrupt (`motion::stepper`), and it leads to the status (`status`).
 
 use crate::board::Emulated;
 use rigless::emulator::Host;
@@ -27,7 +27,7 @@ pub const NS_PER_TICK: u64 = 100;
 /// Cycles of 180 MHz in a tick.
 const CYCLES_PER_TICK: u32 = 18;
 
-/// What the firmware holds when the step lines of an event rise.
+/// The firmware's schedule when the step lines of an event rise.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Schedule {
     /// When the event is due, in ticks of the step timer.

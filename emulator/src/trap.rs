@@ -1,8 +1,8 @@
 //! Traps: faults that happen in mid-motion, in code that is otherwise the image's own.
 //!
-//! A sound image cannot be brought to panic or hang. So the first instructions of a context's handler are led
-//! through a few of ours in flash that the image leaves free; these look at a word in memory that the F446
-//! has not and the model has, and as long as it is 0 they go on where they came from.
+//! A sound image cannot be made to panic or hang. So the first instructions of a context's handler are replaced by a
+//! jump to a few of ours, in flash that the image leaves free. These read a word in memory that the model has and the
+//! F446 lacks. As long as the word is 0, they return to the handler.
 
 use crate::firmware::{Firmware, branch};
 use anyhow::{Result, bail};
@@ -26,7 +26,7 @@ const ISPR: u32 = 0xE000_E200;
 /// Where a context goes that has fallen into the trap.
 pub const FALLEN: u32 = PLACE + 24;
 
-/// Where a trap lies: at the beginning of what a context runs again and again.
+/// The place of a trap: the beginning of code that a context runs again and again.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Place {
     /// The step interrupt.
@@ -93,7 +93,7 @@ fn endless() -> impl Iterator<Item = u16> {
     std::iter::repeat_n(0xBF00, NOPS.into()).chain([back])
 }
 
-/// What the first instructions of `handler` become, and what goes to [`PLACE`].
+/// The replacement for the first instructions of `handler`, and the code for [`PLACE`].
 fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], Vec<u16>) {
     let [a, b] = branch(PLACE + 14, handler + 4);
     let mut code = vec![
@@ -161,7 +161,7 @@ fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], V
 }
 
 impl Firmware {
-    /// Lays a trap into the step interrupt: what runs is no longer what the file holds.
+    /// Lays a trap into the step interrupt: the running code then differs from the file.
     ///
     /// # Errors
     /// If the image has no such interrupt, or one that begins unexpectedly.
@@ -205,7 +205,7 @@ mod tests {
             let (_, code) = detour(trap, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
             assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, wanted);
         }
-        // arm-none-eabi-as: `b .` is e7fe; this one goes back by 500 halfwords more.
+        // arm-none-eabi-as: `b .` is e7fe; this branch goes back by 500 halfwords more.
         assert_eq!(endless().last(), Some(0xE7FE - 500));
         let (_, code) = detour(Trap::ClockFailure, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
         assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, ICSR);

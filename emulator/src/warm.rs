@@ -1,18 +1,19 @@
 //! A core that goes on with what another has translated.
 //!
 //! The crate translates the image block by block while it runs, which is most of the time of a short run. A core keeps
-//! its translation until it is dropped, and throws it away when it is reset or its MPU is set. So a run begins on a new
-//! core, and as soon as the image has its MPU on, the state goes over to a core of an earlier run that is set alike.
-//! The crate allows for that: a loaded state leaves the translation of memory that has not changed, and what has is
-//! named to the core ([`Processor::load`]). The core of a run that has ended, or was reset, is kept for others, on
-//! memory of its own.
+//! its translation until it is dropped, and discards it when it is reset or its MPU is set. So a run begins on a new
+//! core. As soon as the image has its MPU on, the state moves to a core of an earlier run with the same MPU settings.
 //!
-//! What the run does is the same to the instruction, with a translation and without.
+//! The crate allows for that: a loaded state keeps the translation of unchanged memory, and changed memory is named to
+//! the core ([`Processor::load`]). The core of a run that has ended, or was reset, is kept for others, on memory of its
+//! own.
 //!
-//! This rests on two things in the crate's version 0.4.0, to which Cargo.toml pins it: a core that memory is mapped to
-//! anew forgets the address that it had for it, and code that it has made holds no addresses of that memory. Nor does
-//! it see two things, which the emulator does not do: that memory is watched (`Watch::Writes`), and that code is
-//! written at the stop that ends a run.
+//! The run is the same to the instruction, with a kept translation and without.
+//!
+//! This rests on two things in the crate's version 0.4.0, to which Cargo.toml pins it. A core with newly mapped memory
+//! forgets the previous address of that memory, and its generated code holds no addresses of it. It also misses two
+//! things, which the emulator does not do: watched memory (`Watch::Writes`), and code written at the stop that ends a
+//! run.
 #![allow(unsafe_code, reason = "a core has its memory by its address in this process")]
 
 use rigless::emulator::{CoreBus, CoreSpec, DataModel, Error, Exit, HostCall, Processor, ProcessorConstructor, Queued};
@@ -28,14 +29,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 const MPU_CONTROL: u64 = 0xE000_ED94;
 const IS_ON: u64 = 1;
 
-/// What is compared, and translated anew if it differs: a page of the crate's cores, which memory has to be aligned to.
+/// The unit of comparison, translated again if it differs: a page of the crate's cores, and the alignment of memory.
 const PAGE: usize = 1024;
 
 /// Pages of flash in which another image may differ and still be taken for the same. Flash is mapped twice, at 0 too,
 /// so the settings of the Nucleo are 64, and a machine or a patch a few more. Of two different images 700 differ.
 const MOST_DIFFERENT: usize = 160;
 
-/// Cores whose runs have ended.
+/// Cores of ended runs.
 static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
 
 /// Has the cores of a part take over what other cores have translated. All parts have to have the same core.
@@ -64,9 +65,9 @@ impl Mapped {
     }
 
     /// # Safety
-    /// The run has not ended, and its memory is not written meanwhile.
+    /// The run has not ended, and its memory must not be written while the slice lives.
     unsafe fn bytes(&self) -> &[u8] {
-        // SAFETY: what maps it promises so many bytes until the core is dropped (`Processor::map`).
+        // SAFETY: the code that maps it promises this many bytes until the core is dropped (`Processor::map`).
         unsafe { std::slice::from_raw_parts(self.address(), self.length) }
     }
 }
@@ -88,8 +89,9 @@ impl Kept {
         let copy = |mapped: &Mapped| {
             let mut pages = vec![Page([0; PAGE]); mapped.length.div_ceil(PAGE)];
             let host = pages.as_mut_ptr().cast::<u8>();
-            // SAFETY: both have so many bytes, one by the caller's promise; `pages` moves with what holds it, its bytes
-            // do not, and nobody else has them. The core is mapped to other memory, or dropped, before they are.
+            // SAFETY: both have this many bytes, one by the caller's promise. `pages` moves with its owner, its bytes
+            // stay in place, and no other reference to them exists. The core is mapped to other memory, or dropped,
+            // before they are.
             unsafe {
                 ptr::copy_nonoverlapping(mapped.address(), host, mapped.length);
                 core.map(mapped.start, mapped.length as u64, host, mapped.is_writable);
@@ -174,7 +176,7 @@ struct Core {
     breakpoints: BTreeMap<u64, u32>,
     /// The next instruction runs in spite of its breakpoint.
     is_passing: bool,
-    /// Pages whose accesses go to the bus.
+    /// Pages with accesses that go to the bus.
     routed: BTreeSet<u64>,
 }
 
@@ -192,10 +194,11 @@ impl Core {
         })
     }
 
-    /// Gives another core the memory of the run, and asks of it what the run has asked of this one.
+    /// Gives another core the memory of the run, and repeats the run's requests on it.
     fn ask_again(&self, core: &mut dyn Processor) {
         for mapped in &self.memory {
-            // SAFETY: what the run has promised to this one; the other will be in its place, or be dropped at once.
+            // SAFETY: the run's promise to this core holds for the other one, which will take its place or be dropped
+            // at once.
             unsafe { core.map(mapped.start, mapped.length as u64, mapped.address(), mapped.is_writable) };
         }
         for (&address, &times) in &self.breakpoints {
@@ -218,7 +221,7 @@ impl Core {
         for &page in &self.routed {
             core.ask(Queued::Unroute(page));
         }
-        // SAFETY: the run has not ended, for this is not dropped, and nobody else is called meanwhile.
+        // SAFETY: the run has not ended, because this is not dropped, and no other code runs in between.
         unsafe { Kept::new(core, &self.memory) }
     }
 
@@ -233,7 +236,7 @@ impl Core {
             core.ask(Queued::Invalidate(page, page + PAGE as u64));
         }
         core.load(&self.core.save())?;
-        // What was left of its last run.
+        // Clears requests of its last run.
         core.take_reset_request();
         *self.core = core;
         Ok(())

@@ -67,7 +67,7 @@ impl Driver<Emulated> for Watch {
     }
 }
 
-/// The state of the core after a run, and what the image has in memory.
+/// The state of the core after a run, and the image's memory.
 fn run(step: u16, is_cold: bool, resets_at: Option<u64>) -> (Vec<u8>, u64) {
     let images = [Image::new(Path::new("adds"), adds(step), Some(FLASH)).unwrap()];
     let board = Emulated::new(&OCTOPUS, Vec::new(), At24c32::default(), FlashSectors::default()).unwrap();
@@ -81,7 +81,7 @@ fn kept() -> usize {
     KEPT.lock().unwrap().len()
 }
 
-/// The only test of this program whose images set their MPU.
+/// The only test of this program with images that set their MPU.
 #[test]
 fn a_run_on_a_kept_core_is_the_run_on_a_new_one() {
     assert_eq!(kept(), 0);
@@ -91,7 +91,7 @@ fn a_run_on_a_kept_core_is_the_run_on_a_new_one() {
         assert_eq!(kept(), 1);
         assert_eq!(run(1, false, None), cold[0]);
     }
-    // What was translated of another image is not run.
+    // Code translated from another image does not run.
     assert_eq!(run(3, false, None), cold[1]);
     assert_eq!(run(1, false, None), cold[0]);
     assert_eq!(kept(), 1);

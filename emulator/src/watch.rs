@@ -44,7 +44,7 @@ pub struct Watch {
     wiring: &'static Wiring,
     stepper: u32,
     step_interrupt: Range<u64>,
-    /// What the motors turn.
+    /// The load on the motors.
     pub mechanics: Mechanics,
     endstops: Option<EndstopSet>,
     patience: Patience,
@@ -77,7 +77,7 @@ pub struct Watch {
     pub is_injectable: bool,
     /// Where the stack ends, below which it does not grow.
     pub stack_end: u32,
-    /// Bytes from there up that nobody has written to when the run ended.
+    /// Bytes from there up that were never written during the run.
     pub stack_free: u32,
     /// What happens together with the trap.
     with: With,
@@ -91,8 +91,8 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A watch over a board with `wiring` and a machine of `settings`, whose image has the Stepper and the step
-    /// interrupt there.
+    /// A watch over a board with `wiring` and a machine of `settings`; the image has the Stepper and the step interrupt
+    /// at the given addresses.
     #[must_use]
     pub fn new(
         wiring: &'static Wiring,
@@ -168,7 +168,7 @@ impl Watch {
         let Some(baud) = self.baud else { return };
         if let Some(port) = self.wiring.host_ports.iter().find(|port| port.base + BRR == address) {
             let divisor = board.bus_hz(port) / u64::from(baud);
-            // What the image has written there was legal, and so is this.
+            // The image's own write there was legal, and so is this one.
             let _ = board.mcu.write(at, address, Width::W32, divisor);
         }
     }
@@ -267,7 +267,7 @@ impl Driver<Emulated> for Watch {
         if !self.look(session, stop.at.0) {
             return Some(VirtualNanos(stop.at.0 + LOOK_NS));
         }
-        // RAM begins as zeros, and so does what the stack has never reached.
+        // RAM begins as zeros, so stack that was never reached is zero too.
         let words = (0..).map(|word| host.read(u64::from(self.stack_end + 4 * word), Width::W32));
         self.stack_free = 4 * words.take_while(|word| matches!(word, Ok(0))).count() as u32;
         None

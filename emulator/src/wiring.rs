@@ -1,8 +1,7 @@
 //! Wiring: which pin of the chip is what on the board, and what hangs on it.
 //!
-//! It is written down from the board's schematic, not taken from the firmware: an image that has mixed up
-//! two pins must not find the same mistake here. Each board whose image is emulated has a [`Wiring`] here and a test in
-//! `tests/machines.rs`.
+//! It is taken from the board's schematic and not from the firmware: an image that has mixed up two pins must not find
+//! the same mistake here. Each board with an emulated image has a [`Wiring`] here and a test in `tests/machines.rs`.
 
 use corehbot::connectors::{Output, Sensor};
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
@@ -64,7 +63,7 @@ pub enum Timer {
     Four,
     /// TIM5.
     Five,
-    /// TIM9, of which the emulator has the registers only.
+    /// TIM9; the emulator has only its registers.
     Nine,
 }
 
@@ -109,7 +108,7 @@ pub struct HostPort {
     pub is_on_apb2: bool,
 }
 
-/// What the high-speed oscillator (HSE) has, and its rate in Hz.
+/// The source of the high-speed oscillator (HSE), and its rate in Hz.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Hse {
     /// A crystal, which the oscillator drives.
@@ -140,9 +139,9 @@ pub enum SettingsMemory {
 /// A board with an STM32F446.
 #[derive(Clone, Copy, Debug)]
 pub struct Wiring {
-    /// What it is called.
+    /// The board's name.
     pub name: &'static str,
-    /// One slot a motor, in the order of [`Motor::ALL`]; a bench rig has none for some.
+    /// One slot a motor, in the order of [`Motor::ALL`]; a bench rig has no slot for some.
     pub slots: [Option<Slot>; Motor::ALL.len()],
     /// A pressed endstop is high: a normally closed switch to ground with a pull-up, so a cut wire stops
     /// the machine.
@@ -182,8 +181,8 @@ const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Opti
 /// The voltage of a thermistor at room temperature in mV: 100 kOhm at 25 C under 4.7 kOhm from 3.3 V.
 pub const ROOM: u32 = 3152;
 
-/// BTT Octopus V1.0 and V1.1 with motors 1, 8, 4, 11 in slots M0, M4, M1, M3, the ball screws in M2 and M5
-/// and the extruder in M6; the Raspberry Pi header is USART2 and the TFT header USART1.
+/// BTT Octopus V1.0 and V1.1. Motors 1, 8, 4, 11 are in slots M0, M4, M1, M3, the ball screws in M2 and M5 and the
+/// extruder in M6. The Raspberry Pi header is USART2 and the TFT header USART1.
 pub static OCTOPUS: Wiring = Wiring {
     name: "octopus",
     slots: [
@@ -217,8 +216,7 @@ pub static OCTOPUS: Wiring = Wiring {
     ],
     // 10 kOhm to 3.3 V.
     supply_switch: Some(Pin::new('E', 11)),
-    // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: what the check for the right
-    // board looks at.
+    // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: the check for the right board reads them.
     resistors: &[
         (Pin::new('A', 0), true),
         (Pin::new('A', 1), false),
@@ -243,9 +241,9 @@ pub static OCTOPUS: Wiring = Wiring {
     settings: SettingsMemory::Eeprom,
 };
 
-/// Fysetc Spider V1.x and V2.x with motors 1, 8, 4, 11 in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
-/// E4-MOT and the extruder in E0-MOT; the Raspberry Pi header is USART1 (Fysetc's README, pin definition). Which
-/// resistors it has is not known.
+/// Fysetc Spider V1.x and V2.x. Motors 1, 8, 4, 11 are in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
+/// E4-MOT and the extruder in E0-MOT. The Raspberry Pi header is USART1 (Fysetc's README, pin definition). Its
+/// resistors are unknown.
 pub static SPIDER: Wiring = Wiring {
     name: "spider",
     slots: [
@@ -278,15 +276,15 @@ pub static SPIDER: Wiring = Wiring {
     settings: SettingsMemory::Eeprom,
 };
 
-/// A socket of the CNC shield, whose one enable line is D8 for all; no line leads to a driver's UART.
+/// A socket of the CNC shield. D8 is the one enable line for all; no line leads to a driver's UART.
 const fn socket(motor: Motor, step: Pin, dir: Pin) -> Option<Slot> {
     Some(Slot { motor, step, dir, enable: Pin::new('A', 9), uart: None })
 }
 
-/// Nucleo-F446RE with a CNC shield v3: motors 1, 4, 8, 11 in sockets X, Y, A, Z, nothing for the ball screws and the
-/// extruder. On the shield, step and direction are D2 and D5 (X), D3 and D6 (Y), D12 and D13 (A), D4 and D7 (Z), limits
-/// D9, D10, D11 (Protoneer's shield v3.00, as `protoneer_3.xx_map.h` of grblHAL has it). Which pins these are is in
-/// UM1724, Arduino connectors of the NUCLEO-F446RE. The ST-LINK drives the oscillator's input with 8 MHz, and has
+/// Nucleo-F446RE with a CNC shield v3. Motors 1, 4, 8, 11 are in sockets X, Y, A, Z; the ball screws and the extruder
+/// have no socket. On the shield, step and direction are D2 and D5 (X), D3 and D6 (Y), D12 and D13 (A), D4 and D7 (Z).
+/// Limits are D9, D10, D11 (Protoneer's shield v3.00, as `protoneer_3.xx_map.h` of grblHAL has it). UM1724, Arduino
+/// connectors of the NUCLEO-F446RE, maps these to pins. The ST-LINK drives the oscillator's input with 8 MHz, and has
 /// USART2 as a serial port (UM1724, OSC clock and USART communication). No bootloader.
 pub static NUCLEO: Wiring = Wiring {
     name: "nucleo",

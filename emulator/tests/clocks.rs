@@ -1,4 +1,4 @@
-//! The image takes the clocks over from a bootloader by the rules, and says so if there are none.
+//! The image takes the clocks over from a bootloader by the rules, and reports if there are no clocks.
 
 use crate::common::{Bench, MS, firmware, print_on};
 use corehbot_emulator::bootloader::Bootloader;
@@ -15,7 +15,7 @@ const RETURN: [u16; 2] = [0x4770, 0xBF00];
 const USART3: u64 = 1 << 18;
 const SDIO: u64 = 1 << 11;
 
-/// Says `M105` to an image whose function `name`, if there is one, does nothing.
+/// Says `M105` to an image with the function `name`, if given, replaced by one that does nothing.
 fn talk_without(name: Option<&str>) -> Seen {
     let mut firmware: Firmware = firmware();
     if let Some(name) = name {

@@ -101,8 +101,8 @@ fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
     assert_refused(&print_on(&drivers), "motor");
 }
 
-/// From a fault of drivers in mid-motion to when the motors of `failed` have no power, and to the last step, in ns; the
-/// host is told one of `causes`.
+/// Time from a driver fault in mid-motion until the motors of `failed` lose power, and until the last step, in ns; the
+/// host gets one of `causes`.
 fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u64, Seen) {
     let seen = print(&firmware(), GCODE, Some(injection));
     let at = seen.injected.expect("a fault");
@@ -120,7 +120,7 @@ fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u
         seen.line.said.iter().find(|line| line.starts_with("Error"))
     );
     assert!(last <= all_off, "steps after the power was cut");
-    // The steps of a motor that has failed while the others bring the tool to its place move nobody.
+    // The failed motor has no power: its step pulses move nothing while the others bring the tool to its place.
     assert!(seen.recorder.without_power.without(failed).is_empty(), "{:?}", seen.recorder.without_power);
     let is_reported = causes.iter().any(|cause| is_reported(&seen, cause));
     assert!(seen.safety.powered.is_empty() && is_reported, "{:?}", seen.line.said);
@@ -128,7 +128,7 @@ fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u
     (off - at, last.saturating_sub(at), seen)
 }
 
-/// Z screws rise by so many steps after an instant.
+/// Steps by which the Z screws rise after an instant.
 fn raised(seen: &Seen, at: u64) -> i64 {
     let later = seen.recorder.events.iter().filter(|event| event.at >= at && event.steps.has(Motor::Z1));
     later.map(|event| if event.forward.has(Motor::Z1) { 1 } else { -1 }).sum()
@@ -165,7 +165,7 @@ fn a_motor_supply_that_goes_away_stops_all_motors() {
     assert!(!seen.line.said.iter().any(|line| line.contains("parked, ")), "{:?}", seen.line.said);
 }
 
-/// Exchanges go on beside the densest steps that there are, and neither disturbs the other.
+/// Exchanges continue during the densest steps, and neither disturbs the other.
 #[test]
 fn drivers_are_watched_while_motors_step_fast() {
     let rush = std::fs::read_to_string(root().join("emulator/tests/rush.gcode")).unwrap();

@@ -1,4 +1,4 @@
-//! Whatever happens to the chip: motors off, heaters off, and the cause is told after the reset. Panics, processor
+//! Whatever happens to the chip: motors off, heaters off, and the cause is reported after the reset. Panics, processor
 //! faults, hangs, a full stack and a crystal that stops are in `heat_crashes`, with heaters on and motors stepping or
 //! not.
 
@@ -86,7 +86,7 @@ fn a_supply_that_falls_switches_the_motors_off_and_is_waited_for() {
     assert_eq!(seen.resets.len(), 1);
 }
 
-/// The option bytes of the model are those of a chip as it is delivered: no brown-out reset.
+/// The model has the option bytes of a chip as delivered: no brown-out reset.
 #[test]
 fn a_chip_without_brown_out_reset_is_reported_at_the_start_and_by_m122() {
     let seen = print(&firmware(), "M122\n", None);
@@ -108,8 +108,8 @@ fn the_debug_port_has_its_pins() {
     }
 }
 
-/// The reload value needs five cycles of the slow oscillator to arrive (RM0390 rev 6, section 19.3); start-up waits
-/// for it, or the first period would be that of the reset value, 4.1 s.
+/// The reload value needs five cycles of the slow oscillator to arrive (RM0390 rev 6, section 19.3). Start-up waits for
+/// it; otherwise the first period would use the reset value, 4.1 s.
 #[test]
 fn the_first_period_of_the_watchdog_is_half_a_second_too() {
     let mut firmware = firmware();

@@ -18,7 +18,7 @@ use corehbot_sim::world::{Desk, Sink, World};
 /// What breaks.
 type Breakage = fn(&mut PlantFaults);
 
-/// Says `gcode` to a heated machine whose hotend and bed have been so hot for long.
+/// Says `gcode` to a heated machine; hotend and bed have had the temperatures `start` for long.
 fn talk(gcode: &str, start: Option<[f64; 2]>, mishap: Option<Mishap>) -> Seen {
     let bench = Bench { climate: Climate { start, mishap }, ..heated_bench() };
     let seen = print_on(&firmware(), gcode, &bench);
@@ -101,7 +101,7 @@ fn no_pulse_lasts_longer_than_a_control_period() {
     assert!(edges.len() > 130 && most <= 20 * MS && most > 19 * MS && least < 15 * MS);
 }
 
-/// What the simulator's hotend did: true temperatures every 20 ms from the first power on.
+/// The simulator's hotend: true temperatures every 20 ms from the first power on.
 fn simulated(settings: &Settings, lines: &str, count: usize) -> Vec<f64> {
     struct Deaf;
     impl Sink for Deaf {
@@ -127,8 +127,8 @@ fn simulated(settings: &Settings, lines: &str, count: usize) -> Vec<f64> {
     celsius
 }
 
-/// The same plant, the same control, another board: two thermal contexts that know nothing of each other. So one may be
-/// a control period of 20 ms ahead, and what the heater gives in it; and the simulator's temperatures are those of
+/// The same plant, the same control, another board: two thermal contexts without knowledge of each other. So one may be
+/// ahead by a control period of 20 ms and by the heat of that period. And the simulator's temperatures are samples at
 /// whole milliseconds.
 #[test]
 fn simulator_and_image_heat_alike() {
@@ -146,7 +146,7 @@ fn simulator_and_image_heat_alike() {
     assert!(apart < within, "{apart} C, {within} C are a period's");
 }
 
-/// Steps and their lateness are those of a machine that does not heat.
+/// Steps and their lateness are the same as on a machine that does not heat.
 #[test]
 fn heat_delays_no_step() {
     let moves = "G92 X0 Y0 Z0 E0\nG1 X30 Y10 F9000\nG2 X50 Y30 I20 J0 E2 F6000\nG1 X10 Y5 E4\nM400\n";
@@ -163,7 +163,7 @@ fn heat_delays_no_step() {
     let cold = print_on(&firmware(), moves, &Bench::default());
     let late_cold = of(&cold, moves, &Settings::prototype());
     let seen = talk(&hot, Some([200.0, 58.0]), None);
-    // The simulator's hotend is cold: with leave, its steps are those of a hot one.
+    // The simulator's hotend is cold: with cold extrusion allowed, its steps are those of a hot one.
     let late_hot = of(&seen, &format!("M302 P1\n{moves}"), &heated());
     let steps = |seen: &Seen| seen.recorder.events.iter().map(|event| (event.steps, event.forward)).collect::<Vec<_>>();
     assert_eq!(steps(&seen), steps(&cold));
@@ -180,7 +180,8 @@ fn heat_delays_no_step() {
     assert!(seen.heat.edges.len() > 50);
 }
 
-/// Breaks something half a second after the start, in a machine that is told `gcode`; what was seen, and when it broke.
+/// Breaks something half a second after the start, in a machine that prints `gcode`; returns the record, and the time
+/// of the break.
 fn broken(gcode: &str, start: [f64; 2], what: Breakage) -> (Seen, u64) {
     let seen = talk(gcode, Some(start), Some(Mishap { after: 500 * MS, what }));
     let at = seen.heat.broken.expect("it broke");
@@ -191,7 +192,7 @@ fn has_said(seen: &Seen, words: &str) -> bool {
     seen.line.said.iter().any(|line| line.contains(words))
 }
 
-/// F01 to F03 at the pin. The supply stays on: what the firmware can switch off is off.
+/// F01 to F03 at the pin. The supply stays on: the firmware has switched off everything that it can switch.
 #[test]
 fn f01_f02_a_broken_sensor_is_off_at_the_pin_within_half_a_second() {
     let faults: [(Breakage, Heater, &str); 3] = [
@@ -209,9 +210,8 @@ fn f01_f02_a_broken_sensor_is_off_at_the_pin_within_half_a_second() {
     }
 }
 
-/// F10 at the pins: the switch of a hotend that nobody heats conducts. Nothing but the power supply ends that. The
-/// guard waits five lags after the last power before it looks; a machine with short ones saves the test ten seconds of
-/// that.
+/// F10 at the pins: the switch of an unheated hotend conducts. Only the power supply ends that. The guard waits five
+/// lags after the last power before it checks; a machine with short lags saves the test ten seconds.
 #[test]
 fn f10_a_stuck_switch_costs_the_supply_and_all_fans_run() {
     let mut settings = heated();

@@ -1,5 +1,5 @@
-//! Whatever ends the firmware while a heater is on: the heater's pin is low within its time, motors lose their power,
-//! the cause is told after the reset, and nothing heats by itself any more. Times are those of pins.
+//! Whatever ends the firmware while a heater is on: the heater's pin is low within its time and motors lose their
+//! power. The cause is reported after the reset, and nothing heats by itself any more. Times are measured at pins.
 
 use crate::common::{Bench, MS, firmware, heated_bench, print_on};
 use corehbot_emulator::heat::Climate;
@@ -12,7 +12,7 @@ use corehbot_emulator::watch::{End, Injection, With};
 const MOVING: &str = "M104 S200\nG92 X0 Y0 Z0\nG1 X200 Y50 F1500\nM400\n";
 const STANDING: &str = "M104 S200\nM17\nG4 S60\n";
 
-/// What a crash is: heaters and motors are off after so many ns.
+/// Limit after a crash in ns: heaters and motors are off by then.
 const AT_ONCE: u64 = 20_000;
 
 /// A processor that hangs: the heaters' timer ends its pulses by itself, after a control period at the latest. The
@@ -65,7 +65,7 @@ fn check(seen: &Seen, told: &str) -> Times {
 fn fall(place: Place, trap: Trap, with: With, told: &str) -> (Times, Seen) {
     let mut firmware = firmware();
     firmware.lay_in(place, trap).unwrap();
-    // What moves only takes the emulator's time where nobody falls who has to do with it.
+    // Motion costs emulator time, so only faults in the contexts that make steps get moving motors.
     let gcode = if matches!(place, Place::Generator | Place::Stepper) { MOVING } else { STANDING };
     let seen = print_on(&firmware, gcode, &bench(Injection::TrapWhileHot { after: AFTER, with }));
     let times = check(&seen, told);
@@ -93,7 +93,8 @@ fn f31_a_panic_is_off_at_once_in_every_context() {
     }
 }
 
-/// What the processor refuses. It divides by zero without a fault (DIV_0_TRP is 0), and Rust looks before it divides.
+/// Faults that the processor raises. It divides by zero without a fault (DIV_0_TRP is 0), and Rust checks before it
+/// divides.
 #[test]
 fn f32_a_processor_fault_is_off_at_once() {
     for (place, trap, cause) in [
@@ -191,8 +192,8 @@ fn f38_a_quick_watchdog_bites_nobody_who_is_well() {
 }
 
 /// An interrupt that never goes away: its handler runs again and again, and only the Stepper and the supply's detector
-/// are above it. It is masked after so many calls, and the machine stops: no reset, and whoever is on another line
-/// hears why.
+/// are above it. It is masked after a number of calls, and the machine stops without a reset; hosts on the other lines
+/// are told why.
 #[test]
 fn f35_a_storm_of_interrupts_is_masked_and_ends_heat_and_motion() {
     /// OTG_FS and USART2, which is the line of the host (RM0390 rev 6, vector table).

@@ -1,4 +1,4 @@
-//! What the image reads on its inputs is what is there.
+//! The image reads the true levels of its inputs.
 
 use crate::common::{Bench, MS, firmware, plain_firmware, print_on};
 use corehbot_emulator::firmware::Firmware;
@@ -47,7 +47,7 @@ fn every_thermistor_is_read_on_its_own_pin() {
     assert!(shares(&seen, "hotend3")[0] > Some(4085 * STEP) && shares(&seen, "hotend2")[0] < Some(20 * STEP));
 }
 
-/// Without temperatures nobody may heat, and a converter does not come back by itself: the watchdog is not fed any
+/// Without temperatures no heater may run, and a converter does not restart by itself: the watchdog is not fed any
 /// more.
 #[test]
 fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {

@@ -1,4 +1,4 @@
-//! Two hosts at once, fast and slow lines, and lines that damage what they carry.
+//! Two hosts at once, fast and slow lines, and lines that damage their bytes.
 
 use crate::common::{firmware, from_home, print, root, serve};
 use corehbot::settings::Settings;
@@ -7,14 +7,13 @@ use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{LineSeen, Seen};
 use corehbot_emulator::watch::End;
 
-/// A file that moves, of so many lines that the receiver's ring of 2048 bytes is gone round several times.
+/// A file that moves, long enough to wrap around the receiver's ring of 2048 bytes several times.
 fn file() -> String {
     from_home(&root().join("examples/tiny.gcode"))
 }
 
-/// What the other host asks in the meantime: so much that it outlasts the print. This host too says M400 when it is
-/// done, and an M400 under way has the motion of both come to rest, which makes other steps than those of the file
-/// alone.
+/// The other host's questions, enough to outlast the print. This host too says M400 when it is done. An M400 under way
+/// brings the motion of both to rest, and that gives other steps than the file alone.
 fn questions() -> String {
     "M105\nM115\nM114\nM119\n".repeat(150)
 }
@@ -23,7 +22,7 @@ fn count(line: &LineSeen, begin: &str) -> usize {
     line.said.iter().filter(|said| said.starts_with(begin)).count()
 }
 
-/// Both hosts are done, and the steps are those of `gcode`.
+/// Both hosts are done, and the steps are the steps of `gcode`.
 fn check(seen: &Seen, gcode: &str) {
     let second = seen.second.as_ref().expect("a second host");
     assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
@@ -50,7 +49,7 @@ fn two_hosts_are_served_at_once_and_each_hears_what_it_asked() {
     println!("{:?} and {:?} bytes", seen.line.bytes, second.bytes);
 }
 
-/// At the fastest rate the ring holds 20 ms. That it has room is shown by what the hosts do not have to send again.
+/// At the fastest rate the ring holds 20 ms. It had room if the hosts do not have to send lines again.
 #[test]
 fn slow_and_fast_lines_lose_nothing() {
     for baud in [115_200, 1_000_000] {
@@ -84,7 +83,7 @@ fn a_host_is_served_with_nobody_on_the_other_line() {
     assert!(seen.end == End::Done && seen.second.is_none() && count(&seen.line, "ok T:") == 1);
 }
 
-/// 2900 bytes are what the receiver's ring and the Console's hold between them, less what is not yet a line.
+/// The receiver's ring and the Console's hold 2900 bytes between them, less a line that is not complete.
 #[test]
 fn hosts_that_do_not_wait_for_answers_lose_nothing_up_to_what_the_rings_hold() {
     let text = "G28\n".to_owned() + &"M114 this is a longer line\n".repeat(107);

@@ -77,7 +77,7 @@ fn a_normally_open_switch_reads_the_other_way_round() {
     }
 }
 
-/// What the board has no connector for is told, and no motor gets power.
+/// Parts without a connector on the board are reported, and no motor gets power.
 #[test]
 fn a_machine_for_another_board_is_told_of_and_not_used() {
     let mut settings = Settings::prototype();
@@ -99,8 +99,8 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     }
 }
 
-/// A board that nobody has given a machine talks and reports. It moves nothing, heats nothing, and does not take the
-/// prototype for its machine by an M500. One that is sent is stored, and counts after a reset.
+/// A board without a machine talks and reports. It moves nothing, heats nothing, and does not take the prototype for
+/// its machine by an M500. A machine that is sent is stored, and counts after a reset.
 #[test]
 fn a_board_without_a_machine_says_so_and_moves_nothing() {
     let machine = Settings { keepalive_s: 9, ..Settings::prototype() };
@@ -121,7 +121,7 @@ fn a_board_without_a_machine_says_so_and_moves_nothing() {
     }
     assert_eq!((said("FIRMWARE_NAME:"), said("it counts after the next reset")), (1, 1), "{:?}", seen.line.said);
     let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
-    // What M502 goes back to is that machine too, for the image has none.
+    // M502 goes back to that machine too, because the image has none.
     let seen = print_on(&plain_firmware(), "G28 Z\nM113 S3\nM502\nM113\n", &again);
     assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
     assert!(!seen.recorder.events.is_empty() && seen.line.said.contains(&"echo:M113 S9".to_owned()));
@@ -196,8 +196,8 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
     assert!((1..kept.len()).contains(&new), "{kept:?}");
 }
 
-/// Prints some moves from where the machine is, compares the steps with the simulator's, and says what else was seen.
-/// All switches are open, and each is looked at in its own input.
+/// Prints some moves from the machine's current position, compares the steps with the simulator's, and returns the rest
+/// of the record. All switches are open, and each is read on its own input.
 fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
     let wiring: &'static _ = Box::leak(Box::new(wiring));
     let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine_file::load(file).unwrap()) };
@@ -212,7 +212,7 @@ fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
     seen
 }
 
-/// Slot M7, whose direction line is the debug port's clock, and an input that no switch of the prototype has.
+/// Slot M7, with its direction line on the debug port's clock, and an input that no switch of the prototype has.
 #[test]
 fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
     let mut wiring = OCTOPUS;

@@ -1,4 +1,4 @@
-//! The Nucleo's own image: four drivers that nobody watches, one enable line, the ST-LINK's clock and serial port.
+//! The Nucleo's own image: four unmonitored drivers, one enable line, the ST-LINK's clock and serial port.
 
 use crate::common::{Bench, MS, lines_of, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
 use corehbot::connectors::ConnectorName;
@@ -20,7 +20,7 @@ fn said(seen: &Seen, words: &str) -> usize {
     seen.line.said.iter().filter(|line| line.contains(words)).count()
 }
 
-/// Holds a print to the simulator's, of whose motors the board has four.
+/// Compares a print with the simulator's; the board has four of its motors.
 fn check(seen: &Seen, gcode: &str, machine: &Settings) {
     assert_eq!((seen.end, &seen.line.failure, seen.line.resends), (End::Done, &None, 0), "{:?}", seen.line.said);
     assert_eq!((&seen.resets, &seen.safety.dangers, &seen.gaps.found), (&vec![], &vec![], &vec![]));
@@ -83,7 +83,7 @@ fn motors_and_switches_are_where_the_machine_has_them() {
     check(&seen, gcode, &machine);
 }
 
-/// Homing meets the switches of X and Y to the step; that of Z is only reported, as is any wire that is pulled.
+/// Homing meets the switches of X and Y to the step; the switch of Z is only reported, as is any wire that is pulled.
 #[test]
 fn the_limit_of_z_is_read_on_its_own_pin() {
     let mut machine = nucleo_machine();
@@ -125,7 +125,7 @@ fn a_board_without_a_machine_moves_nothing_until_it_is_sent_one() {
     assert_eq!(said(&again, "stored settings retrieved"), 1, "{:?}", again.line.said);
 }
 
-/// Sockets of other boards are none of the shield's.
+/// The shield lacks the sockets of other boards.
 #[test]
 fn a_machine_for_another_board_is_told_of_and_not_used() {
     let mut machine = nucleo_machine();
@@ -135,7 +135,7 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     assert_eq!((said(&seen, told), seen.flash.operations.len()), (1, 0), "{:?}", seen.line.said);
 }
 
-/// The processor's clock is that of the ST-LINK. Without it the serial line says so, again and again, and nothing gets
+/// The ST-LINK gives the processor's clock. Without it the serial line reports that, again and again, and nothing gets
 /// power.
 #[test]
 fn a_st_link_that_gives_no_clock_is_reported() {

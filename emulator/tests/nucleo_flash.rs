@@ -1,4 +1,4 @@
-//! Settings in the Nucleo's flash, by the driver of the image: what it says, and what a power cut leaves.
+//! Settings in the Nucleo's flash, by the driver of the image: its messages, and the state after a power cut.
 
 use crate::common::{Bench, MS, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
 use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, Tear};
@@ -87,7 +87,7 @@ fn sectors_that_held_code_are_taken_over() {
 /// after it (`chips/stm32f446/src/flash_slot.rs`).
 const BEFORE_ERASE: usize = 8;
 
-/// Each save erases the sector of its slot, and nobody minds.
+/// Each save erases the sector of its slot, and delays no host.
 #[test]
 fn each_save_erases_a_sector_and_keeps_nobody_waiting() {
     const SAVES: usize = 5;
@@ -103,8 +103,8 @@ fn each_save_erases_a_sector_and_keeps_nobody_waiting() {
     println!("{} operations, {} ms", seen.flash.operations.len(), seen.virtual_ns / MS);
 }
 
-/// A line holds 25,000 bytes a second, of which a host that waits for its answers sends a line in the half second of an
-/// erase, and one that counts them what the board reads ahead, 1,023 bytes. DMA keeps them meanwhile.
+/// A line holds 25,000 bytes a second. During the half second of an erase, a host that waits for its answers sends one
+/// line. A host that counts them sends as much as the board reads ahead, 1,023 bytes. DMA keeps them until then.
 #[test]
 fn what_a_host_sends_while_a_sector_is_erased_is_heard() {
     const LINES: usize = 85;
@@ -116,9 +116,9 @@ fn what_a_host_sends_while_a_sector_is_erased_is_heard() {
     assert_eq!((said(&seen, "Count"), said(&seen, "Error:")), (LINES, 0), "{:?}", seen.line.said);
 }
 
-/// What is stored after the power goes in an operation of the saves of `numbers`, counted from the last one that was
-/// told to be done: 0 or 1. The board is switched on again, and saves once more. A save is cut in every operation on
-/// this computer (`chips/stm32f446/tests/flash_pages`).
+/// The stored number after a power cut in an operation of the saves of `numbers`, counted from the last reported save:
+/// 0 or 1. The board is switched on again, and saves once more. Host tests cut a save in every operation
+/// (`chips/stm32f446/tests/flash_pages`).
 fn cut(flash: &FlashSectors, after: usize, tear: Tear, numbers: std::ops::Range<u32>) -> u32 {
     let before = numbers.start - 1;
     let mut flash = flash.clone();
@@ -137,7 +137,7 @@ fn cut(flash: &FlashSectors, after: usize, tear: Tear, numbers: std::ops::Range<
     kept - stored
 }
 
-/// The operations of a first save, in sectors that hold nothing, and those of the next.
+/// The operations of a first save, in empty sectors, and of the next save.
 fn operations_of_a_save() -> [usize; 2] {
     let count = |numbers| talk(&FlashSectors::default(), &saves(numbers)).flash.operations.len();
     let [one, two] = [count(1..2), count(1..3)];

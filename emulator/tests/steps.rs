@@ -1,4 +1,4 @@
-//! The pins of the image do what the host simulator does.
+//! The pins of the image show the same steps as the host simulator.
 
 use crate::common::{Bench, MS, firmware, from_home, heated_bench, print, print_on, root};
 use corehbot::motors::{Motor, MotorSet};
@@ -62,8 +62,8 @@ fn check_on(bench: &Bench<'_>, name: &str, gcode: &str) -> Seen {
     seen
 }
 
-/// A motion that has met its endstop was once made to its end and thrown away, event by event, by contexts that keep
-/// the Console from running: half a second for Z, and the watchdog bit.
+/// Once, a motion that had met its endstop was computed to its end and discarded, event by event, by contexts that hold
+/// off the Console. For Z that took half a second, and the watchdog reset the chip.
 #[test]
 fn homing_steps_as_on_the_host() {
     check_file(&example("home"));

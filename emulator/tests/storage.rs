@@ -1,4 +1,4 @@
-//! Settings in the EEPROM, by the driver of the image: what it says, and what a power cut leaves.
+//! Settings in the EEPROM, by the driver of the image: its messages, and the state after a power cut.
 
 use crate::common::{Bench, MS, firmware, print_on};
 use corehbot::settings::Settings;
@@ -19,7 +19,7 @@ const START_NS: u64 = 200 * MS;
 /// Bytes of a page (AT24C32 datasheet).
 const PAGE: usize = 32;
 
-/// Bytes that say what a record is.
+/// Bytes that mark a record.
 const MAGIC: usize = 4;
 
 fn talk(eeprom: &At24c32, gcode: &str) -> Seen {
@@ -78,8 +78,8 @@ fn a_machine_in_the_eeprom_prints_as_the_simulator_does() {
     assert_ne!(host, scheduled(gcode, &made).unwrap(), "the machine is another one");
 }
 
-/// Cuts the power after so many bytes of a save and switches it on again. The last page, which holds the header, is
-/// written last. Every byte is cut on the host (`tests/storage.rs` of the core); here a cut costs three seconds.
+/// Cuts the power after a number of bytes of a save and switches it on again. The last page, which holds the header, is
+/// written last. Host tests cut at every byte (`tests/storage.rs` of the core); here a cut costs three seconds.
 #[test]
 fn a_power_cut_in_any_page_leaves_the_old_or_the_new() {
     let old = talk(&At24c32::default(), "M113 S7\nM500\nM113 S8\nM500\n").eeprom.cells;
@@ -104,7 +104,7 @@ fn a_power_cut_in_any_page_leaves_the_old_or_the_new() {
         let kept = keepalive(&seen);
         assert!(kept == 8 || kept == 9, "after {after}: {kept}");
         came_up_new += usize::from(kept == 9);
-        // A torn slot is told; one that holds what it held, or whose magic is torn, is no torn slot.
+        // A torn slot is reported. A slot with unchanged content, or with a torn magic, does not count as torn.
         let is_told = said(&seen, "echo:storage slot A not used").is_some();
         let may_be_silent = is_as_before || (before_header..before_header + MAGIC).contains(&after);
         assert!(kept == 9 || is_told || may_be_silent, "after {after}: {:?}", seen.line.said);
@@ -141,7 +141,7 @@ fn a_bus_that_is_held_low_costs_no_more() {
     }
 }
 
-/// The guard of the stack, its lowest KiB, and what is to be left above it for what this test does not do.
+/// The guard of the stack, its lowest KiB, and the reserve above it for cases outside this test.
 const STACK_RESERVE: u32 = 1024 + 2048;
 
 /// Settings are the largest things that pass through the stack: put together at the start, read, saved and read again,

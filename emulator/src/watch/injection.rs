@@ -30,19 +30,19 @@ const STEPPER_SIZE: u64 = 4096;
 /// A fault that the world does to the chip.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Injection {
-    /// After so many step events, the next access to a port fails on the bus.
+    /// After this many step events, the next access to a port fails on the bus.
     BusError {
         /// Events before it.
         after: usize,
     },
-    /// After so many step events, a driver loses its registers.
+    /// After this many step events, a driver loses its registers.
     DriverReset {
         /// Events before it.
         after: usize,
-        /// Whose driver.
+        /// The motor of the driver.
         motor: Motor,
     },
-    /// After so many step events, the motor supply goes away.
+    /// After this many step events, the motor supply goes away.
     SupplyLost {
         /// Events before it.
         after: usize,
@@ -56,14 +56,14 @@ pub enum Injection {
         /// What.
         value: u64,
     },
-    /// After so many step events, a bit of the first of these words flips in the Stepper's memory.
+    /// After this many step events, a bit of the first of these words flips in the Stepper's memory.
     Flip {
         /// Events before it.
         after: usize,
-        /// What the word is before.
+        /// The word before.
         word: u32,
     },
-    /// After so many step events, the trap in the image springs (see [`crate::trap`]).
+    /// After this many step events, the trap in the image springs (see [`crate::trap`]).
     Trap {
         /// Events before it.
         after: usize,
@@ -83,7 +83,7 @@ pub enum Injection {
         /// The interrupt.
         line: u16,
     },
-    /// After so many step events, the trap springs, and the supply of the processor falls at that instant.
+    /// After this many step events, the trap springs, and the supply of the processor falls at that instant.
     SupplyFalls {
         /// Events before it.
         after: usize,
@@ -172,7 +172,7 @@ impl Watch {
         self.fallen.get_or_insert(at.0);
     }
 
-    /// The chip was reset: what was forced upon it ends, unless it is to come again.
+    /// The chip was reset: injected faults end, unless they are to come again.
     pub(super) fn release(&mut self, host: &mut dyn rigless::emulator::Host) {
         if self.injected.is_some() && self.with != With::Repetition {
             let _ = host.write(u64::from(TRIGGER), Width::W32, 0);
@@ -204,7 +204,7 @@ impl Watch {
         self.is_injectable &= is_armed;
     }
 
-    /// From now on who comes by falls into the trap. Watching for that costs time, so it begins here.
+    /// From now on any code that reaches the trap falls into it. Watching for that costs time, so it begins here.
     fn spring(&mut self, session: &mut Session<Emulated>, host: &mut dyn rigless::emulator::Host) {
         session.watch(emulator::Watch::Instruction(FALLEN.into()));
         self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();

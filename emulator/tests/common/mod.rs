@@ -82,15 +82,15 @@ pub fn drivers() -> DriverLines {
     DriverLines::new(&OCTOPUS)
 }
 
-/// What is round a board, if it is not what is round every board.
+/// The surroundings of a board, where they differ from the usual ones.
 pub struct Bench<'a> {
-    /// What a host on the other serial port prints at the same time.
+    /// The file that a host on the other serial port prints at the same time.
     pub second: Option<&'a str>,
     /// How hosts talk.
     pub manner: Manner,
     /// A fault.
     pub injection: Option<Injection>,
-    /// The board, with what is plugged in.
+    /// The board, with its plugged-in parts.
     pub wiring: &'static Wiring,
     /// The motor drivers.
     pub drivers: DriverLines,
@@ -104,7 +104,7 @@ pub struct Bench<'a> {
     pub is_untested: bool,
     /// The machine: the image's own, or the one that `eeprom` has.
     pub settings: Settings,
-    /// What is round its heat.
+    /// The thermal surroundings.
     pub climate: Climate,
     /// The belt, if the machine is not rigid.
     pub belt: Option<BeltSetup>,
@@ -147,7 +147,7 @@ impl Default for Bench<'_> {
     }
 }
 
-/// A machine with a hotend of 60 W on HE0 and TH0 and a bed of 500 W on the bed's connectors; the part fan is FAN0, the
+/// A machine with a hotend of 60 W on HE0 and TH0 and a bed of 500 W on the bed's connectors. The part fan is FAN0, the
 /// hotend's FAN1, the controller's FAN2.
 pub fn heated() -> Settings {
     let mut settings = Settings::prototype();
@@ -193,7 +193,7 @@ pub fn nucleo_bench() -> Bench<'static> {
     Bench { wiring: &NUCLEO, drivers: DriverLines::new(&NUCLEO), settings: nucleo_machine(), ..Bench::default() }
 }
 
-/// What a self-test of this machine's heaters with this image is of.
+/// The subject of a self-test of this machine's heaters with this image.
 pub fn self_test_subject(firmware: &Firmware, settings: &Settings) -> u32 {
     test_subject(&settings.thermal, firmware.sum().unwrap())
 }
