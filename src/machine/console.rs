@@ -1,12 +1,12 @@
 //! The Console: lines in, replies out, one command after the other.
 //!
 //! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. It owns two things: the main loop, which
-//! turns in every wait of every command, and the states of commands, which no turn of the main loop needs. A command
-//! gets the main loop and the states that it names; no file but this one knows the Console.
+//! runs during every wait of every command, and the states of commands, which the main loop never needs. A command gets
+//! the main loop and the states that it names; no file but this one knows the Console.
 //!
-//! M410 ends whatever is awaited by an error, which comes up to here: `quick_stop` brakes, drops the motion and puts
-//! right what a command had changed for a while (grouping, trim, drivers that measure, an axis that was being homed);
-//! then the line is answered. A command that must tidy up by itself catches the error where it waits (`tune`,
+//! M410 ends every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and restores
+//! everything that a command had changed for a while (grouping, trim, drivers that measure, an axis that was being
+//! homed). Then the line is answered. A command that must tidy up by itself catches the error where it waits (`tune`,
 //! `settings::stored`). A line that is kept without `ok` (`state::job`) waits here, while other hosts are served; it is
 //! taken up again when its user answers.
 
@@ -63,8 +63,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.main_loop.settings()
     }
 
-    /// Serves the hosts. Poll it when bytes arrived, when a queue moved, and every millisecond.
-    /// It ends when the machine is to begin anew, after a stop: have the board reset then.
+    /// Serves the hosts. Poll it when bytes arrived, when a queue moved, and every millisecond. It ends when the
+    /// machine is to restart after a stop: have the board reset then.
     pub async fn run(&mut self) -> Restart {
         self.main_loop.begin();
         loop {

@@ -18,8 +18,8 @@ pub(super) enum Interrupt {
 // Every turn of the main loop returns one through all futures that wait for it: a byte goes in a register.
 const _: () = assert!(size_of::<Result<(), Interrupt>>() == 1);
 
-/// Why [`Console::run`](crate::machine::Console::run) ends: the machine is to begin anew, as after a reset. No motor
-/// has power.
+/// Why [`Console::run`](crate::machine::Console::run) ends: the machine is to restart, as after a reset. No motor has
+/// power.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Restart;

@@ -54,7 +54,7 @@ mod tests {
     use crate::units::{Hertz, Seconds};
     use std::string::{String, ToString};
 
-    /// What is printed of a number that was read.
+    /// The printed form of a number that was read.
     fn printed<T: Fixed + Into<I32F32>>(text: &str) -> String {
         let (number, _) = Number::read(text.as_bytes()).unwrap();
         shortest(nearest::<T>(number)).to_string()

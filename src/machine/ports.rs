@@ -1,8 +1,8 @@
-//! The Console's ports: what it needs of a board, as one type.
+//! The Console's ports: its needs from a board, as one type.
 
 use crate::port::{Clock, DriverBus, Lines, Serial, Storage};
 
-/// What the Console needs of a board.
+/// The ports that the Console needs from a board.
 pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
     /// The lines to the hosts.
     pub serial: Lines<S>,

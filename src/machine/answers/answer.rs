@@ -1,9 +1,8 @@
-//! Answers: what a command has to say, as a value. `answer` is for what is said, `report` for how it is worded.
+//! Answers: the result of a command, as a value. `answer` holds the result, `report` the wording.
 //!
-//! A command does what it does and returns its answer; `main_loop::tell` writes it, and the Console has the `ok` told
-//! after it. A new reply is a variant here and an arm in `main_loop::tell`. A reply of several lines gets a function of
-//! its own, in `reports`. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or
-//! `corehbot run` warns of it.
+//! A command returns its answer; `main_loop::tell` writes it, and the Console then sends the `ok`. A new reply is a
+//! variant here and an arm in `main_loop::tell`. A reply of several lines gets a function of its own, in `reports`. An
+//! `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
 use super::driver_value::DriverValue;
@@ -51,7 +50,7 @@ pub(in crate::machine) enum Answer<'a> {
     Start,
     /// A line that is always the same.
     Line(&'static str),
-    /// What hosts are told or asked to do.
+    /// Sends an action command (`//action:`) to hosts.
     Action(Action<'static>),
     /// M118.
     Message(Form, &'a [u8]),
@@ -65,7 +64,7 @@ pub(in crate::machine) enum Answer<'a> {
     Keepalive,
     /// M28, with the name of the file: there is no card.
     NoCard(&'a [u8]),
-    /// What a host sent for a card is over: how many lines were not carried out.
+    /// An upload to a card has ended; this many lines were not carried out.
     UploadEnded(u32),
     Position {
         real: bool,
@@ -86,13 +85,13 @@ pub(in crate::machine) enum Answer<'a> {
     /// M106 for a fan that something else decides on.
     NotCommanded(u8),
     HeatSetting(HeatSetting),
-    /// M302: whether it is allowed whatever the temperature.
+    /// M302: whether cold extrusion is allowed.
     ColdExtrusion(bool),
     /// M303: cycles that are done.
     TuningCycle(Heater, u8),
-    /// M303: what was found.
+    /// M303: the result of the tuning.
     Tuned(Heater, Tuned),
-    /// M122: what was too slow.
+    /// M122: overload since the start.
     Overload,
     /// A setting as the line that sets it.
     Setting(Setting),
@@ -106,14 +105,14 @@ pub(in crate::machine) enum Answer<'a> {
         /// As lines that can be sent back as they are, and nothing else.
         for_replay: bool,
     },
-    /// A command whose X and Y differ.
+    /// A command that needs the same value for X and Y got different ones.
     OneBelt(&'static str),
     /// M92 would give axes that share motors different steps.
     SharedMotors(&'static str),
     LoweredSpeeds,
     TooMuchFilament,
     DriverValues(DriverValue),
-    /// M122: a driver, and what it said; `None` without a UART.
+    /// M122: a driver and its reading; `None` without a UART.
     Driver(Motor, Option<Result<Reading, DriverError>>),
     /// Motors that can pull against each other.
     Belt(BeltAnswer),
@@ -122,7 +121,7 @@ pub(in crate::machine) enum Answer<'a> {
     Machine(MachineAnswer<'a>),
     /// Why motors have no power.
     NoPower(Fault),
-    /// Motors get no power for this reason, whatever their drivers say.
+    /// Motors get no power for this reason, even if their drivers report no error.
     Refused(&'static str),
     /// The same, told at the start.
     NoMachine(&'static str),

@@ -18,7 +18,7 @@ pub(in crate::machine) enum AlignError {
     TooFar,
     /// The findings do not agree.
     Unsure,
-    /// Something has happened to the motors meanwhile.
+    /// The motors have changed in the meantime.
     Changed,
     /// A motor has no torque left where it strains the belt by hardly anything.
     AtLimit(Motor),
@@ -26,10 +26,10 @@ pub(in crate::machine) enum AlignError {
     Phase,
 }
 
-/// What has happened to the motors of one belt since they were aligned.
+/// How the motors of one belt have changed since they were aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Diagnosis {
-    /// Nothing: the switches are where they were, and nobody strains the belt.
+    /// Nothing changed: the switches are in place, and no motor strains the belt.
     Nothing,
     /// The tool is elsewhere, and the motors agree: some have skipped alike, or a switch has moved.
     Alike,
@@ -58,15 +58,15 @@ impl Diagnosis {
 /// What there is to say of them.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum BeltAnswer {
-    /// M122: whether they are aligned, and what was found.
+    /// M122: whether they are aligned, and the last results.
     State,
-    /// M122: by how many steps the places of their drivers differ from what the firmware counts, in the sum of a
+    /// M122: the driver positions differ from the step counts of the firmware by this many steps, summed over a
     /// residual.
     Fields(i32),
     /// M122: the path of the tool in mm since x and y met their switches; none if they did not, or lost their place
     /// since.
     Met([Option<u32>; 2]),
-    /// They are aligned: what was found.
+    /// They are aligned; these are the results.
     Aligned,
     /// They could not be aligned.
     NotAligned(AlignError),
@@ -76,12 +76,12 @@ pub(in crate::machine) enum BeltAnswer {
     Needed,
     /// Motors were never aligned, or have lost power since, or x and y are not homed.
     NothingToCompare,
-    /// How far beside their places the switches of x and y were met, in steps.
+    /// Distance in steps of the x and y switches from their expected positions.
     Touched([i32; 2]),
-    /// What has happened.
+    /// The diagnosis.
     Diagnosis(Diagnosis),
     /// It was to be set right, but something kept it from being so.
     NotRepaired(AlignError),
-    /// It was set right; and how far beside their places the switches were met then, in steps.
+    /// The fault was repaired; afterwards the x and y switches were this many steps from their expected positions.
     Repaired([i32; 2]),
 }

@@ -18,14 +18,14 @@ pub(in crate::machine) enum MachineAnswer<'p> {
     Stored(Receipt, bool),
 }
 
-/// Why a machine is not taken. What was stored before still is.
+/// Why a machine is not taken. The stored machine stays as it is.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum MachineRefusal {
     /// A piece.
     Piece(PieceError),
-    /// What was put together is no record, or forbidden.
+    /// The assembled bytes are no valid record, or the record is not allowed.
     Record(Rejected),
-    /// The board has not what is plugged in.
+    /// The board lacks a connector that the record uses.
     Connectors(ConnectorError),
     /// The storage.
     Storage(SaveError),

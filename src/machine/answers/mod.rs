@@ -1,4 +1,4 @@
-//! Answers: what a command has to say, as a value, and the speaker that says it.
+//! Answers: the result of a command as a value, and the speaker that sends it.
 //!
 //! A command returns an [`answer::Answer`]. `reports` words it and says it through the [`speaker::Speaker`], one part
 //! after the other. Nothing here knows the Console.

@@ -1,8 +1,8 @@
-//! What one line of G-code sets, as a name: each is a line of M503.
+//! Names for the settings that one line of G-code sets: each is a line of M503.
 
 use crate::connectors::Heater;
 
-/// What one line sets.
+/// The settings of one line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Setting {
     /// M92.
@@ -24,7 +24,7 @@ pub(in crate::machine) enum Setting {
 }
 
 impl Setting {
-    /// All of them, in the order of M503, which goes on with those of the heaters and of G10 and G11.
+    /// All of them, in the order of M503; the lines of the heaters and of G10 and G11 follow.
     pub fn all() -> impl Iterator<Item = Self> {
         core::iter::successors(Some(Self::Resolutions), |setting| setting.next())
     }
@@ -44,7 +44,7 @@ impl Setting {
     }
 }
 
-/// What one line about heaters and fans sets.
+/// The heater or fan settings of one line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum HeatSetting {
     /// M301, M304.

@@ -1,8 +1,8 @@
 //! The speaker: says the parts of one answer to the host being served, each once and in order.
 //!
-//! A part is a line, or lines that must not be separated. Nothing waits between parts: when one finds no room,
-//! `main_loop::tell` lets the world go round and runs the whole report again, and the parts that were said before are
-//! passed over. So a report is a plain function, and has no place to wait in.
+//! A part is a line, or lines that must not be separated. Nothing waits between parts. If a part finds no room,
+//! `main_loop::tell` polls the main loop and runs the whole report again; parts that were already sent are skipped. So
+//! a report is a plain function, and has no place to wait in.
 
 use crate::machine::hosts::serving::Hosts;
 use crate::port::Serial;
@@ -12,14 +12,14 @@ use core::fmt;
 /// Writes a part into the replies of a host.
 type Part<'w> = dyn Fn(&mut Replies) -> Result<(), NoRoom> + 'w;
 
-/// Who hears an answer.
+/// The receiver of an answer.
 pub(in crate::machine) trait Listener {
     /// Hears a part, all of it or nothing. False if there is no room for it.
     fn hear(&mut self, part: &Part<'_>) -> bool;
 }
 
 impl<S: Serial> Listener for Hosts<S> {
-    /// Who has gone hears everything.
+    /// A host that has disconnected accepts every part.
     fn hear(&mut self, part: &Part<'_>) -> bool {
         let fits = self.replies().is_none_or(|replies| part(replies).is_ok());
         if fits {
@@ -56,7 +56,7 @@ impl<'s> Speaker<'s> {
         self.say(format_args!("{echo}  {line}"));
     }
 
-    /// Says what no line sets, as a comment of M503.
+    /// Writes a value that no line sets, as a comment of M503.
     #[inline(never)]
     pub fn remark(&mut self, text: fmt::Arguments<'_>) {
         if self.is_echo {

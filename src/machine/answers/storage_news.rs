@@ -15,9 +15,9 @@ pub(in crate::machine) enum StorageNews {
     NotSaved(SaveError),
     /// M500 did not, for another machine was stored that counts after the next reset.
     MachineWaits,
-    /// M500 did not, for the board has no machine, and why.
+    /// M500 stored nothing because the board has no machine; the text gives the reason.
     NoMachine(&'static str),
-    /// M501 did not, for the board has no machine, and why.
+    /// M501 loaded nothing because the board has no machine; the text gives the reason.
     NotLoaded(&'static str),
     /// M501 found no storage.
     Unchanged(StorageError),
@@ -34,13 +34,13 @@ pub(in crate::machine) enum StorageNews {
 }
 
 impl StorageNews {
-    /// What was found and taken.
+    /// The survey of a load that succeeded.
     pub fn loaded(survey: &Survey) -> Self {
         let (receipt, unknown) = found(survey);
         Self::Loaded { rejected: survey.rejected, receipt, unknown }
     }
 
-    /// What was found.
+    /// The survey of a check.
     pub fn checked(survey: &Survey) -> Self {
         let (receipt, unknown) = found(survey);
         Self::Checked { rejected: survey.rejected, receipt, unknown }

@@ -1,9 +1,8 @@
 //! Diagnosis: which motor has skipped, from the switches and the residual.
 //!
 //! A rotor that skips settles an electrical turn of four full steps away from its field. If the motor's row is (x, y),
-//! the tool is displaced in the direction of this row, and the residual changes by the motor's part of it. The three
-//! signs differ for every motor and direction. The displacement depends on the tool's place and is less than half the
-//! skip.
+//! the tool is displaced in the direction of this row, and the residual changes by the motor's share. The three signs
+//! differ for every motor and direction. The displacement depends on the tool's place and is less than half the skip.
 
 use crate::kinematics::{Mechanism, Residual};
 use crate::machine::answers::belt_answer::Diagnosis;
@@ -12,7 +11,7 @@ use crate::motors::Motor;
 /// Full steps of an electrical turn of any two-phase motor.
 pub(in crate::machine) const FULL_STEPS_A_TURN: i32 = 4;
 
-/// What was measured, in steps.
+/// The measurements, in steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Touched {
     /// How far from its place each switch was met: the tool's displacement from the step counts.

@@ -299,7 +299,7 @@ mod tests {
         }
         let two = readings.load(both).unwrap();
         assert_eq!(two.all.mean, (301 + 200) * PARTS / 2);
-        // Of a square of 1 and the rounding's third, over 99 readings, for two motors of which one does not change.
+        // Variance of a square of 1 plus the third from rounding, over 99 readings, for two motors if only one changes.
         let expected = (PARTS * PARTS * 4 / 3 / 99 + PARTS * PARTS / 3 / 99) / 4;
         assert!((two.all.variance - expected).abs() <= 2, "{} {expected}", two.all.variance);
         assert!(!is_less_loaded(two, two) && is_less_loaded(one, two) && !is_less_loaded(two, one));

@@ -1,4 +1,4 @@
-//! The belt: what one closed belt can do in addition to moving the tool.
+//! The belt: functions of one closed belt other than moving the tool.
 //!
 //! ```text
 //!            (0,D) 11 ------ 8 (W,D)        forward is counter-clockwise for each motor:

@@ -1,6 +1,6 @@
-//! The motors of a belt, as M915 asks for them: aligned; or the switches of x and y are met once more, to see whether
-//! the tool is where the steps say (D), and what is to be done if it is not (R); then the tool goes back to where it
-//! was. How it is done stands in `belt`.
+//! M915 aligns the motors of a belt. With D it meets the switches of x and y again, to check whether the tool is where
+//! the steps say. With R it also repairs the difference. Then the tool returns to its place. How it is done stands in
+//! `belt`.
 
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
@@ -39,7 +39,7 @@ pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
     Ok(Answer::Nothing)
 }
 
-/// M915 D and R: what has happened since the motors were aligned; with `repairs` it is set right.
+/// M915 D and R: finds what happened since the motors were aligned; with `repairs` it repairs that.
 pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
@@ -57,7 +57,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     let place = main_loop.planned_end_mm();
     let aside = touch_both(main_loop).await?;
     main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
-    // Until it is known that nothing has happened, nobody is to believe it: M410 may end this with a motor on its way.
+    // Until the check has succeeded, the position counts as unknown: M410 may end this with a motor on its way.
     let (homed, trimming) = (main_loop.homed(), *main_loop.trimming());
     let aside = Aside { now: aside, homed: trimming.homed_aside() };
     main_loop.trimming_mut().forget();
@@ -94,7 +94,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     Ok(Answer::Belt(answer))
 }
 
-/// How many steps beside their places the switches of x and y were met.
+/// Distance in steps of the x and y switches from their expected positions.
 #[derive(Clone, Copy)]
 struct Aside {
     now: [i32; 2],
@@ -118,8 +118,8 @@ impl Aside {
     }
 }
 
-/// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be
-/// repaired; all others are as they were.
+/// The diagnosis from the switches and the residuals together. Motors that have skipped are left without strain if that
+/// is to be repaired; all others are as they were.
 async fn examine<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,

@@ -1,7 +1,7 @@
-//! Commands that take time, in one match without a wildcard: a new one does not compile before it is decided what it
-//! does.
+//! Commands that take time, in one match without a wildcard: a new command does not compile without an arm.
 //!
-//! They are awaited: motion, power, storage, drivers, questions to the user. Meanwhile the main loop goes on turning.
+//! They are awaited: motion, power, storage, drivers, questions to the user. The main loop keeps running during these
+//! waits.
 
 use super::belt::{align_belt, examine_belt};
 use super::drivers::change_mode;

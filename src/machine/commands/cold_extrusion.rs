@@ -59,7 +59,7 @@ impl ColdExtrusion {
         Answer::Nothing
     }
 
-    /// Whether no filament may move: the hotend is too cold for it, or nobody knows.
+    /// Whether filament must not move: the hotend is too cold, or its temperature is unknown.
     pub fn is_too_cold<P: PortSet, W: Pend>(&self, main_loop: &MainLoop<'_, P, W>) -> bool {
         let thermal = &main_loop.settings().thermal;
         thermal.heater(Heater::Hotend).is_fitted

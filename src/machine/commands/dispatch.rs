@@ -1,13 +1,12 @@
-//! Every command, on one of two ways: what is done at once, and what takes time.
+//! Dispatch of every command: immediate, or one that takes time.
 //!
 //! ```text
 //!   Command ──▶ immediate: one arm each ──┬──▶ Answer
 //!                                         └──▶ Blocking ──▶ blocking: one arm each, awaited ──▶ Answer
 //! ```
 //!
-//! Neither match has a wildcard, so a new command does not compile before it has an arm in `immediate`: it is done
-//! there, or it is named as a [`Blocking`](super::blocking::Blocking), which does not compile before it has an arm in
-//! `blocking`.
+//! Neither match has a wildcard, so a new command does not compile before it has an arm in `immediate`. That arm
+//! carries it out or names it as a [`Blocking`](super::blocking::Blocking), which in turn needs an arm in `blocking`.
 
 use super::blocking::carry_out_blocking;
 use super::immediate::{Outcome, carry_out_immediate};
@@ -22,8 +21,8 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::job::{Answered, Kept};
 use crate::port::Pend;
 
-/// The print of a line that is kept goes on, if it can: true if the line is to be carried out now, false if it needs
-/// its `ok` alone, `None` if it goes on being kept.
+/// Resumes the print of a kept line, if possible. True: carry out the line now; false: it needs its `ok` alone; `None`:
+/// keep it for longer.
 pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
@@ -33,7 +32,7 @@ pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
     end_keeping(main_loop, &mut states.modal, &states.cold, kept, answered).await
 }
 
-/// Carries out a command, tells what was out of range, and returns what else there is to say before its `ok`.
+/// Carries out a command, reports values out of range, and returns the answer to send before its `ok`.
 pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,

@@ -1,7 +1,7 @@
 //! How heaters behave, as lines set it: M301, M304, M306.
 //!
-//! A heater is controlled by its model or by PID: by the model as it is made, by PID once M301 or M304 has set a gain,
-//! by the model again once M306 has set a number. M503 says the one in use last (`reports::heat_settings_report`).
+//! A heater is controlled by its model or by PID. The model is the default; M301 or M304 with a gain selects PID, and
+//! M306 with a number selects the model again. M503 says the one in use last (`reports::heat_settings_report`).
 
 use crate::connectors::Heater;
 use crate::gcode::{ModelWords, Number};
@@ -38,8 +38,8 @@ pub(in crate::machine) fn set_pid(
     Answer::Nothing
 }
 
-/// M306. F is the whole loss with the part fan at full speed, as in Marlin. What it takes depends on the kind of heater
-/// and on its power, that of the line if it has one. Without E it is the hotend's, and says so.
+/// M306. F is the whole loss with the part fan at full speed, as in Marlin. The legal range depends on the kind of
+/// heater and on its power, which the same line may set. Without E it is the hotend's, and says so.
 pub(in crate::machine) fn set_model(
     heater: Heater,
     is_named: bool,
@@ -79,7 +79,7 @@ pub(in crate::machine) fn set_model(
     if let Some(number) = heater_lag {
         clamps.near(["M306", "L"], number, plausible.lag, &mut model.heater_lag);
     }
-    // A power alone may leave the other numbers beyond what it can have.
+    // A new power alone may leave the other numbers outside their ranges.
     let is_plausible = plausible.beyond(settings.power, model).next().is_none();
     settings.control = Control::Model;
     if let Some(number) = filament {

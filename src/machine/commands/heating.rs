@@ -22,29 +22,29 @@ use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 const NEAR: Celsius = Celsius::const_from_int(1);
 const FAR: Celsius = Celsius::const_from_int(3);
 
-/// It has to be so for that long. Marlin waits for 10 s, for a PID controller that swings; the model does not, and
-/// after the sensor's lag of a second or two what it reads is what is there.
+/// It has to be so for that long. Marlin waits for 10 s because a PID controller oscillates. The model does not, and
+/// after the sensor's lag of a second or two the reading is the real temperature.
 const RESIDENCY_MS: u32 = 3000;
 
-/// A wait for cooling ends when it goes on more slowly than by 1.5 C a minute, for the room may be warmer than the
-/// target: Marlin's MIN_COOLING_SLOPE_DEG and MIN_COOLING_SLOPE_TIME (Configuration_adv.h, 2.1).
+/// A wait for cooling ends once cooling is slower than 1.5 C a minute, because the room may be warmer than the target:
+/// Marlin's MIN_COOLING_SLOPE_DEG and MIN_COOLING_SLOPE_TIME (Configuration_adv.h, 2.1).
 const LEAST_COOLING: Celsius = Celsius::lit("1.5");
 const COOLING_MS: u32 = 60_000;
 
-/// A heater below its target that gains less than this in the time of its kind does not get there. By the plants: one
-/// that can is at least 1 C below where full power would take it as long as it is waited for, so it gains 1 C x loss /
-/// capacity x time. The heaviest bed in use (5,500 J/K) loses 1 W/K at least, and gains 0.33 C in half an hour; a
-/// hotend (34 J/K at most, 0.05 W/K) 0.35 C in four minutes. The guards' floor halts the machine after ten minutes and
-/// an hour without 2 C. The host is told after a third of it.
+/// A heater below its target that gains less than this in the time of its kind does not get there. By the plants: a
+/// heater that can reach its target is at least 1 C below its final temperature at full power. In time t it gains at
+/// least 1 C x t x loss / capacity. The heaviest bed in use (5,500 J/K) loses at least 1 W/K and gains 0.33 C in half
+/// an hour. A hotend (34 J/K at most, 0.05 W/K) gains 0.35 C in four minutes. The guards' floor halts the machine after
+/// ten minutes and an hour without 2 C. The host is told after a third of it.
 const LEAST_RISE: Celsius = Celsius::lit("0.2");
 const HOTEND_STUCK_MS: u32 = 240_000;
 const STUCK_MS: u32 = 1_800_000;
 
-/// A heater that has no reading for so long has a sensor that is broken. One that heats is found by the guards in half
-/// a second, and one that has just been switched on is read after a tenth of one.
+/// A heater that has no reading for so long has a sensor that is broken. The guards find a broken sensor of a heater
+/// that is on in half a second; a heater that was just switched on is read after a tenth of one.
 const UNREAD_MS: u32 = 2000;
 
-/// From one line with temperatures to the next, in whatever wait.
+/// Interval of temperature lines in every wait.
 pub(super) const LINE_MS: u32 = 1000;
 
 /// The heater and the temperature that a line asks for.
@@ -74,7 +74,7 @@ impl Residency {
 
 /// Whether a heater still cools as fast as waiting for it makes sense.
 struct Cooling {
-    /// Since when, and what it was then.
+    /// Start of the interval, and the temperatures then.
     looked: (Instant, [Celsius; HEATERS]),
 }
 
@@ -93,7 +93,7 @@ impl Cooling {
 
 /// Whether heaters that are to get warmer still do.
 struct Rising {
-    /// The warmest that each was, in steps of what counts as a rise, and since when.
+    /// The highest temperature of each heater, in steps that count as a rise, and its time.
     best: [(Celsius, Instant); HEATERS],
     is_told: bool,
 }
@@ -154,8 +154,8 @@ fn missing<P: PortSet, W: Pend>(
     })
 }
 
-/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. One beyond the heater's range
-/// is none: what the heater was at stays.
+/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. A target beyond the heater's
+/// range is refused: the old target stays.
 #[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -200,7 +200,7 @@ pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
         Err(answer) => return Ok(answer),
         Ok(false) => {}
         Ok(true) => {
-            // What was asked for is told before the wait, not minutes later.
+            // Report clamped values before the wait, not minutes later.
             main_loop.reply_clamps(clamps).await?;
             await_heat(main_loop, Heater::ALL.map(|other| other == words.heater), cools).await?;
         }
@@ -282,8 +282,8 @@ async fn await_heat<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Heaters are kept again at what they were at before a pause, or before they went off in the print, and are waited
-/// for.
+/// Restores the heater targets from before a pause, or from before the heaters switched off in the print, and waits for
+/// them.
 pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {

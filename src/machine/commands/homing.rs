@@ -4,35 +4,34 @@
 //! met. The rig presses them in the same way (`rig/src/lib.rs`). What position that place has is a setting; so is the
 //! order of the axes.
 //!
-//! The Z probe ([`EndstopSet::PROBE`]) takes no part: it is read and reported (M119), but nothing homes by it, and G29,
-//! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would use
-//! `switch::approach`, which refuses an endstop that the board does not have, and goes towards the end at which the
-//! axis has its switch: a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, whatever z's switch is,
+//! The Z probe ([`EndstopSet::PROBE`]) takes no part. It is read and reported (M119), but no axis homes by it. G29, G30
+//! and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would use
+//! `switch::approach`, which refuses an endstop that the board does not have. It moves towards the end of the axis that
+//! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch,
 //! and so does its hard stop in `widen`. It also needs:
 //!
 //! - `Command::Probing` taken apart, and letters in `gcode::grammar` (`tests/gcode.rs` asks for them);
 //! - a probe in the rig: `Rig::inputs` says which inputs there are, `Rig::endstops` presses them;
 //! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
-//! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of
-//!   the rig, and
-//!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
-//! - what says "nothing probes by it": its row in `settings::wiring` (and so the schema), `Settings::probe`,
+//! - the simulator: `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the
+//!   rig; its checker (`widen` in `boards/sim/src/limits.rs`) allows a hard stop for G28 alone;
+//! - every text that says "nothing probes by it": its row in `settings::wiring` (and so the schema), `Settings::probe`,
 //!   `examples/machines/prototype.toml`, docs/reference/machines.md;
 //! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
-//! - a row of `STATES` in `boards/sim/tests/emergencies.rs`, for its descent;
+//! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
 //! - README.md (limits), the row of G29 and G30 in docs/reference/host-protocol.md, the head of `src/motors.rs`;
-//! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program,
-//!   as `stand_at_switch`
-//!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`main_loop/reply.rs`);
-//! - another word than "Probing" in boards/*/README.md, among what is not there.
+//! - after `approach`, the real position for planner and program, as `stand_at_switch` sets it after homing, because
+//!   the planner is at the end of the move; and its own wording where `HomingFailed` speaks of homing
+//!   (`main_loop/reply.rs`);
+//! - another word than "Probing" in the list of missing parts in boards/*/README.md.
 //!
 //! To home Z by the probe instead, moreover:
 //!
 //! - a setting that says so, by which `facts` chooses the endstop, and the probe's offset;
-//! - `Settings::check_connectors` must ask for a probe in the file, which it holds to `BoardConnectors::probes`, and
-//!   not for a switch of z, which
-//!   `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs` and M119 take for granted as well;
-//! - a probe that is low when it triggers and whose wire is cut reads as not triggered: before each descent it must be
+//! - `Settings::check_connectors` must ask for a probe in the file and not for a switch of z (the check against
+//!   `BoardConnectors::probes` exists). `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs`
+//!   and M119 assume z's switch as well;
+//! - a probe that is low when it triggers reads as not triggered if its wire is cut: before each descent it must be
 //!   seen to work;
 //! - the tool over the bed before Z goes down.
 
@@ -95,7 +94,7 @@ async fn home_axes<P: PortSet, W: Pend>(
     aligns: bool,
 ) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
-    // What a print has left pulled back is of no account to the next one.
+    // A retraction left over from one print does not apply to the next.
     main_loop.commanded_mut().forget_retraction();
     let mut is_home = [false; 3];
     let mut aligns = aligns;
@@ -120,8 +119,8 @@ async fn home_axes<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// X and y are home: the motors of their belt are aligned, both homed again, and that is proved. What came of it is
-/// told.
+/// X and y are home: the motors of their belt are aligned, both homed again, and that is proved. The result is
+/// reported.
 async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let aligned = align(main_loop).await;
     if let Err(BeltError::Interrupted(interrupt)) = aligned {

@@ -1,6 +1,6 @@
-//! Commands that are done at once, in one match without a wildcard: a new one does not compile before it is decided
-//! what it does. What takes time is only named here, as a [`Blocking`], with its words; only M220's percentage is in
-//! range already.
+//! Commands that are done at once, in one match without a wildcard: a new command does not compile without an arm. A
+//! command that takes time is only named here, as a [`Blocking`], with its words; only M220's percentage is
+//! range-checked here.
 
 use super::blocking::Blocking;
 use super::drivers::set_drivers;
@@ -32,9 +32,9 @@ use crate::units::Mm;
 /// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
 const DRY_RUN: u32 = 8;
 
-/// What has become of a command.
+/// The outcome of a command.
 pub(in crate::machine) enum Outcome<'a, 'c> {
-    /// It is done, and this is what it has to say before its `ok`.
+    /// It is done; this is the answer before its `ok`.
     Done(Answer<'a>),
     /// It takes time.
     TakesTime(Blocking<'c>),
@@ -49,7 +49,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
 ) -> Outcome<'a, 'c> {
     let States { modal, retraction, clamps, notices, pieces: _, cold } = states;
     Outcome::Done(match *command {
-        // What takes time.
+        // Commands that take time.
         Command::Line { rapid: _, ref to, feed } => return Outcome::TakesTime(Blocking::Line { to, feed }),
         Command::Circulate { ref to, belt, feed } => {
             return Outcome::TakesTime(Blocking::Circulate { to, belt, feed });
@@ -232,13 +232,13 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
         Command::PowerOff => switch_off(main_loop),
-        // What this firmware does not do.
+        // Unsupported functions.
         Command::BeginUpload(name) => {
             main_loop.begin_upload();
             Answer::NoCard(name)
         }
         Command::EndUpload => main_loop.end_upload().map_or(Answer::Nothing, Answer::UploadEnded),
-        // M413 S0 asks for what is so.
+        // M413 S0 is a no-op: power-loss recovery is always off.
         Command::PowerLossRecovery(Some(false)) => Answer::Nothing,
         Command::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),
         Command::PowerLossRecovery(Some(true)) => {
@@ -266,7 +266,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::Continue | Command::QuickStop | Command::Cancel | Command::Answer | Command::LineNumber => {
             Answer::Nothing
         }
-        // There is no display, and nothing to begin anew while the machine is not halted.
+        // There is no display, and a restart has no effect unless the machine is halted.
         Command::Message | Command::Restart | Command::Silent => Answer::Nothing,
     })
 }

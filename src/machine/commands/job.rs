@@ -1,4 +1,4 @@
-//! The end of a job by the firmware, or by M524: one place for whatever ends a print and leaves the machine usable.
+//! The end of a job by the firmware or by M524: the one place for every end of a print that leaves the machine usable.
 
 use super::pause::announce;
 use crate::gcode::{Command, Number};
@@ -11,7 +11,7 @@ use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::protocol::Action;
 
-/// What the stream of a print that was ended is told once.
+/// Sent once to the host of a print that the firmware ended.
 const ENDED: Answer<'static> =
     Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
 
@@ -62,7 +62,8 @@ pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// M110: another print begins, if it is of the host that has printed. What the one before has left is cleaned up.
+/// M110: another print begins, if it is of the host that has printed. The state left over from the print before is
+/// cleaned up.
 pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -78,7 +79,7 @@ pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// What a line of a print that was ended is told; `None` if it is carried out all the same.
+/// The reply to a line of a print that was ended; `None` if the line is carried out all the same.
 pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     command: &Command<'_>,
@@ -104,7 +105,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     Some(if main_loop.job_mut().tell_of_end() { ENDED } else { Answer::Nothing })
 }
 
-/// Whether a name that no command has is what starts a print elsewhere (`START_PRINT`), or ends it (false).
+/// Whether an unknown command name starts a print in other firmware (`START_PRINT`) or ends one (false).
 pub(in crate::machine) fn starts_print(text: &[u8]) -> Option<bool> {
     let end = text.iter().position(|byte| !(byte.is_ascii_alphanumeric() || *byte == b'_')).unwrap_or(text.len());
     let name = text.get(..end).unwrap_or_default();

@@ -1,9 +1,9 @@
-//! The machine over a serial line: MACHINE_GET says its record in pieces, MACHINE_PUT takes the pieces of another one,
-//! and MACHINE_STORE stores it after the checks that every record has to pass, and those of the board's connectors.
-//! `corehbot config` is the other end.
+//! The machine over a serial line: MACHINE_GET sends the record in pieces. MACHINE_PUT takes the pieces of another
+//! record. MACHINE_STORE stores that record after it has passed all record checks and the checks of the board's
+//! connectors. `corehbot config` is the other end.
 //!
-//! Pieces come one after the other, each on a line of its own; lines have numbers and checksums as in a print, and a
-//! record has a checksum over all of it.
+//! Pieces follow one another, each on its own line. Lines have numbers and checksums as in a print, and a checksum
+//! covers the whole record.
 
 use super::settings::stored::save;
 use crate::gcode::MachineRecord;

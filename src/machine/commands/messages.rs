@@ -1,4 +1,4 @@
-//! M118: who hears a message.
+//! M118: the receivers of a message.
 
 use crate::gcode::{Audience, Form};
 use crate::machine::answers::answer::Answer;
@@ -6,7 +6,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
-/// Tells other hosts what is for them, and returns what the sender hears. A line that there is not stands for the
+/// Sends a message to other hosts, and returns the reply to the sender. A line that there is not stands for the
 /// sender's, as in Marlin (M118.cpp).
 pub(super) fn send_message<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,

@@ -1,4 +1,4 @@
-//! Commands: what each of them does.
+//! Commands: the effect of each one.
 //!
 //! ```text
 //!   Command ──▶ dispatch ──┬──▶ immediate ──▶ settings::set, drivers, retraction, modal state ...   done at once
@@ -6,9 +6,9 @@
 //! ```
 //!
 //! The Console calls `carry_out` for a line and tells the answer that comes back, then the `ok`. A command is a
-//! function of what it needs: a file that only decides gets the settings that it changes; one that waits, or uses more
-//! of the main loop than settings, gets `&mut MainLoop`, which goes on turning meanwhile, and of [`states`] the one to
-//! three that it names. Where several functions need the same four, they are methods of a struct that borrows them
+//! function of its inputs. A file that only decides gets the settings that it changes. A command that waits, or uses
+//! more of the main loop than settings, gets `&mut MainLoop`, which keeps running during the wait, and the one to three
+//! [`states`] that it names. Where several functions need the same four, they are methods of a struct that borrows them
 //! ([`moves::Moves`]).
 //!
 //! | looking for | see |

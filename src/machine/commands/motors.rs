@@ -1,4 +1,4 @@
-//! The motors: which ones axes mean (M17, M84), and M122: drivers, belt, what was too slow, heat.
+//! The motors: M17 and M84 for the motors of named axes, and M122 for drivers, belt, overload and heat.
 
 use crate::driver::Job;
 use crate::gcode::AxisFlags;

@@ -48,8 +48,7 @@ pub(super) fn moving([x, y, z, _]: [Mm; 4], [to_x, to_y, to_z, _]: [Mm; 4]) -> [
     [are_apart(x, to_x), are_apart(y, to_y), are_apart(z, to_z)]
 }
 
-/// What a line of motion needs: what goes on meanwhile, what numbers mean, what is told of them, and whether filament
-/// may move.
+/// Borrowed context of a motion command: main loop, modal state, notices, and cold extrusion.
 pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
     pub main_loop: &'c mut MainLoop<'m, P, W>,
     pub modal: &'c mut Modal,
@@ -61,13 +60,13 @@ pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
 /// Whether a line may be carried out.
 enum Gate {
     Open,
-    /// It may, and what its words mean has changed.
+    /// It may move, and the meaning of its words has changed.
     Changed,
     /// It is kept.
     Kept(Answer<'static>),
 }
 
-/// What a line asks of the machine before it may be carried out in a print.
+/// The conditions that a line in a print must meet before it is carried out.
 #[derive(Clone, Copy)]
 struct Asked {
     /// The axes that it moves.
@@ -117,7 +116,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         main_loop.commanded().target(to, self.modal, main_loop.settings(), self.cold.is_too_cold(main_loop))
     }
 
-    /// What a straight line asks for.
+    /// The conditions of a straight line.
     fn asked(&self, wanted: &Wanted) -> Asked {
         let commanded = self.main_loop.commanded();
         let moves = moving(commanded.position(), wanted.position);
@@ -125,8 +124,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
     }
 
-    /// In a print, a line waits for heat that has gone off by itself. One that cannot be carried out, because the
-    /// hotend is too cold for it or an axis has lost its place, is kept; the answer says so. A line that prints begins
+    /// In a print, a line waits for heat that has gone off by itself. A line that cannot be carried out, because the
+    /// hotend is too cold for it or an axis has lost its place, is kept. The answer says so. A line that prints begins
     /// a print, and ends a pause.
     async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
@@ -176,7 +175,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
     }
 
-    /// Whether these axes may move: they were homed, or need not be, of which the host is told once.
+    /// Whether these axes may move: they are homed, or need not be. In the second case the host is told once.
     pub(super) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
         if !self.main_loop.homed().lacks_one_of(moves) {
             return Ok(true);
@@ -193,8 +192,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Ok(true)
     }
 
-    /// Whether a move of x and y to `position` may be made: it does not print, or the motors of the belt are aligned,
-    /// or need not be, of which the host is told once.
+    /// Whether x and y may move to `position`. They may if the move does not print, if the motors of the belt are
+    /// aligned, or if they need not be. In the last case the host is told once.
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
         let ([.., to], [.., from]) = (position, self.main_loop.commanded().position());
         let rule = self.main_loop.settings().belt.alignment;
@@ -215,7 +214,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         let (inside, moved) = {
             let main_loop = &*self.main_loop;
-            // It is the machine that has edges, wherever a pause has parked it.
+            // The limits apply to the machine position, including the offset of a parked pause.
             let [px, py, pz, _] = main_loop.commanded().parked();
             let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
             let (to, from) = (parked(bounded(position)), parked(main_loop.commanded().position()));
@@ -239,7 +238,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Ok(())
     }
 
-    /// Where the words of a line lead; the host is told what they ask for beyond the possible.
+    /// The target of a line's words; the host is told of values beyond the limits.
     pub(super) async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
         let wanted = self.wanted(to);
         self.tell_of(&wanted).await?;
@@ -334,7 +333,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
 
     /// Plans moves away from the commanded position, or back to it.
     ///
-    /// Not with a cold hotend: what was pulled back stays so until it is hot.
+    /// Not with a cold hotend: filament that was pulled back stays so until the hotend is hot.
     async fn plan_retraction(
         &mut self,
         moves: Option<[RetractionMove; 2]>,

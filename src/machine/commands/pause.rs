@@ -2,14 +2,16 @@
 //! print goes on.
 //!
 //! ```text
-//!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed) ▶ filament out (M600 U)
-//!   and back:      heat, and wait ▶ filament in (M600 L) ▶ restore the program ▶ over its place ▶ down ▶ filament forth ▶ action:resumed
+//!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed)
+//!                  ▶ filament out (M600 U)
+//!   and back:      heat, and wait ▶ filament in (M600 L) ▶ restore the program ▶ over its place ▶ down
+//!                  ▶ filament forth ▶ action:resumed
 //! ```
 //!
-//! The nozzle does not rest on the part. A host that has pulled back, lifted and parked by itself finds nothing left to
-//! do, and the other way round: how far the tool is from the part is known from where the last printing move ended, and
-//! what the pause has done counts for a script that comes later (`Commanded::leave_park`). What the tool does
-//! meanwhile, jog or home, is of no account: it goes back to where the print was. Which state follows which is in
+//! The nozzle does not rest on the part. A host that has retracted, lifted and parked by itself leaves nothing to do,
+//! and its own script finds the firmware's pause done. The distance from the part is known from the end of the last
+//! printing move. The pause's own retraction and lift count for a later script (`Commanded::leave_park`). The tool may
+//! jog or home during the pause: it returns to the place where the print stopped. Which state follows which is in
 //! [`job`](crate::machine::state::job).
 
 use super::cold_extrusion::ColdExtrusion;
@@ -36,7 +38,7 @@ const OFF_PART: Mm = Mm::const_from_int(1);
 const UNLOAD_SPEED: MmPerSec = MmPerSec::const_from_int(10);
 const LOAD_SPEED: MmPerSec = MmPerSec::const_from_int(6);
 
-/// What the user is asked.
+/// Prompt to the user.
 const PAUSED: &str = "Paused";
 const FILAMENT: &str = "Change the filament";
 const COLD: &str = "Hotend is too cold to print";
@@ -128,8 +130,8 @@ const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     }
 }
 
-/// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, for the
-/// nozzle may have frozen to the part, or its place is not known.
+/// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, because
+/// the nozzle may have frozen to the part, or its place is unknown.
 pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
@@ -197,8 +199,8 @@ async fn save_and_park<P: PortSet, W: Pend>(
     change(main_loop, modal, cold, unload.saturating_neg(), UNLOAD_SPEED).await
 }
 
-/// Filament comes out or goes in, as if a line had asked for it in the pause: no more than in one line, and none if the
-/// hotend is cold.
+/// Filament comes out or goes in, as if a line had asked for it in the pause. The length is limited to one line's
+/// maximum; with a cold hotend it is zero.
 async fn change<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
@@ -221,7 +223,7 @@ async fn change<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// One straight move of the machine, whatever the program commands.
+/// One straight move in machine coordinates, independent of the program's state.
 async fn travel<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     position: [Mm; 4],
@@ -241,7 +243,7 @@ async fn park<P: PortSet, W: Pend>(
     let commanded = *main_loop.commanded();
     let [.., z_now, e_now] = commanded.position();
     let [lifted, pulled] = commanded.retracted();
-    // What the program itself has done since it printed.
+    // The lift and retraction by the program itself since it last printed.
     let (lifted, pulled) = match main_loop.job().printed_at() {
         Some([.., z, e]) => {
             let back = e.wrapping_sub(e_now).max(Mm::ZERO);
@@ -286,8 +288,9 @@ async fn park<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// The tool goes from wherever it is to where the program wants it: over its place, down, and the filament forth that
-/// the pause has pulled back. That stays back in a cold hotend, until a line that prints is kept for it and goes on.
+/// The tool moves from its present place to the commanded position: first above it, then down. Then the filament goes
+/// forward that the pause has pulled back. That stays back in a cold hotend, until a line that prints is kept for it
+/// and goes on.
 async fn go_back<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     cold: &ColdExtrusion,
@@ -296,7 +299,7 @@ async fn go_back<P: PortSet, W: Pend>(
     let (s, axes) = (main_loop.settings().pause, main_loop.settings().axes);
     let commanded = *main_loop.commanded();
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
-    // Over whatever stands on the bed, if somebody has lowered the tool.
+    // Move above any part on the bed if a user has lowered the tool.
     let is_beside = (x, y) != (from_x, from_y);
     let over = if is_beside && from_z < z { z.saturating_add(s.lift).min(axes.z.length.max(z)) } else { from_z };
     travel(main_loop, [from_x, from_y, over, from_e], axes.z.max_speed).await?;
@@ -311,8 +314,8 @@ async fn go_back<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the state of the
-/// program is that before the pause; without, it is what lines have made of it meanwhile.
+/// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the program's state
+/// from before the pause returns; without, the state that lines have set in the pause stays.
 async fn go_on<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -350,8 +353,7 @@ async fn go_on<P: PortSet, W: Pend>(
     Ok(Going::On)
 }
 
-/// The program is as it was. Filament that came and went meanwhile, as when it is changed, is none that the print has
-/// asked for.
+/// The program is as it was. Filament moved during the pause, as in a filament change, does not count for the print.
 async fn restore<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -365,8 +367,8 @@ async fn restore<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Fans that were switched off meanwhile, by a script or to look at something, run as in the print. A speed that was
-/// chosen meanwhile counts, as a target does that one can print with.
+/// Fans that were switched off during the pause, by a script or by the user, run as in the print. A fan speed set
+/// during the pause stays, as does a heater target that is hot enough to print.
 async fn blow_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     program: &Program,
@@ -394,7 +396,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     })
 }
 
-/// The stream goes on without M24: what it has done meanwhile, its own script, is part of it.
+/// The stream goes on without M24: the changes of its own pause script stay.
 pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -416,7 +418,7 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
         announce(main_loop, &[Action::PromptEnd]).await?;
         return Ok(Some(false));
     }
-    // What has ended the wait of the line does not end the one for heat.
+    // The end of the line's wait does not end the wait for heat.
     main_loop.pauses_mut().end_command();
     let is_for_user = matches!(kept, Kept::User(_));
     if is_for_user {

@@ -1,8 +1,8 @@
-//! Proof: whether the tool is where the steps say, and nobody strains the belt. No driver tells of a skip, so it has to
-//! be looked for.
+//! Proof that the tool is where the steps say, and that no motor strains the belt. No driver tells of a skip, so it has
+//! to be looked for.
 //!
-//! Loads first, then the switches: a motor that has skipped before loads are measured strains the belt, and one that
-//! skips later has led the tool aside when the switches are met.
+//! Loads first, then the switches. A motor that skipped before loads are measured strains the belt. A motor that skips
+//! later has displaced the tool when the switches are met.
 
 use super::switch::touch;
 use crate::kinematics::Residuals;
@@ -16,9 +16,9 @@ use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::HomedAxis;
 
-/// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Then, and only then,
-/// they are held to be aligned; while it goes on, and if it fails, nobody is to believe in either. Gives how many steps
-/// beside their places the switches were met.
+/// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Only then do they
+/// count as aligned; until the proof succeeds, alignment and position count as unknown. Returns the distance in steps
+/// of the switches from their expected positions.
 pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
     let homed = main_loop.homed();
     let (residuals, mechanism) = (main_loop.residuals(), main_loop.groups().mechanism());
@@ -46,12 +46,12 @@ async fn look_again<P: PortSet, W: Pend>(
     if main_loop.has_power(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
 }
 
-/// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.
+/// Meets the switches of x and y, and backs off. Returns their distance in steps from the expected positions.
 pub(super) async fn touch_both<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], Interrupt> {
     Ok([touch(main_loop, HomedAxis::X).await?, touch(main_loop, HomedAxis::Y).await?])
 }
 
-/// Whether a tool that is so many steps beside its place is where it should not be.
+/// Whether a tool that is this many steps off is outside its tolerance.
 pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, aside: [i32; 2]) -> bool {
     let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
     ways_aside(&main_loop.settings().mechanism, aside, full_step) != [0, 0]

@@ -132,7 +132,7 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
 }
 
 /// M900, M572. The advance counts for the following moves. Motion comes to rest only before its window changes, and
-/// before the generator follows it for the first time: all axes are later from then on
+/// before the generator first uses advance: from then on all axes are delayed
 /// ([`advance_in_use`](crate::machine::state::advance_in_use)).
 pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,

@@ -1,4 +1,4 @@
-//! What commands keep for themselves, from line to line or for one line (`clamps`): no turn of the main loop needs it.
+//! State of the commands, kept from line to line or for one line (`clamps`): the main loop never needs it.
 
 use super::cold_extrusion::ColdExtrusion;
 use crate::machine::state::clamps::Clamps;
@@ -9,13 +9,13 @@ use crate::machine::state::retraction::RetractionSettings;
 
 /// All of it. The dispatch hands each command those that it names.
 pub(in crate::machine) struct States {
-    /// What numbers of lines mean.
+    /// The modal state of lines.
     pub(in crate::machine) modal: Modal,
     /// How G10 and G11 retract.
     pub(super) retraction: RetractionSettings,
     /// Values of the present command that were out of range.
     pub(super) clamps: Clamps,
-    /// What hosts were told once.
+    /// Notices that hosts got once.
     pub(super) notices: Notices,
     /// A machine on its way over the line.
     pub(super) pieces: MachinePieces,

@@ -1,5 +1,5 @@
-//! Switches: an axis finds its endstop fast, backs off, and finds it again slowly; to be homed by it, or only to see
-//! where it is met.
+//! Switches: an axis finds its endstop fast, backs off, and finds it again slowly. The result homes the axis or only
+//! measures the switch.
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -16,7 +16,7 @@ const BEYOND: Mm = Mm::const_from_int(10);
 /// Why homing failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum HomeError {
-    /// The switch did not do what it should.
+    /// The switch did not respond as it should.
     Failed(&'static str),
     /// Something else ended it.
     Interrupted(Interrupt),
@@ -79,8 +79,8 @@ async fn end_homing<T, P: PortSet, W: Pend>(
     }
 }
 
-/// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool
-/// stands so far beside where the steps say.
+/// Meets the switch of an axis once more, and backs off. Returns the distance in steps from the expected position: the
+/// tool is off by that much.
 pub(super) async fn touch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
@@ -98,7 +98,7 @@ async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axi
     Ok(aside)
 }
 
-/// How many steps beside its place a switch was just met.
+/// Distance in steps of the switch that was just met from its expected position.
 fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis) -> i32 {
     let (places, met) = (main_loop.to_steps([axis.endstop.position; 4]), main_loop.real_steps());
     let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
@@ -139,7 +139,7 @@ async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, ax
     if !approach(main_loop, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
         return Err(NO_TRIGGER);
     }
-    // Who did not move stood at the switch already, or anywhere behind it.
+    // If the axis did not move, it was at the switch already, or anywhere behind it.
     let depth = if main_loop.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
     let back_off = axis.homing.back_off + depth;
     travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
@@ -173,9 +173,9 @@ async fn approach<P: PortSet, W: Pend>(
     Ok(met)
 }
 
-/// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
-/// the move takes them to whole steps, where all counts agree. From there an axis alone takes all its motors along at
-/// once, and the counts agree wherever a switch ends the move.
+/// Moves one axis, and waits until it arrives or triggers the watched endstop. Where four coordinates hold three axes,
+/// the move takes them to whole steps, where all counts agree. From there an axis alone moves all its motors at once,
+/// and the counts agree wherever a switch ends the move.
 async fn travel<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
@@ -196,8 +196,8 @@ async fn travel<P: PortSet, W: Pend>(
 }
 
 /// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares
-/// them with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors
-/// have pulleys of different sizes the step of an axis is long, and no whole one is where all of them stand.
+/// them with this one may lie between two of its own steps. It moves to a whole step, half a step away. Where motors
+/// have pulleys of different sizes the step of an axis is long, and no whole step puts all of them on whole steps.
 async fn stand_at_switch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,

@@ -46,7 +46,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
     }
     let range = Range { least: Celsius::ZERO, most: main_loop.settings().thermal.heater(heater).most };
-    // Marlin's defaults (M303.cpp), for the chamber too.
+    // Marlin's defaults (M303.cpp); the chamber gets the bed's.
     let default = Number::from(if heater == Heater::Hotend { 150 } else { 70 });
     let target = clamps.near_of(["M303", "S"], target.unwrap_or(default), range, None);
     let cycles = cycles.map_or(Some(CYCLES), |cycles| clamps.whole_of(["M303", "C"], cycles, CYCLE_RANGE, None));
@@ -101,7 +101,7 @@ async fn await_tuning<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     heater: Heater,
 ) -> Result<Result<Tuned, Option<TuningFailure>>, Interrupt> {
-    // The first state that is told is that of an earlier tuning.
+    // The first state reported is still the state of an earlier tuning.
     let status = main_loop.status();
     while !main_loop.are_orders_gone() {
         main_loop.poll().await?;

@@ -1,15 +1,15 @@
-//! What a host's line asks for.
+//! The request in a host's line.
 
 use crate::protocol::ResendReason;
 
-/// What a line asks for; a command's text is elsewhere.
+/// The request of a line; a command's text is elsewhere.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Asked {
     /// To carry out a command.
     Command,
     /// To be told `ok`.
     Nothing,
-    /// M110, and what it wants to know.
+    /// M110, with its line number.
     LineNumber(Option<i32>),
     /// Too much.
     TooLong,

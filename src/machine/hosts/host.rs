@@ -1,4 +1,4 @@
-//! One host: its serial line, what has arrived on it, and what it is yet to be told.
+//! One host: its serial line, the received bytes, and the pending replies.
 
 use super::asked::Asked;
 use super::schedule::Schedule;
@@ -12,20 +12,20 @@ use heapless::Vec;
 /// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
 pub(in crate::machine) type Text = Vec<u8, 320>;
 
-/// A serial line and what is under way on it.
+/// A serial line and its state.
 pub(super) struct Host<S> {
     line: S,
     pub(super) receiver: Receiver,
     pub(super) replies: Replies,
-    /// What it is told by itself.
+    /// Its periodic reports.
     pub(super) schedule: Schedule,
-    /// What it sends for a card.
+    /// Its upload to a card.
     pub(super) upload: Upload,
     /// When it was last told that there is somebody, or had nothing to wait for.
     pub(super) assured: Instant,
-    /// A quick stop was in what it has sent last.
+    /// Its last bytes held a quick stop.
     pub(super) has_stopped: bool,
-    /// It opened its line in what it has sent last.
+    /// It opened its line before its last bytes.
     pub(super) has_opened: bool,
     /// It is to be greeted.
     pub(super) is_new: bool,
@@ -70,7 +70,7 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    /// Takes in what has arrived. A quick stop forgets earlier lines and no later ones.
+    /// Takes in the received bytes. A quick stop forgets earlier lines and no later ones.
     pub(super) fn receive(&mut self, urgent: &mut Urgent) {
         self.has_stopped = false;
         self.has_opened = false;

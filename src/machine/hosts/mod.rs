@@ -2,20 +2,20 @@
 //!
 //! ```text
 //!   serial line ──▶ receiver ──▶ next_line ──▶ the Console carries one command out at a time
-//!   serial line ◀── replies  ◀── what the command says, and what the host is told unasked
+//!   serial line ◀── replies  ◀── the command's answer, and periodic reports
 //! ```
 //!
 //! The main loop calls [`serving::Hosts`] at every turn; the Console has it ask for the next line when the last one is
-//! answered. Nothing here knows the Console; what hosts are told after a stop is in `main_loop::halted`.
+//! answered. Nothing here knows the Console; `main_loop::halted` has the replies after a stop.
 //!
 //! | word | means |
 //! |---|---|
-//! | served | the host whose line is being carried out; its answer goes there |
-//! | gone | the served host's line was opened anew, so nobody waits for the answer |
-//! | urgent | what arrived and must not wait for its turn: M112, M410, M108, M24, M602, M876, M999 |
+//! | served | the host with the line being carried out; its answer goes there |
+//! | gone | the served host's line was opened again, so the answer is discarded |
+//! | urgent | commands that must not wait for their turn: M112, M410, M108, M24, M602, M876, M999 |
 //! | forgotten | lines that a quick stop has overtaken: answered, not carried out |
-//! | upload | lines that a host sends for a card (M28 to M29): answered, not carried out, for there is no card |
-//! | patience | how long a host may be silent in the middle of its lines before it is prompted (`Settings::patience_ms`) |
+//! | upload | lines that a host sends for a card (M28 to M29): answered, not carried out (there is no card) |
+//! | patience | time that a host may be silent in the middle of its lines before a prompt (`Settings::patience_ms`) |
 
 pub(in crate::machine) mod asked;
 pub(in crate::machine) mod host;

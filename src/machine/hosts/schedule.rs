@@ -9,7 +9,7 @@ use crate::units::Instant;
 /// Seconds between two reports, 0 for never; Marlin's longest time is as long.
 pub(in crate::machine) const PERIOD_S: Range<u16> = Range { least: 0, most: 60 };
 
-/// What a host may have told by itself.
+/// A report that a host may have sent periodically.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Report {
     /// Where the tool is.

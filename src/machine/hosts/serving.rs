@@ -1,9 +1,9 @@
-//! The hosts, one of which is being served.
+//! The hosts, with the one being served.
 //!
-//! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
+//! Commands are carried out one at a time, in turn from the hosts that have one. The replies to a command go to the
 //! host that sent it.
 //!
-//! A host that waits hears `busy` (`keep_alive`): its text is in `protocol::reply`, its interval
+//! A host that waits gets `busy` (`keep_alive`): its text is in `protocol::reply`, its interval
 //! `Settings::keepalive_s` (M113). Waits for heat say temperatures besides, every second (`LINE_MS` in
 //! `commands::heating`).
 
@@ -15,23 +15,23 @@ use crate::protocol::{Activity, NoRoom, Replies};
 use crate::units::Instant;
 use core::fmt;
 
-/// All hosts, one of which is being served.
+/// All hosts, with the one being served.
 pub(in crate::machine) struct Hosts<S> {
     hosts: Lines<Host<S>>,
-    /// Those that nobody listens to yet.
+    /// Lines that are not open yet.
     closed: Lines<S>,
     serving: usize,
     /// The host being served waits for the answer to a line.
     owes_ok: bool,
-    /// The host being served has gone, and another has opened its line: nobody waits for the answer.
+    /// The host being served has gone, and another has opened its line: the answer is discarded.
     is_gone: bool,
     /// The host that waits for a line which is kept, while others are served.
     aside: Option<usize>,
 }
 
 impl<S: Serial> Hosts<S> {
-    /// Nobody is listened to before [`open`](Self::open): 4 KiB of memory for each host would pass through the stack
-    /// with all else that is made at the start.
+    /// No line is open before [`open`](Self::open): otherwise 4 KiB of memory for each host would pass through the
+    /// stack in this constructor.
     pub(in crate::machine) const fn new(lines: Lines<S>) -> Self {
         Self { hosts: Lines::new(), closed: lines, serving: 0, owes_ok: false, is_gone: false, aside: None }
     }
@@ -54,7 +54,7 @@ impl<S: Serial> Hosts<S> {
         self.hosts.len()
     }
 
-    /// Has `host` hear what is said from now on.
+    /// Sends the following replies to `host`.
     pub(in crate::machine) fn switch_to(&mut self, host: usize) {
         self.serving = host;
         self.is_gone = false;
@@ -70,9 +70,9 @@ impl<S: Serial> Hosts<S> {
         self.owes_ok = false;
     }
 
-    /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
-    /// A host that has been silent in the middle of its lines for so many ms, 0 being never, is prompted if it may be
-    /// waiting, while the machine is about that activity.
+    /// The next line of a host, beginning with the one after the host served last. A command is put into `text`. A host
+    /// that has been silent in the middle of its lines for the given time in ms (0: never) is prompted if it may be
+    /// waiting during the given activity.
     pub(in crate::machine) fn next_line(
         &mut self,
         now: Instant,
@@ -95,7 +95,7 @@ impl<S: Serial> Hosts<S> {
         None
     }
 
-    /// What the host being served sends from now on is for a card.
+    /// Treats the following lines of the host being served as an upload to a card.
     pub(in crate::machine) fn begin_upload(&mut self, now: Instant) {
         if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
             host.upload.begin(now);
@@ -107,7 +107,7 @@ impl<S: Serial> Hosts<S> {
         self.hosts.get_mut(self.serving)?.upload.end()
     }
 
-    /// What the present line has shown to be over without M29.
+    /// Lines of an upload that the present line has ended without M29.
     pub(in crate::machine) fn upload_given_up(&mut self) -> Option<u32> {
         self.hosts.get_mut(self.serving)?.upload.take_given_up()
     }
@@ -154,7 +154,7 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
-    /// What the host being served is told. `None` if it has gone.
+    /// The replies to the host being served. `None` if it has gone.
     pub(in crate::machine) fn replies(&mut self) -> Option<&mut Replies> {
         if self.is_gone {
             return None;
@@ -167,8 +167,8 @@ impl<S: Serial> Hosts<S> {
         self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
     }
 
-    /// Takes in what has arrived from all. Lines that a quick stop has overtaken, be it another host's, will be
-    /// answered, but not carried out.
+    /// Takes in the received bytes of all hosts. Lines that a quick stop has overtaken, even one of another host, will
+    /// be answered, but not carried out.
     pub(in crate::machine) fn receive(&mut self) -> Urgent {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
@@ -186,7 +186,7 @@ impl<S: Serial> Hosts<S> {
         all
     }
 
-    /// Sends what fits.
+    /// Sends as many bytes as fit.
     pub(in crate::machine) fn send(&mut self) {
         self.hosts.iter_mut().for_each(Host::send);
     }
@@ -299,7 +299,7 @@ mod tests {
         hosts.schedule(Report::Temperatures, 1, Instant(0));
         let mut now = Instant(0);
         for n in 0..200 {
-            // An answer of three lines, of which each leaves in many pieces, and a report that is always due.
+            // An answer of three lines, each sent in many pieces, and a report that is always due.
             for part in ["one", "two", "three"] {
                 if let Some(replies) = hosts.replies() {
                     let _ = replies.line(format_args!("{part} {n}"));

@@ -1,14 +1,13 @@
-//! Uploads: what a host sends between M28 and M29 is a file for a card. There is no card, and the lines are not
-//! commands, so they are answered and not carried out: Pronsole sends them without waiting for the answer to M28.
+//! Uploads: the lines that a host sends between M28 and M29 are a file for a card. There is no card, and the lines are
+//! not commands, so they are answered and not carried out: Pronsole sends them without waiting for the answer to M28.
 //!
 //! A host that never says M29 must not be without a printer for good. Besides M29, these end an upload, and the host is
 //! told:
 //!
 //! - The line is opened again (USB knows when), which the host sees as a reset.
-//! - M110, the first word of a print. Pronsole says it once within an upload too, directly behind M28, for it sends the
-//!   file as it prints one (pronsole.py, `do_upload`). That one counts as part of the upload if it comes before any line
-//!   of the file, and soon.
-//!   Its last word, before M29, is M110 again.
+//! - M110, the first word of a print. Pronsole says it once within an upload too, directly behind M28, because it sends
+//!   the file as it prints one (pronsole.py, `do_upload`). That one counts as part of the upload if it comes before any
+//!   line of the file, and soon. Its last word, before M29, is M110 again.
 //! - M115 without words, the first word of a host that connects. In a file it has a version behind it (`M115 U3.1.0`).
 //!
 //! Time does not end it: a host may be slow, and the rest of its file would then be carried out.

@@ -1,4 +1,4 @@
-//! The door: what a command may look at and change at once, of what the main loop goes on with.
+//! The door: the parts of the main loop that a command may read and change at once.
 
 use super::MainLoop;
 use crate::connectors::BoardConnectors;
@@ -23,7 +23,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.ports.clock.now()
     }
 
-    /// What the contexts know of each other.
+    /// The status that the contexts share.
     pub const fn status(&self) -> &'m Status {
         self.link.status()
     }
@@ -33,8 +33,8 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         &self.settings
     }
 
-    /// The settings, of which the following moves make their plans. What is counted in steps has to be taken over by
-    /// `use_settings` instead, what drivers hold by `use_driver_settings`.
+    /// The settings for the plans of the following moves. Settings in steps have to be changed by `use_settings`
+    /// instead, settings of drivers by `use_driver_settings`.
     pub fn settings_mut(&mut self) -> &mut Settings {
         self.close_line();
         &mut self.settings
@@ -60,7 +60,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.ports.drivers.refusal()
     }
 
-    /// What the board has.
+    /// The board's connectors.
     pub fn connectors(&self) -> &'static BoardConnectors {
         self.ports.drivers.connectors()
     }
@@ -70,7 +70,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.hosts.len()
     }
 
-    /// Has a host hear what is told from now on.
+    /// Sends the following replies to a host.
     pub fn switch_to(&mut self, host: usize) {
         self.hosts.switch_to(host);
     }
@@ -90,7 +90,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.hosts.notify_others(format_args!("{}", Message { form, text }));
     }
 
-    /// Says a message to the host on one of the lines, from 0, if that is not the one being served; false if it is, or
+    /// Sends a message to the host on one of the lines, from 0, unless it is the one being served. False if it is, or
     /// if there is no such line.
     pub fn message_other(&mut self, place: usize, form: Form, text: &[u8]) -> bool {
         self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
@@ -106,12 +106,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.idle_timeout.set(seconds, self.ports.clock.now());
     }
 
-    /// What is waited for.
+    /// The present wait.
     pub const fn pauses(&self) -> &Pauses {
         &self.pauses
     }
 
-    /// The same: a command says what it waits for.
+    /// The present wait, for a command to set.
     pub const fn pauses_mut(&mut self) -> &mut Pauses {
         &mut self.pauses
     }

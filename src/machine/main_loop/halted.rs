@@ -1,9 +1,9 @@
-//! After a stop: nothing moves, hosts are answered, and M999 has the machine begin anew.
+//! After a stop: nothing moves, hosts are answered, and M999 restarts the machine.
 //!
-//! The hosts of that time are told the error, which ends their prints, and none of their lines is answered with `ok`
-//! any more. A host that comes later, by opening its line or by saying M110, is greeted with what has happened. What
-//! such a host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for
-//! anything to be done gets the error too.
+//! The hosts connected at the stop get the error, which ends their prints, and none of their lines is answered with
+//! `ok` any more. A host that connects later, by opening its line or by saying M110, is greeted with the reason of the
+//! stop. The usual queries of such a host at connection are answered, so that it gets as far as sending M999; every
+//! other command gets the error too.
 
 use crate::driver;
 use crate::fault::Fault;
@@ -19,7 +19,7 @@ use crate::machine::ports::PortSet;
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
 
-/// What a host is greeted with. Not "start", which would be a reset (OctoPrint, comm.py).
+/// The greeting of a host. Not "start", which would be a reset (OctoPrint, comm.py).
 const GREETING: &str = "echo:Printer halted. Send M999 or reset";
 
 /// Why the machine stopped.
@@ -111,7 +111,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Restart
     }
 
-    /// What a host that came later is told; `None` if it wants something done.
+    /// The reply to a host that connected later; `None` for a command that would act.
     fn answer_halted(&self, asked: Asked, text: &[u8]) -> Option<[Answer<'static>; 2]> {
         let greeting = Answer::Line(GREETING);
         Some(match asked {
@@ -137,7 +137,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Lets the world go round once: bytes in, answers out, and whoever has opened a line is greeted.
+    /// Polls once: bytes in, replies out, and a greeting for every host that has opened a line.
     async fn poll_halted(&mut self, are_new: &mut [bool; LINES]) {
         self.hosts.send();
         self.link.status().heat().beat_of_console();

@@ -1,4 +1,4 @@
-//! Hearing: lines of hosts in, the urgent ones first, and what the machine is about while a host is silent.
+//! Input: lines of hosts, the urgent ones first, and the machine's activity while a host is silent.
 
 use super::MainLoop;
 use crate::machine::hosts::asked::Asked;
@@ -19,7 +19,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.hosts.open(self.turn_began);
     }
 
-    /// What a host asks for next; a command's text is put into `text`.
+    /// The next request of a host; a command's text is put into `text`.
     pub fn next_line(&mut self, text: &mut Text) -> Option<Asked> {
         let Self { hosts, planner, link, policy, job, .. } = self;
         let activity = || activity(!planner.is_empty() || !link.is_idle(), policy, job);
@@ -28,7 +28,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         asked
     }
 
-    /// M28: what the host being served sends from now on is not carried out.
+    /// M28: the following lines of the host being served are not carried out.
     pub fn begin_upload(&mut self) {
         self.hosts.begin_upload(self.ports.clock.now());
     }
@@ -70,7 +70,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// How the line that is kept goes on, if that is known by now.
     pub fn take_answer(&mut self) -> Option<Answered> {
         if self.job.kept().is_some() && !self.hosts.has_set_aside() {
-            // Its host has opened the line anew.
+            // Its host has opened the line again.
             let _ = self.job.take_kept();
         }
         self.job.take_answer(self.turn_began)
@@ -88,7 +88,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.hosts.owes_ok()
     }
 
-    /// Takes in what has arrived.
+    /// Takes in the received bytes.
     pub(super) fn receive(&mut self) -> Option<Interrupt> {
         let urgent = self.hosts.receive();
         // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is
@@ -107,7 +107,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 }
 
-/// What the machine is about while a host is silent.
+/// The machine's activity while a host is silent.
 const fn activity(has_motion: bool, policy: &ReleasePolicy, job: &Job) -> Activity {
     if has_motion {
         Activity::Moving

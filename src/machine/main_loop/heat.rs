@@ -1,5 +1,5 @@
-//! Heat, a part of every turn: orders on their way, faults, filament, the self-test, and heaters that nobody uses. What
-//! commands order stands in [`heat_door`](super::heat_door).
+//! Heat, a part of every turn: queued orders, faults, filament, the self-test, and heaters that are not in use. The
+//! orders of commands are in [`heat_door`](super::heat_door).
 
 use crate::connectors::Heater;
 use crate::machine::interrupt::Interrupt;
@@ -12,11 +12,11 @@ use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 /// Heat is looked after so often, in ms: a quarter of a control period.
 const TURN_MS: u32 = 5;
 
-/// And what the look-ahead knows of it so often: a fraction of any heater's lag.
+/// Interval of the look-ahead's filament report: a fraction of any heater's lag.
 const AHEAD_MS: u32 = 50;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// Everything about heat that must go on whatever the Console waits for. A fault ends the motion here and now.
+    /// The part of every turn that handles heat. A fault ends the motion here and now.
     pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
         let faults = self.link.status().fault();
         if faults.is_set() && !self.limping.allows(faults.more()) {
@@ -50,7 +50,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Fans whose turn among the moves has come.
+    /// Fan speeds that are due among the moves.
     fn follow_fans(&mut self) {
         if self.fan_schedule.is_empty() {
             return;
@@ -62,12 +62,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// What a heater is to be kept at; 0 is off.
+    /// The target of a heater; 0 is off.
     pub fn target_of(&self, heater: Heater) -> Celsius {
         self.heat_orders.target(heater, self.link.status().heat())
     }
 
-    /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. In a print they are
+    /// Switches heaters off that were not used for long enough, in every state of the Console. In a print they are
     /// heated again before it goes on.
     fn watch_heaters(&mut self, now: Instant) {
         if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
@@ -92,7 +92,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.hosts.notify_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
     }
 
-    /// What the filament takes of the hotend's heat.
+    /// Reports the heat that the filament takes from the hotend.
     fn report_filament(&mut self, now: Instant) {
         let [.., at] = self.real_steps();
         let heat = self.link.status().heat();

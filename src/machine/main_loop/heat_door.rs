@@ -1,4 +1,4 @@
-//! Heat, the door: what commands order of heaters and fans, and what they may know of them.
+//! Heat, the door: orders of commands for heaters and fans, and their readings.
 
 use super::MainLoop;
 use crate::connectors::{FANS, HEATERS, Heater};
@@ -9,7 +9,7 @@ use crate::thermal::test_subject;
 use crate::units::Celsius;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// What each heater is at; the coldest there is without a reading.
+    /// The temperature of each heater; the lowest possible value without a reading.
     pub fn measured(&self) -> [Celsius; HEATERS] {
         Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
     }
@@ -29,9 +29,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat_orders.note_settings();
     }
 
-    /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. With as many speeds on their
-    /// way as there may be, it waits as a move does that finds the look-ahead full: only as long as that changes no
-    /// speed of a move.
+    /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. If the schedule is full, it
+    /// waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
     pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
         self.close_line();
         self.fan_schedule.note_commanded(fan, speed);
@@ -64,7 +63,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat_orders.tune(heater, target, cycles);
     }
 
-    /// Whether all orders have left but those of fans.
+    /// Whether all orders except fan speeds have left.
     pub const fn are_orders_gone(&self) -> bool {
         self.heat_orders.is_empty()
     }
@@ -109,7 +108,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.self_tests.has_news() && !self.has_motion()
     }
 
-    /// What has passed it.
+    /// The subject of a passed test.
     pub fn take_passed_test(&mut self) -> Option<u32> {
         self.self_tests.take_news()
     }

@@ -1,18 +1,19 @@
 //! Limp: a motor of the belt has failed in mid-print, and the others take the nozzle off the print.
 //!
 //! Motors that can pull against each other are more than it takes to hold x and y: without one of them the others still
-//! do. So if one driver fails, its motor alone loses its power, at once, for a driver that was reset makes other steps
-//! and pulls against the others; the motion brakes along its path; z is raised, the tool goes beside its switches, and
-//! then all power is cut and the machine is halted as after any other fault. Heaters are off from the first moment on.
+//! do. So if one driver fails, its motor alone loses its power, at once, because a driver that was reset makes other
+//! steps and pulls against the others. The motion brakes along its path, z is raised, and the tool goes next to its
+//! switches. Then all power is cut and the machine is halted as after any other fault. Heaters are off from the first
+//! moment on.
 //!
 //! It needs to know where the tool is: all axes are homed, and nothing is being homed, measured, trimmed or run round.
-//! It ends at once, with all power cut, if another driver fails (a dip of the whole supply resets them all, and all
-//! others are looked at before anything but braking happens), if any other fault comes, at M112 and M410, and after
-//! [`MOST_MS`]. It comes once, and nothing but a reset follows.
+//! It ends at once, with all power cut, in four cases: another driver fails, any other fault comes, M112 or M410
+//! arrives, or [`MOST_MS`] passes. A dip of the whole supply resets all drivers, so all others are checked before
+//! anything but braking happens. Limp mode runs at most once per boot.
 //!
-//! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` holds both,
-//! `emulator/tests/drivers.rs` the lift and the words; the place is told in docs/explanation/belt.md (*Limp*), times
-//! there and in docs/explanation/safety.md.
+//! `park` has the place and the lift, `halted` the words. `boards/sim/tests/belt/limp.rs` tests both,
+//! `emulator/tests/drivers.rs` the lift and the words. docs/explanation/belt.md (*Limp*) describes the place and the
+//! times, docs/explanation/safety.md the times.
 
 use crate::driver::{self, Name};
 use crate::fault::{self, Cause};
@@ -25,12 +26,12 @@ use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 
-/// Speed of the tool on its way to its place. Nobody is in a hurry once z is raised; a motor at a turn a second of a
+/// Speed of the tool on its way to its place. There is no hurry once z is raised. A motor at a turn a second of a
 /// pulley of 40 mm has all its torque (docs/research/twin.md, torque at speed).
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
 
 /// Acceleration on that way: a tenth of what four motors are run with. On a diagonal a single motor drives a tool of
-/// 0.6 kg and four rotors of 0.134 kg each, which takes 1 N of its 63 (docs/research/twin.md).
+/// 0.6 kg and four rotors of 0.134 kg each. That takes 1 N of its 63 (docs/research/twin.md).
 const ACCELERATION: MmPerSec2 = MmPerSec2::const_from_int(500);
 
 /// It is over after so many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings of
@@ -41,7 +42,7 @@ const MOST_MS: u32 = 60_000;
 const RING_MS: u32 = 200;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// A driver has failed. Either its motor alone loses its power and the tool brakes to be parked by the others, or
+    /// A driver has failed. Either its motor alone loses its power and the tool brakes for parking by the others, or
     /// the motion ends and all motors lose their power, at once.
     pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {
         let driver::Fault { motor, .. } = fault;
@@ -81,7 +82,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     pub async fn limp(&mut self) {
         self.limping.go();
         let parked = self.park().await;
-        // Whatever has come of it: from here on nothing moves.
+        // In both cases nothing moves from here on.
         self.stop_and_cut();
         if let Ok(raised) = parked {
             self.limping.park(raised);

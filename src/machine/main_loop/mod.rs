@@ -1,4 +1,4 @@
-//! The main loop: everything that must go on whatever a command waits for.
+//! The main loop: all work that continues during every wait of a command.
 //!
 //! ```text
 //!   a command ── plan, finish, power, tell, ... ──▶ door ──▶ owners
@@ -6,29 +6,30 @@
 //! ```
 //!
 //! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The fields are private to
-//! this folder: what a command may do with them are the methods that it can see. Nothing here uses `commands`; `halted`
-//! alone reads lines, those of a machine that has stopped.
+//! this folder: a command uses the methods that it can see. Nothing here uses `commands`; `halted` alone reads lines,
+//! after the machine has stopped.
 //!
 //! | file or folder | for |
 //! |---|---|
-//! | this one | a turn, and what all of it needs |
-//! | [`door`] | what commands may look at and change at once |
+//! | this one | a turn, and its shared state |
+//! | [`door`] | the parts that commands may read and change at once |
 //! | [`hear`] | lines of hosts in |
 //! | [`tell`] | answers out, as soon as there is room for them |
 //! | [`stream`] | moves into the look-ahead and out of it, and the machine to rest |
-//! | [`take_over`] | settings that more than the next plan depends on |
+//! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`regroup`] | a belt, or one motor of it, has the place of z |
 //! | [`trim`], [`phase`] | one motor of a belt is turned alone; its motors are aligned as they get power |
 //! | [`power`] | power for the motors, and talks with their drivers |
-//! | [`heat`], [`heat_door`] | orders for heaters and fans, and what is looked at while they are on; what commands order |
-//! | [`scrub`] | whether settings in RAM are what was put in |
+//! | [`heat`] | queued orders for heaters and fans, and checks while they are on |
+//! | [`heat_door`] | heater and fan orders of commands |
+//! | [`scrub`] | whether settings in RAM are unchanged |
 //! | [`limp`] | a motor of a belt has failed, and the others park the tool |
-//! | [`halted`] | after a stop: what hosts are told until M999 |
+//! | [`halted`] | after a stop: replies to hosts until M999 |
 //!
 //! | word | means |
 //! |---|---|
-//! | turn | everybody else goes on, and then everything here, once |
-//! | door | the methods that commands see |
+//! | turn | all other contexts run, and then every part of the main loop, once |
+//! | door | the methods that commands can call |
 
 mod door;
 mod halted;
@@ -73,7 +74,7 @@ use crate::units::{Instant, Mm};
 use core::future::poll_fn;
 use core::task::Poll;
 
-/// What goes on in every wait.
+/// The state of the main loop, which runs during every wait.
 pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     ports: Devices<P>,
     hosts: Hosts<P::Serial>,
@@ -98,16 +99,16 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     trimming: Trimming,
     /// A motor of the belt has failed, and the others park the tool.
     limping: Limping,
-    /// What the motor drivers hold, and which motors have power.
+    /// The settings in the motor drivers, and the motors with power.
     drivers: Drivers,
     idle_timeout: IdleTimeout,
     pauses: Pauses,
-    /// Whether a print is under way, and what a pause keeps of it.
+    /// Whether a print is under way, and the state that a pause keeps of it.
     job: Job,
     advance_in_use: AdvanceInUse,
     /// M999 came after M112.
     is_to_restart: bool,
-    /// To the heaters and fans, and what is yet to go there.
+    /// The queue to the heaters and fans, and the orders still to be queued.
     orders: Orders<'m>,
     heat_orders: HeatOrders,
     fan_schedule: FanSchedule,
@@ -120,7 +121,8 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
 }
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Ports<S, D, K, T>, W> {
-    /// That of a machine with these groups of motors that stands at `start` if that is known, as if homed.
+    /// The main loop of a machine with these groups of motors. If `start` is known, the machine stands there as if
+    /// homed.
     pub fn new(
         settings: Settings,
         start: Option<[Mm; 3]>,
@@ -200,9 +202,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Everything that must go on whatever the Console waits for. Bounded by what has arrived. Emergencies are heard
-    /// first and returned last, when all else has had its turn: moves that M112 may still hand on are dropped by the
-    /// abort that follows.
+    /// One turn of the main loop. Bounded by the received bytes. Emergencies are read first and returned last, after
+    /// all other work of the turn: the abort that follows drops moves that are still handed on after M112.
     fn go_on(&mut self) -> Result<(), Interrupt> {
         self.link.status().heat().beat_of_console();
         let now = self.ports.clock.now();

@@ -1,14 +1,14 @@
 //! Phase: the motors of one belt are aligned as they get power, by where their drivers stand in their sine tables.
 //!
 //! A rotor rests where the sine table of its driver says, up to whole electrical turns of four full steps. So the sum
-//! of a residual over the places in these tables (MSCNT; TMC2209 datasheet rev 1.09, section 5.4) is the same whenever
-//! nothing strains the belt, wherever the tool stands and however far the belt has run round. It is a mark of the
+//! of a residual over the places in these tables (MSCNT; TMC2209 datasheet rev 1.09, section 5.4) is constant while no
+//! motor strains the belt. It depends neither on the tool's place nor on the belt's circulation. It is a mark of the
 //! machine: it tells how rotors and pulleys sit on their shafts and on the belt. M915 finds it by load; it is kept as a
 //! setting (`belt.phases`).
 //!
 //! ```text
-//!   power for 1, 4, 8, in turn ──▶ read all four places ──▶ step 11 until the sum is right ──▶ power for 11 ──▶ read once more
-//!                                                           (its rotor is free, the belt slack)
+//!   power for 1, 4, 8, in turn ──▶ read all four places ──▶ step 11 until the sum is right ──▶ power for 11 ──▶ read
+//!                                                           (its rotor is free, the belt slack)                 again
 //! ```
 //!
 //! A rotor without power strains nothing, so its field is brought to where it rests, and not the rotor to where its
@@ -33,11 +33,11 @@ const TURN: i32 = 1024;
 /// Places of a full step.
 const FULL_STEP: i32 = TURN / 4;
 
-/// How far the belt's strain may be from what is wanted, in thousandths of a step: the half step that nothing can be
-/// trimmed to, and what M915 may have been wrong by when it found the phase (half a step, and 0.4).
+/// Tolerance of the belt's strain, in thousandths of a step: half a step that no trim can remove, and the error of M915
+/// when it found the phase (half a step, and 0.4).
 const WITHIN: i64 = 1400;
 
-/// How a motor's place goes when it steps forward: it falls while its direction line is high (Klipper,
+/// The direction of a motor's place when it steps forward: the place falls while the direction line is high (Klipper,
 /// klippy/extras/tmc.py, where a phase is `1023 - MSCNT` if the line is not inverted).
 fn way(s: &Settings, motor: Motor) -> i32 {
     if s.wiring.of(motor).is_reversed { 1 } else { -1 }
@@ -72,7 +72,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         phase.map(|phase| i32::from(*phase))
     }
 
-    /// By how many steps fields strain a residual beside what is wanted, if its phase is known.
+    /// Error of this residual's strain in steps, or `None` if its phase is unknown.
     pub async fn strain(&mut self, number: usize, residual: &Residual) -> Result<Option<i32>, Interrupt> {
         let Some(phase) = self.known_phase(number) else { return Ok(None) };
         let Some(sum) = self.phase_sum(residual).await? else { return Ok(None) };
@@ -84,8 +84,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(Some((steps + turn / 2).rem_euclid(turn) - turn / 2))
     }
 
-    /// Where motors are about to get power of which each is the last of its residual: their fields are brought to their
-    /// rotors.
+    /// Before a motor gets power that is the last one of its residual, brings its field to its rotor.
     pub(super) async fn meet_phases(&mut self, residuals: &Residuals, next: MotorSet) -> Result<(), Interrupt> {
         let missing = residuals.motors().without(self.drivers.powered());
         for (number, residual) in residuals.iter().enumerate() {
@@ -102,9 +101,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Steps a motor until fields strain a residual as is wanted, if they do not; or back to where it was, if its
-    /// driver does not count as it should, which one without power may not. Gives what fields strained the residual by,
-    /// and what they do now.
+    /// Trims a motor until the strain of a residual is as wanted. If its driver does not count steps, as may be so
+    /// without power, trims it back. Returns the strain before and after.
     async fn unstrain(
         &mut self,
         number: usize,
@@ -122,7 +120,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok([found, left])
     }
 
-    /// Motors have power: those whose phases are known are aligned, or the host is told that they are not.
+    /// After motors have power: they are aligned if their phases are known, or the host is told that they are not.
     pub(super) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
         let is_known = residuals.iter().enumerate().all(|(number, _)| self.known_phase(number).is_some());
         if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.has_power(residuals.motors()) {
@@ -154,7 +152,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.trimming.note(number, Found { was, within: self.belt_length(WITHIN), readings_per_mm: None, phase: None });
     }
 
-    /// The phase of a residual whose motors strain nothing, if the driver of the trimmed motor counts as it should.
+    /// The phase of a residual while its motors strain nothing, if the driver of the trimmed motor counts correctly.
     pub async fn find_phase(&mut self, residual: &Residual) -> Result<Option<u16>, Interrupt> {
         let Some((motor, times)) = trimmed(residual) else { return Ok(None) };
         let full_step = i32::from(self.settings.drivers.belt.microsteps);
@@ -167,7 +165,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(counts.and_then(|(here, _)| u16::try_from(here).ok()))
     }
 
-    /// The phases that were found are those of the belt from now on.
+    /// Keeps the phases that were found as the settings of the belt.
     pub fn keep_phases(&mut self) {
         for (number, known) in self.settings.belt.phases.iter_mut().enumerate() {
             let found = self.trimming.found(number).and_then(|found| found.phase);

@@ -1,5 +1,5 @@
-//! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt in turn,
-//! or for none of them.
+//! Power for the motors: only with proof from their drivers, not a step longer. The motors of one belt get it in turn,
+//! or none of them gets it.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::machine::answers::answer::Answer;
@@ -9,8 +9,8 @@ use crate::machine::ports::PortSet;
 use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
 use crate::units::Instant;
 
-/// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so
-/// bad that the first proofs are too old when the last ones come is not one to print with.
+/// Proofs asked for until motors have power. Usually seven configurations and seven quick proofs suffice. If the first
+/// proofs expire before the last ones arrive, the wire is too bad to print with.
 const MOST_PROOFS: usize = 6 * Motor::ALL.len();
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
@@ -22,9 +22,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Gives power to motors: to all of them, or, if one driver is not as it should be, to none.
     ///
     /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each
-    /// other get it one after another, and settle in between: then only what the last of them finds strains the belt.
-    /// Talking to drivers and settling take up to a second and a half and happen before anything is planned, so they
-    /// change no step.
+    /// other get power one after another, and settle in between. Then only the last one's move to its rest strains the
+    /// belt. Talking to drivers and settling take up to a second and a half and happen before anything is planned, so
+    /// they change no step.
     pub async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
             self.reply(Answer::Refused(why)).await?;
@@ -65,7 +65,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             let residuals = self.residuals();
             let next = residuals.first_of(missing);
             self.meet_phases(&residuals, next).await?;
-            // All of them have proved what they hold, or are asked once more if that was too long ago.
+            // All of them have proved their settings; proofs that are too old are asked for again.
             let now = self.ports.clock.now();
             let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
             // The idle timeout must not take it away before the move that it is for.
@@ -88,12 +88,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Takes power from motors, and from all that would go on pulling at the same belt; what they held is no longer
-    /// where it was.
+    /// Takes power from motors, and from all that would go on pulling at the same belt; the axes that they held are no
+    /// longer homed.
     pub fn unpower(&mut self, motors: MotorSet) {
         let motors = self.residuals().with_opponents(motors);
         let on = self.drivers.powered().without(motors);
-        // Nobody gets power that had none, so nobody has anything to prove.
+        // No motor gets power here, so no driver needs a proof.
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
         self.homed.release(motors, self.real.groups().mechanism());
         let belt = self.residuals().motors();
@@ -143,7 +143,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             }
             None => {}
         }
-        // Asked at every turn: who is in the middle of a transfer may overhear it once. Without a fault nothing limps.
+        // Asked at every turn: a command in the middle of a transfer may miss it once. Without a fault nothing limps.
         if self.drivers.fault().is_none() {
             return Ok(());
         }

@@ -30,7 +30,7 @@ fn circulating(s: &Settings) -> Settings {
 }
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
-    /// What the motors of x and y could do to the belt.
+    /// The residuals of the motors of x and y: the ways in which they can strain the belt.
     pub fn residuals(&self) -> Residuals {
         Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)
     }
@@ -45,7 +45,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         &self.circulation
     }
 
-    /// The same, for the belt.
+    /// The circulation of the belt, to change it.
     pub const fn circulation_mut(&mut self) -> &mut Circulation {
         &mut self.circulation
     }
@@ -60,7 +60,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         &mut self.trimming
     }
 
-    /// What the planner has its resolutions and limits from.
+    /// Calls `work` with the settings that give the planner its resolutions and limits.
     pub(super) fn with_motion_settings<R>(&self, work: impl FnOnce(&Settings) -> R) -> R {
         match self.real.grouping() {
             Grouping::Tool => work(&self.settings),
@@ -108,7 +108,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     ) -> Result<(), Interrupt> {
         self.real.regroup(grouping);
         if !self.are_groups_whole() {
-            // Nobody has looked at those that were not in use.
+            // Unused groups are not scrubbed.
             self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
         }
         self.ports.drivers.couple(coupling);

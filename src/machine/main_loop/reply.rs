@@ -1,7 +1,7 @@
-//! Telling: an answer is written, and whoever tells it waits wherever there is no room for a part of it.
+//! Replies: an answer is written here; if a part finds no room, the caller waits.
 //!
-//! An answer of one line is worded here, one of several lines in `reports`. A report of what the main loop does not
-//! hold gets it in its answer.
+//! An answer of one line is worded here, one of several lines in `reports`. If a report needs data that the main loop
+//! does not own, the command returns that data in its answer.
 
 use crate::connectors::Heater;
 use crate::gcode::{Absent, Flaw, Named, Part};
@@ -41,7 +41,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         Ok(())
     }
 
-    /// Tells the host what was brought into range.
+    /// Tells the host which values were clamped.
     pub async fn reply_clamps(&mut self, clamps: &mut Clamps) -> Result<(), Interrupt> {
         let mut place = 0;
         while let Some(clamp) = clamps.get(place) {
@@ -80,7 +80,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         Position::new(at, circulation, counts, &self.commanded, &self.real)
     }
 
-    /// What the heaters are at.
+    /// The temperatures of the heaters.
     fn temperatures(&self) -> Temperatures {
         Temperatures::new(&self.settings.thermal, self.link.status().heat(), |heater| self.target_of(heater))
     }
@@ -194,7 +194,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
     }
 
-    /// Says `ok`, with what a host that fills a window wants to know if it is to be told.
+    /// Writes `ok`, with the queue state for a host that fills a window, if it is wanted.
     fn reply_ok(&mut self) {
         if !self.settings.advanced_ok {
             return Speaker::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
@@ -204,7 +204,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         Speaker::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
     }
 
-    /// Tells hosts what they want to be told by itself.
+    /// Sends the periodic reports.
     pub(super) fn report_unasked(&mut self, now: Instant) {
         if !self.hosts.have_schedules() {
             return;

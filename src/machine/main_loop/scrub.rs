@@ -1,5 +1,5 @@
-//! The scrub, a part of every turn: settings of motion in RAM, and what was made of them, are looked at twice a second.
-//! What has changed by itself is a fault, which ends motion and heat.
+//! The scrub, a part of every turn: the motion settings in RAM, and the values derived from them, are checked twice a
+//! second. A value that has changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
 use crate::kinematics::Groups;
@@ -30,7 +30,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         *self.real.groups() == Groups::new(&self.real.grouping().rows_of(&self.settings.mechanism))
     }
 
-    /// Settings are summed up when they come; what follows from them is made once more and compared.
+    /// Settings have a checksum from the time they are set; values derived from them are computed again and compared.
     fn is_whole(&self) -> bool {
         self.settings.is_whole()
             && self.defaults.is_whole()
@@ -94,7 +94,7 @@ mod tests {
 
     type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, NullPend>;
 
-    /// What a main loop with the groups of a mechanism finds within a second after each of the changes.
+    /// The results of a main loop with the groups of a mechanism within a second after each of the changes.
     fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
         let settings = Settings::prototype();
         let (mut moves, mut events, mut orders) = (MoveQueue::new(), StepQueue::new(), OrderQueue::new());
@@ -136,7 +136,7 @@ mod tests {
             |c| c.settings.damage().soft_endstops ^= true,
             |c| c.settings.damage().mechanism.rows[0][0] ^= 2,
             |c| c.defaults.damage().homing.z.fast ^= MmPerSec::DELTA,
-            // What the planner made of the settings, here by the wrong ones.
+            // The planner's values derived from the settings, here from wrong ones.
             |c| {
                 let mut settings = *c.settings;
                 settings.axes.y.steps_per_mm += StepsPerMm::DELTA;

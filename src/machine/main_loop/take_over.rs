@@ -1,5 +1,5 @@
-//! Taking over settings that more than the next plan depends on: the size of a step, what the generator follows, what
-//! drivers hold.
+//! Applies settings with effects beyond the next plan: the size of a step, the generator's functions, the settings of
+//! drivers.
 
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
@@ -13,12 +13,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.advance_in_use.needs_rest(&self.settings, wanted)
     }
 
-    /// Motors whose drivers have a UART.
+    /// Motors with a driver that has a UART.
     pub const fn uarts(&self) -> MotorSet {
         self.drivers.lines()
     }
 
-    /// Takes over what drivers are to hold. They get to know it in the background.
+    /// Applies new driver settings. The drivers get them in the background.
     pub fn use_driver_settings(&mut self, wanted: DriverGroups) {
         self.settings.drivers = wanted;
         self.drivers.want(&self.settings);
@@ -30,13 +30,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.await_drivers().await
     }
 
-    /// Has drivers hold what the settings say again, and waits until they do.
+    /// Writes the settings to the drivers again, and waits until they hold them.
     pub async fn restore_drivers(&mut self) -> Result<(), Interrupt> {
         self.drivers.want(&self.settings);
         self.await_drivers().await
     }
 
-    /// Waits until the drivers of motors with power hold what is wanted.
+    /// Waits until the drivers of motors with power hold the wanted settings.
     pub async fn await_drivers(&mut self) -> Result<(), Interrupt> {
         self.until(|c| c.drivers.is_configured()).await
     }

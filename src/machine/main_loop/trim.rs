@@ -1,7 +1,7 @@
 //! Trim: one motor of a belt turns against the others, which strains the belt or takes strain from it.
 //!
-//! The motor has the place of z meanwhile, as a belt that runs round has (`belt::circulate`). What the firmware calls
-//! its position stays the same, though the tool goes aside by a quarter of the trim or so.
+//! The motor takes the place of z during a trim, as a circulating belt does (`belt::circulate`). The position in the
+//! firmware stays the same, though the tool moves by about a quarter of the trim.
 
 use crate::kinematics::{Grouping, Residual};
 use crate::machine::interrupt::Interrupt;
@@ -15,7 +15,7 @@ pub(in crate::machine) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
     Motor::ALL.into_iter().zip(*residual).find(|(_, times)| *times != 0)
 }
 
-/// What a preload of so many steps makes of a residual: as the trimmed motor turns by it.
+/// Residual caused by a preload in steps: the trimmed motor turns by it.
 pub(in crate::machine) fn preload_of(residual: &Residual, preload: i32) -> i32 {
     trimmed(residual).map_or(0, |(_, times)| preload * times.abs())
 }
@@ -40,7 +40,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Turns one motor by so many steps, and no other, when motion rests. All motors of the belt have power.
     pub async fn trim(&mut self, motor: Motor, by: i32) -> Result<(), Interrupt> {
-        // A stroke whose driver did not answer may be under way.
+        // A stroke may still be moving if its driver did not answer.
         self.finish().await?;
         if by == 0 {
             return Ok(());

@@ -1,13 +1,13 @@
 //! Slowing down for a host that cannot keep up, instead of stopping and going.
 //!
-//! A stream that has run dry and goes on is slower than the print wants it. From then on the feed is a share of what is
-//! commanded, by the time for which the moves that wait would last at their commanded speed: all of it with 200 ms,
-//! half of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first the
-//! share is no less than a half; every time the stream runs dry again that least share is halved.
+//! A stream that has run dry and goes on is slower than the print wants it. From then on the feed is a share of the
+//! commanded one, in proportion to the time of the waiting moves at their commanded speed: all of it with 200 ms, half
+//! of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first the share is
+//! no less than a half; every time the stream runs dry again that least share is halved.
 //!
-//! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
-//! look-ahead is full, so that the host is known to be faster, when a command waits for the motion, or with a pause
-//! (see [`policy`](super::policy)).
+//! Before the stream has run dry none of this happens, because it depends on when lines arrive. It ends when the
+//! look-ahead is full, because the host is then known to be faster. It also ends when a command waits for the motion,
+//! or with a pause (see [`policy`](super::policy)).
 
 use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;
@@ -48,8 +48,8 @@ impl FeedThrottle {
         self.least = (self.least / 2).clamp(at_all, at_first);
     }
 
-    /// The share of the feed, in sixteenths, given the time of the moves in the look-ahead at that feed, and the time
-    /// of the moves that have left the look-ahead.
+    /// The share of the feed, in sixteenths. The arguments are the time of the moves in the look-ahead at that feed,
+    /// and the time of the moves that have left it.
     pub fn share(&mut self, waiting_ticks: u64, queued_ticks: u64) -> u8 {
         if self.least == WHOLE {
             self.share = WHOLE;
@@ -80,7 +80,7 @@ mod tests {
         let mut throttle = FeedThrottle::new();
         throttle.slow_down();
         assert_eq!(throttle.share(FULL_FEED_TICKS / 4, 0), WHOLE / 2);
-        // At half the speed, what waits lasts twice as long.
+        // At half the speed, the waiting moves last twice as long.
         assert_eq!(throttle.share(FULL_FEED_TICKS * 3 / 2, 0), WHOLE * 3 / 4);
         assert_eq!(throttle.share(FULL_FEED_TICKS * 4 / 3, FULL_FEED_TICKS / 4), WHOLE);
         for least in [4, 2, 2] {

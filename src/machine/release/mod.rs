@@ -9,7 +9,7 @@
 //!
 //! | word | means |
 //! |---|---|
-//! | final | a move whose speeds no later move can change |
+//! | final | a move with speeds that no later move can change |
 //! | dry | so little is queued that a move leaves though it is not final |
 //! | underrun | a move followed one that had left dry: the host was too slow |
 //! | share | the part of the commanded feed that a host which cannot keep up gets |

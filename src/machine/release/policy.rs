@@ -1,28 +1,28 @@
 //! When moves leave the look-ahead.
 //!
-//! Moves leave for good: their speeds never change after. Which speeds they leave with must not depend on
-//! when the host's bytes arrived, so only final moves leave by themselves (see `motion::planner`). Time has
-//! a say in two cases alone: when motion begins, which changes no speed, and when the stream is dry. A dry stream
-//! is an underrun if a move follows that no command has waited for; otherwise it was the end of the stream, where
-//! the tool rests in any case.
+//! Moves leave for good: their speeds never change after. Which speeds they leave with must not depend on when the
+//! host's bytes arrived, so only final moves leave by themselves (see `motion::planner`). Time matters in two cases
+//! only: when motion begins, which changes no speed, and when the stream is dry. A dry stream is an underrun if another
+//! move follows before a command waits for the motion. Otherwise it was the end of the stream, where the tool rests in
+//! any case.
 
 use super::feed_throttle::FeedThrottle;
 use crate::units::{Instant, TICKS_PER_MS};
 
-/// Motion begins when this much of it is final: sixteen lines of a host with an USB adapter whose latency
-/// timer is at its default of 16 ms (FTDI AN232B-04).
+/// Motion begins when this much of it is final: sixteen lines of a host with a USB adapter that has its latency timer
+/// at the default of 16 ms (FTDI AN232B-04).
 pub(in crate::machine) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 
-/// Motion begins, whatever is planned, when no move has been added for this long. Marlin waits as long for
-/// a second block (BLOCK_DELAY_FOR_1ST_MOVE).
+/// Motion begins, however little is planned, when no move has been added for this long. Marlin waits as long for a
+/// second block (BLOCK_DELAY_FOR_1ST_MOVE).
 const PAUSE_MS: u32 = 100;
 
 /// A host that sends nothing for this long after the motion has come to rest was not too slow: it paused, or somebody
 /// jogs. Ten times the pause after which motion begins.
 const LONG_REST_MS: u32 = 1000;
 
-/// With more than this queued, nothing leaves the look-ahead: what has left is out of reach of the overrides, which
-/// are to count within 100 ms. Fifty turns of a Console that is polled every millisecond, and three lines of a host
+/// With more than this queued, no move leaves the look-ahead: queued moves are out of reach of the overrides, which are
+/// to take effect within 100 ms. Fifty turns of a Console that is polled every millisecond, and three lines of a host
 /// with such an adapter.
 const QUEUE_HIGH: u64 = 50 * TICKS_PER_MS as u64;
 
@@ -30,11 +30,11 @@ const QUEUE_HIGH: u64 = 50 * TICKS_PER_MS as u64;
 /// Console that is polled every millisecond, so that the machine brakes before it starves.
 const QUEUE_LOW: u64 = 20 * TICKS_PER_MS as u64;
 
-/// With so many moves queued the stream is not dry, however short they are: a full window lets sixteen go at once, and
-/// the queue holds twice as many.
+/// With this many moves queued the stream is not dry, even if they are short: a full window lets sixteen go at once,
+/// and the queue holds twice as many.
 const MANY: usize = 4;
 
-/// What may leave now.
+/// The moves that may leave now.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Release {
     /// Nothing.
@@ -98,8 +98,8 @@ impl ReleasePolicy {
         !core::mem::replace(&mut self.is_counted, true)
     }
 
-    /// The share of the feed that the stream allows, given the nominal time of the moves that wait and the time of the
-    /// moves that are queued.
+    /// The share of the feed that the stream allows, given the nominal time of the waiting moves and the time of the
+    /// queued moves.
     pub fn share(&mut self, waiting_ticks: u64, queued_ticks: u64) -> u8 {
         self.throttle.share(waiting_ticks, queued_ticks)
     }
@@ -121,7 +121,7 @@ impl ReleasePolicy {
         self.was_full
     }
 
-    /// Everything leaves now, because a command waits for it. Whatever had left dry was the end of the stream.
+    /// Everything leaves now, because a command waits for it. A stream that had run dry was at its end.
     pub const fn note_awaited(&mut self) {
         self.set_out();
         self.was_full = false;
@@ -134,7 +134,7 @@ impl ReleasePolicy {
         self.has_waited
     }
 
-    /// Motion rests, and begins anew with the next move.
+    /// Motion rests, and the next move starts it again.
     pub const fn come_to_rest(&mut self, now: Instant) {
         self.rested = Some(now);
         self.is_gathering = true;
@@ -176,7 +176,7 @@ impl ReleasePolicy {
         self.rested = None;
     }
 
-    /// What may leave under way, given the moves that have left the look-ahead and their time.
+    /// The moves that may leave while moving, given the number and time of the moves that have left the look-ahead.
     pub const fn release(&mut self, moves: usize, queued_ticks: u64) -> Release {
         if queued_ticks > QUEUE_HIGH {
             self.is_counted = false;

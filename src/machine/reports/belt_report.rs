@@ -1,4 +1,4 @@
-//! What is said of motors that can pull against each other: whether they are aligned (M122, M915), what a touch found
+//! Reports of motors that can pull against each other: whether they are aligned (M122, M915), and the result of a touch
 //! (M915 D, R).
 
 use super::report::Thousandths;
@@ -75,7 +75,7 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
                 }
             }
         }
-        // M915 R leaves a motor where loads say, which may be a step or two beside the phase that M915 found before.
+        // M915 R leaves a motor where loads say, which may be a step or two from the phase that M915 found before.
         BeltAnswer::Fields(-2..=2) => to.say(format_args!("Belt: drivers have made the steps that are counted")),
         BeltAnswer::Fields(steps) => {
             to.say(format_args!(
@@ -121,7 +121,7 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
     }
 }
 
-/// What was found of each residual.
+/// Reports the finding for each residual.
 fn report_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
     let residuals = Residuals::new(&s.mechanism, s.belt.is_closed);
     for (number, residual) in residuals.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What is said of motor drivers: how they are (M122), and how they are set (M569, M906, M913, M914).
+//! Reports of motor drivers: their state (M122), and their settings (M569, M906, M913, M914).
 
 use super::report::Hundredths;
 use crate::driver::{Config, DriverError, Drivers, Name, Reading};
@@ -67,7 +67,7 @@ pub(in crate::machine) fn report_driver(
     let turn = turn_of(s.steps_per_mm(motor), reading.microsteps().unwrap_or_default());
     let state = State { reading: &reading, held, power, turn };
     to.say(format_args!("Driver {name}: {state}"));
-    // A driver that nobody has spoken to yet says rightly that it was reset.
+    // A driver that got no message yet rightly reports that it was reset.
     let problem = held.and(reading.problem());
     to.say(format_args!("  {}", Health(&reading, problem, failures)));
 }

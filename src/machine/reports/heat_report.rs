@@ -1,5 +1,4 @@
-//! What is said of heat: temperatures (M105, M155, waits), heaters and the fault (M122), what a tuning has found
-//! (M303).
+//! Reports of heat: temperatures (M105, M155, waits), heaters and the fault (M122), the result of a tuning (M303).
 
 use super::report::Hundredths;
 use super::sensors::report_sensors;
@@ -23,7 +22,7 @@ pub(in crate::machine) struct Temperatures {
 }
 
 impl Temperatures {
-    /// What is known now, with the targets that were ordered.
+    /// The latest readings, with the ordered targets.
     pub fn new(thermal: &ThermalSettings, heat: &Heat, target: impl Fn(Heater) -> Celsius) -> Self {
         Self {
             heaters: Heater::ALL.map(|heater| {
@@ -80,7 +79,7 @@ pub(in crate::machine) fn report_heat(
     report_sensors(to, heat);
 }
 
-/// M303: what was found. Hosts look for Marlin's words.
+/// M303: the result of the tuning. Hosts look for Marlin's words.
 pub(in crate::machine) fn report_tuned(to: &mut Speaker<'_>, heater: Heater, tuned: &Tuned) {
     let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
     to.say(format_args!("PID Autotune finished!"));

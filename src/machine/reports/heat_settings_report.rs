@@ -23,8 +23,8 @@ pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: Hea
                 (shortest(settings.power), shortest(model.capacity), shortest(model.heater_lag));
             let [a, f] = [model.loss, model.loss.saturating_add(model.fan_loss)].map(shortest);
             let (rate, filament) = (shortest(rate(model.sensor_lag)), shortest(thermal.filament));
-            // A BTT TFT takes the number behind E for a hotend and writes there what is behind it, whatever the number
-            // is (MPC.c). So E of a bed or a chamber comes last.
+            // A BTT TFT takes the number behind E as a hotend's, whatever the number is, and writes the values after it
+            // there (MPC.c). So E of a bed or a chamber comes last.
             let [first, last] = match heater {
                 Heater::Hotend => ["E0 ", ""],
                 Heater::Bed => ["", " E-1"],

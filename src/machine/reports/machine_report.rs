@@ -1,4 +1,4 @@
-//! What is said of a machine that comes or goes over a serial line.
+//! Reports for a machine record sent or received over a serial line.
 
 use crate::machine::answers::machine_answer::MachineAnswer;
 use crate::machine::answers::speaker::Speaker;

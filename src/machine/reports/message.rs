@@ -3,7 +3,7 @@
 use crate::gcode::Form;
 use core::fmt::{self, Write};
 
-/// What a message may not begin with, in lower case: a host would take it for an answer (printcore, OctoPrint comm.py).
+/// Forbidden beginnings of a message, in lower case: a host would take it for an answer (printcore, OctoPrint comm.py).
 const RESERVED: [&[u8]; 10] =
     [b"ok", b"start", b"rs", b"resend", b"wait", b"error", b"fatal", b"!!", b"debug_", b"cap:"];
 

@@ -1,4 +1,4 @@
-//! Reports and replies: what the machine says, when a command asks and by itself.
+//! Reports and replies: the machine's output, on request and by itself.
 //!
 //! ```text
 //!   command ── Answer ──▶ main loop::tell ── which report ──▶ report, driver_report, sensors, message, ...

@@ -1,6 +1,6 @@
-//! Reports: how the machine words what it says of itself. `report` is for the words, `answer` for what is to be said.
+//! Reports: the wording of the machine's state. `report` holds the wording, `answer` the content.
 //!
-//! Plain functions of what they speak of: position (M114), firmware (M115), endstops (M119, M211), overload (M122).
+//! Plain functions of their subject: position (M114), firmware (M115), endstops (M119, M211), overload (M122).
 
 use crate::connectors::Heater;
 use crate::kinematics::Groups;
@@ -14,10 +14,10 @@ use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
 
-/// What hosts may rely on: all that Marlin tells of (M115.cpp), for a screen takes some for there that are not named
-/// (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend on
-/// the machine. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which there may be none.
-/// BUILD_PERCENT: M73 is kept. PRINT_JOB: M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
+/// The capabilities that hosts may rely on: all those of Marlin (M115.cpp), because a screen assumes some that are not
+/// named (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend
+/// on the machine. AUTOREPORT_TEMP means that M155 works, even without heaters. BUILD_PERCENT: M73 is kept. PRINT_JOB:
+/// M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
 const CAPABILITIES: [(&str, bool); 36] = [
     ("PAREN_COMMENTS", true),
     ("QUOTED_STRINGS", false),
@@ -116,7 +116,7 @@ impl fmt::Display for Position<'_> {
 }
 
 impl<'m> Position<'m> {
-    /// The named position of a machine that stands at `position`, of whose motor groups so many steps were counted.
+    /// The named position of a machine at `position`, with the step counts of its motor groups.
     pub fn new(
         position: [Mm; 4],
         circulation: Option<Mm>,
@@ -163,7 +163,7 @@ pub(in crate::machine) fn report_endstops(
     }
 }
 
-/// Part of M122: what was too slow since the start, and the worst of it.
+/// Part of M122: overload since the start, and its worst case.
 pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overload) {
     let Overload { events, spans, starved, underruns } = overload;
     let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };

@@ -1,4 +1,4 @@
-//! What the temperature sensors say, before anybody makes degrees of it.
+//! Raw readings of the temperature sensors, before conversion to degrees.
 
 use crate::machine::answers::speaker::Speaker;
 use crate::port::Sensor;

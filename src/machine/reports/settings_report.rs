@@ -138,7 +138,7 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
     to.remark(format_args!("homing is {needed}"));
 }
 
-/// M503, what a pause does.
+/// M503, the settings of a pause.
 fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
     let [retract, lift, x, y] = [pause.retract, pause.lift, pause.x, pause.y].map(exact);
     let [back, forth, travel] = [pause.retract_speed, pause.unretract_speed, pause.travel_speed].map(shortest);

@@ -1,4 +1,4 @@
-//! What is said of the storage: by M500 to M504, and at the start.
+//! Reports of the storage: by M500 to M504, and at the start.
 
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::answers::storage_news::{Slots, StorageNews};
@@ -51,7 +51,7 @@ fn report_unknown(to: &mut Speaker<'_>, ids: [u16; 4]) {
     }
 }
 
-/// Names the slots whose content is not used; an empty one is no news.
+/// Names the slots with unused content; an empty slot is not reported.
 fn report_rejected(to: &mut Speaker<'_>, slots: Slots) {
     for (slot, why) in slots {
         if let Some(why) = why.filter(|why| *why != Rejected::Blank) {

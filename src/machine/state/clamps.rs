@@ -1,9 +1,9 @@
 //! Values out of range: the old value stays and the host is told, or the value is brought to the edge of its range.
 //!
 //! A line sets all of its values or none: with one out of range nothing of the line is done. A value from another
-//! firmware has another unit or another meaning there, so the nearest legal one would be as wrong, and the old one is
-//! the machine's. A clamp is right only where the edge is what the sender meant; [`RULES`] lists these words, each with
-//! its reason. A value that cannot be told from one that was meant (`M203 X300` in mm/min) is obeyed.
+//! firmware has another unit or another meaning there. So the nearest legal value would be as wrong, and the old one is
+//! the machine's own. A clamp is right only if the sender meant the edge; [`RULES`] lists these words, each with its
+//! reason. A value that may have been intended (`M203 X300` in mm/min) is obeyed.
 
 use crate::gcode::Number;
 use crate::machine::numbers::{nearest, shortest, to_thousandth};
@@ -18,7 +18,7 @@ use heapless::Vec;
 /// A word as messages name it: the command, and the letter or name of the value.
 pub(in crate::machine) type Word = [&'static str; 2];
 
-/// What becomes of a value beyond an end of its range.
+/// The treatment of a value beyond an end of its range.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Beyond {
     /// The old value stays, and so do all other values of the line.
@@ -34,7 +34,7 @@ struct Rule {
     words: &'static [&'static str],
     below: Beyond,
     above: Beyond,
-    /// What a value above the range most likely is instead.
+    /// The likely meaning of a value above the range.
     hint: &'static str,
 }
 
@@ -50,19 +50,19 @@ const fn hinted(code: &'static str, hint: &'static str) -> Rule {
     Rule { below: Beyond::Kept, above: Beyond::Kept, hint, ..edge(code) }
 }
 
-/// What a K is taken for that is too large for seconds: 20 to 200 in profiles of Linear Advance 1.0, 0 to 2 in those of
+/// The likely meaning of a K too large for seconds: 20 to 200 in profiles of Linear Advance 1.0, 0 to 2 in profiles of
 /// 1.5.
 const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
 
 /// All words that are treated in another way than by keeping the old value, or that have a hint.
 const RULES: [Rule; 15] = [
-    // F: axes have limits anyway, so the fastest speed is what a faster F asks for, the slowest what a slower one does.
-    // F0 and less ask for no motion at all, so the feed stays (`feed`).
+    // F: axes have limits anyway, so the fastest speed fulfils a faster F, the slowest a slower F. F0 and less ask for
+    // no motion at all, so the feed stays (`feed`).
     edge(""),
     // A fan runs between still and full speed, and slicers round to 256 or count in other units.
     edge("M106"),
     Rule { words: &["S"], ..edge("M710") },
-    // Seconds between messages: whoever wants fewer than there can be gets the fewest; Marlin does the same (M113.cpp,
+    // Seconds between messages: a smaller interval becomes the smallest possible; Marlin does the same (M113.cpp,
     // M155.cpp).
     edge("M113"),
     edge("M154"),
@@ -87,23 +87,23 @@ impl Rule {
     }
 }
 
-/// What has become of a value out of range.
+/// The fate of a value out of range.
 #[derive(Clone, Copy)]
 enum Outcome {
     /// It became that.
     Set(Number),
     /// It stays that.
     Stays(Number),
-    /// The line is not carried out, and the value stays what it is, if it is one.
+    /// The line is not carried out, and the value stays as it is, if there is one.
     Refused(Option<Number>),
 }
 
-/// A word of a command whose value was out of range, as `M203 X99999`.
+/// A word of a command with a value out of range, as in `M203 X99999`.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct Clamp {
     word: Word,
     asked: Number,
-    /// What is legal.
+    /// The legal range.
     legal: [Number; 2],
     outcome: Outcome,
 }
@@ -129,7 +129,7 @@ impl fmt::Display for Clamp {
     }
 }
 
-/// What a line asked for beyond all ranges.
+/// The out-of-range values of a line.
 #[derive(Default)]
 pub(in crate::machine) struct Clamps {
     /// No command has more words with a range (M306 has seven).
@@ -141,9 +141,9 @@ pub(in crate::machine) struct Clamps {
 struct Asked<T> {
     word: Word,
     number: Number,
-    /// What the number is in the unit of the value, beyond what its type may hold.
+    /// The number in the unit of the value, before the limits of its type.
     value: I32F32,
-    /// What the type can hold of it.
+    /// The number as far as the type can hold it.
     wanted: T,
 }
 
@@ -176,8 +176,8 @@ impl Clamps {
         self.list.iter().filter(is_told).nth(place).copied()
     }
 
-    /// The value if it is legal, or what becomes of it. If what the type holds is far from the value, the type has cut
-    /// it off. The host is told all values as `scale` converts them; `old` is the present one.
+    /// The value if it is legal, or its fate. If the type holds a value far from the number, the type has cut it off.
+    /// The host is told all values as `scale` converts them; `old` is the present one.
     fn judge<T: Fixed + Into<I32F32>>(
         &mut self,
         asked: &Asked<T>,

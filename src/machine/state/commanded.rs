@@ -1,5 +1,5 @@
-//! The commanded position: where the program has sent the tool, what it calls that place, and how far a retraction
-//! or a pause keeps the machine from it.
+//! The commanded position: where the program has sent the tool, in its own coordinates, and the machine's offset from
+//! it by a retraction or a pause.
 
 use super::modal::{FARTHEST, Modal};
 use super::retraction::{Retraction, RetractionMove, RetractionSettings};
@@ -16,7 +16,7 @@ pub(in crate::machine) const LEAST_FILAMENT: Mm = Mm::lit("0.000005");
 pub(in crate::machine) struct Commanded {
     /// Where the machine is commanded to: x, y, z as machine coordinates, e as filament really asked for.
     position: [Mm; 4],
-    /// What a program calls 0, as machine coordinates (G92).
+    /// The program's origin, in machine coordinates (G92).
     origin: [Mm; 3],
     /// E as the program counts it.
     extrusion: Mm,
@@ -28,7 +28,7 @@ pub(in crate::machine) struct Commanded {
     has_taken_over: bool,
 }
 
-/// What a line of motion asks for.
+/// The target of a line of motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Wanted {
     /// Target in machine coordinates.
@@ -115,9 +115,9 @@ impl Commanded {
         (self.parked, self.has_taken_over) = ([Mm::ZERO, Mm::ZERO, Mm::ZERO, filament], false);
     }
 
-    /// A line is about to send the program to `to` in a pause. An axis that it sends to a place goes there, from
-    /// wherever it is parked. Who pulls filament back has a pause script of its own: what the pause has pulled back and
-    /// lifted already counts for it.
+    /// A line is about to send the program to `to` in a pause. An axis that the line names goes to its place,
+    /// independent of where it is parked. A host that pulls filament back has a pause script of its own: the pause's
+    /// retraction and lift already count for it.
     pub fn leave_park(&mut self, to: [Mm; 4], words: &AxisWords, modal: &Modal) {
         let ([.., from_z, from_e], [.., to_z, to_e]) = (self.position, to);
         let [x, y, z, e] = &mut self.parked;
@@ -165,7 +165,7 @@ impl Commanded {
         self.retraction.away()
     }
 
-    /// Filament counts on from where `other` is, whatever was asked for here.
+    /// Filament counts on from the position of `other`, without the amounts commanded here.
     pub const fn count_filament_as(&mut self, other: &Self) {
         let ([x, y, z, _], [.., e]) = (self.position, other.position);
         (self.position, self.parked, self.has_taken_over) = ([x, y, z, e], other.parked, other.has_taken_over);
@@ -247,7 +247,7 @@ impl Commanded {
         }
     }
 
-    /// From now on the present position is called what the words say (G92).
+    /// Renames the present position to the given words (G92).
     pub fn rename(&mut self, words: &AxisWords, modal: &Modal) {
         let names = [words.x, words.y, words.z].map(|word| word.map(|n| FARTHEST.clamp(modal.length(n))));
         for ((origin, at), name) in self.origin.iter_mut().zip(self.position).zip(names) {

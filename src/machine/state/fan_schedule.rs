@@ -31,7 +31,7 @@ struct Waiting {
     speed: u16,
 }
 
-/// Fan speeds that wait for moves, in order, and what was commanded last.
+/// Fan speeds that wait for moves, in order, and the last commanded speeds.
 pub(in crate::machine) struct FanSchedule {
     queue: Deque<Waiting, MOST>,
     commanded: [u16; FANS],

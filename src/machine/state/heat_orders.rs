@@ -1,7 +1,7 @@
 //! Orders for heaters and fans that wait for room in the queue.
 //!
-//! Of each target and each fan's speed the latest counts, and of the settings what is in force: so nothing here is ever
-//! full, and no command waits for the thermal context.
+//! Only the latest of each target, each fan's speed and the settings counts. So nothing here is ever full, and no
+//! command waits for the thermal context.
 
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::settings::ThermalSettings;
@@ -23,11 +23,10 @@ enum Target {
     Left(Celsius, u32),
 }
 
-/// Control periods after which every sensor that is well has been read: 1 s, of which a median of readings takes a
-/// tenth.
+/// Control periods after which every sensor that works has been read: 1 s. A median of readings takes a tenth of it.
 const READINGS: u32 = 50;
 
-/// What is yet to be told to the thermal context.
+/// Orders not yet sent to the thermal context.
 pub(in crate::machine) struct HeatOrders {
     is_off: bool,
     targets: [Target; HEATERS],
@@ -107,7 +106,7 @@ impl HeatOrders {
         self.has_news = true;
     }
 
-    /// What a heater is to be kept at, be the order still on its way.
+    /// The target of a heater, even if its order has not left yet.
     pub fn target(&self, heater: Heater, heat: &Heat) -> Celsius {
         match self.targets[heater as usize] {
             Target::Waits(target) => target,
@@ -125,8 +124,8 @@ impl HeatOrders {
         is_silent && !matches!(a, Target::Waits(_)) && !matches!(b, Target::Waits(_)) && !matches!(c, Target::Waits(_))
     }
 
-    /// The next order, which leaves in that control period. There is room for it. A self-test, and what comes after it,
-    /// waits a while until all heaters have a reading (`are_read`): just after the start there is none yet.
+    /// The next order, which leaves in that control period. There is room for it. A self-test, and all orders after it,
+    /// wait until all heaters have a reading (`are_read`): just after the start there is none yet.
     pub fn next(&mut self, settings: &ThermalSettings, period: u32, are_read: impl Fn() -> bool) -> Option<Order> {
         if core::mem::replace(&mut self.is_off, false) {
             return Some(Order::Off);
@@ -160,7 +159,7 @@ impl HeatOrders {
         fans.find_map(|(fan, speed)| speed.take().map(|speed| Order::Fan(fan, speed)))
     }
 
-    /// The next of the settings that differ from what was told.
+    /// The next of the settings that differ from the sent ones.
     fn next_settings(&mut self, settings: &ThermalSettings) -> Option<Order> {
         if !self.has_news {
             return None;

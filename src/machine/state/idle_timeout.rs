@@ -6,8 +6,8 @@ use crate::units::Instant;
 /// idle_timeout is as long.
 const IDLE_TIMEOUT_S: u32 = 600;
 
-/// In a print they keep it for as long as a host may pause without a word: 12 hours, as owners set Klipper's
-/// idle_timeout while a print is paused. After that the print is one that nobody has ended.
+/// In a print they keep power for as long as a host may pause in silence: 12 hours, as owners set Klipper's
+/// idle_timeout while a print is paused. After that the print counts as abandoned.
 const PRINT_TIMEOUT_S: u32 = 12 * 3600;
 
 /// How long motors keep their power without motion.
@@ -23,7 +23,7 @@ impl IdleTimeout {
         Self { timeout_s: IDLE_TIMEOUT_S, last_motion: now }
     }
 
-    /// M84 S. The time begins anew.
+    /// M84 S. The time starts again.
     pub const fn set(&mut self, timeout_s: u32, now: Instant) {
         (self.timeout_s, self.last_motion) = (timeout_s, now);
     }

@@ -1,19 +1,23 @@
-//! The job: whether a print is under way, is paused or was ended, and what of it is kept meanwhile.
+//! The job: whether a print is under way, is paused or was ended, and its state during a pause.
 //!
-//! **In a print** is said in one place, here. A print begins with the first move that extrudes while x or y move (a jog
-//! moves one or the other), with M75, or with a name that no command has (`START_PRINT ...`). It ends with M77, M524,
-//! M104 S0 or M81 outside of a pause, M84 for x, y or z, M110 of its host, and when the firmware ends it. Unlike
-//! numbered lines, all hosts and files have that in common.
+//! **In a print** is said in one place, here. Three events begin a print: the first move that extrudes while x or y
+//! move (a jog moves one or the other), M75, or an unknown command name (`START_PRINT ...`). It ends with M77, M524,
+//! M104 S0 or M81 outside of a pause, M84 for x, y or z, M110 of its host, or an end by the firmware. Unlike numbered
+//! lines, all hosts and files have that in common.
 //!
-//! | phase | by | motors | heaters | what a line does |
-//! |---|---|---|---|---|
-//! | none | the start, an end | lose power when idle | go off when idle | what it says; cold filament is left out, a move that needs homing refused |
-//! | printing | see above | hold | go off when idle, come back before filament moves | what it says; one that is cold or has lost its place is kept: paused |
-//! | paused | M25, M0, M1, M600, M601, M125, a line that is kept | hold | go off after a time, come back before the print goes on | what it says: jogs, heats |
-//! | ended | `Interrupt::EndJob` | lose power when idle | off | moves and heats nothing until G28, M108 or M110 |
+//! The phases:
 //!
-//! A pause goes on by M24, M602, and for the line that is kept by M108 and M876 S too; or, if no line is kept, by the
-//! next line of its host that prints. The line kept is without `ok` meanwhile, and other hosts are served.
+//! - None: after the start or an end. Motors lose power when idle, heaters go off when idle. A line has its effect;
+//!   cold filament does not move, and a move that needs homing is refused.
+//! - Printing: see above. Motors hold. Heaters go off when idle and come back before filament moves. A line has its
+//!   effect; a line for a cold hotend or a lost position is kept, and the print is paused.
+//! - Paused: by M25, M0, M1, M600, M601, M125, or a line that is kept. Motors hold. Heaters go off after a time and
+//!   come back before the print goes on. A line has its effect: it jogs or heats.
+//! - Ended: by `Interrupt::EndJob`. Motors lose power when idle, heaters are off. A line moves and heats nothing until
+//!   G28, M108 or M110.
+//!
+//! A pause ends with M24 or M602. If a line is kept, M108 and M876 S end it too; if none is kept, the next line of its
+//! host that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
 
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
@@ -43,7 +47,7 @@ pub(in crate::machine) enum Kept {
 /// How a line that is kept goes on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Answered {
-    /// M108, or its time has passed: whatever comes of it.
+    /// M108, or its time has passed: continue in any case.
     GoOn,
     /// M24, M602, M876 S: when it can be.
     Resume,
@@ -52,8 +56,8 @@ pub(in crate::machine) enum Answered {
 /// Why a job ends although the machine stays as it is: nothing is broken that a reset would mend.
 ///
 /// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, at any depth of calls.
-/// The dispatch handles all of them in one place (`commands::job`): hosts are told to cancel, in words that make none
-/// of them disconnect, heaters go off, the state of the program is a new one's, and the old stream has no effect any
+/// The dispatch handles all of them in one place (`commands::job`). Hosts are told to cancel, with words that make none
+/// of them disconnect. Heaters go off, the program's state becomes a new one, and the old stream has no effect any
 /// more.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum JobEnd {
@@ -84,7 +88,7 @@ impl fmt::Display for JobEnd {
     }
 }
 
-/// What a pause keeps of the print.
+/// The state of the print that a pause keeps.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Break {
     /// The state of the program.
@@ -99,14 +103,14 @@ pub(in crate::machine) struct Break {
 #[derive(Debug)]
 pub(in crate::machine) struct Job {
     phase: Phase,
-    /// The host whose lines it is.
+    /// The host of the print.
     host: usize,
     /// A name that was unknown may have been meant to home: an axis that never was is not where it seems to be.
     must_be_homed: bool,
     /// Where the last move that printed ended.
     printed_at: Option<[Mm; 4]>,
     paused: Option<Break>,
-    /// What heaters were kept at before the pause, or before they went off in the print.
+    /// The heater targets before the pause, or before the heaters switched off in the print.
     targets: Option<[Celsius; HEATERS]>,
     kept: Option<Kept>,
     answered: Option<Answered>,
@@ -156,7 +160,7 @@ impl Job {
         }
     }
 
-    /// The print is over, as it should be. What is kept is for the Console to answer.
+    /// The print is over, as it should be. The Console answers a kept line.
     pub const fn end(&mut self) {
         *self = Self { kept: self.kept, answered: self.answered, ..Self::new() };
     }
@@ -167,7 +171,7 @@ impl Job {
         self.phase = Phase::Ended { is_told: false };
     }
 
-    /// Who goes on after a print that was ended knows of it.
+    /// A host that continues after its print was ended knows of the end.
     pub const fn forgive(&mut self) {
         if self.is_ended() {
             self.phase = Phase::None;
@@ -234,7 +238,7 @@ impl Job {
         self.remember_targets(targets);
     }
 
-    /// What the pause keeps.
+    /// The state that the pause keeps.
     pub const fn paused(&self) -> Option<Break> {
         self.paused
     }
@@ -255,7 +259,7 @@ impl Job {
         (self.paused, self.targets) = (None, None);
     }
 
-    /// What heaters are to be kept at when it goes on, unless that is known already.
+    /// Stores the heater targets for the end of the pause, unless they are stored already.
     pub fn remember_targets(&mut self, targets: [Celsius; HEATERS]) {
         if targets.iter().any(|target| *target > Celsius::ZERO) {
             self.targets.get_or_insert(targets);
@@ -272,8 +276,8 @@ impl Job {
         self.targets = None;
     }
 
-    /// A line chooses a target. Meanwhile one that is warm enough to go on with is the one to go on with; any other is
-    /// for the time of the pause.
+    /// A line chooses a target. In a pause, a target that is warm enough to print with is restored at its end; any
+    /// other counts for the time of the pause only.
     pub fn note_target(&mut self, heater: Heater, target: Celsius, least: Celsius) {
         let is_enough = target > Celsius::ZERO && target >= least;
         if self.is_paused() && is_enough {
@@ -299,7 +303,7 @@ impl Job {
         self.kept.take()
     }
 
-    /// What has arrived for a line that is kept: M108, and M24, M602 or M876.
+    /// Notes the answers for a kept line: M108, and M24, M602 or M876.
     pub const fn note_answers(&mut self, go_on: bool, resume: bool) {
         if self.kept.is_none() {
             return;
@@ -316,7 +320,7 @@ impl Job {
     pub fn take_answer(&mut self, now: Instant) -> Option<Answered> {
         match self.kept? {
             Kept::User(Some(until)) if now >= until => Some(Answered::GoOn),
-            // The print has ended meanwhile.
+            // The print has ended in the meantime.
             _ if !self.is_paused() => Some(Answered::GoOn),
             _ => self.answered.take(),
         }

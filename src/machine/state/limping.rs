@@ -70,7 +70,7 @@ impl Limping {
         self.parked = Some(raised);
     }
 
-    /// It is over, whatever came of it; true if it was under way.
+    /// Ends it; true if it was under way.
     pub fn end(&mut self) -> bool {
         let was = self.is_under_way();
         if was {
@@ -79,7 +79,7 @@ impl Limping {
         was
     }
 
-    /// What came of it, if it ever began: how far z was raised before the tool was parked, if it was.
+    /// The outcome, if it ever began: the lift of z before the tool was parked, or `None` if it was not parked.
     pub const fn outcome(&self) -> Option<Option<Mm>> {
         if matches!(self.stage, Stage::No) { None } else { Some(self.parked) }
     }

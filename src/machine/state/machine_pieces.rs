@@ -17,7 +17,7 @@ pub(in crate::machine) struct MachinePieces {
 /// Why a piece is not taken.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum PieceError {
-    /// It does not follow what is there: so many bytes.
+    /// A gap: this many bytes are there.
     Gap(usize),
     /// It is no hexadecimal number of whole bytes, or none at all.
     NoHex,
@@ -55,7 +55,7 @@ impl MachinePieces {
         self.bytes.get(..self.length).unwrap_or_default()
     }
 
-    /// The place for a record that is to be said; what was put together is forgotten.
+    /// The place for a record to send; a record under assembly is dropped.
     pub const fn begin(&mut self) -> &mut [u8; LONGEST] {
         self.length = 0;
         &mut self.bytes

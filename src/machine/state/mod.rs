@@ -1,9 +1,8 @@
-//! State: what earlier lines said that still holds, what is known of the machine, and what the present line asked for
-//! beyond its ranges.
+//! State: values that earlier lines set, the known state of the machine, and the out-of-range values of the present
+//! line.
 //!
-//! Each struct owns its fields. What goes on changing while a command waits is held by the main loop, the rest by
-//! `commands::states`, of which `immediate` and `blocking` hand each command the ones that it needs. Pure: nothing here
-//! knows either.
+//! Each struct owns its fields. The main loop holds state that changes while a command waits. `commands::states` holds
+//! the rest: `immediate` and `blocking` pass each command the structs that it needs. Pure: nothing here knows either.
 //!
 //! | looking for | see |
 //! |---|---|
@@ -13,13 +12,14 @@
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
 //! | a belt that runs round, motors of one belt that agree | [`circulation`], [`trimming`] |
 //! | a belt that has lost a motor | [`limping`] |
-//! | what a command waits for | [`pauses`], [`waiting`] |
-//! | whether a print is under way, paused or ended; what a pause keeps of it | [`job`], [`program`] |
+//! | the wait of a command | [`pauses`], [`waiting`] |
+//! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`] |
 //! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | a machine on its way over the line | [`machine_pieces`] |
-//! | what pressure advance the motion follows, when motors lose their power at rest | [`advance_in_use`], [`idle_timeout`] |
+//! | the pressure advance that the motion follows | [`advance_in_use`] |
+//! | when motors lose their power at rest | [`idle_timeout`] |
 //! | values out of range | [`clamps`] |
-//! | what a host was told once | [`notices`] |
+//! | messages that a host got once | [`notices`] |
 //!
 //! | word | means |
 //! |---|---|
@@ -27,9 +27,9 @@
 //! | real position | where the machine stands, from the steps that were made |
 //! | named position | the commanded position as the program counts it, after G92 |
 //! | edge | the end of the reachable space of a homed axis, where soft endstops put a target that lies beyond |
-//! | notice | what a host is told once, not with every line |
+//! | notice | a message that a host gets once, not with every line |
 //! | away | how far retraction keeps the machine from the commanded position |
-//! | clamp | a value out of range: it is refused with its line, or brought to the edge of its range, and told of |
+//! | clamp | a value out of range: it is refused with its line, or set to the edge of its range, and reported |
 //! | farthest | 10 m from zero, beyond which no target is computed |
 
 pub(in crate::machine) mod advance_in_use;

@@ -1,12 +1,12 @@
-//! Modal state: what earlier lines said that still holds, and what a number therefore means. Where a line leads with
-//! it: [`commanded`](super::commanded).
+//! Modal state: values that earlier lines set, and the resulting meaning of a number. Where a line leads with it:
+//! [`commanded`](super::commanded).
 
 use crate::gcode::{Number, Plane};
 use crate::machine::numbers::to_thousandth;
 use crate::settings::Range;
 use crate::units::{Mm, MmPerSec, part_of};
 
-/// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
+/// Positions of all lines are kept within +-10 m: no machine is larger, and no sum overflows.
 pub(in crate::machine) const FARTHEST: Range<Mm> =
     Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
 
@@ -16,8 +16,9 @@ pub(in crate::machine) const PERCENT: Range<u16> = Range { least: 10, most: 999 
 /// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
 const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 
-/// How far two places of a program may be apart that it means as one: by the last decimal that it writes, but no less
-/// than a micrometre, which binary numbers and G92 may cost, and no more than 10, which a printer can show.
+/// The distance within which two places of a program count as one. It is the last decimal that the program writes,
+/// within two limits. A micrometre is the least, because binary numbers and G92 may cost as much; 10 are the most,
+/// because a print can show that much.
 const ROUNDING: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::lit("0.01") };
 
 /// Whether two places are so far apart that a program can mean it: relative moves, G92 and inches leave less between

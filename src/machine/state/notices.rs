@@ -1,12 +1,11 @@
-//! Notices: what a host is told once, and not again with every line that it is true of.
+//! Notices: messages that a host gets once, and not with every line that causes them.
 
 use heapless::Vec;
 
-/// Parts that are not there, of which hosts are told in one print. A print names a few: fans and tools of another
-/// machine.
+/// Missing parts that are reported to hosts in one print. A print names a few: fans and tools of another machine.
 const MOST_ABSENT: usize = 16;
 
-/// What a host is told once.
+/// A message that a host gets once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Notice {
     /// A target lay beyond the edge.
@@ -76,8 +75,8 @@ impl Notices {
         !core::mem::replace(self.given(notice), true)
     }
 
-    /// Whether a word for a part that is not there is still to be told; from now on it counts as told. Whoever names
-    /// more than [`MOST_ABSENT`] of them has been told enough.
+    /// Whether a word for a part that is not there is still to be told; from now on it counts as told. After
+    /// [`MOST_ABSENT`] of them no more are reported.
     pub fn give_absent(&mut self, key: u32) -> bool {
         !self.absent.contains(&key) && self.absent.push(key).is_ok()
     }
@@ -87,7 +86,7 @@ impl Notices {
         *self.given(notice) = false;
     }
 
-    /// Another print begins: what is true of its lines is said anew.
+    /// Another print begins: its notices are sent again.
     pub fn renew_for_print(&mut self) {
         self.renew_for_position();
         let told_of_prints = [Notice::Corners, Notice::NoHotend, Notice::NoBed, Notice::Cold, Notice::NotAligned];

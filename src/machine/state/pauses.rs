@@ -1,9 +1,9 @@
-//! Waits: what the present command waits for besides the motion, and what ends that. What a whole print waits for is in
+//! Waits: the present command's wait other than for motion, and the events that end it. The wait of a whole print is in
 //! [`job`](super::job).
 
 use crate::machine::state::waiting::Waiting;
 
-/// What the present command waits for, and what has come of it.
+/// The present command's wait, and its result.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Pauses {
     waiting: Waiting,
@@ -16,12 +16,13 @@ impl Pauses {
         Self { waiting: Waiting::Nothing, is_over: false, is_answered: false }
     }
 
-    /// The command is over, and with it whatever it waited for.
+    /// The command is over, and with it its wait.
     pub const fn end_command(&mut self) {
         *self = Self::new();
     }
 
-    /// What has arrived: `go_on` is M108, which ends any wait; `resume` is M24, M602 or M876, which answer a question.
+    /// Notes the received answers: `go_on` is M108, which ends any wait; `resume` is M24, M602 or M876, which answer a
+    /// question.
     pub const fn note(&mut self, go_on: bool, resume: bool) {
         self.is_over |= go_on;
         self.is_answered |= resume;
@@ -37,7 +38,7 @@ impl Pauses {
         self.waiting = Waiting::Nothing;
     }
 
-    /// What the command waits for.
+    /// The wait of the command.
     pub const fn waiting(&self) -> Waiting {
         self.waiting
     }

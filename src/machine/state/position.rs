@@ -1,4 +1,4 @@
-//! Where the machine really stands: which axes are homed, and what a motor group's count means.
+//! Where the machine really stands: the homed axes, and the position behind a motor group's count.
 //!
 //! Counts of steps begin at 0 with the reset and are never set. So a position is a count and an origin: the steps that
 //! the group's coordinate was at when its count was 0.
@@ -8,7 +8,7 @@ use crate::motors::MOST_GROUPS;
 use crate::port::MotorSet;
 use crate::units::Steps;
 
-/// The axes whose position is known.
+/// The axes with a known position.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Homed {
     axes: [bool; 3],
@@ -16,7 +16,7 @@ pub(in crate::machine) struct Homed {
     is_under_way: bool,
     /// The path of the tool in mm when x and y met their switches last.
     met: [Option<u32>; 2],
-    /// The axes whose position was ever known.
+    /// The axes with a position that was ever known.
     ever: [bool; 3],
 }
 
@@ -77,7 +77,7 @@ impl Homed {
         }
     }
 
-    /// What was believed of the axes before holds again; when they met their switches since then is remembered.
+    /// Restores the homed flags from before; the times when the axes met their switches since then stay.
     pub const fn believe(&mut self, before: &Self) {
         self.axes = before.axes;
     }
@@ -87,7 +87,7 @@ impl Homed {
         core::mem::replace(&mut self.is_under_way, false)
     }
 
-    /// These motors lose their power: what they held is no longer where it was.
+    /// These motors lose their power: the axes that they held are no longer homed.
     pub fn release(&mut self, motors: MotorSet, mechanism: &Mechanism) {
         for (axis, is_homed) in self.axes.iter_mut().enumerate() {
             let own = mechanism.motors_of(axis);
@@ -117,12 +117,12 @@ impl<'m> RealPosition<'m> {
         self.groupings.of(self.grouping)
     }
 
-    /// What they are grouped for now.
+    /// Their present grouping.
     pub const fn grouping(&self) -> Grouping {
         self.grouping
     }
 
-    /// From now on they are grouped so. What a count means is to be adopted anew.
+    /// From now on they are grouped so. The meaning of a count has to be adopted again.
     pub const fn regroup(&mut self, grouping: Grouping) {
         (self.grouping, self.has_regrouped) = (grouping, true);
     }
@@ -137,7 +137,7 @@ impl<'m> RealPosition<'m> {
         self.groupings.of(grouping)
     }
 
-    /// The machine stands here now, whatever was counted.
+    /// The machine stands at `position` now, at these counts.
     pub fn adopt(&mut self, position: [Steps; 4], counts: [i32; MOST_GROUPS]) {
         let groups = self.groups();
         for ((origin, group), count) in self.origin.iter_mut().zip(groups.iter()).zip(counts) {
@@ -160,8 +160,8 @@ impl<'m> RealPosition<'m> {
     }
 
     /// The position nearest to `position` that is whole steps from where the machine really is. Where four coordinates
-    /// hold three axes, their counts agree only so: a name for a place that lies between whole steps would have them
-    /// strain each other by a step, and the next one by another.
+    /// hold three axes, only such positions keep their counts in agreement. A position between whole steps would make
+    /// them strain each other by a step, and the next position by another.
     pub fn whole_steps_away(&self, position: [Steps; 4], counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
         if !self.groups().is_redundant() {
             return position;

@@ -1,6 +1,6 @@
 //! The program's state as one value: everything that the lines before have set and the next line depends on.
 //!
-//! A pause saves it and restores it. Whatever else leaves the program for a while and comes back does the same.
+//! A pause saves it and restores it. Every other interruption of the program does the same.
 //!
 //! Overrides (M220, M221, M111) are no part of it: the user sets them to tune a print, and does so in a pause too.
 //! Klipper's `RESTORE_GCODE_STATE` puts speed and flow back, Marlin's M24 does not.

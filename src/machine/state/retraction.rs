@@ -1,10 +1,10 @@
 //! Firmware retraction: G10 pulls the filament back and lifts the tool, G11 undoes it.
 //!
-//! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
-//! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
+//! The program does not see it: its commanded positions keep their meaning, and the machine stays away from them by a
+//! lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep the values of M207 and M208.
 //!
-//! A retraction ends with what it belongs to: G28, M84 of the extruder, the end of a print and the next print forget
-//! it. The filament stays where it is then, and counts as asked for.
+//! Four events end a retraction: G28, M84 of the extruder, the end of a print and the next print forget it. The
+//! filament stays where it is then, and counts as asked for.
 
 use crate::units::{Mm, MmPerSec};
 

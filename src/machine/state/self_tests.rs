@@ -1,4 +1,4 @@
-//! Self-tests of the heaters: what was tested last, and the one under way.
+//! Self-tests of the heaters: the last one, and the one under way.
 
 use crate::status::SelfTest;
 
@@ -8,7 +8,7 @@ const TAKEN: u32 = 2;
 /// A test under way.
 #[derive(Clone, Copy)]
 struct UnderWay {
-    /// What is tested, as one number.
+    /// The tested heaters, as one number.
     subject: u32,
     /// The user asked for it.
     is_asked: bool,
@@ -16,9 +16,9 @@ struct UnderWay {
     left: Option<u32>,
 }
 
-/// What is known of self-tests.
+/// The state of the self-tests.
 pub(in crate::machine) struct SelfTests {
-    /// What the last test that was passed was of.
+    /// The subject of the last passed test.
     passed: Option<u32>,
     under_way: Option<UnderWay>,
     /// It is yet to be noted for starts to come.
@@ -32,7 +32,7 @@ impl SelfTests {
         Self { passed: None, under_way: None, has_news: false, is_put_off: false }
     }
 
-    /// What the storage says of the last test that was passed.
+    /// Takes the subject of the last passed test from the storage.
     pub const fn know(&mut self, passed: Option<u32>) {
         self.passed = passed;
     }
@@ -71,7 +71,7 @@ impl SelfTests {
         (is_asked || !was_put_off || state != SelfTest::PutOff).then_some(state)
     }
 
-    /// What is to be noted for starts to come, once.
+    /// A passed test to store for later starts, once.
     pub fn take_news(&mut self) -> Option<u32> {
         core::mem::take(&mut self.has_news).then_some(self.passed).flatten()
     }

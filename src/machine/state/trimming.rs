@@ -4,15 +4,15 @@
 use crate::settings::PHASES;
 use crate::units::{Mm, Steps};
 
-/// Residuals of which the last finding is kept.
+/// Number of residuals with a kept finding.
 const RESIDUALS: usize = PHASES;
 
-/// What was found of a residual when the motors were aligned.
+/// The finding for a residual when the motors were aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Found {
-    /// What it was, in mm of belt.
+    /// The strain found, in mm of belt.
     pub was: Mm,
-    /// How far from what it should be it is now at most, in mm of belt.
+    /// The largest error that may remain, in mm of belt.
     pub within: Mm,
     /// How much the load that drivers measure (SG_RESULT) falls for a mm of strain, if they measured it.
     pub readings_per_mm: Option<u16>,
@@ -31,7 +31,7 @@ pub(in crate::machine) struct Trimming {
     /// A phase of the belt was found that settings had not.
     has_new_phase: bool,
     found: [Option<Found>; RESIDUALS],
-    /// By how many steps of x and y the tool was beside its place when they were homed since, which took that away.
+    /// Total distance in steps by which homing x and y since the alignment has corrected the position.
     homed_aside: [i32; 2],
 }
 
@@ -53,7 +53,7 @@ impl Trimming {
         self.held = held;
     }
 
-    /// Where the tool stands meanwhile.
+    /// The position of the tool during the trim.
     pub const fn held(&self) -> [Steps; 4] {
         self.held
     }
@@ -63,36 +63,36 @@ impl Trimming {
         self.is_aligned
     }
 
-    /// They agree within what was found.
+    /// They agree within the findings.
     pub const fn align(&mut self) {
         (self.is_aligned, self.homed_aside) = (true, [0; 2]);
     }
 
-    /// An axis was homed: its switch was met so many steps beside the place where the tool was believed to be.
+    /// An axis was homed: its switch was this many steps from its expected place.
     pub fn note_homed(&mut self, axis: usize, aside: i32) {
         if let Some(sum) = self.homed_aside.get_mut(axis).filter(|_| self.is_aligned) {
             *sum = sum.saturating_add(aside);
         }
     }
 
-    /// How far the tool was beside its place when x and y were homed since the motors were aligned, in steps.
+    /// Total distance in steps by which homing x and y since the alignment has corrected the position.
     pub const fn homed_aside(&self) -> [i32; 2] {
         self.homed_aside
     }
 
-    /// Nobody knows any more.
+    /// Alignment is unknown from now on.
     pub const fn forget(&mut self) {
         (self.is_aligned, self.found) = (false, [None; RESIDUALS]);
     }
 
-    /// Notes what was found of a residual, by its number.
+    /// Notes the finding for a residual, by its number.
     pub fn note(&mut self, number: usize, found: Found) {
         if let Some(place) = self.found.get_mut(number) {
             *place = Some(found);
         }
     }
 
-    /// What was found of a residual.
+    /// The finding for a residual.
     pub fn found(&self, number: usize) -> Option<Found> {
         self.found.get(number).copied().flatten()
     }

@@ -1,10 +1,10 @@
-//! What the Console waits for, and which timers that stops.
+//! The Console's waits, and the timers that each of them stops.
 //!
 //! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`, and the user is waited for
-//! by the [`job`](super::job), not by a command. Every timer has an exhaustive match on it: whoever adds a state has to
-//! decide whether heaters may stay on in it.
+//! by the [`job`](super::job), not by a command. Every timer has an exhaustive match on it: a new state forces a
+//! decision whether heaters may stay on in it.
 
-/// What the present command waits for.
+/// The wait of the present command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Waiting {
     /// For the next line, or for something that is over in a moment: motion, room, storage, a driver.
@@ -20,7 +20,7 @@ pub(in crate::machine) enum Waiting {
 }
 
 impl Waiting {
-    /// Whether the time counts after which unused heaters go off. What the machine does by itself ends by itself; a
+    /// Whether the time counts after which unused heaters go off. Waits for the machine itself end by themselves; a
     /// host may stay away for hours.
     pub const fn is_idle_for_heaters(self) -> bool {
         match self {

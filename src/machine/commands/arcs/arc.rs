@@ -1,12 +1,12 @@
 //! Arcs: G2 and G3 become chords that stay within a tolerance.
 //!
-//! Every chord's end is computed from the arc itself, not from the chord before, so nothing adds up. Where
-//! the slicer's rounding makes the radius at the end differ from that at the start, the radius changes
-//! evenly along the arc, and the end is met exactly.
+//! Every chord's end is computed from the arc itself, not from the chord before, so nothing adds up. If the slicer's
+//! rounding gives different radii at the start and the end, the radius changes evenly along the arc. The end is met
+//! exactly.
 //!
 //! No two places are compared to the bit: coordinates are rounded to their decimals where they come from, and steps of
-//! relative moves add up. Places nearer than the last decimal (`Modal::rounding`) are one, so an arc between them is a
-//! full turn, and an arc with a radius of half its chord but for that is a half circle.
+//! relative moves add up. Places nearer than the last decimal (`Modal::rounding`) are one. So an arc between them is a
+//! full turn. An arc with a radius within that rounding of half its chord is a half circle.
 
 use super::angle::{TURN, cos_sin, direction};
 use crate::gcode::{ArcShape, Plane};
@@ -17,7 +17,7 @@ use crate::units::{Mm, mul_div, part_of};
 pub(in crate::machine) enum ArcError {
     /// Neither I, J, K nor R was given.
     MissingCentre,
-    /// The centre lies beside the plane.
+    /// The centre is not in the plane.
     OffPlane,
     /// The start is the centre.
     ZeroRadius,
@@ -46,8 +46,8 @@ const MOST_CHORDS: u64 = 100_000;
 /// The centre of an arc lies within 100 m: ten times as far as any target, and no square overflows.
 const FARTHEST_CENTRE: Mm = Mm::const_from_int(100_000);
 
-/// A chord spans an eighth of a turn at most, however small the circle: an octagon leaves its circle by 8 % of the
-/// radius, which is within any tolerance that would allow fewer chords.
+/// A chord spans an eighth of a turn at most, even on a small circle. An octagon leaves its circle by 8 % of the
+/// radius; a tolerance that allowed fewer chords would be larger than that.
 const LEAST_CHORDS_A_TURN: i64 = 8;
 
 /// A position as its part in a plane, and the two coordinates outside: the axis across it, and the extruder. The first
@@ -62,7 +62,7 @@ pub(in crate::machine) fn split<T>(plane: Plane, position: [T; 4]) -> ([T; 2], [
     }
 }
 
-/// The position of which these are the parts.
+/// The position with these parts.
 pub(in crate::machine) fn join<T>(plane: Plane, [first, second]: [T; 2], [across, e]: [T; 2]) -> [T; 4] {
     match plane {
         Plane::Xy => [first, second, across, e],
@@ -181,8 +181,8 @@ impl Shape {
     }
 }
 
-/// A chord that spans the angle t leaves the circle by `r (1 - cos(t/2))`, about `r t^2 / 8`: the number of
-/// chords is the sweep over `sqrt(8 tolerance / r)`.
+/// A chord that spans the angle t leaves the circle by `r (1 - cos(t/2))`, about `r t^2 / 8`. The number of chords is
+/// the sweep over `sqrt(8 tolerance / r)`.
 fn chords(sweep: i64, radius: u64, tolerance: Mm) -> Option<u32> {
     // Radians times 2^16: 2 pi is 411775 / 65536.
     let sweep = sweep.unsigned_abs();
@@ -196,9 +196,9 @@ fn chords(sweep: i64, radius: u64, tolerance: Mm) -> Option<u32> {
 
 /// The centre on the side that R's sign asks for: a positive R sweeps at most half a turn.
 ///
-/// Rounding moves each end by up to sqrt(2)/2 of the last decimal, half the chord by as much, and R by a half of it:
-/// together by 1.21 of it. Within that, all arcs with such ends are alike, from a little less to a little more than a
-/// half circle; it is the one between.
+/// Rounding moves each end by up to sqrt(2)/2 of the last decimal, half the chord by as much, and R by half of the
+/// decimal: together 1.21 of it. Within that, all arcs with such ends are alike, from a little less to a little more
+/// than a half circle; it is the one between.
 fn centre_from_radius(
     start: [i64; 2],
     end: [i64; 2],

@@ -1,5 +1,5 @@
-//! Arcs as programs write them: rounded to their decimals, and led up to by moves whose rounding adds up. The oracle is
-//! the circle that was rounded.
+//! Arcs as slicers write them: rounded to their decimals, after moves with accumulated rounding. The oracle is the
+//! circle that was rounded.
 
 extern crate std;
 
@@ -126,8 +126,8 @@ proptest! {
         prop_assert!(arc.is_ok(), "{line}: {arc:?}");
         let arc = arc.unwrap();
         prop_assert_eq!(arc.point(arc.chords()), writer.place(end));
-        // Half the chord over R is the sine of half the angle: rounding turns that by 16 / (pi - angle) of its size
-        // over R at the most, and near a half circle, where it is one, by the root of 20 of it.
+        // Half the chord over R is the sine of half the angle. Rounding turns the angle by at most 16 / (pi - angle) of
+        // its share of R. Near a half circle, where the sine is one, the bound is the root of 20 of it.
         let part = rounding.max(writer.last()) / radius;
         let near_half = (16.0 * part / (PI - sweep).max(1e-9)).min((20.0 * part).sqrt());
         let allowed = if writer.radius { near_half } else { 8.0 * part };

@@ -1,7 +1,6 @@
 //! Settings as lines set them: all values of a line if each is legal, otherwise none, and following moves obey.
 //!
-//! Plain functions on the settings, which change a copy of what they set and put it back; M92 alone needs the machine
-//! at rest.
+//! Plain functions on the settings: each changes a copy and puts it back. M92 alone needs the machine at rest.
 
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;
@@ -84,12 +83,12 @@ pub(in crate::machine) fn set_max_speed(
     Answer::Nothing
 }
 
-/// What M92 has changed beside the resolutions.
+/// Side effects of M92 on other settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Resolved {
     /// Nothing.
     Resolutions,
-    /// Speed limits too, for a motor makes so many steps a second at most.
+    /// Speed limits too, because the step rate of a motor is limited.
     LoweredSpeeds,
 }
 
@@ -165,8 +164,8 @@ pub(in crate::machine) fn set_acceleration(
     Answer::Nothing
 }
 
-/// M205. J chooses junction deviation; a jerk of X or Y without J is a square-corner velocity, for a
-/// corner of 90 degrees changes the speed of each axis by just that.
+/// M205. J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90
+/// degrees changes the speed of each axis by exactly that.
 pub(in crate::machine) fn set_corners(
     words: &CornerWords,
     s: &mut Settings,
@@ -209,7 +208,7 @@ pub(in crate::machine) fn set_corners(
     Answer::Line("echo:M205: one value for X and Y, the lesser, or J instead; Z and B are not used")
 }
 
-/// SET_VELOCITY_LIMIT, in mm whatever G20 says. Klipper has one acceleration, and braking had a word of its own
+/// SET_VELOCITY_LIMIT, always in mm, even after G20. Klipper has one acceleration, and braking had a word of its own
 /// before there was the ratio (klippy/toolhead.py).
 pub(in crate::machine) fn set_velocity_limit<'a>(
     words: &VelocityWords<'a>,

@@ -1,5 +1,5 @@
-//! Settings as they are stored: what is stored counts from the start on, and M500, M501, M502, M504; and the note of a
-//! self-test that was passed.
+//! Stored settings: M500, M501, M502, M504, and the record of a passed self-test. Stored settings take effect at the
+//! start.
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::storage_news::StorageNews;
@@ -128,7 +128,7 @@ pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
     Ok(save(main_loop, &settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
 }
 
-/// Stores settings. The machine rests: storage may be flash, whose erasing stops the processor.
+/// Stores settings. The machine is at rest: storage may be flash, and erasing flash stops the processor.
 pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     settings: &Settings,

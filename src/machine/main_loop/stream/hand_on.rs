@@ -10,7 +10,7 @@ use crate::units::Instant;
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Hands released moves on, and releases more when it is time.
     pub(in crate::machine::main_loop) fn feed_motion(&mut self, now: Instant) {
-        // Asked at every turn, because that counts up what was stepped.
+        // Asked at every turn, because that updates the count of steps made.
         let left = self.link.left();
         let queued = self.link.level();
         let level = (self.planner.len() + queued) as u32;
@@ -58,7 +58,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         if release == Release::Final {
             return false;
         }
-        // What waits to be continued may be what makes the next move final.
+        // The line that waits to be continued may make the next move final.
         if self.planner.cut_line(&self.settings) {
             self.note_path();
             return true;

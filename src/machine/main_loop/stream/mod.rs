@@ -11,7 +11,7 @@
 //!
 //! | word | means |
 //! |---|---|
-//! | waiting | moves in the look-ahead, whose speeds may still change |
+//! | waiting | moves in the look-ahead; their speeds may still change |
 //! | queued | moves that have left it and are not stepped yet |
 //! | final, dry, underrun, share, gathering | see `release` |
 

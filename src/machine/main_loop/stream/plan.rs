@@ -1,7 +1,7 @@
 //! Into the look-ahead: a move is planned as soon as there is room for it.
 //!
-//! How much motion waits before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`, whose
-//! default is in `Settings::prototype`. Without room the look-ahead counts as full to `release` (`note_full`): motion
+//! The amount of motion planned before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`
+//! (default in `Settings::prototype`). Without room the look-ahead counts as full to `release` (`note_full`): motion
 //! begins, and a slow host's share ends. `main_loop::heat_door` (`set_fan`) waits by the same exemption;
 //! `main_loop::tell` (P of `advanced_ok`) asks `has_room`. `boards/sim/tests/lookahead_time.rs` holds it; it is told in
 //! docs/explanation/flow.md, docs/reference/host-protocol.md, README.md, its row in `settings` and
@@ -77,7 +77,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 
     /// M220: from now on, and for the moves that wait. An earlier change is carried out first, and moves leave before
-    /// the next change: a host that changes the feed all the time would keep all moves back.
+    /// the next change. Otherwise a host that changes the feed all the time would keep all moves back.
     pub async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
         if !self.planner.is_planned() {
             while !self.planner.replan() {
@@ -90,8 +90,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Chords that are one line and wait to be continued get their place in the look-ahead, as they must before
-    /// settings of the planner change; false if there are none.
+    /// Adds the chords that form one line and wait to be continued to the look-ahead, as settings of the planner
+    /// require before they change. False if there are none.
     pub(in crate::machine::main_loop) fn close_line(&mut self) -> bool {
         let is_closed = self.planner.close_line(&self.settings);
         if is_closed {

@@ -76,7 +76,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         has_motion
     }
 
-    /// All planned moves leave, for a command waits for them.
+    /// All planned moves leave, because a command waits for them.
     pub fn release_all(&mut self) {
         self.policy.note_awaited();
         self.close_line();
@@ -95,8 +95,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
-    /// have been dropped with the motion. Motion rests.
+    /// Gives the planner and the generator the machine's position. Gives the generator its functions for each axis
+    /// again, which may have been dropped with the motion. Motion rests.
     pub async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.adopt_exactly(self.real.whole_steps_away(position, self.link.counts())).await
     }
@@ -114,7 +114,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.follow().await
     }
 
-    /// Tells the generator what each axis follows. Motion rests.
+    /// Gives the generator the function that each axis follows. Motion rests.
     pub(in crate::machine::main_loop) async fn follow(&mut self) -> Result<(), Interrupt> {
         let window = self.advance_in_use.follow(&self.settings);
         self.planner.set_advance_window(window);
