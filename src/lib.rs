@@ -5,13 +5,13 @@
 //! events. The same code therefore runs on the host, in QEMU and on a controller, and gives the same steps.
 //!
 //! ```text
-//! bytes -> protocol -> gcode -> machine -> motion::planner ==MoveQueue==> motion::stepgen ==StepQueue==> motion::stepper -> pins
-//!                                        |
-//!                                        +--orders--> thermal --duties--> heaters, fans
+//! bytes -> protocol -> gcode -> machine -> motion::planner ==MoveQueue==> motion::stepgen ==StepQueue==> stepper
+//!                                        |                                                                |
+//!                                        +--orders--> thermal --duties--> heaters, fans                   +-> pins
 //! ```
 //!
 //! A **room** is a folder or file directly in `src`, with one job. A room may use only rooms of the lines above its
-//! own, to which `tests/layers.rs` holds every `use`:
+//! own; `tests/layers.rs` checks every `use`:
 //!
 //! 1. `units`, `text`, `checksum`
 //! 2. `motors`, `connectors`, and `fault`, which uses `connectors`
@@ -21,8 +21,8 @@
 //! 6. `machine`
 //! 7. `app`
 //!
-//! **The paper** is the one that describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an
-//! 80 mm head: [`settings::Settings::prototype`]. Each room explains its other words at its head.
+//! **The paper** describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an 80 mm head:
+//! [`settings::Settings::prototype`]. Each room explains its other words at its head.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,9 +1,9 @@
 //! Motors and endstops: their names, and sets of them as bits.
 //!
-//! The Z probe is an endstop, [`EndstopSet::PROBE`]: a board may have its pin (`Board::probe` in `wiring.rs` of the
-//! chip) and a machine a plug for it (`Settings::probe`), which is read like a switch (`step_pins.rs`), and M119
-//! reports it. A move could watch for it (`watch` of a `Target`, motion/planner), but none does: no command lowers the
-//! tool onto the probe.
+//! The Z probe is an endstop, [`EndstopSet::PROBE`]. A board may have its pin (`Board::probe` in `wiring.rs` of the
+//! chip) and a machine a plug for it (`Settings::probe`). It is read like a switch (`step_pins.rs`), and M119 reports
+//! it. A move could watch for it (`watch` of a `Target`, motion/planner), but none does: no command lowers the tool
+//! onto the probe.
 
 /// The name of a motor; its number is its bit in a [`MotorSet`] and its column in a step trace.
 ///
@@ -154,13 +154,13 @@ impl Coupling {
         )
     }
 
-    /// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+    /// The motors that turn forward if the coordinates of these groups increase and the others decrease.
     #[must_use]
     pub fn forward_motors(&self, groups: GroupSet) -> MotorSet {
         self.sum(|number, (with, against)| if groups.0 >> number & 1 == 1 { with } else { against })
     }
 
-    /// The steps of each motor, given those of the groups.
+    /// The steps of each motor, given the steps of the groups.
     #[must_use]
     pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
         Motor::ALL.map(|motor| {

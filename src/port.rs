@@ -9,17 +9,17 @@ pub use crate::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 use crate::connectors::{BoardConnectors, SIM};
 use crate::units::{Instant, Tick};
 
-/// How long a step line has to be high, in ns, with every driver that is supported. TMC2209 datasheet rev 1.09, section
-/// 13.1: t_SH >= max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its
+/// The time that a step line has to be high, in ns, for every supported driver. TMC2209 datasheet rev 1.09, section
+/// 13.1: t_SH >= max(t_FILTSD, t_CLK + 20 ns). That is 103 ns with the internal clock of 12 MHz and 118 ns at its
 /// slowest.
 pub const STEP_PULSE_NS: u32 = 133;
 
 /// Step and direction lines of all motors, and the endstop inputs. Called from the step interrupt only:
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
-    /// Sets the direction lines so that the coordinates of the groups of `forward` grow with a step and those of the
-    /// others fall ([`Coupling::forward_motors`] says what that is for a motor). Returns when a step may follow
-    /// (TMC2209 datasheet rev 1.09, section 13.1: DIR to STEP set-up 20 ns).
+    /// Sets the direction lines so that a step increases the coordinates of the groups in `forward` and decreases the
+    /// others. [`Coupling::forward_motors`] gives the direction of each motor. Returns when a step may follow (TMC2209
+    /// datasheet rev 1.09, section 13.1: DIR to STEP set-up 20 ns).
     fn dir(&mut self, forward: GroupSet);
 
     /// Raises the step lines of all motors of `steps` in one instant: one store a GPIO port.
@@ -30,7 +30,7 @@ pub trait StepPort {
     /// [`StepClock::alarm_again`].
     fn fall(&mut self, steps: GroupSet);
 
-    /// Groups whose step lines take longer than the others': theirs is [`rise`](Self::rise) alone.
+    /// Groups with step lines that take longer than the others: this is the time of their [`rise`](Self::rise) alone.
     fn slow_groups(&self) -> GroupSet {
         GroupSet::NONE
     }
@@ -47,11 +47,11 @@ pub trait StepPort {
         self.fall(steps);
     }
 
-    /// All endstop inputs, that of the Z probe too, in one read of each GPIO port.
+    /// All endstop inputs, including the Z probe, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
 
-    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board with its pin, whose machine has
-    /// one.
+    /// The endstops of the machine; the Z probe ([`EndstopSet::PROBE`]) only if the board has its pin and the machine
+    /// has a probe.
     fn inputs(&self) -> EndstopSet {
         EndstopSet::SWITCHES
     }
@@ -72,9 +72,9 @@ pub trait StepClock {
     #[must_use]
     fn alarm(&mut self, at: Tick) -> bool;
 
-    /// The same from within the step interrupt that an alarm has brought about. It may be false as well for an `at`
-    /// that is too near, or too far away, to be done with at once; then [`alarm`](Self::alarm) or
-    /// [`silence`](Self::silence) has to follow.
+    /// The same from within the step interrupt that an alarm has brought about. It may also be false for an `at` that
+    /// is too near or too far away to be finished at once; then [`alarm`](Self::alarm) or [`silence`](Self::silence)
+    /// has to follow.
     #[must_use]
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
@@ -100,7 +100,7 @@ pub trait Clock {
     fn now(&self) -> Instant;
 }
 
-/// What the serial line delivered.
+/// An event of the serial line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Received {
@@ -108,7 +108,7 @@ pub enum Received {
     Byte(u8),
     /// Something was lost or damaged here: overrun, framing or noise error.
     Lost,
-    /// Somebody has opened the line; what came before was somebody else's. Only for lines that know, such as USB.
+    /// A host has opened the line; earlier bytes came from another host. Only for lines that know, such as USB.
     Opened,
 }
 
@@ -119,7 +119,7 @@ pub const LINES: usize = 3;
 /// The serial lines of a machine.
 pub type Lines<S> = heapless::Vec<S, LINES>;
 
-/// A serial line; never blocks. A line that nobody listens to takes everything that is sent.
+/// A serial line; never blocks. A line without a host takes all bytes that are sent.
 pub trait Serial {
     /// The next thing received, if any.
     fn recv(&mut self) -> Option<Received>;
@@ -130,17 +130,17 @@ pub trait Serial {
 
 /// The motor drivers: their enable lines, and the one-wire UART of each.
 ///
-/// One exchange, which is a request and its reply, goes on at a time, beside everything else: nothing here blocks, and
-/// nobody awaits it. Without methods of its own for that, a machine has drivers that nobody can talk to.
+/// One exchange, a request and its reply, runs at a time, in parallel with all other work: nothing here blocks, and no
+/// caller awaits it. The default methods describe drivers without a UART.
 pub trait DriverBus {
     /// Powers exactly the motors of `on`, all that change in one transaction.
     fn enable(&mut self, on: MotorSet);
 
-    /// From now on a step of a group turns these motors: the step pins take it, and their direction lines are set anew
-    /// ([`Stepper::recouple`](crate::motion::Stepper::recouple)). Nothing moves meanwhile.
+    /// From now on a step of a group turns these motors: the step pins take it, and their direction lines are set again
+    /// ([`Stepper::recouple`](crate::motion::Stepper::recouple)). Nothing moves during the change.
     fn couple(&mut self, coupling: &Coupling);
 
-    /// Motors whose driver can be talked to; the others run as their jumpers say.
+    /// Motors with a driver that has a UART; the others run as their jumpers say.
     fn lines(&self) -> MotorSet {
         MotorSet::NONE
     }
@@ -155,12 +155,12 @@ pub trait DriverBus {
         Some(Err(BusError::Silent))
     }
 
-    /// What the board has to plug a machine into.
+    /// The board's connectors.
     fn connectors(&self) -> &'static BoardConnectors {
         &SIM
     }
 
-    /// Why no motor may have power, whatever its driver says: the board has no machine, or one for another board.
+    /// Why no motor may have power, independent of its driver: the board has no machine, or one for another board.
     fn refusal(&self) -> Option<&'static str> {
         None
     }
@@ -181,7 +181,7 @@ pub type Frame = heapless::Vec<u8, 8>;
 pub enum BusError {
     /// It says nothing, or stopped in the middle: no motor supply, no driver, no wire.
     Silent,
-    /// What it says are no bytes: a stop bit that is low.
+    /// The received signal is no byte: a stop bit is low.
     Garbled,
 }
 
@@ -228,8 +228,8 @@ pub trait Storage {
     /// [`StorageError`]; then some of the bytes may have been written.
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
 
-    /// Whether everything written is stored for good. Ask until it is before the next transfer: a transfer
-    /// that comes too early waits by itself, and nobody else gets a turn.
+    /// Whether everything written is stored for good. Ask until it is true before the next transfer: a transfer that
+    /// comes too early blocks until then, and no other context runs.
     ///
     /// # Errors
     /// [`StorageError::Failed`] if it takes too long.
@@ -237,8 +237,8 @@ pub trait Storage {
         Ok(true)
     }
 
-    /// What the program memory holds, as one number that is another one after an update; `None` for a program that
-    /// nobody flashes, such as a simulator's.
+    /// The content of the program memory, as a number that differs after an update; `None` for a program that is not
+    /// flashed, such as a simulator's.
     fn image(&self) -> Option<u32> {
         None
     }
@@ -262,21 +262,20 @@ impl Storage for NoStorage {
     }
 }
 
-/// Heaters, fans, temperature sensors, and what watches over them. Called from the thermal context only; no call may
-/// block or lock.
+/// Heaters, fans, temperature sensors, and their watchdog. Called from the thermal context only; no call may block or
+/// lock.
 pub trait ThermalPort {
-    /// What the converter reads there: its part of the reference voltage, in units of 1/65,536. `None` if there
-    /// is no such sensor, or if the converter has stopped: a value is never older than some milliseconds.
+    /// The converter's reading: its part of the reference voltage, in units of 1/65,536. `None` if there is no such
+    /// sensor, or if the converter has stopped: a value is never older than some milliseconds.
     fn sample(&mut self, sensor: Sensor) -> Option<u16>;
 
-    /// What the converter reads of its internal reference, as a part of the supply in units of 1/65,536; `None` if the
+    /// The converter's reading of its internal reference, as a part of the supply in units of 1/65,536; `None` if the
     /// board does not measure it.
     fn reference(&mut self) -> Option<u16> {
         None
     }
 
-    /// Outputs that may heat: those that hardware switches off by itself when nobody calls [`heat`](Self::heat) any
-    /// more.
+    /// Outputs that may heat: hardware switches them off by itself if [`heat`](Self::heat) is not called any more.
     fn outputs(&self) -> OutputSet {
         OutputSet::NONE
     }

@@ -1,4 +1,4 @@
-//! Units: what a number means is part of its type, and conversions live here alone.
+//! Units: the type of a number carries its unit, and conversions live here alone.
 //!
 //! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
 //! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
@@ -46,8 +46,8 @@ pub type WattsPerKelvin = U8F24;
 /// The one tick of every platform: 0.1 us. An STM32F446 counts it exactly, in 18 cycles of 180 MHz.
 pub const TICKS_PER_SECOND: u32 = 10_000_000;
 
-/// The square of a speed, in 2^-32 mm2/s2: that of a raw [`MmPerSec`]. Ramps and corners are laws of the square, and a
-/// square cannot be taken for the speed itself.
+/// The square of a speed, in 2^-32 mm2/s2: the square of a raw [`MmPerSec`]. Ramps and corners are laws of the square,
+/// and a square cannot be taken for the speed itself.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 #[repr(transparent)]
 pub struct SpeedSq(pub u64);
@@ -72,7 +72,7 @@ impl SpeedSq {
         Self(self.0.saturating_add(gain.0))
     }
 
-    /// What is left of it, at least 0.
+    /// The difference, at least 0.
     #[must_use]
     #[inline(always)]
     pub const fn saturating_sub(self, loss: Self) -> Self {
@@ -134,7 +134,7 @@ impl SubTicks {
         self.0.saturating_add(1 << 15) >> 16
     }
 
-    /// What is left of it, at least none.
+    /// The difference, at least none.
     #[must_use]
     #[inline(always)]
     pub const fn saturating_sub(self, earlier: Self) -> Self {
@@ -239,8 +239,8 @@ pub const fn mul_div(a: u64, b: u64, divisor: u64) -> u64 {
 }
 
 /// The wide path of [`mul_div`]: a product of 128 bits divided in two digits of 32 bits (D. E. Knuth, The Art of
-/// Computer Programming, 4.3.1, algorithm D). Compilers for 32 bits write such a division out bit by bit and wherever
-/// it stands, 800 bytes of it.
+/// Computer Programming, 4.3.1, algorithm D). Compilers for 32 bits expand such a division bit by bit at each use, 800
+/// bytes of it.
 #[cold]
 #[inline(never)]
 const fn wide_mul_div(a: u64, b: u64, divisor: u64) -> u64 {
@@ -256,8 +256,8 @@ const fn wide_mul_div(a: u64, b: u64, divisor: u64) -> u64 {
     first << 32 | second
 }
 
-/// The digit that `divisor` is contained in `rest` followed by `next`, and what is left. `rest` is less than `divisor`,
-/// whose highest bit is set.
+/// The number of times that `divisor` is contained in `rest` followed by `next`, and the remainder. `rest` is less than
+/// `divisor`, and the highest bit of `divisor` is set.
 const fn digit(rest: u64, next: u32, divisor: u64) -> (u64, u64) {
     let (upper, lower) = (divisor >> 32, divisor & 0xFFFF_FFFF);
     let (mut digit, mut left) = (rest / upper, rest % upper);

@@ -1,5 +1,4 @@
-//! Kits: what the handles are made of. A board with little stack makes them one by one, each in the place where it
-//! stays.
+//! Kits: the parts of the handles. A board with little stack makes them one by one, each in the place where it stays.
 
 use super::memory::Memory;
 use crate::kinematics::Groupings;
@@ -32,7 +31,7 @@ pub struct Kits<'m, W: Pend> {
     pub console: ConsoleKit<'m, W>,
     /// For everybody, to look at.
     pub status: &'m Status,
-    /// What the motors have done.
+    /// The step counts of the motors.
     pub counts: StepCounts<'m>,
 }
 
@@ -57,7 +56,7 @@ impl<'m, W: Pend> Kits<'m, W> {
     }
 }
 
-/// What a [`Stepper`] is made of.
+/// The parts of a [`Stepper`].
 pub struct StepperKit<'m> {
     events: StepsOut<'m>,
     status: &'m Status,
@@ -70,7 +69,7 @@ impl<'m> StepperKit<'m> {
     }
 }
 
-/// What a [`StepGenerator`] is made of.
+/// The parts of a [`StepGenerator`].
 pub struct GeneratorKit<'m> {
     moves: Consumer<'m, Entry>,
     events: StepsIn<'m>,
@@ -87,7 +86,7 @@ impl<'m> GeneratorKit<'m> {
     }
 }
 
-/// What a [`ThermalControl`] is made of.
+/// The parts of a [`ThermalControl`].
 pub struct ThermalKit<'m> {
     orders: OrdersIn<'m>,
     status: &'m Status,
@@ -100,7 +99,7 @@ impl<'m> ThermalKit<'m> {
     }
 }
 
-/// What a [`Console`] is made of.
+/// The parts of a [`Console`].
 pub struct ConsoleKit<'m, W: Pend> {
     planned: &'m mut MoveMemory,
     orders: Orders<'m>,
@@ -109,7 +108,7 @@ pub struct ConsoleKit<'m, W: Pend> {
 }
 
 impl<'m, W: Pend> ConsoleKit<'m, W> {
-    /// Makes it, for a machine that stands at `start` (x, y, z) if that is known, as if homed.
+    /// Makes the Console. If `start` (x, y, z) is known, the machine stands there as if homed.
     pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage>(
         self,
         settings: &Settings,

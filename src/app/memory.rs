@@ -1,4 +1,4 @@
-//! Memory: what the handles share.
+//! Memory: the data shared by the handles.
 
 use crate::kinematics::Groupings;
 use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};

@@ -7,7 +7,7 @@
 //! | [`ThermalControl`] | an interrupt of its own, every 20 ms, above the Console | heaters, fans, guards, watchdog |
 //! | [`Console`] | thread or lowest executor | everything else |
 //!
-//! Each lives in one context, and nobody else holds it. [`assemble`] makes them all at once, [`Kits`] one by one.
+//! Each lives in one context, which alone owns it. [`assemble`] makes them all at once, [`Kits`] one by one.
 
 mod kits;
 mod memory;
@@ -35,7 +35,7 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: P
     pub console: Console<'m, Q, W>,
     /// For everybody, to look at.
     pub status: &'m Status,
-    /// What the motors have done.
+    /// The step counts of the motors.
     pub counts: StepCounts<'m>,
 }
 

@@ -2,15 +2,15 @@
 
 use super::{ConnectorName, FANS, Output, OutputSet, Sensor};
 
-/// What a board has to plug a machine into.
+/// The connectors of a board for a machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BoardConnectors {
     /// Its name in files and on command lines.
     pub key: &'static str,
-    /// What it is called in messages.
+    /// Its name in messages.
     pub name: &'static str,
-    /// Sockets of motor drivers, in the order of the board's table of pins: those of the prototype's motors, then
-    /// others.
+    /// Sockets of motor drivers, in the order of the board's table of pins: first the sockets of the prototype's
+    /// motors, then others.
     pub sockets: &'static [ConnectorName],
     /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype, then others.
     pub endstops: &'static [ConnectorName],
@@ -31,7 +31,7 @@ pub struct BoardConnectors {
 }
 
 /// BTT Octopus V1.0 and V1.1 (BTT's schematic). M2 is one driver with two plugs. The direction line of M7 (PA14) is the
-/// clock of the debug port. Left out, though printed: heater outputs HE2 and HE3, whose pulses no timer can end
+/// clock of the debug port. Left out, though printed: heater outputs HE2 and HE3, because no timer can end their pulses
 /// (`boards/octopus/src/wiring.rs`).
 pub const OCTOPUS: BoardConnectors = BoardConnectors {
     key: "octopus",
@@ -48,13 +48,13 @@ pub const OCTOPUS: BoardConnectors = BoardConnectors {
 };
 
 /// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used
-/// (`boards/octopus-pro`); its PROBE header alone has a pin of its own. A field that is new counts for it, and for
-/// [`SIM`], as it does for the Octopus.
+/// (`boards/octopus-pro`); only its PROBE header has another pin. A field that is new counts for it, and for [`SIM`],
+/// as it does for the Octopus.
 pub const OCTOPUS_PRO: BoardConnectors =
     BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", probes: &names(["BLTOUCH"]), ..OCTOPUS };
 
-/// Fysetc Spider V1.x and V2.x with an STM32F446 (Fysetc's README). Left out, though printed: heater outputs, whose
-/// pulses no timer of ours can end, and fans; Z-MAX is the probe's (`boards/spider/wiring.rs`).
+/// Fysetc Spider V1.x and V2.x with an STM32F446 (Fysetc's README). Left out, though printed: heater outputs with
+/// pulses that no timer of ours can end, and fans. Z-MAX is the probe's connector (`boards/spider/wiring.rs`).
 pub const SPIDER: BoardConnectors = BoardConnectors {
     key: "spider",
     name: "Fysetc Spider",

@@ -1,8 +1,8 @@
-//! Connectors: where a board has motors, switches, heaters, temperature sensors and fans, by the names printed beside
-//! them.
+//! Connectors: a board's motors, switches, heaters, temperature sensors and fans, by the names printed next to them.
 //!
 //! A [`Heater`] is a thing that is kept at a temperature; settings say at which output it hangs and which sensor
-//! watches it. [`BoardConnectors`] lists what a board has. Which pin is behind a name is in `wiring.rs` of the board.
+//! watches it. [`BoardConnectors`] lists a board's connectors. Which pin is behind a name is in `wiring.rs` of the
+//! board.
 
 mod boards;
 mod name;
@@ -12,7 +12,7 @@ pub use name::ConnectorName;
 
 use serde::{Deserialize, Serialize};
 
-/// What is kept at a temperature, with the letter that hosts know it by.
+/// A heated part, with its letter in the host protocol.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -98,7 +98,7 @@ impl OutputSet {
 }
 
 /// A temperature sensor. A new one is a variant, a row of [`ALL`](Self::ALL), and a thermistor in the wiring of a
-/// board, which may have so many as its chip says (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
+/// board. The chip limits their number (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]

@@ -17,9 +17,8 @@ pub(super) struct Code {
 impl Code {
     /// Reads the code that `text` begins with, and returns it with the text after it.
     ///
-    /// `None` for anything else, above all for the named commands of Klipper: they may begin with the
-    /// same letters, even with the same digits (`T0_PARK`), so what follows a code must be a blank, a
-    /// word or a comment.
+    /// `None` for anything else, above all for the named commands of Klipper. They may begin with the same letters,
+    /// even with the same digits (`T0_PARK`), so a blank, a word or a comment must follow a code.
     pub(super) fn read(text: &[u8]) -> Option<(Self, &[u8])> {
         let (letter, after) = skip_blanks(text).split_first()?;
         let letter = letter.to_ascii_uppercase();

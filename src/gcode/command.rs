@@ -1,4 +1,4 @@
-//! What a line of G-code asks for, as a type in which nonsense cannot be written down.
+//! The request in a line of G-code, as a type that cannot hold nonsense.
 
 use super::number::Number;
 use super::parts::{
@@ -10,9 +10,9 @@ use crate::connectors::Heater;
 ///
 /// A new one is read by `parse`, `m_codes` or `named`. It does not compile before `machine::commands::immediate` has an
 /// arm for it and `tests/support/print.rs` its printed form. `tests/gcode.rs` then asks for its letters in `grammar`
-/// (without a row any text is taken) and its code in `CODES`, `boards/sim/tests/commands/table.rs` for a row with its
-/// answer. By hand: a code that was passed over is taken out of `quiet`; `machine::main_loop::halted` if a host may
-/// send it to a stopped machine; docs/reference/gcode.md (`tests/reference.rs` asks for its row),
+/// (without a row any text is taken) and its code in `CODES`. `boards/sim/tests/commands/table.rs` asks for a row with
+/// its answer. By hand: remove a code from `quiet` if it was ignored before; add it to `machine::main_loop::halted` if
+/// a host may send it to a stopped machine; docs/reference/gcode.md (`tests/reference.rs` asks for its row),
 /// docs/reference/host-protocol.md, CHANGELOG.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Command<'a> {
@@ -68,7 +68,7 @@ pub enum Command<'a> {
         /// Z: lift.
         lift: Option<Number>,
     },
-    /// M208: what G11 does beside undoing G10, or report.
+    /// M208: the additional amounts of G11, or report.
     RecoverSettings {
         /// S: filament that is pushed in addition.
         extra: Option<Number>,
@@ -93,7 +93,7 @@ pub enum Command<'a> {
     AwaitUser {
         /// S and P summed, in ms, after which it goes on by itself; 0 is never.
         ms: u32,
-        /// Whether the filament is to be changed meanwhile (M600).
+        /// Whether the filament is to be changed in the pause (M600).
         filament: bool,
         /// Where the tool waits.
         park: ParkWords,
@@ -115,7 +115,7 @@ pub enum Command<'a> {
     Cancel,
     /// M876: an answer to a question. It is taken on the receive path.
     Answer,
-    /// M28: what follows is a file for a card, of which there is none.
+    /// M28: the following lines are a file for a card; there is no card.
     BeginUpload(&'a [u8]),
     /// M29: that was all of it.
     EndUpload,
@@ -158,7 +158,7 @@ pub enum Command<'a> {
         /// Whether R was given.
         real: bool,
     },
-    /// M115: who are you.
+    /// M115: report the firmware.
     ReportFirmware,
     /// M117: a message for a display that is not there.
     Message,
@@ -166,14 +166,14 @@ pub enum Command<'a> {
     Tell {
         /// How it is dressed.
         form: Form,
-        /// Who hears it.
+        /// The receivers.
         to: Audience,
         /// The message as it came.
         text: &'a [u8],
     },
     /// M119: report the endstops.
     ReportEndstops,
-    /// M122: what the parts of the machine say of themselves.
+    /// M122: report the state of the machine's parts.
     Diagnose,
     /// M154: report the real position every so many seconds.
     AutoPosition(Option<Number>),
@@ -217,9 +217,9 @@ pub enum Command<'a> {
     FlowPercent(Option<Number>),
     /// M400: wait until all motion is done.
     Finish,
-    /// M410: stop the motion now and forget what is queued.
+    /// M410: stop the motion now and drop all queued moves.
     QuickStop,
-    /// M420: report on bed levelling, of which there is none.
+    /// M420: report on bed levelling; there is none.
     ReportLevelling,
     /// M486 S: the object that the following lines belong to; none if negative.
     Object(Number),
@@ -251,9 +251,9 @@ pub enum Command<'a> {
     HybridThreshold(AxisWords),
     /// M914: StallGuard threshold, or report.
     StallThreshold(AxisWords),
-    /// M915: align the motors of one belt, or see what has become of them.
+    /// M915: align the motors of one belt, or check them.
     AlignBelt {
-        /// D: say what has happened since they were aligned.
+        /// D: report changes since they were aligned.
         diagnoses: bool,
         /// R: the same, and set it right.
         repairs: bool,
@@ -281,7 +281,7 @@ pub enum Command<'a> {
     VelocityLimit(VelocityWords<'a>),
     /// T0: choose the only tool.
     Tool,
-    /// M104, M140, M141: what a heater is to be kept at; nothing without S or R.
+    /// M104, M140, M141: set the target of a heater; no effect without S or R.
     HeaterTarget {
         /// Which heater.
         heater: Heater,
@@ -321,7 +321,7 @@ pub enum Command<'a> {
         target: Option<Number>,
         /// C: swings.
         cycles: Option<Number>,
-        /// U: whether to use what is found.
+        /// U: whether to use the result.
         applies: bool,
     },
     /// SELF_TEST: find out whether each heater warms its own sensor.
@@ -352,7 +352,7 @@ pub enum Command<'a> {
         run_on: Option<Number>,
         /// R: as the machine was made.
         resets: bool,
-        /// I or A, of which this firmware has none.
+        /// I or A; this firmware has neither.
         other: Option<u8>,
     },
     /// M81: everything off that can be switched off.
@@ -365,7 +365,7 @@ pub enum Command<'a> {
     Probing,
     /// A command that hosts and slicers send and that needs no answer but `ok`.
     Silent,
-    /// M999: begin anew after a stop. The receive path acts on it if the machine is halted.
+    /// M999: restart after a stop. The receive path acts on it if the machine is halted.
     Restart,
     /// A known command on a line that is not in order.
     Malformed(Flaw<'a>),

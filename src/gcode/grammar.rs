@@ -1,8 +1,7 @@
-//! Grammar: which lines are in order. A line that is not does nothing, instead of half of what was meant.
+//! Grammar: the lines that are valid. An invalid line does nothing, instead of half of its intent.
 //!
-//! Letters that a command does not know are ignored, as slicers rely on (`G28 W`, `M400 U1`). But what is no word at
-//! all, a letter without the number that it needs, the letter of another axis and a second command on the line say
-//! that something is wrong with it.
+//! Letters that a command does not know are ignored, as slicers rely on (`G28 W`, `M400 U1`). Four things make the line
+//! invalid: text that is no word, a letter without its number, the letter of another axis, and a second command.
 
 use super::code::Code;
 use super::command::Command;
@@ -11,13 +10,13 @@ use super::lexer::{Words, is_blank, skip_blanks, skip_past};
 use super::number::Number;
 use super::parts::Flaw;
 
-/// What a command takes.
+/// The words of a command.
 struct Grammar {
     /// Letters that need a number.
     numbers: &'static [u8],
     /// Letters of axes that the machine does not have.
     no_axes: &'static [u8],
-    /// Letters whose number must not be negative.
+    /// Letters with a number that must not be negative.
     not_negative: &'static [u8],
 }
 
@@ -33,7 +32,7 @@ impl Grammar {
         Self { numbers, no_axes, not_negative: &[] }
     }
 
-    /// The grammar of a code; `None` for one that takes any text, or must act whatever follows it.
+    /// The grammar of a code; `None` for a code that takes any text, or must act in any case.
     fn of(code: Code) -> Option<Self> {
         Some(match (code.letter, code.number) {
             // C is the belt's circulation, which not every machine has.
@@ -74,7 +73,7 @@ impl Grammar {
     }
 }
 
-/// What is wrong with the words of a command, first of all what is no word.
+/// The error in the words of a command; a part that is no word comes first.
 #[cold]
 #[inline(never)]
 pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {

@@ -1,4 +1,4 @@
-//! Heaters and fans: targets, waits, and what is known of their behaviour.
+//! Heaters and fans: targets, waits, and heater models.
 
 use super::command::Command;
 use super::lexer::{Words, last, number};
@@ -49,7 +49,7 @@ pub(super) fn tune(text: &[u8]) -> Command<'static> {
     Command::TuneHeater { heater: heater(text), target: number(text, b'S'), cycles: number(text, b'C'), applies }
 }
 
-/// M306. With T it tunes and uses what it finds.
+/// M306. With T it tunes and uses the result.
 pub(super) fn model(text: &[u8]) -> Command<'static> {
     let heater = heater(text);
     if last(text, b'T').is_some() {

@@ -1,5 +1,5 @@
-//! Index words: letters whose number says which of several parts a command is for. A command for a part that is not
-//! there does nothing and is refused by name; `M221 T1 S50` must not halve the flow of the only extruder.
+//! Index words: letters with a number that selects one of several parts. A command for a part that is not there does
+//! nothing and is refused by name; `M221 T1 S50` must not halve the flow of the only extruder.
 //!
 //! [`index_words`] is the table, read against Marlin 2.1 (`get_target_extruder_from_command` and the `I`, `E` and `D`
 //! of its commands), RepRapFirmware 3 and Prusa-Firmware-Buddy. Left out with a reason:
@@ -7,14 +7,14 @@
 //! - P of M106 and M107: how many fans there are is the machine's to say (`machine::commands::fans`).
 //! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`heat::heater`). T of M306 asks for a tuning, T of
 //!   M204 and M205 is for travel.
-//! - Reports (M105 T, M114, M122 P): they are what they are, whatever stands behind them.
+//! - Reports (M105 T, M114, M122 P): their result does not depend on their words.
 //! - Pauses (M600 T): a print that asks for its user waits, whichever tool it means.
-//! - M104 T0, M106 P0, M200 D0, `G10 P0`, M141: what slicers write for machines with one extruder and no chamber.
+//! - M104 T0, M106 P0, M200 D0, `G10 P0`, M141: slicers write them for machines with one extruder and no chamber.
 
 use super::code::Code;
 use super::number::Number;
 
-/// What a word addresses.
+/// The part that a word addresses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Part {
     /// An extruder; there is one.
@@ -51,7 +51,7 @@ impl Part {
         }
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -70,7 +70,7 @@ pub(super) fn skip_past(text: &[u8], end: u8) -> &[u8] {
     after.get(1..).unwrap_or_default()
 }
 
-/// Whether a byte may stand directly after a number: a blank, or what begins something else.
+/// Whether a byte may stand directly after a number: a blank, or the begin of something else.
 const fn may_follow(byte: u8) -> bool {
     is_blank(byte) || byte.is_ascii_alphabetic() || matches!(byte, b';' | b'(' | b'"')
 }

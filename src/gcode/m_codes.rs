@@ -1,4 +1,4 @@
-//! M-codes: switches, limits, reports. `heat` has those of heaters and fans.
+//! M-codes: switches, limits, reports. `heat` has the codes of heaters and fans.
 
 use super::axes::{axis_flags, axis_words, take_axis};
 use super::code::Code;
@@ -100,7 +100,8 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
         915 => {
-            // RepRapFirmware's M915 is another command; it has these words beside its axes, and a number at its R.
+            // RepRapFirmware's M915 is another command; it has these words in addition to its axes, and a number at its
+            // R.
             let is_foreign = b"PSFHT".iter().any(|letter| last(text, *letter).is_some());
             let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter));
             let has_number = [diagnoses, repairs].into_iter().flatten().any(|word| word.number.is_some());
@@ -174,7 +175,7 @@ fn corners(text: &[u8]) -> Command<'static> {
     Command::Corners { deviation, jerk, min_feed, min_travel, min_segment }
 }
 
-/// M220. B and R stand alone in practice; beside them S is ignored.
+/// M220. B and R stand alone in practice; with either of them S is ignored.
 fn feed_percent(text: &[u8]) -> Command<'static> {
     if last(text, b'B').is_some() {
         Command::BackUpFeedPercent

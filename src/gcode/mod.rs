@@ -1,15 +1,14 @@
 //! G-code: one line of text in, one [`Command`] out.
 //!
 //! The dialect is the one that slicers and hosts write for Marlin 2, with the commands of Klipper, RepRapFirmware and
-//! Prusa that stand in sliced files. This room knows what each command takes: its letters, the names that other
-//! firmwares give it, which of its numbers are illegal, what a missing one means, and which commands need nothing but
-//! `ok`. What a command then does is for room `machine`; a line's number and checksum were taken off by room
-//! `protocol`. No state is kept: a line gives the same command whatever came before it.
+//! Prusa that stand in sliced files. This room knows the words of each command: its letters, its names in other
+//! firmwares, its illegal numbers, and the meaning of a missing number. It also knows which commands need nothing but
+//! `ok`. Room `machine` carries the command out; room `protocol` has already removed a line's number and checksum. No
+//! state is kept: a line gives the same command after any other lines.
 //!
 //! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
-//! people), `heat` or `shaping`; `grammar` says which lines are not in order, `index` which
-//! words are for parts that are not there, `quiet` which commands need only `ok` because
-//! the machine has nothing to do for them.
+//! people), `heat` or `shaping`. `grammar` finds invalid lines, and `index` finds words for missing parts. `quiet`
+//! lists commands that need only `ok` because the machine has nothing to do for them.
 
 mod axes;
 mod code;

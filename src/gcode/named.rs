@@ -1,14 +1,14 @@
-//! Named commands: the few words of Klipper that slicers write for any firmware, and those of programs with a flow of
-//! their own.
+//! Named commands: the few words of Klipper that slicers write for any firmware, and the words of programs with
+//! conditions and loops.
 
 use super::command::Command;
 use super::lexer::skip_blanks;
 use super::machine_record;
 use super::shaping::{set_pressure_advance, set_velocity_limit};
 
-/// The names that are known, and what makes a command of the text after each.
+/// The known names, each with the function that reads the text after it.
 const NAMES: [(&str, Read); 17] = [
-    // What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
+    // The names of a print's objects, and the begin and end of each. Nothing here depends on it.
     ("EXCLUDE_OBJECT_DEFINE", silent),
     ("EXCLUDE_OBJECT_START", silent),
     ("EXCLUDE_OBJECT_END", silent),
@@ -19,7 +19,7 @@ const NAMES: [(&str, Read); 17] = [
     ("SELF_TEST", self_test),
     ("SET_PRESSURE_ADVANCE", set_pressure_advance),
     ("SET_VELOCITY_LIMIT", set_velocity_limit),
-    // What decides in RepRapFirmware which lines run.
+    // Conditions and loops of RepRapFirmware.
     ("if", conditional),
     ("elif", conditional),
     ("else", conditional),

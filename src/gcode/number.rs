@@ -1,8 +1,7 @@
 //! Numbers: decimal text becomes fixed point without a float in between.
 //!
-//! The nearest multiple of 2^-32 is taken, a tie goes away from zero. Ties are rarer than they look: an
-//! odd multiple of 2^-33 has exactly 33 decimals, so shorter texts never lie half-way, and longer ones
-//! are decided by their first 33 decimals alone.
+//! The nearest multiple of 2^-32 is taken, a tie goes away from zero. Ties are rarer than they look: an odd multiple of
+//! 2^-33 has exactly 33 decimals. So shorter texts never lie half-way, and the first 33 decimals decide longer ones.
 //!
 //! There is no exponent: to every slicer and to Marlin `X1E5` is X1 and E5.
 
@@ -162,8 +161,8 @@ const POWERS_END: u32 = 1_000_000_000;
 
 /// `decimals / power` in units of 2^-32, rounded to the nearest; `decimals` must be below `power`.
 ///
-/// The reciprocal is too small by less than 1, so the estimate is too small by less than decimals / 2^31 < 0.47 before
-/// its own decimals are cut off: the remainder is less than 1.47 `power`, and rounding adds 1 at the most.
+/// The reciprocal is too small by less than 1. So the estimate is too small by less than decimals / 2^31 < 0.47 before
+/// its own decimals are cut off. The remainder is less than 1.47 `power`, and rounding adds 1 at the most.
 fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
     let quotient = (u64::from(decimals) * reciprocal) >> 31;
     let power = u64::from(power);
@@ -173,8 +172,8 @@ fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
 
 /// Reads the decimals that `text` begins with, any number of them: long multiplication by 2^32 in base 10^9.
 ///
-/// Four limbs hold 36 decimals. What is cut off after them cannot lift a value to a tie, because ties
-/// are whole multiples of 10^-33.
+/// Four limbs hold 36 decimals. The decimals cut off after them cannot lift a value to a tie, because ties are whole
+/// multiples of 10^-33.
 fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
     let mut limbs = [0u32; 4];
     let mut after = text;

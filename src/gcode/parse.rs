@@ -1,8 +1,10 @@
 //! Parsing: the code chooses the command, the words fill it in.
 //!
-//! Rules that hold for every command: unknown letters are ignored, the last of two equal letters wins,
-//! a T is a parameter where it is not the first word (`M204 P500 T500`), a line that is not in order is
-//! [`Command::Malformed`], and what cannot be carried out at all is [`Command::Unknown`] with the whole line.
+//! Rules for every command:
+//! - Unknown letters are ignored, and the last of two equal letters wins.
+//! - A T that is not the first word is a parameter (`M204 P500 T500`).
+//! - An invalid line is [`Command::Malformed`].
+//! - A line that cannot be carried out at all is [`Command::Unknown`] with the whole line.
 
 use super::axes::{axis_flags, take_axis};
 use super::code::Code;
@@ -19,14 +21,14 @@ use crate::text::{trim_end, trim_start};
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// What `line` asks for: a line without line number, checksum and line end; a comment may still be in it.
+/// The command of `line`, without line number, checksum and line end; a comment may still be in it.
 ///
-/// Never fails: what is not understood is [`Command::Unknown`].
+/// Never fails: an unknown command is [`Command::Unknown`].
 #[must_use]
 pub fn parse(line: &[u8]) -> Command<'_> {
     let text = skip_comments(line);
     let known = match Code::read(text) {
-        // Most lines are moves: they are put where the answer goes, for a command is large.
+        // Most lines are moves: they are written directly to the place of the answer, because a command is large.
         Some((code @ Code { letter: b'G', subcode: 0, number: 0 | 1 }, words)) => return self::line(code, words),
         Some((code, words)) => parse_code(code, words).map(|command| in_order(command, code, words)),
         None => parse_named(text),

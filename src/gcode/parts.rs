@@ -36,11 +36,11 @@ pub enum Form {
     Plain,
     /// E1: `echo:` in front.
     Echo,
-    /// A1: `//` in front, for what the host is to do.
+    /// A1: `//` in front, for an action command to the host.
     Action,
 }
 
-/// Who hears a message of M118.
+/// The receivers of a message of M118.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Audience {
     /// The host that sent it.
@@ -99,7 +99,7 @@ pub enum Flaw<'a> {
     Absent(Absent<'a>),
 }
 
-/// What is to be done with the record of the machine.
+/// The operation on the record of the machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MachineRecord<'a> {
     /// MACHINE_GET: say it.
@@ -111,7 +111,7 @@ pub enum MachineRecord<'a> {
         /// HEX: its bytes, two digits each.
         hex: &'a [u8],
     },
-    /// MACHINE_STORE: look at what was put together, and store it.
+    /// MACHINE_STORE: check the assembled record, and store it.
     Store,
 }
 
@@ -126,7 +126,7 @@ pub struct ParkWords {
     pub z: Option<Number>,
     /// E, or L of M125: how much filament is pulled back.
     pub e: Option<Number>,
-    /// R: what the hotend is to be at when the print goes on.
+    /// R: the hotend's target when the print goes on.
     pub target: Option<Number>,
     /// U of M600: how much filament is pulled out then.
     pub unload: Option<Number>,

@@ -1,7 +1,7 @@
-//! Quiet commands: what hosts and slicers send although this machine has nothing to do for it.
+//! Quiet commands: hosts and slicers send them, but this machine has nothing to do for them.
 //!
-//! An echo for each would flood the host's console and cost link time. Only commands whose absence
-//! changes nothing on the plate are here: what a user must know not to have happened is answered in words.
+//! An echo for each would flood the host's console and cost link time. Only commands that change nothing on the plate
+//! are here: a command with a missing effect that a user must know of is answered in words.
 
 use super::code::Code;
 
@@ -18,8 +18,8 @@ pub(super) fn is_silent(code: Code) -> bool {
 /// M862.1 to M862.6, with which PrusaSlicer asks whether nozzle, model and firmware are the right ones.
 const CHECKS: u16 = 862;
 
-/// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
-/// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
+/// M-codes in rising order. Unless a comment gives another reason, a code is here because it asks for a part (lamp,
+/// beeper, display, power switch, second extruder) that this machine does not have.
 const SILENT: [u16; 20] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects

@@ -93,7 +93,7 @@ pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
     Command::Advance { time, window }
 }
 
-/// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper). EXTRUDER names the extruder, of which there is one.
+/// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper). EXTRUDER names the extruder; there is only one.
 pub(super) fn set_pressure_advance(text: &[u8]) -> Command<'_> {
     let (mut time, mut window) = (None, None);
     for word in words(text) {
@@ -123,7 +123,7 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
             name if name.eq_ignore_ascii_case(b"ACCEL_TO_DECEL") => &mut limit.to_deceleration,
             name if name.eq_ignore_ascii_case(b"MINIMUM_CRUISE_RATIO") => &mut limit.cruise_ratio,
             name if name.eq_ignore_ascii_case(b"SQUARE_CORNER_VELOCITY") => &mut limit.square_corner,
-            // Klipper's own word before what nobody knows.
+            // Klipper's own word before an unknown one.
             name if limit.other.is_none() || name.eq_ignore_ascii_case(b"VELOCITY") => {
                 limit.other = Some(name);
                 continue;
@@ -136,7 +136,7 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
     Command::VelocityLimit(limit)
 }
 
-/// What stands between blanks, as far as a comment.
+/// The words between blanks, up to a comment.
 pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
     text.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty())

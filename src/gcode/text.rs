@@ -1,4 +1,4 @@
-//! Text: commands whose line is, from some place on, a text for people.
+//! Text: commands with a line that becomes a text for people at some place.
 
 use super::command::Command;
 use super::lexer::{Words, is_blank, is_outside, skip_blanks};
@@ -44,7 +44,7 @@ pub(super) fn park_words(text: &[u8], back: u8) -> ParkWords {
             letter if letter == back => park.e = word.number,
             b'U' if back == b'E' => park.unload = word.number,
             b'L' if back == b'E' => park.load = word.number,
-            // A tool, of which there is one; beeps; whether to ask.
+            // A tool (there is only one); beeps; whether to ask.
             b'T' | b'B' | b'P' | b'S' => {}
             letter if word.number.is_some() => park.other = Some(letter),
             // A letter of a name: M600 AUTO.
@@ -54,7 +54,7 @@ pub(super) fn park_words(text: &[u8], back: u8) -> ParkWords {
     park
 }
 
-/// M0, M1: S and P in front, in any order, then a message that nobody shows.
+/// M0, M1: S and P in front, in any order, then a message that is not shown.
 pub(super) fn await_user(text: &[u8]) -> Command<'static> {
     let mut ms = 0u64;
     let timed = Words::new(text).map_while(|word| word.number.map(|number| (word.letter, number)));
@@ -69,7 +69,7 @@ pub(super) fn file_name(text: &[u8]) -> &[u8] {
     trim_end(skip_blanks(text), is_outside)
 }
 
-/// M486: with S a number, with A what follows is a name, with T a count; the other letters cancel.
+/// M486: with S a number, with A a name, with T a count; the other letters cancel.
 pub(super) fn object(text: &[u8]) -> Command<'static> {
     match Words::new(text).next() {
         Some(word) if word.letter == b'S' => Command::Object(word.number.unwrap_or_default()),

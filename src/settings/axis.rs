@@ -1,4 +1,4 @@
-//! Axes: one value per axis, and what an axis is.
+//! Axes: one value per axis, and the properties of an axis.
 
 use super::rows::rows;
 use super::{HomedAxis, Settings, ranges};

@@ -1,4 +1,4 @@
-//! The belt: what ties the motors of x and y together.
+//! The belt: settings that the motors of x and y share.
 
 use super::rows::{Choice, Chosen, Spec, rows};
 use super::{Settings, ranges};
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 /// What there is to know of it besides the motors' rows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Belt {
-    /// One closed belt runs over all motors that move x or y, forward being the same way round for each: it can run
-    /// round while the tool stands (C in G0 and G1).
+    /// One closed belt runs over all motors that move x or y, and forward is the same way round for each of them. So it
+    /// can circulate while the tool stands (C in G0 and G1).
     pub is_closed: bool,
     /// Milliseconds between two motors that get power and can pull against each other.
     pub settling_ms: u16,
@@ -17,19 +17,19 @@ pub struct Belt {
     pub max_speed: MmPerSec,
     /// Acceleration limit of the circulation, in mm of belt a second squared.
     pub max_acceleration: MmPerSec2,
-    /// How far the belt runs on after x and y are homed, so that it does not always bend at the same teeth; 0 is not at
-    /// all.
+    /// Distance that the belt circulates after x and y are homed, so that it does not always bend at the same teeth; 0
+    /// switches this off.
     pub homing_advance: Mm,
     /// What there is to do about motors that pull against each other and were not aligned since they got power.
     pub alignment: Alignment,
-    /// What the motors are to strain the belt by when they are aligned: the sum of their residual, in mm of belt.
+    /// The strain of the belt after alignment: the sum of the motors' residual, in mm of belt.
     pub preload: Mm,
-    /// Where the sine tables of the motors' drivers stood to each other when nothing strained the belt: the sum of each
-    /// residual, in 1024ths of an electrical turn, or [`NO_PHASE`](Self::NO_PHASE). It is a mark of the machine: where
-    /// rotors and pulleys sit on the belt.
+    /// The relation of the drivers' sine tables when nothing strained the belt. It is the sum of each residual, in
+    /// 1024ths of an electrical turn, or [`NO_PHASE`](Self::NO_PHASE). It is a mark of the machine: where rotors and
+    /// pulleys sit on the belt.
     pub phases: [u16; PHASES],
-    /// How far z is raised when a motor of the belt has failed, before the others park the tool; with 0 all power is
-    /// cut at once.
+    /// Lift of z after a motor of the belt has failed, before the others park the tool; with 0 all power is cut at
+    /// once.
     pub limp_lift: Mm,
 }
 
@@ -65,11 +65,11 @@ impl Belt {
     /// No phase: it is not known. Phases are less than an electrical turn.
     pub const NO_PHASE: u16 = ranges::NO_PHASE;
 
-    /// That of the CoreH-bot.
+    /// The settings of the CoreH-bot.
     ///
     /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/research/twin.md, modes
-    /// with rotors): within 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry.
-    /// 10 mm are out of reach of what a hot nozzle softens, and of what it drips.
+    /// with rotors): the swing falls to a quarter within 100 ms. The limits are a fifth of the motors' own, because
+    /// there is no hurry. 10 mm are beyond the reach of a hot nozzle's heat and drips.
     pub(super) const fn prototype() -> Self {
         Self {
             is_closed: true,

@@ -9,7 +9,7 @@ use crate::kinematics::{MechanismError, multiple};
 use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, Seconds, StepsPerMm};
 
-/// What is wrong with a set of settings; the text names the setting.
+/// The error in a set of settings; the text names the setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SettingsError {
     /// A value lies outside the range of its row.
@@ -20,8 +20,8 @@ pub enum SettingsError {
     TooManySteps(&'static str),
     /// Two axes share motors, so they need the same steps a millimetre.
     ResolutionsDiffer(&'static str),
-    /// These motors move an axis together, and a full step of theirs is not the same length: with their rows, and these
-    /// microsteps of the drivers of these keys.
+    /// These motors move an axis together, but their full steps differ in length: by their rows, and by the microsteps
+    /// of the drivers with these keys.
     MicrostepsDiffer {
         /// The motors.
         motors: [Motor; 2],
@@ -30,7 +30,7 @@ pub enum SettingsError {
         /// Keys of their drivers in machine files.
         keys: [&'static str; 2],
     },
-    /// The motors are those of no machine.
+    /// The motors fit no machine.
     Mechanism(MechanismError),
     /// Microsteps of these drivers are no power of two.
     NoSuchMicrosteps(&'static str),
@@ -93,7 +93,7 @@ fn step_rate(speed: MmPerSec, steps_per_mm: StepsPerMm, name: &'static str) -> R
     if rate > u64::from(ranges::STEP_RATE) { Err(SettingsError::TooManySteps(name)) } else { Ok(()) }
 }
 
-/// `key`, unless it is legal beside other settings.
+/// An error with `key`, unless its value is legal together with other settings.
 const fn legal_beside(is_legal: bool, key: &'static str) -> Result<(), SettingsError> {
     if is_legal { Ok(()) } else { Err(SettingsError::OutOfRangeBeside(key)) }
 }
@@ -129,11 +129,11 @@ const FAN_DUTIES: [&str; FANS] =
     ["fans.fan0.most", "fans.fan1.most", "fans.fan2.most", "fans.fan3.most", "fans.fan4.most", "fans.fan5.most"];
 
 impl Settings {
-    /// The same as [`check`](Self::check), and whether the mechanism is one: for whoever makes a machine. Stored
+    /// The same as [`check`](Self::check), and whether the mechanism is legal: for callers that make a machine. Stored
     /// settings are taken only for the mechanism that a machine has already.
     ///
     /// # Errors
-    /// The first thing found to be wrong.
+    /// The first error.
     pub fn check_machine(&self) -> Result<(), SettingsError> {
         self.mechanism.check().map_err(SettingsError::Mechanism)?;
         if self.belt.is_closed && !self.mechanism.can_circulate() {
@@ -148,7 +148,7 @@ impl Settings {
     /// The first setting found to be illegal.
     pub fn check(&self) -> Result<(), SettingsError> {
         let mut found = Ranges { first: None };
-        // Visitors may change what they see; this one does not.
+        // Visitors may change values; this one does not.
         self.clone().visit(&mut found);
         if let Some(key) = found.first {
             return Err(SettingsError::OutOfRange(key));

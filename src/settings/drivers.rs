@@ -1,4 +1,4 @@
-//! Drivers: what each group of motors asks of its TMC2209s.
+//! Drivers: the TMC2209 settings of each group of motors.
 
 use super::rows::{Spec, rows};
 use super::{Range, Settings, ranges};
@@ -13,7 +13,7 @@ pub struct DriverSettings {
     pub current_ma: u16,
     /// Current of a motor at rest, in percent of `current_ma`.
     pub hold_percent: u8,
-    /// Microsteps of a full step. An axis' steps a millimetre are those of its motor's full steps times this.
+    /// Microsteps of a full step. Steps per millimetre of an axis are the full steps of its motor times this.
     pub microsteps: u16,
     /// stealthChop instead of spreadCycle (M569).
     pub stealth: bool,
@@ -47,11 +47,10 @@ impl DriverGroups {
         }
     }
 
-    /// 800 mA, and half of it at rest, are Marlin's defaults (Configuration_adv.h: X_CURRENT,
-    /// HOLD_MULTIPLIER), which suit any NEMA 17 motor of 1.2 A or more. The ball screws hold with all of it:
-    /// they are not self-locking. spreadCycle, because Klipper's TMC_Drivers.md advises it where position
-    /// counts, and because stealthChop wants to learn at standstill first. 16 microsteps are 80 steps/mm on a
-    /// pulley of 40 mm, 800 on a lead of 4 mm.
+    /// 800 mA, and half of it at rest, are Marlin's defaults (Configuration_adv.h: X_CURRENT, HOLD_MULTIPLIER), which
+    /// suit any NEMA 17 motor of 1.2 A or more. The ball screws hold with the full current: they are not self-locking.
+    /// spreadCycle, because Klipper's TMC_Drivers.md advises it where position counts, and because stealthChop has to
+    /// learn at standstill first. 16 microsteps are 80 steps/mm on a pulley of 40 mm, 800 on a lead of 4 mm.
     pub(super) const fn prototype() -> Self {
         let belt = DriverSettings {
             current_ma: 800,

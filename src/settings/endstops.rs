@@ -70,8 +70,8 @@ impl Endstop {
         }
     }
 
-    /// How far the axis may be behind the switch, where it stays pressed: what lies between the switch and the end of
-    /// an axis of this length.
+    /// The largest distance of the axis behind the switch, where it stays pressed: from the switch to the end of an
+    /// axis of this length.
     #[must_use]
     pub fn depth(self, length: Mm) -> Mm {
         let depth = match self.end {

@@ -12,8 +12,8 @@ pub fn sum(value: &impl Hash) -> u32 {
     sum.finish() as u32
 }
 
-/// FNV-1a with 32 bits (RFC 9923), of words where a value has words: a step that can be undone, like one of a byte, so
-/// that no difference is lost, in a quarter of the time.
+/// FNV-1a with 32 bits (RFC 9923), over words where a value has words. Each step can be undone, like a step over a
+/// byte, so no difference is lost, in a quarter of the time.
 struct Sum(u32);
 
 impl Sum {
@@ -50,8 +50,8 @@ impl Hasher for Sum {
     }
 }
 
-/// A value with its sum. Whoever may change it does so through `DerefMut`; then the old value is looked at once more,
-/// and the new one is summed up by [`settle`](Self::settle).
+/// A value with its sum. All changes go through `DerefMut`: it checks the old value once more, and
+/// [`settle`](Self::settle) computes the sum of the new one.
 #[derive(Clone, Copy, Debug)]
 pub struct Kept<T> {
     value: T,
@@ -70,7 +70,7 @@ impl<T: Hash> Kept<T> {
         Self { value, sum, is_new: false, was_damaged: false }
     }
 
-    /// What was changed is right as it is now.
+    /// Accepts the changed value as it is now.
     pub fn settle(&mut self) {
         if self.is_new {
             self.is_new = false;
@@ -78,13 +78,13 @@ impl<T: Hash> Kept<T> {
         }
     }
 
-    /// Whether it is what was put in.
+    /// Whether it is unchanged.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         !self.was_damaged && (self.is_new || sum(&self.value) == self.sum)
     }
 
-    /// The value, to be changed by nobody.
+    /// The value, for a change that leaves its sum as it is.
     #[cfg(test)]
     pub const fn damage(&mut self) -> &mut T {
         &mut self.value
@@ -102,7 +102,7 @@ impl<T> Deref for Kept<T> {
 impl<T: Hash> DerefMut for Kept<T> {
     fn deref_mut(&mut self) -> &mut T {
         if !self.is_new {
-            // Lest the new sum make right what was wrong.
+            // So that the new sum does not hide earlier damage.
             self.was_damaged |= !self.is_whole();
             self.is_new = true;
         }

@@ -1,19 +1,22 @@
 //! Settings: the machine as data. Values are range-checked where they enter, so the rooms that read them
 //! need not ask.
 //!
-//! A setting is a field with a default, and a row ([`rows`]) in the same file: its id in records, its key in machine
-//! files, its unit, its range and what it means. The record (`storage`) and the check of ranges go through the rows.
-//! What else knows a setting:
+//! A setting is a field with a default, and a row ([`rows`]) in the same file. The row has its id in records, its key
+//! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
+//! rows. Other places that depend on a setting:
 //!
-//! | place | where | what holds it to that |
-//! |---|---|---|
-//! | field, default and row | here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`), `tests/setting_rows.rs` |
-//! | range, if it is a new kind of quantity | `ranges`; what depends on other settings, `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
-//! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | `every_setting.rs`, `legal_settings.rs` |
-//! | M503 | `machine/reports/settings_report.rs`; a line of its own also in `machine/answers/setting.rs` | `every_setting.rs` |
-//! | who reads it | `motion`, `driver`, `thermal` or `machine` | its own tests |
-//! | whether it counts at once | a setting that a board reads only when it starts: [`Settings::is_built_as`] | compiler |
-//! | its sum in RAM | `kept`, by `Hash` | compiler |
+//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `shaping`, `drivers`, `thermal`,
+//!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
+//! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
+//!   `plugged`. Checked by `tests/setting_ranges.rs`.
+//! - Command: letters in `gcode`, their effect in `machine/commands/settings/set.rs` (or `shaping`, `drivers`).
+//!   Checked by `every_setting.rs` and `legal_settings.rs`.
+//! - M503: `machine/reports/settings_report.rs`; for a line of its own also `machine/answers/setting.rs`. Checked by
+//!   `every_setting.rs`.
+//! - Readers: `motion`, `driver`, `thermal` or `machine`, with their own tests.
+//! - Time at which it takes effect: [`Settings::is_built_as`] for a setting that a board reads only when it starts.
+//!   Checked by the compiler.
+//! - Sum in RAM: `kept`, by `Hash`. Checked by the compiler.
 //!
 //! A new [`ShaperKind`] comes last, as records hold its number. The compiler and tests then ask for its impulses
 //! (`motion::trajectory::shaper`), its names in M593 (`gcode::shaping`, `machine/commands/shaping.rs`), M503 and the
@@ -60,8 +63,8 @@ use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
-/// What limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A machine
-/// file chooses a rule by its key (`corner` in `machine-file/src/lib.rs`), a line by its letter in M205
+/// The rule that limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A
+/// machine file chooses a rule by its key (`corner` in `machine-file/src/lib.rs`), a line by its letter in M205
 /// (`machine/commands/settings/set.rs`). A new one comes last, as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {
@@ -125,10 +128,9 @@ pub struct Settings {
     /// Milliseconds of silence in the middle of numbered lines after which the host is prompted to go on; 0 for
     /// never.
     pub patience_ms: u16,
-    /// The look-ahead takes another move as long as what waits before it lasts for less than this at its nominal
-    /// speeds.
+    /// The look-ahead takes another move while the moves before it last for less than this at their nominal speeds.
     pub lookahead_time: Seconds,
-    /// Whether `ok` tells the line number and what is free, as Marlin's ADVANCED_OK.
+    /// Whether `ok` reports the line number and the free places, as Marlin's ADVANCED_OK.
     pub advanced_ok: bool,
     /// The configuration of the motor drivers, where they can be talked to.
     pub drivers: DriverGroups,
@@ -154,18 +156,18 @@ pub struct Settings {
     /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does: without
     /// `is_normally_open` it has triggered when its input is high. Nothing probes by it.
     pub probe: EndstopPlug,
-    /// What ties the motors of x and y together.
+    /// The belt of x and y.
     pub belt: Belt,
-    /// What hosts and screens call the machine (M115).
+    /// The machine's name for hosts and screens (M115).
     pub name: MachineName,
-    /// What a pause does with the tool and the heat.
+    /// The tool's and the heaters' part in a pause.
     pub pause: Pause,
 }
 
 impl Settings {
-    /// The prototype of the CoreH-bot paper with an 80 mm head: belts of 20 teeth and 2 mm pitch on
-    /// 200-step motors at 16 microsteps (80 steps/mm), two M12x4 ball screws (800 steps/mm), and a geared
-    /// extruder. The reachable space is W - e = 470 - 80 mm by the y range of equation 20.
+    /// The prototype of the CoreH-bot paper with an 80 mm head. It has belts of 20 teeth and 2 mm pitch on 200-step
+    /// motors at 16 microsteps (80 steps/mm), two M12x4 ball screws (800 steps/mm), and a geared extruder. The
+    /// reachable space is W - e = 470 - 80 mm by the y range of equation 20.
     ///
     /// Decimals stand in `const` blocks: read at run time they would take 14 kB of flash.
     #[must_use]
@@ -226,7 +228,7 @@ impl Settings {
     /// Whether both are put together alike: motors, plugs and serial lines, which a board looks at when it starts.
     #[must_use]
     pub fn is_built_as(&self, other: &Self) -> bool {
-        // All of them by name: whoever adds one says here whether a board reads it only when it starts.
+        // All of them by name: a new setting needs a decision here whether a board reads it only when it starts.
         let Self {
             mechanism,
             wiring,
@@ -280,8 +282,8 @@ impl Settings {
             && is_closed == other.belt.is_closed
     }
 
-    /// Resolution of a motor, in its own steps: that of the axes that it moves, or of the extruder if it moves none,
-    /// times the number of its row.
+    /// Resolution of a motor, in its own steps: the resolution of the axes that it moves, or of the extruder if it
+    /// moves none, times the number of its row.
     #[must_use]
     pub fn steps_per_mm(&self, motor: Motor) -> StepsPerMm {
         let Axes { x, y, z, e } = self.axes;
@@ -295,7 +297,7 @@ impl Settings {
         axis.steps_per_mm.saturating_mul_int(times.unsigned_abs().into())
     }
 
-    /// The resolution of an axis in steps of the motor that makes the most: what limits its speed.
+    /// The resolution of an axis in steps of the motor with the most steps, which limits its speed.
     #[must_use]
     pub fn finest(&self, axis: usize) -> StepsPerMm {
         let steps_per_mm = self.axes.to_array().get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
@@ -400,7 +402,7 @@ mod tests {
     use super::*;
     use serde::de::DeserializeOwned;
 
-    /// Whether a type has so many variants: decoders know each of them by its number. Zeros are whatever is in it.
+    /// Whether a type has so many variants: decoders know each of them by its number. Zeros decode to any type.
     fn has_variants<T: DeserializeOwned>(count: usize) -> bool {
         let decodes = |number: usize| {
             let mut bytes = [0; 64];

@@ -6,7 +6,7 @@ use core::hash::{Hash, Hasher};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// What a machine without a name is called, as in Marlin (Configuration.h, MACHINE_NAME).
+/// The name of a machine without one, as in Marlin (Configuration.h, MACHINE_NAME).
 const NAMELESS: &str = "3D Printer";
 
 /// The name of a machine: up to [`LONGEST`](Self::LONGEST) letters, digits, blanks and [`MARKS`](Self::MARKS), a blank
@@ -19,7 +19,7 @@ impl MachineName {
     /// Characters of the longest name: a status line of a screen has room for them, and so has the record.
     pub const LONGEST: usize = 24;
 
-    /// What may stand in a name beside letters, digits and blanks.
+    /// The characters allowed in a name other than letters, digits and blanks.
     pub const MARKS: &str = "+-.,/()&#'";
 
     /// No name.

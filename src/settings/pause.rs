@@ -1,4 +1,4 @@
-//! What a pause does with the tool and the heat.
+//! The tool and the heaters in a pause.
 
 use super::rows::{Spec, rows};
 use super::{Settings, ranges};
@@ -31,9 +31,9 @@ pub struct Pause {
 
 impl Pause {
     /// 2 mm at 60 mm/s are Marlin's (Configuration_adv.h 2.1, `PAUSE_PARK_RETRACT_LENGTH`), and so is the corner, 10 mm
-    /// from both ends (Configuration.h, `NOZZLE_PARK_POINT`). An extruder of 80 mm/s is not asked for all of it.
-    /// Filament goes forward more slowly, as melt resists. 10 mm are out of reach of what a nozzle drips. Heat goes off
-    /// as it does without a pause.
+    /// from both ends (Configuration.h, `NOZZLE_PARK_POINT`). An extruder of 80 mm/s is not driven at its full speed.
+    /// Filament goes forward more slowly, as melt resists. 10 mm are beyond the reach of a nozzle's drips. Heat goes
+    /// off as it does without a pause.
     pub(super) const fn prototype() -> Self {
         Self {
             retract: Mm::const_from_int(2),

@@ -1,12 +1,12 @@
-//! Whether a board has what a machine is plugged into. Asked of machine files and images, by MACHINE_STORE and when a
-//! board starts; not of each M-code, none of which changes a plug.
+//! Whether a board has the connectors that a machine uses. Checked for machine files and images, by MACHINE_STORE and
+//! when a board starts. M-codes are not checked, because none of them changes a plug.
 
 use super::{Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
 use crate::motors::Motor;
 use core::fmt::{self, Display};
 
-/// What has a connector of its own.
+/// A part with a connector of its own.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Plugged {
     /// A motor.
@@ -17,7 +17,7 @@ pub enum Plugged {
     Probe,
 }
 
-/// What is plugged in where it cannot be.
+/// A part plugged in at an impossible connector.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ConnectorError {
     /// It is plugged in nowhere.
@@ -33,8 +33,8 @@ pub enum ConnectorError {
 }
 
 impl Settings {
-    /// Names the usual connectors of a board, if those of the prototype are named: so records and files say that know
-    /// of no connectors, on whatever board they are.
+    /// Names the usual connectors of a board, if the settings name those of the prototype. Records and files without
+    /// connectors name those, on every board.
     pub fn name_connectors(&mut self, board: &BoardConnectors) {
         if self.wiring == Wiring::prototype() {
             self.wiring = Wiring::usual(board);

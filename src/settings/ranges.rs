@@ -1,6 +1,6 @@
-//! The ranges in which every setting must lie, by kind of quantity; outside of them the planner's arithmetic or the
-//! machine would not do what the number says. They hold on every board. `plugged.rs` asks for what one board bears less
-//! or more of, a field of `BoardConnectors`.
+//! The ranges in which every setting must lie, by kind of quantity. Outside of them the planner's arithmetic or the
+//! machine would not follow the number. They hold on every board. `plugged.rs` checks limits of one board, fields of
+//! `BoardConnectors`.
 
 use super::Range;
 use crate::units::{
@@ -32,8 +32,8 @@ pub const ENDSTOP_POSITION: Range<Mm> =
     Range { least: Mm::const_from_int(-50), most: Mm::const_from_int(5000).saturating_add(ENDSTOP_OUTSIDE) };
 /// Where an edge of the bed may lie: anywhere that an axis could reach.
 pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
-/// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it
-/// may be twice.
+/// Milliseconds between two motors of a belt that get power: the longest time is twice the largest age of a driver's
+/// proof.
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
 /// The phase of a residual that is not known: phases are less than an electrical turn.
 pub const NO_PHASE: u16 = 1024;
@@ -51,13 +51,14 @@ pub const PAUSE_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_
 pub const PAUSE_HEAT_MIN: Range<u8> = Range { least: 1, most: 240 };
 /// How far a belt runs on after homing.
 pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
-/// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
+/// Rate of a serial line, in baud: from a rate of every adapter to the highest that a USART at 45 MHz and its adapters
+/// can keep.
 pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
-/// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
-/// at which two pulses of a motor would touch.
+/// Steps a second of one motor: twenty times the rate of 300 mm/s at 80 steps/mm, and half of the 1 MHz at which two
+/// pulses of a motor would touch.
 pub const STEP_RATE: u32 = 500_000;
-/// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is all that sense resistors of
-/// 110 mOhm give (TMC2209 datasheet rev 1.09, section 9).
+/// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is the limit of sense resistors of 110 mOhm
+/// (TMC2209 datasheet rev 1.09, section 9).
 pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };
 /// Hold current in percent of the run current.
 pub const HOLD_PERCENT: Range<u8> = Range { least: 0, most: 100 };
@@ -74,12 +75,12 @@ pub const DAMPING: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("
 pub const CRUISE_RATIO: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.9") };
 /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
 pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
-/// Window of the pressure advance: some milliseconds at least, for the speed is averaged over it, and without a window
-/// the advance would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is
-/// late. Delays hold 1.67 s.
+/// Window of the pressure advance. It is some milliseconds at least: the speed is averaged over it, and without a
+/// window the advance would jump at every change of speed (`trajectory::taps`). A fifth of a second is more than the
+/// delay of any shaper. Delays hold 1.67 s.
 pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
-/// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
-/// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
+/// Motion that waits in the look-ahead. With less than 0.5 s a host that pauses for a moment makes the tool stop; a
+/// cancelled print goes on for as long. Klipper's `buffer_time_high` is 2 s.
 pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), most: Seconds::const_from_int(60) };
 /// Highest target of a hotend: up to what platinum sensors and all-metal hotends are sold for.
 pub const HOTEND: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(500) };
@@ -97,7 +98,7 @@ pub const CAPACITY: Range<JoulesPerKelvin> =
 /// Losses, from a hotend with a sock to a chamber with its door open.
 pub const LOSS: Range<WattsPerKelvin> =
     Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::const_from_int(100) };
-/// Lags: the observer runs 50 times a second, and nobody waits for more than minutes.
+/// Lags: the observer runs 50 times a second, and a lag of more than minutes is not useful.
 pub const LAG: Range<Seconds> = Range { least: Seconds::lit("0.1"), most: Seconds::const_from_int(120) };
 /// Gains of PID.
 pub const GAIN: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(20_000) };

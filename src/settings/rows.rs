@@ -1,5 +1,5 @@
-//! Rows: what a setting is stands in one row, beside its field. Everything else that knows settings goes through these
-//! rows: the record in memory (`storage`), the check of ranges, machine files with their schema and comments, and
+//! Rows: one row defines a setting, next to its field. All other users of settings go through these rows: the record in
+//! memory (`storage`), the check of ranges, machine files with their schema and comments, and
 //! docs/reference/settings.md.
 //!
 //! A file of this room ends with its rows ([`rows!`]). A row has
@@ -12,7 +12,7 @@
 //! | a unit, and a comment that says what it means | people; not in an image, where nothing refers to [`Text`] |
 //! | a [`Spec`]: its range and kind | everybody |
 //!
-//! Whoever adds a setting adds a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)).
+//! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)).
 
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -27,7 +27,7 @@ pub const LONGEST_TEXT: usize = 24;
 /// A text as a value.
 pub type Text24 = heapless::String<LONGEST_TEXT>;
 
-/// A value, whatever its type.
+/// A value of any type.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Value {
     /// It has none: another key of the same field has.
@@ -73,7 +73,7 @@ pub enum Kind {
     Plug,
     /// The name of a thermistor, or its numbers.
     Thermistor,
-    /// What a motor turns for a step of each axis.
+    /// The turn of a motor for a step of each axis.
     MotorRow,
 }
 
@@ -96,7 +96,7 @@ impl Legal {
     }
 }
 
-/// What a setting may be.
+/// The legal values of a setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Spec {
     /// Which numbers are legal.
@@ -151,7 +151,7 @@ impl Spec {
     }
 }
 
-/// What a row says to everybody.
+/// The part of a row that all users need.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Row {
     /// Its number in records.
@@ -160,7 +160,7 @@ pub struct Row {
     pub tables: &'static [&'static str],
     /// The key behind the table; empty if the table is the key.
     pub leaf: &'static str,
-    /// What is legal: one for all parts, or one for each.
+    /// The legal values: one entry for all parts, or one for each.
     legal: &'static [Legal],
 }
 
@@ -175,7 +175,7 @@ impl Row {
         Self { id, tables, leaf, legal }
     }
 
-    /// What is legal for a part.
+    /// The legal values of a part.
     #[must_use]
     pub fn legal(&self, part: usize) -> Legal {
         let of_all = self.legal.first().copied();
@@ -233,12 +233,12 @@ impl Display for Key {
     }
 }
 
-/// What a row says to people and to programs on their computers.
+/// The part of a row for people and for programs on their computers.
 #[derive(Clone, Copy, Debug)]
 pub struct Text {
     /// Its unit; empty if it has none.
     pub unit: &'static str,
-    /// What it means, in lines of a comment.
+    /// Its meaning, in lines of a comment.
     pub meaning: &'static [&'static str],
     /// What kind of value it is.
     pub kind: Kind,
@@ -250,7 +250,7 @@ pub trait Visitor {
     fn visit(&mut self, key: Key, field: &mut dyn Field);
 }
 
-/// The rows of a file of this room, and what shows their fields to a visitor.
+/// The rows of a file of this room, and the function that shows their fields to a visitor.
 pub(super) struct Rows {
     pub rows: &'static [Row],
     pub visit: fn(&mut Settings, &mut dyn Visitor),
@@ -263,13 +263,13 @@ macro_rules! rows {
         for $part:ident in $parts:path, named $tables:expr;
         $($(#[doc = $meaning:literal])+ $id:literal $leaf:literal = $field:expr, $unit:literal, [$($spec:expr),+];)+
     ) => {
-        /// What each setting is.
+        /// The rows.
         pub(in crate::settings) const ROWS: $crate::settings::rows::Rows = $crate::settings::rows::Rows {
             rows: const { &[$($crate::settings::rows::Row::new($id, const { $tables }, $leaf, const { &[$($spec.legal),+] })),+] },
             visit,
         };
 
-        /// What each setting means to people.
+        /// The texts of the rows for people.
         pub(in crate::settings) const TEXTS: &[$crate::settings::rows::Text] = &[$($crate::settings::rows::Text {
             unit: $unit,
             meaning: &[$($meaning),+],

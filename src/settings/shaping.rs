@@ -1,5 +1,5 @@
-//! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag: input shapers,
-//! and pressure advance ([`Advance`]: its time, and the window over which the speed is averaged).
+//! Shaping of the trajectory so that the tool does not ring and the nozzle does not lag: input shapers, and pressure
+//! advance ([`Advance`]: its time, and the window over which the speed is averaged).
 
 use super::rows::{Choice, Chosen, Field, Spec, Value, rows};
 use super::{Settings, ranges};
@@ -52,11 +52,11 @@ pub struct Shaper {
     pub frequency: Hertz,
     /// The axis' damping as a part of the critical one.
     pub damping: Ratio,
-    /// Length of the belts that pull along the axis, both sides together; the frequency is that in the middle of the
-    /// axis then, and rises away from it. 0 if it is the same everywhere.
+    /// Length of the belts that pull along the axis, both sides together. The frequency is then the one in the middle
+    /// of the axis, and rises away from it. 0 if it is the same everywhere.
     pub span: Mm,
-    /// What of the frequency is due to motors that give way: the frequency at which the axis would ring if its belts
-    /// were stiff and pulled evenly, best fitted (docs/explanation/shaping.md); 0 if only its belts are soft.
+    /// The part of the frequency that comes from compliant motors: the frequency at which the axis would ring if its
+    /// belts were stiff and pulled evenly, best fitted (docs/explanation/shaping.md). 0 if only its belts are soft.
     pub motor_frequency: Hertz,
 }
 
@@ -88,8 +88,8 @@ impl Shaper {
 }
 
 impl Shapers {
-    /// Off. The frequencies are those of the paper's machine at the centre of its bed (docs/explanation/kinematics.md),
-    /// 1.06 times: so a fixed shaper is best over the whole of it.
+    /// Off. The frequencies are 1.06 times those of the paper's machine at the centre of its bed
+    /// (docs/explanation/kinematics.md): so a fixed shaper is best over the whole bed.
     #[must_use]
     pub const fn prototype() -> Self {
         let damping = const { Ratio::lit("0.1") };

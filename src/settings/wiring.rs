@@ -171,7 +171,7 @@ impl Field for Row {
     }
 }
 
-/// Rows of the mechanism: what each motor turns for a step of x, y, z and e.
+/// Rows of the mechanism: the turn of each motor for a step of x, y, z and e.
 pub(super) mod mechanism {
     use super::*;
 

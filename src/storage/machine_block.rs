@@ -16,7 +16,7 @@ use super::record::{LONGEST, Receipt, Rejected, encode};
 use crate::connectors::BoardConnectors;
 use crate::settings::Settings;
 
-/// What a block begins with.
+/// The first bytes of a block.
 pub const MARK: [u8; 16] = *b"corehbot machine";
 
 /// Bytes of the key of a board.
@@ -55,7 +55,7 @@ pub const fn blank_block(boards: &[&BoardConnectors]) -> [u8; BLOCK] {
     block
 }
 
-/// Puts a text and zeros behind it into `place`; what is behind the text.
+/// Puts a text and zeros after it into `place`; returns the rest of it.
 const fn put_text<'p>(place: &'p mut [u8], text: &str) -> &'p mut [u8] {
     assert!(text.len() <= place.len(), "no room for the key of a board");
     let (text_place, mut zeros) = place.split_at_mut(text.len());

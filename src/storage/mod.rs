@@ -1,11 +1,10 @@
 //! Storage: the settings as records in non-volatile memory that survive a power cut at any byte.
 //!
-//! Two slots hold a record each. A save writes the slot that does not hold the newest settings, so these
-//! stay whole until the new record is; a checksum over all of a record decides whether it is. Sequence
-//! numbers tell which of two is the newer one, and saving in turns halves the wear.
+//! Two slots hold a record each. A save writes the slot that does not hold the newest settings, so these stay whole
+//! until the new record is whole. A checksum over all of a record decides whether it is. Sequence numbers tell which of
+//! two is the newer one, and saving in turns halves the wear.
 //!
-//! An image has a place for a record of its own ([`machine_of`]), for the machine that a board is until another one is
-//! stored.
+//! An image has a place for its own record ([`machine_of`]): the machine of this board until another one is stored.
 //!
 //! The last page notes the last self-test of the heaters that was passed.
 

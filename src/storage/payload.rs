@@ -7,8 +7,8 @@
 //! | .. | the values of all parts of the machine that have such a setting, in their order |
 //!
 //! A number takes as many bytes as it has sevens of bits, its sign in the lowest bit. A text has its length before it.
-//! So firmware that knows more settings reads what firmware that knows fewer has written, and the reverse: what is
-//! missing has its default, and what is unknown is kept for whoever knows it.
+//! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse: a missing setting
+//! has its default, and an unknown one is kept for firmware that knows it.
 
 use crate::settings::Settings;
 use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
@@ -107,7 +107,7 @@ fn take_number(bytes: &mut &[u8]) -> Option<u64> {
 struct Writer<'a> {
     bytes: &'a mut [u8],
     at: usize,
-    /// Where the length of the element stands that is being written, and of which row it is.
+    /// The place of the length of the element being written, and the id of its row.
     open: Option<(usize, u16)>,
     /// Something did not fit.
     is_full: bool,
@@ -169,9 +169,9 @@ impl Visitor for Writer<'_> {
 /// Reads elements into settings.
 struct Reader<'a> {
     payload: &'a [u8],
-    /// What comes next: mostly the element of the next row.
+    /// The next elements: usually the element of the next row.
     next: Elements<'a>,
-    /// What is left of the element of a row.
+    /// The unread part of a row's element.
     open: Option<(u16, &'a [u8])>,
     /// A value is none of its type.
     is_damaged: bool,
@@ -203,7 +203,7 @@ impl Visitor for Reader<'_> {
     fn visit(&mut self, Key { row, .. }: Key, field: &mut dyn Field) {
         let mut values = self.values(row.id);
         if !values.is_empty() {
-            // Only the field knows what it is: a text is read as one if a number is none.
+            // Only the field knows its kind: it is read as a text if it is no number.
             let value = match field.get() {
                 Value::Text(_) => take_text(&mut values),
                 Value::Number(_) | Value::Absent => take_number(&mut values)
@@ -226,7 +226,7 @@ fn take_text(bytes: &mut &[u8]) -> Option<Value> {
 /// Writes settings and unknown elements; says how many bytes they take, or `None` if they do not fit.
 pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> Option<usize> {
     let mut writer = Writer { bytes: into, at: 0, open: None, is_full: false };
-    // Visitors may change what they see; this one does not.
+    // Visitors may change values; this one does not.
     settings.clone().visit(&mut writer);
     writer.close();
     unknown.as_bytes().iter().for_each(|byte| writer.put(*byte));

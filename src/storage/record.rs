@@ -16,8 +16,8 @@ use super::payload::{Damaged, LONGEST_PAYLOAD, Unknown, read, write};
 use crate::checksum::crc32;
 use crate::settings::{Settings, SettingsError};
 
-/// What the payload looks like. It need not change with the settings: an element with an unknown id is kept as it is,
-/// and a setting without an element has its default.
+/// The version of the payload's format. It need not change with the settings: an element with an unknown id is kept as
+/// it is, and a setting without an element has its default.
 pub const FORMAT: u16 = 1;
 
 const MAGIC: [u8; 4] = *b"CHBS";
@@ -40,7 +40,7 @@ pub enum Rejected {
     Format(u16),
     /// The record is whole, but this firmware forbids a value in it.
     Illegal(SettingsError),
-    /// The record is that of a machine with other motors.
+    /// The record belongs to a machine with other motors.
     Mechanism,
 }
 
@@ -128,7 +128,7 @@ pub(super) fn length(head: &[u8]) -> Result<usize, Rejected> {
     if length <= LONGEST { Ok(length) } else { Err(Rejected::Damaged) }
 }
 
-/// What is in a record.
+/// The content of a record.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Decoded {
     /// The settings, all legal.
@@ -141,7 +141,7 @@ pub(super) struct Decoded {
     pub receipt: Receipt,
 }
 
-/// What is in a record.
+/// The content of a record.
 ///
 /// # Errors
 /// Why there are no settings.

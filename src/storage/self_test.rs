@@ -16,7 +16,7 @@ fn check(tested: [u8; 4]) -> [u8; 4] {
     crc32(MAGIC.into_iter().chain(tested)).to_le_bytes()
 }
 
-/// What the last self-test that was passed was of; none if there was none, or if its note is not whole.
+/// The subject of the last self-test that was passed; `None` if there was none, or if its note is not whole.
 ///
 /// # Errors
 /// The storage's.

@@ -1,8 +1,7 @@
-//! Slots: where the two records lie, which one counts, and which one a save may overwrite.
+//! Slots: the places of the two records, the one that counts, and the one that a save may overwrite.
 //!
-//! Invariant: a save never touches the slot that holds the newest settings. Transfers stay inside one page,
-//! so a cut spoils no more than the page that is being written, and whoever waits can do other things in
-//! between.
+//! Invariant: a save never touches the slot that holds the newest settings. Transfers stay inside one page, so a power
+//! cut spoils no more than the page being written, and the caller can do other things in between.
 
 use super::payload::Unknown;
 use super::record::{Decoded, LONGEST, Receipt, Record, Rejected, decode, encode, length};
@@ -85,7 +84,7 @@ impl Stored {
     }
 }
 
-/// What the two slots hold.
+/// The contents of the two slots.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Survey {
     /// The newest settings.
@@ -95,8 +94,8 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The same for a machine with this mechanism: the newest settings are none if they are for another, for its
-    /// resolutions and lengths would be wrong too.
+    /// The same for a machine with this mechanism. If the newest settings are for another one, there are none, because
+    /// its resolutions and lengths would be wrong too.
     #[must_use]
     pub fn on(mut self, mechanism: &Mechanism) -> Self {
         if let Some(other) = self.newest.take_if(|newest| newest.settings.mechanism != *mechanism) {
@@ -108,7 +107,7 @@ impl Survey {
     }
 }
 
-/// Why settings were not saved. What was stored before is still there.
+/// Why settings were not saved. The stored settings from before are still there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SaveError {
     /// The storage does not answer, or there is none.
@@ -171,8 +170,8 @@ async fn look_at(
     Ok(length.and_then(|()| take_newer(newest, slot, &record)))
 }
 
-/// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would
-/// be on the stack while the storage is waited for, below all that goes on meanwhile.
+/// Takes a slot's content as the newest, if it is. A function of its own, because settings are large. Otherwise their
+/// copies would be on the stack during the wait for the storage, below all other work.
 #[inline(never)]
 fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
     let Decoded { settings, unknown, sequence, receipt } = decode(record)?;
@@ -195,9 +194,9 @@ pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Rec
         None => (Slot::A, 1, Unknown::NONE),
     };
     let record = encode(settings, &unknown, sequence).ok_or(SaveError::TooLong)?;
-    // The header goes last: until then the slot is what it was, or damaged. Memory that must be erased first, such as
-    // flash, takes the first of these writes for the begin of a save, as it does not lie below the one before: no other
-    // order will do.
+    // The header goes last: until then the slot keeps its old content, or is damaged. Memory that must be erased first,
+    // such as flash, takes the first of these writes for the begin of a save, because it does not lie below the one
+    // before. No other order works.
     for (at, page) in pages(&record, slot).rev() {
         storage.write(at, page).await?;
     }

@@ -67,7 +67,7 @@ fn quick_and_long_paths_agree() {
         let long = std::format!("{decimals}0000000000000");
         assert_eq!(read_fraction(decimals.as_bytes()).0, read_fraction(long.as_bytes()).0);
     }
-    // What slicers write goes the quick way.
+    // Numbers as slicers write them take the fast path.
     for text in
         ["0", "200", "-", "12.345", "0.03123", ".5", "5.", "999999999", "1234.56789", "123456789.", ".000000001"]
     {

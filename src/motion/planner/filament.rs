@@ -1,4 +1,4 @@
-//! Filament ahead: how much of it the planned moves push within a while, for those who have to melt it.
+//! Filament ahead: the amount that the planned moves push within a given time, for the heater control.
 
 use super::Planner;
 use crate::units::{Mm, Steps, TICKS_PER_SECOND};
@@ -11,11 +11,11 @@ impl Planner<'_> {
         (e.mm_bits(steps).wrapping_mul(1000)) >> Mm::FRAC_NBITS
     }
 
-    /// Filament in um that goes through the nozzle within so many ticks from now on, and um/s at their end. The
-    /// extruder stands `at`, and what has left the look-ahead takes so many ticks more.
+    /// Filament in um that passes the nozzle within `ticks` from now, and um/s at their end. The extruder stands `at`,
+    /// and the moves that have left the look-ahead take this many ticks more.
     ///
-    /// What has left counts as one move. Moves that wait count with their nominal times, so ramps are left out. After
-    /// the last move nothing flows.
+    /// Moves that have left count as one move. Moves that wait count with their nominal times, so ramps are left out.
+    /// After the last move nothing flows.
     #[must_use]
     pub fn filament_within(&self, ticks: u64, at: Steps, left_ticks: u64) -> [i64; 2] {
         let mut from = self.released_filament;

@@ -1,6 +1,6 @@
-//! Geometry of one move: how long it is, which way it points, and how fast its axes let it be.
+//! Geometry of one move: its length, its direction, and the speed limit of its axes.
 //!
-//! Length and direction have 30 bits, for times and corners are made of them; what is a limit or a ratio is in single
+//! Length and direction have 30 bits, because times and corners are computed from them. Limits and ratios are in single
 //! precision (see [`number`](crate::motion::number)).
 
 use crate::kinematics::{Groups, direction};
@@ -34,7 +34,7 @@ pub(in crate::motion) struct Shares {
     belt: f32,
 }
 
-/// What axes and belt motors bear: speeds in mm/s, or accelerations in mm/s2.
+/// The limits of axes and belt motors: speeds in mm/s, or accelerations in mm/s2.
 #[derive(Clone, Copy)]
 pub(in crate::motion) struct Limits {
     pub axes: [f32; 4],
@@ -42,7 +42,7 @@ pub(in crate::motion) struct Limits {
 }
 
 impl Shares {
-    /// Those of a way of the length 1 in that direction, with so much filament.
+    /// The limits for a path of the length 1 in that direction, with this much filament.
     #[inline(always)]
     pub fn new([x, y, z]: [f32; 3], extrusion: f32, belts: &Belts) -> Self {
         Self { axes: [x.abs(), y.abs(), z.abs(), extrusion.abs()], belt: belts.most_of([x, y, z]) }
@@ -67,7 +67,7 @@ fn bounded(value: f32, share: f32, most: f32) -> f32 {
 }
 
 impl Limits {
-    /// Those of speed.
+    /// The speed limits.
     #[inline(always)]
     pub fn of_speed(s: &Settings) -> Self {
         let Axes { x, y, z, e } = &s.axes;
@@ -75,7 +75,7 @@ impl Limits {
         Self { axes, belt: speed(s.motor_max_speed) }
     }
 
-    /// Those of acceleration.
+    /// The acceleration limits.
     #[inline(always)]
     pub fn of_acceleration(s: &Settings) -> Self {
         let Axes { x, y, z, e } = &s.axes;
@@ -89,7 +89,7 @@ impl Limits {
 pub(in crate::motion) struct Belts(Vec<[f32; 3], { MOST_GROUPS - 1 }>);
 
 impl Belts {
-    /// Those of a mechanism.
+    /// The limits of a mechanism.
     #[inline(never)]
     pub fn new(groups: &Groups) -> Self {
         let belts = groups.iter().filter(|group| group.is_belt());
@@ -150,7 +150,7 @@ impl Geometry {
             u64::from(root) << shift.unsigned_abs()
         };
         let root = root as f32;
-        // 2^(-32 - shift), of which the shift is -33 to 30.
+        // 2^(-32 - shift), with a shift of -33 to 30.
         let size = root * f32::from_bits(((127 - 32 - shift) as u32) << 23);
         let extrusion = if e == 0 { 0.0 } else { sign(e) * (filament / size) };
         Self { length, size, unit, direction, extrusion }
@@ -181,8 +181,8 @@ fn sign(value: i64) -> f32 {
     if value < 0 { -1.0 } else { 1.0 }
 }
 
-/// `2^61 / root` to within two, at most `i32::MAX`, for a root of 31 or 32 bits. Single precision knows 24 bits of it,
-/// one of Newton's steps the others: a division of 64 bits takes four times as long.
+/// `2^61 / root` with an error of two at most, clamped to `i32::MAX`, for a root of 31 or 32 bits. Single precision
+/// knows 24 bits of it, one of Newton's steps the others: a division of 64 bits takes four times as long.
 fn reciprocal(root: u32) -> i32 {
     let one = const { (1u64 << 61) as f32 };
     let guess = (one / root as f32) as i32;

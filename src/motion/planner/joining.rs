@@ -10,13 +10,13 @@
 //! - Line and chord are short: see [`BRAKING_PART`].
 //! - They have the same feed, and filament goes the same way in both, or in neither.
 //! - The chord leads on along the **main axis**, on which the first chord has most of its way.
-//! - Every point that is left out lies within a tolerance of the line along each axis, filament included, where the
-//!   line's way is shared out evenly along the main axis.
+//! - Every point that is left out lies within a tolerance of the line along each axis, filament included. The line here
+//!   moves in proportion to the main axis.
 //!
-//! The last rule needs no points in memory. A point at `(m, k)` from the begin, with m along the main axis, leaves to
-//! the line the slopes from `(k - t) / m` to `(k + t) / m`. What all points leave is one range an axis, and a chord
-//! continues the line if the slope of its end lies in each. So the tolerance is that of the whole line: bends that
-//! are small by themselves do not add up.
+//! The last rule needs no points in memory. A point at `(m, k)` from the begin, with m along the main axis, restricts
+//! the slope of the line to `(k - t) / m` to `(k + t) / m`. All points together restrict it to one range for each axis,
+//! and a chord continues the line if the slope of its end lies in each range. So the tolerance holds for the whole
+//! line: bends that are small by themselves do not add up.
 //!
 //! | tolerance t | where |
 //! |---|---|
@@ -46,15 +46,15 @@ use crate::settings::{Axes, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND};
 use core::cmp::Ordering;
 
-/// How far a point may be off along an axis, in mm, where coordinates are rounded to thousandths: by half of one at
-/// the point, and half of one at the ends of the line.
+/// The largest error of a point along an axis, in mm, where coordinates are rounded to thousandths: half of one at the
+/// point, and half of one at the ends of the line.
 const ROUNDED: f32 = 0.001;
 
-/// The same where they have more digits: what is rounded there is ten times finer at least.
+/// The same where coordinates have more digits: their rounding is at least ten times finer.
 const EXACT: f32 = 0.000_1;
 
-/// A way is one of whole thousandths of a millimetre if it is off by so little, in raw `Mm` bits times 1000: both of
-/// its ends are rounded by half a bit, and offsets are added to them.
+/// A distance counts as whole thousandths of a millimetre within this error, in raw `Mm` bits times 1000. Both of its
+/// ends are rounded by half a bit, and offsets are added to them.
 const THOUSANDTHS_SLACK: u32 = 4096;
 
 /// The line grows by at least so many mm along its main axis with each chord: less is no move
@@ -66,8 +66,8 @@ const LEAST_GROWTH: f32 = 0.0005;
 /// to the last bit.
 const BRAKING_PART: f32 = 1.0 / 16.0;
 
-/// So is one that takes this long, in seconds at its feed: no more is held back than the stream may have left when it
-/// counts as dry (`QUEUE_LOW` of the release policy).
+/// So is a line that takes this long, in seconds at its feed: no more is held back than the stream may have left when
+/// it counts as dry (`QUEUE_LOW` of the release policy).
 const LONGEST_SECONDS: f32 = 0.02;
 
 /// And one of so many mm along its main axis: 128 of them are half a metre, more than machines of this kind are long.
@@ -138,7 +138,7 @@ pub(in crate::motion) struct OpenLine {
     reached: f32,
     /// From so many mm along the main axis on it is closed.
     longest: f32,
-    /// What its points leave to it along the two other axes, and of filament.
+    /// The ranges of slopes that its points leave for the two other axes and the filament.
     slopes: [Slopes; 3],
     /// Whether it is more than one chord. If not, its way is [`Planner::vector`].
     is_joined: bool,

@@ -1,35 +1,32 @@
 //! Junction speeds: how fast a corner may be taken.
 //!
-//! Junction deviation (S. Jeon, "Improving Grbl: Cornering Algorithm", 2011): the tool is thought to follow
-//! an arc that touches both moves and leaves the corner by the deviation d; with the angle t between the
-//! moves that arc has the radius `d sin(t/2) / (1 - sin(t/2))`, and `v^2 = a r`. A square-corner velocity w
-//! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
-//! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
+//! Junction deviation (S. Jeon, "Improving Grbl: Cornering Algorithm", 2011) replaces the corner by an arc that touches
+//! both moves and leaves the corner by the deviation d. With the angle t between the moves that arc has the radius
+//! `d sin(t/2) / (1 - sin(t/2))`, and `v^2 = a r`. A square-corner velocity w is the same law with the deviation for
+//! which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`. So `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not
+//! depend on the acceleration.
 //!
 //! A slicer cuts a curve into chords. Each corner between two chords is harmless by itself, and together they are a
 //! turn, so three more rules limit the speed on curves:
 //!
 //! - **Long chords**, of a millimetre or more: a chord of the length L with such a corner at both ends is a part of a
-//!   circle of
-//!   the radius `L/2 tan(t/2)`, so `v^2 = a L/2 tan(t/2)`. One corner is enough to know that.
-//! - **Shorter chords in a long curve**: the radius r is that of the path over some distance
+//!   circle of the radius `L/2 tan(t/2)`, so `v^2 = a L/2 tan(t/2)`. One corner is enough to find it.
+//! - **Shorter chords in a long curve**: the radius r comes from the path over some distance
 //!   ([`path_curvature`](super::path_curvature)), and `v^2 = a r`.
-//! - **Shorter chords in a short bend**, over before the curvature is known: at a corner that changes the direction by
-//!   a small
-//!   angle p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may change
-//!   the velocity by no more than that, plus what the acceleration allows in the time between them; their sum, less that part, is
-//!   the lead of `path_curvature`.
-//!   Corners that are more than [`BEND_TIME`] apart are of different bends.
+//! - **Shorter chords in a short bend**, over before the curvature is known: at a corner with a small change of
+//!   direction p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may
+//!   change the velocity by no more than that, plus the change that the acceleration allows in the time between them.
+//!   The sum of the jumps, less the second part, is the lead of `path_curvature`. Corners that are more than
+//!   [`BEND_TIME`] apart are of different bends.
 //!
-//! The acceleration on that arc points along the change of direction, so it is limited by what the axes
-//! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
+//! The acceleration on that arc points along the change of direction, so it is limited by the limits of the axes in
+//! that direction: a corner between the bed plane and Z is as slow as Z.
 //!
 //! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion`
 //! (`corners`, `model`, `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of
-//! [`CornerRule`], which the compiler asks for in all these places, and `boards/sim/tests/every_setting.rs` for its key
-//! in machine files and its letter of M205. What the checker of prints takes for granted stands in
-//! `boards/sim/src/check.rs` and `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law may need
-//! another bound there.
+//! [`CornerRule`]. The compiler asks for it in all these places, and `boards/sim/tests/every_setting.rs` for its key in
+//! machine files and its letter of M205. The checker of prints has its assumptions in `boards/sim/src/check.rs` and
+//! `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law may need another bound there.
 //!
 //! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number,
 //! as a jerk of each axis, needs a `corner` and laws for bends of its own.
@@ -45,35 +42,35 @@ use core::f32::consts::SQRT_2;
 const LEAST_SINE: f32 = 1e-7;
 
 /// A turn with a smaller square is none. That is a turn of a millionth: the last digits of coordinates turn a move of a
-/// metre by as much, and at 1 m/s the tool's speed jumps by a thousandth of a mm/s.
+/// metre by as much. At 1 m/s the tool's speed jumps by a thousandth of a mm/s.
 const LEAST_TURN_SQ: f32 = 1e-12;
 
-/// Chords of at least so many mm are rated corner by corner, shorter ones by the [curvature](super::path_curvature) of
-/// the path, which forgets a corner over a millimetre.
+/// Chords of at least this length, in mm, are rated corner by corner. Shorter ones are rated by the
+/// [curvature](super::path_curvature) of the path, which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
 /// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by
 /// its curvature alone, which rounded coordinates hardly change.
 const MAKING_UP: f32 = 1.15;
 
-/// A corner counts for so many seconds after it was passed: half a period at 125 Hz, above which printers hardly
-/// resonate, and the time over which `corehbot run` looks at changes of velocity.
+/// A corner counts for this many seconds after it was passed. That is half a period at 125 Hz, above which printers
+/// hardly resonate, and the time over which `corehbot run` looks at changes of velocity.
 const BEND_TIME: f32 = 0.004;
 
-/// What a corner depends on beside its two moves.
+/// The inputs of a corner other than its two moves.
 pub(in crate::motion) struct AccelLimits<'a> {
     /// Acceleration of the second move, in mm/s2.
     pub acceleration: f32,
     /// The greatest speed of the second move that axes and motors bear, in mm/s.
     pub max_speed: f32,
-    /// What axes and motors bear of it.
+    /// The limits of axes and motors for it.
     pub limits: &'a Limits,
     /// The belt motors.
     pub belts: &'a Belts,
 }
 
 impl AccelLimits<'_> {
-    /// What axes and motors bear along a change of direction of that length.
+    /// The limits of axes and motors along a change of direction of that length.
     fn along(&self, [x, y, z]: [f32; 3], length: f32) -> f32 {
         let part = 1.0 / length;
         Shares::new([x * part, y * part, z * part], 0.0, self.belts).bound(self.acceleration, self.limits)
@@ -92,7 +89,7 @@ pub(in crate::motion) fn junction_speed_sq(
     s: &Settings,
 ) -> SpeedSq {
     if before.is_extruder_only() || after.is_extruder_only() {
-        // The tool stands still in one of the two, and which way it came is of no account any more.
+        // The tool stands still in one of the two moves, so its earlier direction does not matter.
         *curvature = PathCurvature::default();
         return if before.is_extruder_only() && after.is_extruder_only() {
             extruder_only(before, after)
@@ -126,7 +123,7 @@ fn bend(
     };
     let (lead, past) = (curvature.lead_with(turn), curvature.greatest_lead());
     let (turn_sq, lead_sq) = (square(turn), square(lead));
-    // The acceleration is that of the greater of the two, for the other may be none.
+    // The acceleration belongs to the greater of the two, because the other may be none.
     let (change, change_sq) = if lead_sq > turn_sq { (lead, lead_sq) } else { (turn, turn_sq) };
     let is_straight = change_sq < LEAST_TURN_SQ;
     if is_straight && past <= 0.0 {
@@ -155,11 +152,11 @@ fn bend(
     most
 }
 
-/// The greatest speed squared, in mm2/s2, of a corner by itself: that of junction deviation for the product of
-/// acceleration and deviation in `base`, and that of long chords.
+/// The greatest speed squared, in mm2/s2, of a corner by itself: from junction deviation for the product of
+/// acceleration and deviation in `base`, and from long chords.
 #[inline(always)]
 fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, base: f32) -> f32 {
-    // The angle between the moves is pi minus the change of direction: its half has the cosine and the sine of half
+    // The angle between the moves is pi minus the change of direction. So the cosine and the sine of its half are half
     // the difference and half the sum of the two directions.
     let sine = 0.5 * root(square(sum(before, after)));
     if sine < LEAST_SINE {

@@ -9,17 +9,15 @@
 //! A stream of moves comes by [`add`](Planner::add), which first joins chords that are one line ([`joining`]); `push`
 //! plans each move by itself.
 //!
-//! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
-//! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
+//! Positions are kept in steps with their fractions, so that no rounding adds up from move to move. The geometry of a
+//! move is computed from the commanded positions. The generator computes the times of its steps.
 //!
 //! # Words
 //!
-//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is
-//!   stored. Its size is
-//!   `LOOKAHEAD_MOVES` in `planned`.
-//! - **purpose**: what a move is for (print, travel, retract), each with its acceleration and least speed; limits of
-//!   speed are
-//!   `Limits` in `geometry`.
+//! - **look-ahead**, **window**: the moves with speeds that may still change, oldest first. **slot**: where a move is
+//!   stored. Its size is `LOOKAHEAD_MOVES` in `planned`.
+//! - **purpose**: the use of a move (print, travel, retract), each with its acceleration and least speed; limits of
+//!   speed are `Limits` in `geometry`.
 //! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
 //! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed
 //!   now,
@@ -27,9 +25,9 @@
 //! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
 //! - **chord**: a move that is a part of a curve, or of a straight line. **bend**: where several of them turn the path.
-//!   **open line**: see [`joining`]. **pressure**: what the advance asks of the extruder, see [`pressure`].
-//!   **lead**: see [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed changes, and
-//!   holds.
+//!   **open line**: see [`joining`]. **pressure**: the extra motion of the extruder for pressure advance, see
+//!   [`pressure`]. **lead**: see [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed
+//!   changes, and holds.
 
 mod filament;
 mod geometry;
@@ -78,8 +76,8 @@ pub struct Target {
     pub watch: EndstopSet,
 }
 
-/// Moves shorter than this wait for the next target instead of being planned: 0.5 um is a twentieth of a
-/// step of the belt, and its time would be lost between two ticks.
+/// Moves shorter than this wait for the next target instead of being planned: 0.5 um is a twentieth of a step of the
+/// belt, and its time would be lost between two ticks.
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
 /// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
@@ -102,7 +100,7 @@ pub struct Planner<'m> {
     /// The way of the move that is planned; while a line is open, its first chord. It is made here, because a copy of
     /// it takes as long as making it.
     vector: Geometry,
-    /// The last move, for the corner to the next.
+    /// The last move, needed for the next corner.
     last: Geometry,
     /// The limit of its exit speed squared.
     pub(in crate::motion) last_exit_limit_sq: SpeedSq,
@@ -110,7 +108,7 @@ pub struct Planner<'m> {
     path_curvature: PathCurvature,
     /// The last move, if chords may continue it.
     line: OpenLine,
-    /// What the moves so far leave of the extruder.
+    /// The part of the extruder's limits that the moves so far have left.
     pressure: Pressure,
     /// Nominal time of the moves in the window, in ticks.
     pub(in crate::motion) waiting: u64,
@@ -119,7 +117,7 @@ pub struct Planner<'m> {
     /// Filament where the last move ends that has left.
     pub(in crate::motion) released_filament: Steps,
     moves: u32,
-    /// Moves that wait: those of the window, and the open line. Each turn of the Console asks for it.
+    /// Moves that wait: the moves of the window, and the open line. Each turn of the Console asks for it.
     count: usize,
     /// Path of the tool, raw `Mm` bits.
     path: u64,
@@ -175,7 +173,7 @@ impl<'m> Planner<'m> {
         self.pressure.is_for(window)
     }
 
-    /// Whether what follows from the settings is still in memory as it was: resolutions, and the rows of the belt
+    /// Whether the values derived from the settings are unchanged in memory: resolutions, and the rows of the belt
     /// motors.
     #[must_use]
     pub fn is_whole(&self, settings: &Settings, groups: &Groups) -> bool {
@@ -190,7 +188,7 @@ impl<'m> Planner<'m> {
         [x.steps(px), y.steps(py), z.steps(pz), e.steps(pe)]
     }
 
-    /// A position in mm. Of e, whose counts wrap in a long print, the one that is nearest to the last target.
+    /// A position in mm. The counts of e wrap in a long print, so its position is the one nearest to the last target.
     #[must_use]
     pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
         let ([x, y, z, e], [.., asked]) = (self.step_scale, self.asked);
@@ -216,7 +214,7 @@ impl<'m> Planner<'m> {
         self.line.forget();
         self.window.clear();
         self.count = 0;
-        // Whatever way it came is of no account.
+        // The direction of the last move no longer matters.
         self.last = Geometry::NONE;
         self.pressure.rest();
         self.waiting = 0;
@@ -327,8 +325,8 @@ impl<'m> Planner<'m> {
         self.path = self.path.wrapping_add(self.vector.path());
     }
 
-    /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been
-    /// done. Without it [`push`](Self::push) does all of it.
+    /// Whether the waiting moves allow another move to be planned. If not, a part of the work for that has been done.
+    /// Without it [`push`](Self::push) does all of it.
     pub fn prepare(&mut self) -> bool {
         if self.replan() && self.window.are_exits_frozen() {
             return true;
@@ -363,15 +361,14 @@ impl<'m> Planner<'m> {
         let (e, de) = pe.end_and_distance(e, asked_e, from_e);
         let vector = Geometry::new([dx, dy, dz, de]);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
-            // What an axis still lacks is made up when it is next asked for another position.
+            // The rest of an axis is made up when it is next sent to another position.
             let extrusion = Geometry::new([0, 0, 0, de]);
             return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
         Some(([x, y, z, e], vector))
     }
 
-    /// The length of the way from `begin` to the end of the last move to the last bit, in raw `Mm` bits, given one that
-    /// has 30.
+    /// The exact distance from `begin` to the end of the last move, in raw `Mm` bits, given one with 30 right bits.
     #[cold]
     #[inline(never)]
     fn exact_length(&self, begin: [Steps; 4], about: u64) -> u64 {
@@ -428,7 +425,7 @@ impl<'m> Planner<'m> {
         self.count
     }
 
-    /// Nominal time of the moves that have their place, in ticks: what they would take without ramps.
+    /// Nominal time of the moves in the window, in ticks: their time without ramps.
     #[must_use]
     pub const fn waiting(&self) -> u64 {
         self.waiting
@@ -492,7 +489,7 @@ fn max_ramps(vector: &Geometry, settings: &Settings) -> u64 {
     }
 }
 
-/// Least speed and acceleration of a move, by what it is for: print, travel, or retract.
+/// Least speed and acceleration of a move, by its purpose: print, travel, or retract.
 fn purpose(vector: &Geometry, s: &Settings) -> (MmPerSec, MmPerSec2) {
     if vector.is_extruder_only() {
         (MmPerSec::ZERO, s.retract_acceleration)

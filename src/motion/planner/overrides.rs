@@ -1,7 +1,7 @@
-//! The feed override, changed from outside, also for moves that wait in the look-ahead: by the user, and by a stream of
-//! commands that does not keep up.
+//! The feed override, changed from outside, also for moves that wait in the look-ahead. The user changes it, and so
+//! does a stream of commands that does not keep up.
 //!
-//! What has left the look-ahead keeps its speed. That is at most 50 ms of motion, plus the move under way.
+//! Moves that have left the look-ahead keep their speed. That is at most 50 ms of motion, plus the move under way.
 
 use super::Planner;
 use crate::units::MmPerSec;
@@ -27,7 +27,7 @@ impl Override {
         if self == Self::NONE {
             return speed;
         }
-        // By hundreds and the remainder, for a division of 64 bits takes a hundred instructions.
+        // By hundreds and the remainder, because a division of 64 bits takes a hundred instructions.
         let (hundreds, remainder) = (speed.to_bits() / 100, speed.to_bits() % 100);
         let percent = u32::from(self.percent);
         let bits = u64::from(hundreds) * u64::from(percent) + u64::from(remainder * percent / 100);

@@ -54,7 +54,7 @@ impl Passes {
         counted: FinalCount::new(SpeedSq::ZERO),
     };
 
-    /// Moves were made to leave, the first of which is entered with that speed squared.
+    /// Moves were made to leave; the first of them has this entry speed squared.
     pub const fn begin_freeze(&mut self, front_sq: SpeedSq) {
         self.frozen = Cursor { index: 0, entry_sq: front_sq };
     }

@@ -1,7 +1,7 @@
 //! Passes: work that has to look at many moves of the window, done a few at a time.
 //!
-//! A window of 144 moves takes many times as long as a move. So whoever asks for such a pass has a part of it done in
-//! each turn of the Console, and nothing that depends on its outcome happens before its end:
+//! A window of 144 moves takes many times as long as a move. So a caller that needs such a pass has a part of it done
+//! in each turn of the Console. Nothing that depends on its outcome happens before its end:
 //!
 //! | pass | begins when | until its end |
 //! |---|---|---|
@@ -33,8 +33,8 @@ impl Window<'_> {
     }
 
     /// Has `change` change the next few moves, and plans them again. A speed that is too great now is braked away as
-    /// fast as the accelerations allow, and until then it counts as the greatest entry speed; it was possible when it
-    /// was planned.
+    /// fast as the accelerations allow. Until then it counts as the greatest entry speed, because it was possible when
+    /// it was planned.
     pub fn replan(&mut self, mut change: impl FnMut(&mut Planned)) {
         let Some((begin, mut exit_limit_sq)) = self.passes.replan else { return };
         let Some(origin) = self.get(0).map(|first| first.cumulative_gain_sq) else { return };
@@ -60,8 +60,8 @@ impl Window<'_> {
         self.passes.frozen.index >= self.forced
     }
 
-    /// Freezes the exit speeds of a few moves that were made to leave. Otherwise these speeds would depend on what is
-    /// added before the moves leave.
+    /// Freezes the exit speeds of a few moves that were made to leave. Otherwise these speeds would depend on the moves
+    /// added before these moves leave.
     pub fn freeze_exits(&mut self) {
         let Cursor { index: begin, mut entry_sq } = self.passes.frozen;
         let end = self.forced.min(begin + PART);

@@ -1,30 +1,29 @@
-//! The curvature of the path: how it turns over more than one corner.
+//! The curvature of the path over more than one corner.
 //!
-//! A curve that is cut finely is a row of corners each of which is harmless. Two things are kept of the path so far, at
+//! A finely cut curve is a row of corners, each of them harmless by itself. Two things are kept of the path so far, at
 //! a cost that depends neither on the chords nor on the curve:
 //!
-//! - **The curvature**, for curves that go on. The direction of the path is averaged over a distance l: what was passed
-//!   counts
-//!   less by a factor of e for each l that it is back. On a circle of the radius r such a mean direction is behind the direction
-//!   by the angle l/r, however long the chords are, and a mean over 2 l by 2 l/r. So the two means differ by the angle by which
-//!   the path turns over l. Means are kept for five distances, each twice as long as the one before. The short ones
-//!   see small curves. The long ones are hardly disturbed by rounded coordinates: a point that is off by p turns a mean
-//!   over l by p/l at most, so this much is subtracted from each difference before it counts as curvature.
-//! - **The lead**, for a bend that is over before the means have seen it. Imagine a velocity that follows that of the
-//!   tool and
-//!   changes no faster than the acceleration allows. The lead is the turn which the tool has made and that velocity has
-//!   not made yet: each corner adds its turn to the lead, and time takes from it. The speed at a corner is what junction
-//!   deviation gives to a corner that turns by the sum of the lead and the greatest recent lead, from which time takes as much.
-//!   The greatest counts too because after a turn there and back no lead is left, though the velocity has changed twice.
+//! - **The curvature**, for curves that go on. The direction of the path is averaged over a distance l: a passed part
+//!   counts less by a factor of e for each l that it is back. On a circle of the radius r such a mean direction lags
+//!   behind the direction by the angle l/r, however long the chords are. A mean over 2 l lags by 2 l/r. So the two
+//!   means differ by the angle by which the path turns over l. Means are kept for five distances, each twice as long as
+//!   the one before. The short ones see small curves. The long ones are hardly disturbed by rounded coordinates: a
+//!   point that is off by p turns a mean over l by p/l at most. So this much is subtracted from each difference before
+//!   it counts as curvature.
+//! - **The lead**, for a bend that is over before the means have seen it. Imagine a velocity that follows the tool's
+//!   velocity and changes no faster than the acceleration allows. The lead is the turn that the tool has made and that
+//!   velocity has not made yet: each corner adds its turn to the lead, and time reduces it. The speed at a corner is
+//!   the one that junction deviation gives to a corner with a turn of the lead plus the greatest recent lead. Time
+//!   reduces the latter at the same rate. The greatest counts too because after a turn there and back no lead is left,
+//!   though the velocity has changed twice.
 
 use crate::motion::number::root;
 
-/// The longest of the distances, in mm. The curvature is wrong by [`ROUNDING`] over the square of a half of it, 0.0015
-/// a mm: at 200 mm/s and 3 m/s2 a circle may have 0.075 a mm.
+/// The longest of the distances, in mm. The curvature has an error of [`ROUNDING`] over the square of half of it,
+/// 0.0015 per mm: at 200 mm/s and 3 m/s2 a circle may have 0.075 per mm.
 const REACH: f32 = 1.28;
 
-/// Distances: the shortest is 0.08 mm, of which [`ROUNDING`] is less than a hundredth. What turns within less shows as
-/// a lead.
+/// Distances: the shortest is 0.08 mm; [`ROUNDING`] is less than a hundredth of it. A turn within less shows as a lead.
 const SCALES: usize = 5;
 
 /// By how much coordinates are off, in mm: thousandths of a millimetre put a point up to 0.0007 mm off, and a mean
@@ -67,7 +66,7 @@ impl PathCurvature {
         self.greatest_lead
     }
 
-    /// The lead is `lead` of that length now, of which time takes away `most`.
+    /// The lead is `lead` with that length now; time takes away `most` of it.
     #[inline(always)]
     pub const fn follow_lead(&mut self, [x, y, z]: [f32; 3], length: f32, most: f32) {
         let left = if length > most { 1.0 - most / length } else { 0.0 };

@@ -9,11 +9,11 @@ use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 /// is fast enough.
 const LEAST_LOOKAHEAD: usize = 128;
 
-/// Moves that leave when the window is full and the first is not final: some at a time, so that the MoveQueue has
-/// enough while the window fills again. A part of the window, beside [`LEAST_LOOKAHEAD`].
+/// Moves that leave when the window is full and the first is not final: several at a time, so that the MoveQueue has
+/// enough while the window fills again. A part of the window, in addition to [`LEAST_LOOKAHEAD`].
 pub const FORCED_BATCH: usize = 16;
 
-/// Capacity of the window, in moves. What it costs is [`MoveMemory`]; docs/explanation/flow.md says what depends on it.
+/// Capacity of the window, in moves. Its memory is [`MoveMemory`]; docs/explanation/flow.md lists its effects.
 pub const LOOKAHEAD_MOVES: usize = LEAST_LOOKAHEAD + FORCED_BATCH;
 const _: () =
     assert!(FORCED_BATCH > 0 && FORCED_BATCH < LEAST_LOOKAHEAD, "a forced batch is a small part of the window");
@@ -40,7 +40,7 @@ pub(in crate::motion) struct Planned {
     pub max_speed: MmPerSec,
     /// Greatest speed squared that the corner before it allows, by its geometry alone.
     pub junction_sq: SpeedSq,
-    /// Greatest entry speed squared: that of the junction, and by the nominal speeds of the two moves too.
+    /// Greatest entry speed squared: limited by the junction and by the nominal speeds of the two moves.
     pub max_entry_sq: SpeedSq,
     /// What all moves before it could gain, G of the [window](super::window)'s formula; wraps.
     pub cumulative_gain_sq: SpeedSq,
@@ -67,7 +67,7 @@ impl Planned {
         advance: Seconds::ZERO,
     };
 
-    /// What it can gain of speed squared.
+    /// Its possible gain of speed squared.
     #[inline(always)]
     pub fn gain_sq(&self) -> SpeedSq {
         gain_sq(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
@@ -100,7 +100,7 @@ impl Planned {
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 
-    /// Takes a new greatest entry speed, after a move whose exit speed has this limit.
+    /// Takes a new greatest entry speed, after a move that has this limit for its exit speed.
     #[inline(always)]
     pub fn limit_entry(&mut self, previous_exit_limit_sq: SpeedSq) {
         self.max_entry_sq = if self.spec.watch.is_empty() {

@@ -1,18 +1,18 @@
-//! Pressure: how fast moves may be so that the extruder bears its pressure advance as well.
+//! Pressure: limits on the speed of moves so that the extruder can also follow its pressure advance.
 //!
-//! With the advance K over the window h the extruder goes at `v + (q(t + h/2) - q(t - h/2)) / h`, v being the speed of
-//! the filament, and q K times that in moves that print and 0 in others. Therefore
+//! With the advance K over the window h the extruder moves at `v + (q(t + h/2) - q(t - h/2)) / h`. Here v is the speed
+//! of the filament, and q is K v in moves that print and 0 in others. Therefore
 //!
 //! - **a ramp** on which the filament speeds up by a adds K a to the extruder's speed. To its acceleration it adds K a
-//!   / h where the window meets an end of the ramp, and twice that where it meets the end of one ramp and the begin of
-//!   the opposite one, as in a corner.
-//! - **a corner** where q jumps by J has the extruder's speed jump by J / h twice: as it comes into the window and as
+//!   / h where the window meets an end of the ramp. It adds twice that where the window meets both the end of one ramp
+//!   and the begin of the opposite one, as in a corner.
+//! - **a corner** where q jumps by J makes the extruder's speed jump by J / h twice: as it comes into the window and as
 //!   it leaves it. In between that is added to the speed, together with all other jumps in the window.
 //!
-//! So the extruder's greatest speed V has three shares: that of ramps, that of jumps, and that of the filament itself.
-//! None of them is less than a sixteenth of V. A single jump counts as the extruder's jerk too. Moves of the extruder
-//! alone come within half a window of the end of a ramp, so each of the two leaves room for the other. Derivation and
-//! figures: docs/explanation/shaping.md#what-the-extruder-bears.
+//! So the extruder's greatest speed V has three shares: for ramps, for jumps, and for the filament itself. None of them
+//! is less than a sixteenth of V. A single jump counts as the extruder's jerk too. Moves of the extruder alone come
+//! within half a window of the end of a ramp, so each of the two leaves room for the other. Derivation and figures:
+//! docs/explanation/shaping.md#what-the-extruder-bears.
 //!
 //! The acceleration of the curve in a corner asks nothing of the extruder, so junction speeds are made with the
 //! acceleration that is wanted.
@@ -26,10 +26,10 @@ use crate::units::Seconds;
 /// Shares of the extruder's speed: the least that jumps and ramps get; ramps get no more than [`MOST_PUSH`].
 const LEAST_ROOM: f32 = 1.0 / 16.0;
 const LEAST_PUSH: f32 = 0.25;
-/// The part of its speed that a move of the extruder alone may have in any case: within half a window of it, ramps get
-/// all that they may, for half of the window sees them.
+/// The part of its speed that a move of the extruder alone may always use: within half a window of it, ramps get their
+/// full share, because half of the window sees them.
 const FREE: f32 = 1.0 - MOST_PUSH / 2.0;
-/// The most for such a move: what is left is half of the least that ramps get.
+/// The most for such a move: the remainder is half of the least share of ramps.
 const MOST_ALONE: f32 = 1.0 - LEAST_PUSH / 2.0;
 /// The part of the extruder's acceleration that moves of the extruder alone leave to the ramp after them, and that
 /// ramps leave to them. Within a window three may meet: a ramp, such a move, and the next ramp.
@@ -37,7 +37,7 @@ const LEAST_CHANGE: f32 = 0.25;
 /// A jump that is a smaller part of all jumps in the window than this is rounding of E: slicers write five decimals.
 const NOISE: f32 = 1.0 / 64.0;
 
-/// What a move may have: acceleration in mm/s2 and speed in mm/s.
+/// The limits of a move: acceleration in mm/s2 and speed in mm/s.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(in crate::motion) struct Most {
     pub acceleration: f32,
@@ -53,7 +53,7 @@ pub(in crate::motion) struct Flow<'a> {
     pub feed: f32,
 }
 
-/// What moves ask of the extruder beside their own part of its speed.
+/// The extruder speed that moves need in addition to their own.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Asked {
     /// The least and the greatest q, for a speed of 1 mm/s.
@@ -84,7 +84,7 @@ impl Asked {
     }
 }
 
-/// What the moves so far leave of the extruder.
+/// The part of the extruder's limits that the moves so far have left.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(in crate::motion) struct Pressure {
     /// The window, in s, and one over it; 0 if no advance is in use.
@@ -94,8 +94,7 @@ pub(in crate::motion) struct Pressure {
     q: f32,
     /// The share of jumps in the last move.
     room: f32,
-    /// What was asked for in the last window, and in the one that is under way. So at least the last window is known,
-    /// at most two.
+    /// The needs of the last window, and of the present one. So at least the last window is known, at most two.
     before: Asked,
     now: Asked,
     /// How long the one under way has lasted at least.
@@ -125,7 +124,7 @@ impl Pressure {
         }
     }
 
-    /// The machine has come to rest, and nothing is known of what follows.
+    /// The machine has come to rest, and the next moves are unknown.
     pub fn rest(&mut self) {
         *self = Self { window: self.window, rate: self.rate, ..Self::NONE };
     }
@@ -142,9 +141,9 @@ impl Pressure {
         self.window == other.window && self.rate == other.rate
     }
 
-    /// Brings what the next move may have down to what the extruder bears, and says by how much the extruder's speed
-    /// jumps in the corner before it, in mm/s for a speed of 1 mm/s. The speed of that corner is the extruder's jerk
-    /// over this, at most.
+    /// Reduces the next move's limits to the extruder's. Returns the jump of the extruder's speed in the corner before
+    /// the move, in mm/s for a speed of 1 mm/s. The speed of that corner is at most the extruder's jerk divided by
+    /// this.
     #[inline(never)]
     pub fn bound(&mut self, flow: &Flow<'_>, last: &Geometry, most: &mut Most, s: &Settings) -> f32 {
         let ratio = flow.geometry.extrusion.abs();
@@ -155,7 +154,7 @@ impl Pressure {
         let mut asked = Asked::of(q);
         let mut room = self.room;
         if q > 0.0 {
-            // Half of the window sees the ramp beside a move of the extruder alone.
+            // Half of the window sees the ramp next to a move of the extruder alone.
             let share = least(v * (1.0 - 2.0 * LEAST_ROOM) - wanted, 2.0 * (v - before.alone_speed));
             let share = least(greatest(share, v * LEAST_PUSH), v * MOST_PUSH);
             limit(&mut most.acceleration, q, share);

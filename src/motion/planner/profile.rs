@@ -1,11 +1,11 @@
-//! Trapezoids: from distance, acceleration and the speeds at both ends to times.
+//! Trapezoids: times from distance, acceleration and the speeds at both ends.
 //!
 //! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where the distance
 //! is too short for the nominal speed, the peak is where the two ramps meet: `peak^2 = (entry^2 + exit^2) / 2 + a L`.
-//! With a minimum cruise ratio r the ramps have only `(1 - r) L` to meet in, and the move cruises between them, so that
-//! a row of short moves does not fall from accelerating into braking in each of them (Klipper's minimum_cruise_ratio).
-//! A move that must accelerate or brake all along, because the next corner is that much faster or slower, still does. A
-//! move that is entered above its nominal speed brakes to it first.
+//! With a minimum cruise ratio r the ramps have only `(1 - r) L` to meet in, and the move cruises between them. So a
+//! row of short moves does not alternate between accelerating and braking (Klipper's minimum_cruise_ratio). A move that
+//! must accelerate or brake all along, because the next corner is that much faster or slower, still does. A move that
+//! is entered above its nominal speed brakes to it first.
 
 use crate::motion::moves::{LONG_TIME, Move, WHOLE};
 use crate::motion::number::{acceleration, from_bits, root, to_bits};
@@ -19,8 +19,8 @@ fn to_time(ticks: f32) -> SubTicks {
 }
 
 /// Time in ticks times 2^16 over `level` (raw `Mm` bits) at a nominal speed (raw `MmPerSec` bits). It may be long, so
-/// every bit counts: what single precision leaves is made up by one of Newton's steps, to 2^-16 of a tick in three
-/// minutes and to a thousandth of one in hours.
+/// every bit counts. One step of Newton's method refines the single-precision value, to 2^-16 of a tick in three
+/// minutes and to a thousandth of a tick in hours.
 fn cruise_time(level: u64, nominal: u32) -> SubTicks {
     let speed = nominal as f32 * const { 1.0 / 65536.0 };
     let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 }).0;
@@ -39,7 +39,7 @@ pub(in crate::motion) fn max_ramp_length(length: u64, cruise: Ratio) -> u64 {
     (((length >> 32) * part) << (32 - WIDTH)) + (((length & 0xFFFF_FFFF) * part) >> WIDTH)
 }
 
-/// What a trapezoid is made of.
+/// The parts of a trapezoid.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct MoveSpec {
     /// Its length in raw `Mm` bits.
@@ -68,9 +68,9 @@ impl MoveSpec {
     };
 }
 
-/// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit
-/// speed in mm/s; that of the entry is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` but
-/// for rounding.
+/// The move over a distance with these entry and exit speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
+/// in mm/s; the entry speed is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` except for
+/// rounding.
 #[must_use]
 #[inline(always)]
 pub(in crate::motion) fn profile(
@@ -95,7 +95,7 @@ pub(in crate::motion) fn profile(
     };
     let rise = Ramp::new(peak_sq.abs_diff(entry_sq), twice_a, entry_speed, peak_speed);
     let fall = Ramp::new(peak_sq.wrapping_sub(exit_sq), twice_a, exit_speed, peak_speed);
-    // In integers, for a cruise may be long.
+    // In integers, because a cruise may be long.
     let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
     let scale = const { WHOLE as f32 } / size;
     let accelerated = ((rise.length * scale) as u32).min(WHOLE);
@@ -129,8 +129,8 @@ pub(in crate::motion) fn profile(
     (planned, exit_speed)
 }
 
-/// The times of a long move's phases, so that they are those of the fractions of its way at which they end. These are
-/// cut to whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
+/// The times of a long move's phases, matched to the fractions of its distance at which the phases end. These fractions
+/// are cut to whole ones, given the fractions of both ramps; the missing parts of the ramps are cruised.
 #[cold]
 #[inline(never)]
 fn evened([rise, cruise, fall]: [SubTicks; 3], (accelerated, decelerated): (f32, f32)) -> [SubTicks; 3] {

@@ -1,7 +1,7 @@
 //! StepScale: between millimetres and steps of one axis.
 //!
-//! Positions are exact to a bit, for they are compared and stand in traces. A distance has 32 bits, whatever its
-//! length.
+//! Positions are exact to a bit, because they are compared and written to traces. A distance has 32 bits, independent
+//! of its length.
 
 use crate::units::{Mm, Steps, StepsPerMm};
 
@@ -29,7 +29,7 @@ impl StepScale {
     /// The length of a step in mm.
     #[inline(always)]
     pub fn step(&self) -> f32 {
-        // 2^(-32 - shift), of which the shift is at most 31.
+        // 2^(-32 - shift), with a shift of at most 31.
         self.mantissa as f32 * f32::from_bits((127 - 32 - u32::from(self.shift & 31)) << 23)
     }
 
@@ -70,7 +70,7 @@ impl StepScale {
         ((wide + (1 << 47)) >> 48) as i64
     }
 
-    /// A distance of `steps` in raw `Mm` bits, of which 32 are right.
+    /// A distance of `steps` in raw `Mm` bits, with 32 right bits.
     #[inline(always)]
     pub fn distance(&self, steps: Steps) -> i64 {
         let bits = steps.to_bits();

@@ -1,25 +1,25 @@
-//! The look-ahead window: moves whose speeds may still change.
+//! The look-ahead window: moves with speeds that may still change.
 //!
-//! The speed at the end of the last move is 0, for nobody knows what follows. With `w_i` for the square of the entry
-//! speed of move i, `m_k` for the greatest one that move k allows ([`Planned::max_entry_sq`]), and `G_k` for the sum of
-//! what the moves before move k could gain, 2 a L each ([`Planned::cumulative_gain_sq`]), the greatest speed from which
-//! the moves that follow can still brake is
+//! The speed at the end of the last move is 0, because the next move is unknown. Let `w_i` be the square of the entry
+//! speed of move i. Let `m_k` be the greatest one that move k allows ([`Planned::max_entry_sq`]). Let `G_k` be the sum
+//! of the possible gains of the moves before move k, 2 a L each ([`Planned::cumulative_gain_sq`]). The greatest speed
+//! from which the following moves can still brake is
 //!
 //! ```text
 //! w_i = min over k >= i of (m_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
 //! ```
 //!
 //! The minima are kept in a queue, as in the sliding-window minimum. When a corner is added, all corners in the queue
-//! whose `m_k + G_k` is no smaller leave it, for none of them can be a minimum any more. So the values in the queue
-//! rise, and the first corner in it that follows move i is the minimum for move i. Adding a move costs as much whether
-//! three or a hundred wait. What has to go over all moves is done a few at a time (see [`passes`](super::passes)).
+//! with an `m_k + G_k` that is no smaller leave it, because none of them can be a minimum any more. So the values in
+//! the queue rise, and the first corner in it that follows move i is the minimum for move i. Adding a move costs as
+//! much whether three or a hundred wait. Work on all moves is done a few at a time (see [`passes`](super::passes)).
 //!
 //! The end of the window counts as a corner with the speed 0. A move that is added takes the end farther away and
-//! brings a corner which allows at least as much as the old end did. So a corner whose minimum is not the end has a
-//! speed that no later move can change: it is **final**. The move before a final corner may leave, sooner or later,
+//! brings a corner which allows at least as much as the old end did. So a corner with another minimum than the end has
+//! a speed that no later move can change: it is **final**. The move before a final corner may leave, sooner or later,
 //! without a difference to the steps. When a move must leave that is not final, the steps would depend on when it left.
-//! Therefore that happens only where the stream of commands itself says so (the window is full of moves that are not
-//! final, or a command waits for the motion), or when no commands come any more.
+//! Therefore that happens in two cases only. The stream of commands itself causes it (the window is full of moves that
+//! are not final, or a command waits for the motion), or no commands come any more.
 
 use super::pass_progress::{FinalCount, Passes};
 use super::planned::{LOOKAHEAD_MOVES, MINIMA_PLACES, MoveMemory, NOT_FROZEN, Planned};
@@ -27,12 +27,12 @@ use super::profile::profile;
 use crate::motion::moves::Move;
 use crate::units::{Seconds, SpeedSq, Steps};
 
-/// Whether `a` is less than `b`, both of which wrap.
+/// Whether `a` is less than `b`; both wrap.
 const fn is_less(a: SpeedSq, b: SpeedSq) -> bool {
     (a.wrapping_sub(b).0 as i64) < 0
 }
 
-/// Slots of the moves whose corners have a smaller `m + G` than all that follow; in order.
+/// Slots of the moves with corners that have a smaller `m + G` than all that follow; in order.
 pub(in crate::motion) struct Minima<'m> {
     /// A ring, which caps the capacity of the window.
     slots: &'m mut [u8; MINIMA_PLACES],
@@ -246,7 +246,7 @@ impl<'m> Window<'m> {
         }
         let slot = self.first;
         let planned = self.moves.get(slot)?;
-        // Planned as `min`, so the ramps fit but for what squares and roots round away.
+        // Planned as `min`, so the ramps fit except for the rounding of squares and roots.
         let exit_sq = match exit {
             Some((exit, _)) if planned.frozen_exit_sq == NOT_FROZEN => exit,
             Some(_) => planned.frozen_exit_sq,

@@ -187,8 +187,8 @@ fn two_heaters_that_are_fitted_share_no_output_and_no_sensor() {
     assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
 }
 
-/// Reproducer: a gantry on four screws, two of them on drivers of the belt with 16 microsteps and two with 32, was
-/// legal and would have racked.
+/// Reproducer: a gantry on four screws was legal with 16 microsteps for two screws on drivers of the belt and 32 for
+/// the other two. It would have racked.
 #[test]
 fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ() {
     let z = [0, 0, 1, 0];
@@ -205,7 +205,7 @@ fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ()
     assert_eq!(machine(z, z, z, 16, 16), Ok(()));
     assert_eq!(machine(z, z, z, 32, 32), Ok(()));
     assert_eq!(machine(z, z, z, 16, 32), differ([Motor::M1, Motor::Z1], [16, 32]));
-    // Other microsteps of another axis are its own affair, and so are those of the extruder.
+    // Other microsteps of another axis do not matter, nor do the extruder's.
     assert_eq!(machine([0; 4], [0; 4], z, 16, 32), Ok(()));
     let mut alone = Settings::prototype();
     (alone.drivers.z.microsteps, alone.drivers.e.microsteps) = (32, 64);

@@ -1,5 +1,5 @@
-//! Bounds: what a heater of a kind can be at all, by its power. A result of M303 outside of them is none; M306 refuses
-//! it, and `config check` warns of it ([`Plausible`](super::Plausible)).
+//! Bounds: the possible models of a heater of a kind, by its power. A result of M303 outside of them is discarded; M306
+//! refuses it, and `config check` warns of it ([`Plausible`](super::Plausible)).
 //!
 //! | | power, W | K/s at full power, in an insulated room | lags, s | K above the room at full power |
 //! |---|---|---|---|---|
@@ -15,7 +15,7 @@ use crate::connectors::Heater;
 use crate::settings::Range;
 use crate::units::{JoulesPerKelvin, Ratio, Seconds, Watts};
 
-/// What a kind of heater can be.
+/// The bounds of a kind of heater.
 #[derive(Debug)]
 pub struct Bounds {
     /// K/s at full power without losses.
@@ -29,7 +29,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Those of a heater.
+    /// The bounds of a heater.
     #[must_use]
     pub const fn of(heater: Heater) -> &'static Self {
         /// Blocks of 3 to 60 J/K with 25 to 120 W.

@@ -1,4 +1,4 @@
-//! Fans: who says how fast each runs. What the fans have in common (`hotend_fan_above`, `fan_run_on_s`) is in
+//! Fans: the source of each fan's speed. The settings for all fans (`hotend_fan_above`, `fan_run_on_s`) are in
 //! [`ThermalSettings`](super::ThermalSettings).
 
 use crate::connectors::FANS;
@@ -7,7 +7,7 @@ use crate::settings::{Range, Settings, ranges};
 use crate::units::Ratio;
 use serde::{Deserialize, Serialize};
 
-/// Who says how fast a fan runs.
+/// The source of a fan's speed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum FanRole {
     /// M106 and M107, with its number as P.
@@ -16,7 +16,7 @@ pub enum FanRole {
     Hotend,
     /// It cools the drivers, so it runs while motors or heaters have power.
     Controller,
-    /// It cools what is printed, and the hotend's block with it. M106 and M107 say how fast, as for a commanded one.
+    /// It cools the print, and the hotend's block with it. M106 and M107 say how fast, as for a commanded one.
     Part,
 }
 
@@ -31,7 +31,7 @@ impl FanRole {
     }
 }
 
-/// Which fans cool what is printed: all of that role; where no fan has it, the first that is commanded.
+/// The fans that cool the print: all of that role; where no fan has it, the first that is commanded.
 #[must_use]
 pub fn part_fans(roles: [FanRole; FANS]) -> [bool; FANS] {
     let are_parts = roles.map(|role| role == FanRole::Part);
@@ -45,11 +45,11 @@ pub fn part_fans(roles: [FanRole; FANS]) -> [bool; FANS] {
 /// A fan.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct FanSettings {
-    /// Who says how fast it runs.
+    /// The source of its speed.
     pub role: FanRole,
     /// Milliseconds at full power when it starts, so that it starts at all.
     pub kick_ms: u16,
-    /// The least duty at which it turns; what is asked for is scaled from here.
+    /// The least duty at which it turns; commanded speeds are scaled from here.
     pub least: Ratio,
     /// The duty at full speed.
     pub most: Ratio,

@@ -1,5 +1,4 @@
-//! A heater: where it hangs, what watches it (and the kinds of sensor, [`Thermistor`]), how it behaves, and what is not
-//! normal any more.
+//! A heater: its output, its sensor (and the kinds of sensor, [`Thermistor`]), its model, and the limits of its guards.
 
 use crate::connectors::{HEATERS, Output, Sensor};
 use crate::settings::rows::{Choice, Chosen, Field, Kind, Spec, Value, rows};
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// A kind of temperature sensor, by the name under which it is sold. `thermal::sensor` has its numbers.
 ///
-/// A new one comes behind the others, since records hold its number; the compiler and tests then ask for its curve and
+/// A new one comes after the others, since records hold its number. The compiler and tests then ask for its curve and
 /// its data sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in
 /// machine files ([`NAMED`](Self::NAMED)). By hand: `examples/machines/prototype.toml`, docs/explanation/heat.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -98,7 +97,7 @@ pub enum Control {
 /// When a heater's behaviour is a fault. No value switches a guard off.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Guards {
-    /// It has to warm up by at least this part of what its model says.
+    /// It has to warm up by at least this part of its model's prediction.
     pub heating: Ratio,
     /// So far from its target, once reached, ...
     pub lost: Celsius,
@@ -117,7 +116,7 @@ pub struct HeaterSettings {
     pub is_fitted: bool,
     /// Where it hangs.
     pub output: Output,
-    /// What watches it.
+    /// Its sensor.
     pub sensor: Sensor,
     /// The sensor's kind.
     pub thermistor: Thermistor,
@@ -133,9 +132,9 @@ pub struct HeaterSettings {
     pub control: Control,
     /// How it behaves.
     pub model: HeaterModel,
-    /// For those who want PID.
+    /// The gains for PID control.
     pub pid: Pid,
-    /// What is not normal.
+    /// The limits of its guards.
     pub guards: Guards,
 }
 
@@ -233,7 +232,7 @@ impl Guards {
         }
     }
 
-    /// For a bed, which is slower and whose door is opened: lost by 10 C for 20 s as with Prusa.
+    /// For a bed, which is slower and may cool through an open door: lost by 10 C for 20 s as with Prusa.
     #[must_use]
     pub const fn bed() -> Self {
         Self {

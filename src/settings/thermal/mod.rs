@@ -54,9 +54,9 @@ pub struct ThermalSettings {
 }
 
 impl ThermalSettings {
-    /// A hotend of 40 W with a Semitec 104GT-2, a bed of 500 W with a thermistor of B 3950, one fan for the part, one
-    /// for the hotend and one for the controller: what most machines of this size have. Nothing is fitted before a
-    /// machine file or M-code says so.
+    /// The usual set of a machine of this size: a hotend of 40 W with a Semitec 104GT-2, a bed of 500 W with a
+    /// thermistor of B 3950, one fan for the part, one for the hotend and one for the controller. Nothing is fitted
+    /// before a machine file or M-code says so.
     #[must_use]
     pub const fn prototype() -> Self {
         let fan = FanSettings::new(FanRole::Commanded);
@@ -138,7 +138,7 @@ mod tests {
         assert!(thermal.has_heater());
     }
 
-    /// What a chamber does not share with a bed, and a bed's guards with a hotend's.
+    /// The differences of a chamber from a bed, and of a bed's guards from a hotend's.
     #[test]
     fn a_chamber_is_cooler_and_slower_than_a_bed_and_a_bed_than_a_hotend() {
         let Heaters { hotend, bed, chamber } = ThermalSettings::prototype().heaters;

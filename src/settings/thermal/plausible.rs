@@ -1,8 +1,8 @@
-//! Which models a heater of its kind and power can have: what M306 takes, and what `corehbot config check` warns of.
+//! Plausible models for a heater of its kind and power: M306 takes them, and `corehbot config check` warns of others.
 //!
-//! The wide ranges of `settings::ranges` hold for whatever is stored. These are narrower: a model beyond them is no
-//! heater that anybody has, but a slip of the pen, and the guards that believe the model would look past a fault. (The
-//! floor, `thermal::guard::Floor`, holds in any case.)
+//! The wide ranges of `settings::ranges` hold for all stored values. These are narrower: a model beyond them fits no
+//! real heater but is a typing error, and guards that believe the model would miss a fault. (The floor,
+//! `thermal::guard::Floor`, holds in any case.)
 //!
 //! The numbers by kind are those of [`Bounds`].
 
@@ -11,21 +11,21 @@ use crate::connectors::Heater;
 use crate::settings::{Range, ranges};
 use crate::units::{JoulesPerKelvin, Seconds, Watts, WattsPerKelvin};
 
-/// What the numbers of a heater's model can be.
+/// The plausible numbers of a heater's model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Plausible {
     /// Of the heater.
     pub power: Range<Watts>,
-    /// Of what it warms, for this power.
+    /// Heat capacity, for this power.
     pub capacity: Range<JoulesPerKelvin>,
-    /// To the room, for this power; with the part fan as well, up to four times the most.
+    /// Loss to the room, for this power; with the part fan as well, up to four times the most.
     pub loss: Range<WattsPerKelvin>,
     /// Each of the two.
     pub lag: Range<Seconds>,
 }
 
 impl Plausible {
-    /// What is plausible of this kind of heater with this power.
+    /// The plausible models of this kind of heater with this power.
     #[must_use]
     pub fn of(heater: Heater, power: Watts) -> Self {
         let bounds = Bounds::of(heater);

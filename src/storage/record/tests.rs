@@ -84,7 +84,7 @@ fn records_of_other_formats_are_refused_by_their_number() {
     }
 }
 
-/// The elements of a payload: their ids, and all of their bytes. Written anew, as a check.
+/// The elements of a payload: their ids, and all of their bytes. Written a second time, as a check.
 fn elements(payload: &[u8]) -> Vec<(u16, &[u8])> {
     let (mut elements, mut rest) = (Vec::new(), payload);
     while !rest.is_empty() {
@@ -113,7 +113,7 @@ fn a_setting_that_a_record_does_not_have_is_at_its_default() {
         assert_eq!(unknown, Unknown::NONE);
         // Only that one, of all parts that have it.
         for ((key, value), (_, spelled)) in values(&settings).into_iter().zip(values(&spelled_out())) {
-            // The rule for corners has two keys, of which the other one has a value then.
+            // The rule for corners has two keys; the other one has a value then.
             let is_left_out = key.row.id == *left_out || [key.row.id, *left_out] == [19, 99];
             let expected = if is_left_out { values_of(&default, key) } else { spelled };
             assert_eq!(value, expected, "{key} without {left_out}");
@@ -135,7 +135,7 @@ fn values(settings: &Settings) -> Vec<(Key, Value)> {
 }
 
 fn values_of(settings: &Settings, key: Key) -> Value {
-    // Without its element the rule is that of the default, and so its other key has no value.
+    // Without its element the rule is the default one, and so its other key has no value.
     values(settings).into_iter().find(|(other, _)| *other == key).unwrap().1
 }
 
@@ -426,7 +426,7 @@ fn rows_longest_legal() -> usize {
     write(&s, &Unknown::NONE, &mut bytes).unwrap()
 }
 
-/// Heat of which every number takes the most bytes.
+/// Heat settings with numbers that take the most bytes.
 fn hottest() -> ThermalSettings {
     let heater = HeaterSettings {
         thermistor: Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX },
@@ -503,7 +503,7 @@ fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever is inside a record with a right checksum: legal settings or none.
+    /// The result for any content of a record with a right checksum: legal settings or none.
     #[test]
     fn any_payload_is_legal_or_rejected(
         format in FORMAT - 1..=FORMAT,
