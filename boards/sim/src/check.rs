@@ -1,25 +1,30 @@
 //! Checker: holds every step of a run to physics and to the mechanism.
 //!
-//! At every event: time does not fall; two pulses of a motor are at least [`MIN_STEP_INTERVAL`] apart; motors with
-//! equal rows in the mechanism stand alike and those with opposite rows mirror each other (on the CoreH-bot, 1 and 8, 4
-//! and 11, so that the belt is not strained, and both ball screws). Where four coordinates hold three axes, the sum of
-//! counts that should be 0 (A - B + C - D of a CoreXYZ) is what rounding makes of it: each count is within half a step
-//! of its coordinate, so the sum of four is below two steps. A step's tick is rounded as well, so in between the sum
-//! may reach two. At the end it is below two, and the counts are the expected ones.
+//! At every event:
+//!
+//! - time does not fall;
+//! - two pulses of a motor are at least [`MIN_STEP_INTERVAL`] apart;
+//! - motors with equal rows in the mechanism have equal counts, and motors with opposite rows have opposite counts. On
+//!   the CoreH-bot these are 1 and 8, 4 and 11, so that the belt is not strained, and both ball screws.
+//!
+//! Where four coordinates hold three axes, one sum of counts should be 0 (A - B + C - D of a CoreXYZ). Rounding decides
+//! its value: each count is within half a step of its coordinate, so the sum of four is below two steps. A step's tick
+//! is rounded as well, so in between the sum may reach two. At the end it is below two, and the counts are the expected
+//! ones.
 //!
 //! Speeds and accelerations are measured on positions sampled every 0.5 ms. With window T and step q:
 //!
-//! - speed: `|p(t) - p(t-T)| <= V T + Q`, where Q = 1.5 q is what quantisation can fake;
-//! - acceleration: the second difference `|p(t) - 2 p(t-T) + p(t-2T)|`, which is the acceleration averaged
-//!   with a triangular weight times T^2, is at most `sqrt2 A T^2 + J T + 2 Q`. The factor sqrt2 (x, y and belt
-//!   only) allows for an axis that brakes at its limit and turns at its limit at the same time. J is one corner's jump of speed
-//!   (see [`limits`](crate::limits)). More corners within one window are within the bound if the planner lets no
-//!   chain of corners turn faster than a curve at the limit would.
+//! - speed: `|p(t) - p(t-T)| <= V T + Q`, where Q = 1.5 q is the error that quantisation can cause;
+//! - acceleration: the second difference `|p(t) - 2 p(t-T) + p(t-2T)|` is at most `sqrt2 A T^2 + J T + 2 Q`. It is the
+//!   acceleration averaged with a triangular weight times T^2. The factor sqrt2 (x, y and belt only) allows for an axis
+//!   that brakes at its limit and turns at its limit at the same time. J is one corner's jump of speed (see
+//!   [`limits`](crate::limits)). Several corners within one window stay within the bound if the planner lets no chain
+//!   of corners turn faster than a curve at the limit would.
 //!
-//! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis is as fast as
-//! its speed limit; a short one (T = sqrt(2Q / A)), where the three terms are least together, finds a jump: for 80
-//! steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s. Within 4 ms the speeds of x and y are looked at step by
-//! step (`changes.rs`), which finds an oscillation that is too short for both windows.
+//! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis reaches its
+//! speed limit. A short window (T = sqrt(2Q / A)), where the sum of the three terms is smallest, finds a jump. For 80
+//! steps/mm, 5 m/s2 and d = 0.013 mm it finds any jump above 65 mm/s. Within 4 ms the speeds of x and y are checked
+//! step by step (`changes.rs`), which finds an oscillation that is too short for both windows.
 
 use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};
@@ -61,7 +66,7 @@ impl std::fmt::Display for Violation {
     }
 }
 
-/// What the checker found.
+/// The checker's findings.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Findings {
     /// The first few violations.
@@ -92,7 +97,7 @@ pub struct Checker {
     last_pulse: [Option<u64>; Motor::ALL.len()],
     /// What strains a belt that may run round.
     residuals: Option<Residuals>,
-    /// Motors that may be trimmed, and how far each was: who steps alone in an instant.
+    /// Motors that may be trimmed, and how far each was trimmed: a motor that steps alone in an instant.
     trims: MotorSet,
     trimmed: [i64; Motor::ALL.len()],
     is_consistent: bool,
@@ -250,7 +255,7 @@ fn is_together(group: &Group, counts: &Counts) -> bool {
 struct Gauge {
     back: ForwardKinematics<{ Motor::ALL.len() }>,
     belts: Vec<Group>,
-    /// In the order of [`Limits::of`]; none if there is nothing to judge.
+    /// In the order of [`Limits::of`]; empty if there is nothing to judge.
     coordinates: Vec<Coordinate>,
 }
 
@@ -280,7 +285,7 @@ impl Gauge {
 struct Excess {
     limit: Limit,
     kind: Kind,
-    /// What was measured.
+    /// The measured value.
     value: f64,
     /// The window in seconds.
     window: f64,
@@ -320,7 +325,7 @@ struct Coordinate {
 }
 
 impl Coordinate {
-    /// A coordinate whose positions are known in so many parts of a step.
+    /// A coordinate with positions known in `parts` parts of a step.
     fn new(limit: Limit, bend: f64, parts: i64) -> Self {
         let samples =
             |seconds: f64| ((seconds * f64::from(SAMPLES_PER_SECOND)) as usize).clamp(2, LONGEST_WINDOW / 2 - 1);
@@ -330,7 +335,7 @@ impl Coordinate {
         Self { limit, bend, unit, past: [0; LONGEST_WINDOW], next: 0, long, short, quiet: 0 }
     }
 
-    /// Takes in the next position and says what is newly wrong with the recent ones.
+    /// Takes in the next position and returns a new excess of the recent ones.
     fn measure(&mut self, at: i64) -> Option<Excess> {
         self.past[self.next] = at;
         self.next = (self.next + 1) % LONGEST_WINDOW;

@@ -8,7 +8,7 @@ use corehbot::port::{BusError, Frame};
 use corehbot::units::TICKS_PER_SECOND;
 use std::cell::{Cell, RefCell, RefMut};
 
-/// Speed of the wire: that of Marlin's software UART, the slowest in use.
+/// Speed of the wire: the speed of Marlin's software UART, the slowest in use.
 const BAUD: u64 = 19_200;
 
 /// Bits of a byte with start and stop.
@@ -46,7 +46,7 @@ impl Drivers {
         Self::with_lines(MotorSet::ALL)
     }
 
-    /// Seven chips of which only those of `lines` can be talked to.
+    /// Seven chips; only the chips of `lines` are on a wire.
     #[must_use]
     pub fn with_lines(lines: MotorSet) -> Self {
         let chips = RefCell::new(std::array::from_fn(|_| Tmc2209::new(0)));
@@ -90,8 +90,7 @@ impl Drivers {
         self.betrayed.get()
     }
 
-    /// Motors that are switched on although their driver would make other than so many microsteps, or has no
-    /// supply.
+    /// Motors that are switched on although their driver would make another number of microsteps, or has no supply.
     #[must_use]
     pub fn astray(&self, microsteps: u32) -> MotorSet {
         let is_astray = |motor: &Motor| {

@@ -34,7 +34,7 @@ impl Eeprom {
         Self { cells: vec![BLANK; SIZE], file: None, writes: 0 }
     }
 
-    /// The one whose image is in a file; a file that does not exist becomes a blank one.
+    /// An EEPROM with its image in a file; a missing file becomes a blank one.
     ///
     /// # Errors
     /// If the file cannot be read and written, or is no image.

@@ -4,7 +4,7 @@ use corehbot::connectors::{FANS, HEATERS};
 use corehbot::motors::MotorSet;
 use corehbot::units::Celsius;
 
-/// Who hears every step event, in order. `tick` is motion time (10 MHz) and never falls.
+/// A receiver of every step event, in order. `tick` is motion time (10 MHz) and never falls.
 pub trait Sink {
     /// The motors of `steps` step at `tick`, each forward if it is in `forward`.
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
@@ -28,9 +28,9 @@ pub struct HeatPeriod {
 /// A heater at the end of a control period.
 #[derive(Clone, Copy, Debug)]
 pub struct HeaterPeriod {
-    /// What the firmware measured; none before the first time.
+    /// The firmware's measurement; `None` before the first one.
     pub measured: Option<Celsius>,
-    /// What it is to be; 0 is off.
+    /// The target; 0 is off.
     pub target: Celsius,
     /// Of 65,535, as the plant got it.
     pub duty: u16,

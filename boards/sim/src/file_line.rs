@@ -3,7 +3,8 @@
 
 use std::borrow::Cow;
 
-/// The command of a line of a file, empty if there is none for the printer, and whether the checksum there is wrong.
+/// The command of a line of a file, and whether the checksum there is wrong. The command is empty if the line has none
+/// for the printer.
 #[must_use]
 pub fn command_of(line: &str) -> (Cow<'_, str>, bool) {
     let (text, is_damaged) = verified(strip_comment(line));

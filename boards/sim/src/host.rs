@@ -1,9 +1,9 @@
 //! The host at the other end of the line: sends a G-code file the way printcore does.
 //!
-//! Comments and blank lines stay at home, and so do line numbers and checksums that stand in the file: they are
-//! verified, and an M110, which would be about them, is left out. `N-1 M110 N-1` resets the line number, then the
-//! commands follow as `N0`, `N1`, ... with a checksum, each when the one before was answered with `ok`. A `Resend` goes
-//! back. An `M400` is added, so that the last `ok` means that the motion is done. (Printrun, `printcore.py`.)
+//! Comments and blank lines are not sent. Line numbers and checksums in the file are verified and not sent; an M110,
+//! which would refer to them, is left out. `N-1 M110 N-1` resets the line number. Then the commands follow as `N0`,
+//! `N1`, ... with a checksum, each after the `ok` for the previous one. A `Resend` goes back. An `M400` is added, so
+//! that the last `ok` means that the motion is done. (Printrun, `printcore.py`.)
 //!
 //! Where the printer waits for a user (M0, M1, M600, M601), it goes on after [`USER_SECONDS`], as a user would have it
 //! do. The file is read as it is sent; only the last commands are kept, in case they are asked for again.
@@ -36,15 +36,15 @@ pub const USER_SECONDS: u32 = 5;
 /// The same in ticks.
 const USER_TICKS: u64 = (USER_SECONDS * TICKS_PER_SECOND) as u64;
 
-/// What a user sends to have the printer go on.
+/// A user's command to resume the print.
 const GO_ON: &str = "M108";
 
 /// A command of the file.
 struct Command {
     text: String,
-    /// Line in the file, from 1; 0 for what the host adds.
+    /// Line in the file, from 1; 0 for a line that the host adds.
     line: u32,
-    /// Its checksum in the file is that of another text.
+    /// Its checksum in the file does not match its text.
     is_damaged: bool,
 }
 
@@ -77,7 +77,7 @@ pub struct HeatWait {
     pub time: [u64; 2],
 }
 
-/// What the commands that were sent have asked for.
+/// Requests of the commands that were sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Asked {
     /// Commands that heat something.
@@ -131,7 +131,7 @@ pub struct FileHost {
     warnings_total: u32,
     /// The time, in ticks.
     now: u64,
-    /// Since when the printer has waited for a user who is not there.
+    /// Since when the printer has waited for a user who is absent.
     paused: Option<u64>,
     pauses: Vec<Remark>,
     pauses_total: u32,
@@ -185,7 +185,7 @@ impl FileHost {
         }
     }
 
-    /// Commands to send: those of the file and the one that is added.
+    /// Commands to send: the file's commands and the added one.
     const fn total(&self) -> i64 {
         self.survey.commands as i64 + 1
     }
@@ -242,7 +242,7 @@ impl FileHost {
         self.resends
     }
 
-    /// What the printer found odd: the first few remarks.
+    /// Warnings of the printer: the first few remarks.
     #[must_use]
     pub fn warnings(&self) -> &[Remark] {
         &self.warnings
@@ -272,7 +272,7 @@ impl FileHost {
         &self.heat_waits
     }
 
-    /// What the commands so far have asked for.
+    /// Requests of the commands so far.
     #[must_use]
     pub const fn asked(&self) -> Asked {
         self.asked
@@ -336,7 +336,7 @@ impl FileHost {
             return;
         };
         self.error = None;
-        // After a silence the printer asks for the next line; what was never sent is not sent again.
+        // After a silence the printer asks for the next line; a line that was never sent is not sent again.
         if self.awaiting == 0 && number == self.next {
             return;
         }
@@ -440,7 +440,7 @@ impl Host for FileHost {
     }
 }
 
-/// Begins of echoes that answer a question, show life or say what is no trouble.
+/// First words of echoes that answer a question, show life or report no trouble.
 const EXPECTED: [&str; 11] = [
     "  G",
     "  M",

@@ -1,23 +1,24 @@
-//! Limits: what a print may ask of each axis, as the checker holds it to.
+//! Limits: the bounds of each axis in a print, for the checker.
 //!
-//! They come from the settings, widened by whatever limits the print itself sets (M201, M203, M205): the
-//! checker sees only steps and cannot know when a command took effect, so the widest limit counts for the
-//! whole print. So do those of the settings in storage, beside those that the machine was made with.
+//! They come from the settings, widened by the limits that the print itself sets (M201, M203, M205). The checker sees
+//! only steps and cannot know when a command took effect, so the widest limit counts for the whole print. Stored
+//! settings count too, next to the settings at the machine's start.
 //!
 //! # Jumps of speed
-//! A corner may change the speed at once. Under junction deviation d a corner of half angle t (between the
-//! moves) is taken at `v^2 = a d s / (1 - s)` with `s = sin t`; the change of velocity is `2 v cos t`, whose
-//! square is `4 a d s (1 + s)`, at most `8 a d` however flat the corner. Along an axis that bears the
-//! acceleration a, no more than `sqrt(8 a d)` may therefore jump. A square-corner velocity w is the same law
-//! with `a d = w^2 (sqrt 2 - 1)`.
+//! A corner may change the speed at once. Under junction deviation d, a corner of half angle t (between the moves) is
+//! taken at `v^2 = a d s / (1 - s)` with `s = sin t`. The change of velocity is `2 v cos t`. Its square is `4 a d s (1
+//! + s)`, at most `8 a d` however flat the corner. So along an axis that bears the acceleration a, no more than `sqrt(8
+//! a d)` may jump. A square-corner velocity w is the same law with `a d = w^2 (sqrt 2 - 1)`.
 //!
 //! # Shaping
 //! An input shaper is a mean of the path at several times, which is no faster than the path. Pressure advance K over a
-//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`, which adds `(q(t + h/2) - q(t - h/2)) / h`
-//! to the extruder's speed, q being K times the speed of filament that is printed. The planner keeps the sum within the
-//! extruder's speed and acceleration (docs/explanation/shaping.md#what-the-extruder-bears), so neither limit is wider
-//! for an advance. A corner's jump enters the window and leaves it again, each time as a jump of its own that is no
-//! more than the extruder's jerk. Both, and a corner's own jump, may fall into one measurement.
+//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`. That adds `(q(t + h/2) - q(t - h/2)) / h`
+//! to the extruder's speed, where q is K times the speed of printed filament.
+//!
+//! The planner keeps the sum within the extruder's speed and acceleration
+//! (docs/explanation/shaping.md#what-the-extruder-bears), so neither limit is wider for an advance. A corner's jump
+//! enters the window and leaves it again, each time as a jump of its own within the extruder's jerk. Both, and a
+//! corner's own jump, may fall into one measurement.
 
 use crate::file_line::{command_of, words};
 use corehbot::gcode::{Command, Number, VelocityWords, parse};
@@ -82,7 +83,7 @@ impl Widest {
     }
 }
 
-/// What the settings alone allow.
+/// Limits of the settings alone.
 fn limits_of(s: &Settings) -> Vec<Limit> {
     // A step of the motor that makes the fewest for a step of the axis.
     let fewest =
@@ -120,7 +121,7 @@ fn belt_name(group: &Group) -> String {
     format!("belt {}", motors.map(|motor| motor.name().trim_start_matches('m')).collect::<Vec<_>>().join("/"))
 }
 
-/// Limits that grow by what the commands of a print allow.
+/// Limits that grow with the commands of a print.
 pub struct Widening {
     settings: [Option<Settings>; 2],
     limits: Limits,
@@ -153,7 +154,7 @@ impl Widening {
         Self { settings: [Some(*s), stored.copied()], limits, widest, unit: 1.0 }
     }
 
-    /// Takes in what a command of the print, without its comments, allows.
+    /// Takes in the limits set by a command of the print, without its comments.
     pub fn command(&mut self, command: &str) {
         let Self { settings, limits, widest, unit } = self;
         for s in settings.iter().flatten() {

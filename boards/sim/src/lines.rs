@@ -8,12 +8,12 @@ use std::io::{self, BufRead, Cursor, Read as _};
 /// Longest line that is kept whole; of a longer one, which can only be a comment, the begin is.
 pub const LONGEST_LINE: usize = 1 << 20;
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Survey {
     /// Its lines.
     pub lines: u32,
-    /// Those of them with a command.
+    /// Lines with a command.
     pub commands: u64,
 }
 
@@ -30,11 +30,11 @@ impl<R: BufRead> Lines<R> {
         Self { from, bytes: Vec::new() }
     }
 
-    /// The next line without its end, `None` after the last. What is no UTF-8 is replaced; it can only stand in
-    /// comments.
+    /// The next line without its end, `None` after the last. Bytes that are not UTF-8 are replaced; they can only stand
+    /// in comments.
     ///
     /// # Errors
-    /// What the file reported.
+    /// The file's error.
     pub fn next_line(&mut self) -> io::Result<Option<Cow<'_, str>>> {
         self.bytes.clear();
         if self.from.by_ref().take(LONGEST_LINE as u64).read_until(b'\n', &mut self.bytes)? == 0 {

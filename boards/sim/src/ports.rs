@@ -1,4 +1,4 @@
-//! Ports: what the firmware finds where a board would have hardware.
+//! Ports: the simulator's stand-in for a board's hardware.
 //!
 //! All of them look at one time, which only the world moves on.
 
@@ -13,7 +13,7 @@ use corehbot_rig::Rig;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
-/// What the ports share.
+/// State shared by the ports.
 #[derive(Default)]
 pub(crate) struct Shared {
     /// Real time in ticks.
@@ -23,7 +23,7 @@ pub(crate) struct Shared {
     pub stepper: Cell<bool>,
 }
 
-/// What is on the way between the printer and one host.
+/// Bytes in transit between the printer and one host.
 #[derive(Default)]
 pub struct Wire {
     to_printer: RefCell<VecDeque<Received>>,
@@ -64,7 +64,7 @@ impl Wire {
         self.to_printer.borrow_mut().extend(bytes.into_iter().map(Received::Byte));
     }
 
-    /// What the printer has said since the last time.
+    /// The printer's output since the last call.
     #[must_use]
     pub fn heard(&self) -> Vec<u8> {
         self.to_host.take()
@@ -126,7 +126,7 @@ impl Serial for Line<'_> {
     }
 }
 
-/// What the step pins turn.
+/// The mechanics on the step pins.
 pub(crate) enum Mechanics<'w> {
     /// Steps are ways.
     Rigid(Rig),

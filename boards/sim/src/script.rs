@@ -1,9 +1,8 @@
 //! A scripted host: an exchange written down, as `tests/protocol` has them.
 //!
-//! `> text` is sent, with a line end; `>> text` is sent without one. `< text` is what the printer must say next, word
-//! for word, except that `[...]` stands for anything. `#` begins a comment. `\xNN` is a byte. What the printer says
-//! before the first line that is sent counts only if the exchange begins with it, and [`BUSY`] only
-//! where it is written.
+//! `> text` is sent, with a line end; `>> text` is sent without one. `< text` is the next expected output of the
+//! printer, word for word, except that `[...]` stands for anything. `#` begins a comment. `\xNN` is a byte. Output
+//! before the first sent line counts only if the exchange begins with it. [`BUSY`] counts only where the script has it.
 
 use crate::world::Host;
 use corehbot::protocol::BUSY;
@@ -47,7 +46,7 @@ impl Script {
     /// Reads a script.
     ///
     /// # Errors
-    /// The line that is none.
+    /// The line that is not valid.
     pub fn new(text: &str) -> Result<Self, String> {
         let mut steps = Vec::new();
         for (number, line) in (1..).zip(text.lines()) {
@@ -68,7 +67,7 @@ impl Script {
         Ok(Self { steps, next: 0, has_begun, failure: None })
     }
 
-    /// Where the printer said something else, or what it has not said.
+    /// The place where the printer's output differs, or the output that is missing.
     #[must_use]
     pub fn failure(&self) -> Option<String> {
         self.failure.clone().or_else(|| {

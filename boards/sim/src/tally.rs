@@ -1,8 +1,8 @@
 //! Tally: figures of a run, gathered while it runs and in bounded memory.
 //!
-//! The tool's speed is its way within the last [`SPEED_WINDOW_MS`] over that time. A position known in whole
-//! steps of 1/80 mm is wrong by up to one step, so 20 ms fake at most 0.6 mm/s; peaks that last less are
-//! shown lower than they are. The event rate counts the events of the last [`RATE_WINDOW_MS`].
+//! The tool's speed is its way within the last [`SPEED_WINDOW_MS`] over that time. A position known in whole steps of
+//! 1/80 mm is wrong by up to one step, so 20 ms can add at most 0.6 mm/s. Shorter peaks are shown lower than they are.
+//! The event rate counts the events of the last [`RATE_WINDOW_MS`].
 
 use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler};
 use crate::series::{Bin, Series};
@@ -27,7 +27,7 @@ pub struct Tally {
     events: u64,
 }
 
-/// What is measured on samples.
+/// Measurements on samples.
 struct Measure {
     /// Where motors bring the tool.
     back: ForwardKinematics<{ Motor::ALL.len() }>,

@@ -1,8 +1,8 @@
 //! A TMC2209 as its datasheet (rev 1.09) describes it, seen from its one-wire UART.
 //!
-//! Written from the datasheet alone, with a register table and a CRC of its own, so that a mistake of the
-//! firmware cannot hide in both. Bytes go in by [`Tmc2209::hear`] and come out by [`Tmc2209::say`]; what is on
-//! the wire between them, and when, is the business of whoever wires it up. Faults are set from outside.
+//! Written from the datasheet alone, with a register table and a CRC of its own, so that a mistake of the firmware
+//! cannot hide in both. Bytes go in by [`Tmc2209::hear`] and come out by [`Tmc2209::say`]. The caller that connects the
+//! wire decides the levels and times on it. Faults are set from outside.
 
 mod registers;
 
@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 /// First byte of every datagram (section 4.1.1).
 const SYNC: u8 = 0x05;
 
-/// The address that a reply carries: that of the master (section 4.1.2).
+/// The address in a reply: the master's (section 4.1.2).
 const MASTER: u8 = 0xFF;
 
 /// The version of a TMC2209 in IOIN (section 5.1).
@@ -31,7 +31,7 @@ const UV_CP: u32 = 1 << 2;
 /// Over-temperature and shorts in DRV_STATUS (section 5.5.3).
 const SHUT_DOWN: u32 = 0x1F << 1;
 
-/// What a reply suffers on its way.
+/// Damage to a reply on its way.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Corruption {
     /// The bits of this mask flip in the byte of that place.
@@ -41,9 +41,9 @@ pub enum Corruption {
         /// Its bits.
         mask: u8,
     },
-    /// The reply ends after so many bytes.
+    /// The reply ends after this many bytes.
     Cut(usize),
-    /// Value and CRC are those of zeros: a whole reply that is not true.
+    /// Value and CRC are zero: a whole reply that is not true.
     Zero,
 }
 
@@ -69,7 +69,7 @@ pub struct Tmc2209 {
 }
 
 impl Tmc2209 {
-    /// A chip with motor supply whose pins MS2 and MS1 make `address` (0 to 3), just switched on.
+    /// A chip with motor supply, just switched on; its pins MS2 and MS1 make `address` (0 to 3).
     #[must_use]
     pub fn new(address: u8) -> Self {
         Self {
@@ -120,7 +120,7 @@ impl Tmc2209 {
         self.saying.pop_front()
     }
 
-    /// A whole request, and what comes back for it, as bytes.
+    /// A whole request, and the reply to it, as bytes.
     pub fn exchange(&mut self, request: &[u8]) -> Vec<u8> {
         self.rest();
         self.saying.clear();
@@ -186,7 +186,7 @@ impl Tmc2209 {
         self.saying.extend(reply);
     }
 
-    /// What a read gives; registers that can only be written, and those that are not there, give 0.
+    /// The result of a read; write-only and missing registers give 0.
     fn readable(&self, address: u8) -> u32 {
         if let Some((_, value)) = self.stubborn.iter().find(|(at, _)| *at == address) {
             return *value;
@@ -201,7 +201,7 @@ impl Tmc2209 {
         }
     }
 
-    /// What is really in a register, readable or not.
+    /// The true content of a register, readable or not.
     #[must_use]
     pub fn register(&self, address: u8) -> u32 {
         let places = TABLE.iter().zip(&self.registers);
@@ -247,8 +247,8 @@ impl Tmc2209 {
         self.is_powered
     }
 
-    /// Whether it drives its motor when it is enabled: it has supply, and has neither switched itself off nor too low a
-    /// charge pump (section 5.1: drv_err, uv_cp).
+    /// Whether it drives its motor when it is enabled. It must have supply, must not have switched itself off, and its
+    /// charge pump must not be too low (section 5.1: drv_err, uv_cp).
     #[must_use]
     pub fn is_driving(&self) -> bool {
         self.is_powered && self.register(GSTAT) & (DRV_ERR | UV_CP) == 0
@@ -270,9 +270,8 @@ impl Tmc2209 {
         256 >> mres.min(8)
     }
 
-    /// Step pulses have brought it so many microsteps from where it began, of which those with the direction line high
-    /// count down: where in its sine table of 1024 places it stands now (section 5.4). It counts without motor current
-    /// too.
+    /// Moves it by step pulses, counted in microsteps from its start; pulses with the direction line high count down.
+    /// This sets its place in the sine table of 1024 entries (section 5.4). It counts without motor current too.
     pub fn step_to(&mut self, low_steps: i64) {
         let places = low_steps * i64::from(256 / self.microsteps());
         self.set(MSCNT, places.rem_euclid(1024) as u32);

@@ -21,7 +21,7 @@ const CHUNK: usize = 1 << 16;
 /// Longest row: 20 digits and seven signed columns with their commas and line end.
 const LONGEST_ROW: usize = 64;
 
-/// What the first comment of a trace says of the machine.
+/// The machine's description in the first comment of a trace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Header {
     /// How far each motor turns for a step of each axis.
@@ -77,7 +77,7 @@ fn exact(value: StepsPerMm) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// What a finished trace amounts to.
+/// Summary of a finished trace.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Finished {
     /// SHA-256 of the trace in hexadecimal.

@@ -24,7 +24,7 @@ impl<W: Write> VcdWriter<W> {
     /// Writes the header and all wires low.
     ///
     /// # Errors
-    /// What the output reported.
+    /// The output's error.
     pub fn new(out: W) -> io::Result<Self> {
         let mut out = Writer::new(out);
         out.comment("CoreH-bot step events; the tick is motion time")?;

@@ -75,23 +75,23 @@ const EVENTS_A_TURN: usize = 128;
 /// Time passes by no more than this between two turns of the Console, which a board polls every millisecond.
 const TURN: u64 = TICKS_PER_MS as u64;
 
-/// What a [`World`] stands on.
+/// The base of a [`World`], which outlives it.
 pub struct Desk {
     memory: Memory,
     shared: Shared,
     wires: Vec<Wire>,
     /// The endstops that are connected.
     pub endstops: EndstopSet,
-    /// What the motors turn; without it, a rigid machine. It keeps what became of it, also over a new start.
+    /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
-    /// What the heaters are, and what befalls them.
+    /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
     /// The heat that a world before this one has left; without it, everything is as warm as the room.
     pub plant: Option<Box<Plant>>,
 }
 
 impl Desk {
-    /// A desk with so many serial lines.
+    /// A desk with `lines` serial lines.
     #[must_use]
     pub fn new(lines: usize) -> Box<Self> {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
@@ -119,7 +119,7 @@ impl Wake for Wakes {
     }
 }
 
-/// What the motors have turned, by the firmware's counts of groups, which may be coupled to others at rest.
+/// The motors' turns, by the firmware's counts of groups, which may be coupled to others at rest.
 struct Turned {
     coupling: Coupling,
     /// Counts of groups and motors when they were coupled so.
@@ -154,11 +154,11 @@ pub struct World<'w> {
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w>,
     thermal: ThermalControl<'w, Heat, Pends<'w>>,
-    /// What is still to break, by time.
+    /// Accidents still to come, by time.
     accidents: &'w [Accident],
     /// When the next control period is due, in ticks.
     next_period: u64,
-    /// Until it wants to begin anew.
+    /// Until it asks for a restart.
     console: Option<Pin<Box<dyn Future<Output = Restart> + 'w>>>,
     /// The switches that had ended a motion when the pins were last told.
     met: EndstopSet,
@@ -295,7 +295,7 @@ impl<'w> World<'w> {
         moved
     }
 
-    /// What is to break by now breaks.
+    /// Applies the accidents that are due by now.
     fn befall(&mut self) {
         while let [first, later @ ..] = self.accidents {
             if first.at_s * f64::from(TICKS_PER_SECOND) > self.shared.now.get() as f64 {
@@ -334,7 +334,7 @@ impl<'w> World<'w> {
         self.wires.iter().all(Wire::is_silent) && self.status.is_awaiting_input()
     }
 
-    /// Whether it is to begin anew (M999 after a stop). Nothing happens in this world any more.
+    /// Whether it asks for a restart (M999 after a stop). Nothing happens in this world any more.
     #[must_use]
     pub const fn has_ended(&self) -> bool {
         self.console.is_none()
@@ -357,7 +357,7 @@ impl<'w> World<'w> {
         self.thermal.port()
     }
 
-    /// Its heat, for a world after this one: a new start of the firmware cools nothing.
+    /// Its heat, for the next world: a restart of the firmware cools nothing.
     pub fn take_plant(&mut self) -> Option<Box<Plant>> {
         self.thermal.port().take_plant().map(Box::new)
     }
@@ -374,7 +374,7 @@ impl<'w> World<'w> {
         self.status
     }
 
-    /// What it amounts to so far.
+    /// The result so far.
     #[must_use]
     pub fn outcome(&self) -> Outcome {
         let status = self.status;
@@ -404,7 +404,7 @@ pub fn run(
 }
 
 /// The same with storage, and with several hosts, each on its own serial line. The firmware takes the settings in the
-/// storage, the mechanism stays that of `settings`.
+/// storage; the mechanism stays the one of `settings`.
 ///
 /// # Errors
 /// If printer and hosts wait for each other.
@@ -433,7 +433,7 @@ pub fn run_on(
     run_from(0, settings, start, storage, drivers, hosts, sink)
 }
 
-/// The same on a machine whose clock stands at `now`, in ticks.
+/// The same on a machine with its clock at `now`, in ticks.
 ///
 /// # Errors
 /// If printer and host wait for each other.

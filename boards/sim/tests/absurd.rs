@@ -1,5 +1,5 @@
-//! Absurd lines (F50 to F55): wherever they would go, the tool stays inside the machine, no move is without an end, and
-//! the next right line gets to its place to the step.
+//! Absurd lines (F50 to F55): wherever they would go, the tool stays inside the machine. No move is endless, and the
+//! next right line reaches its place to the step.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};
@@ -60,7 +60,8 @@ struct Printed {
     resends: u32,
 }
 
-/// Prints lines from [`START`], and then goes back there: every step is legal, none is lost, and no place is outside.
+/// Prints lines from [`START`], and then goes back there: every step is legal, every step counts, and every place is
+/// inside.
 fn print(lines: &str) -> Printed {
     let settings = Settings::prototype();
     let after = |lines: &str| {

@@ -28,8 +28,7 @@ enum End {
     Done,
 }
 
-/// Says a line at its time on a machine that breaks at another; gives how it ended, how long that took in s, and what
-/// was told.
+/// Says a line at its time on a machine that breaks at another. Returns the end, its time in s, and the messages.
 fn life(settings: &Settings, accident: Accident, line: &str, at_s: f64, most_s: f64) -> (End, f64, String) {
     let (drivers, mut desk, mut deaf) = (Drivers::new(), Desk::new(1), Deaf);
     desk.heat.accidents = vec![accident];

@@ -1,5 +1,5 @@
-//! Any machine, any path, any shaping: the steps keep the limits of axes and motors, no two pulses of a motor are too
-//! close, speeds jump no more than corners may, and the end is met to the step.
+//! Any machine, any path, any shaping: the steps keep the limits of axes and motors, and two pulses of a motor are
+//! never too close. Speeds jump no more than corners may, and the end is met to the step.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};
@@ -11,7 +11,7 @@ use corehbot_sim::limits::Limits;
 use corehbot_sim::world::{Sink, run};
 use proptest::prelude::*;
 
-/// Checks what is played, and counts it.
+/// Checks the played events, and counts them.
 struct Steps {
     checker: Checker,
     counts: [i64; 7],
@@ -71,8 +71,8 @@ fn machines() -> impl Strategy<Value = Settings> {
     )
 }
 
-/// What the checker holds these settings to. Where x and y are shaped differently, a belt motor runs the sum of an x
-/// and a y of different moments, which the planner does not limit.
+/// The checker's limits for these settings. Where x and y are shaped differently, a belt motor runs the sum of an x and
+/// a y of different moments, which the planner does not limit.
 fn limits(s: &Settings) -> Limits {
     let mut limits = Limits::new(s, None, "");
     if s.shapers.x != s.shapers.y {
@@ -86,7 +86,7 @@ fn limits(s: &Settings) -> Limits {
     limits
 }
 
-/// Prints moves from (100, 100, 10) to (50, 60, 12) and says what was found, and how far the motors have turned.
+/// Prints moves from (100, 100, 10) to (50, 60, 12); returns the findings, and the turns of the motors.
 fn print(s: &Settings, moves: &[(i32, i32, i32, i32, u32)], scale: f64) -> (Findings, [i64; 7]) {
     let mut gcode = "M83\nG91\nM211 S0\n".to_owned();
     for (x, y, z, e, f) in moves {

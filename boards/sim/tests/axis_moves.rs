@@ -1,5 +1,5 @@
-//! Real sliced files, if the folder with them stands beside the checkout: their moves along x or y step all four belt
-//! motors in the same events.
+//! Real sliced files, if their folder is next to the checkout: their moves along x or y step all four belt motors in
+//! the same events.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};

@@ -55,7 +55,7 @@ impl Crossings {
 /// How the circle is written.
 #[derive(Clone, Copy, Debug)]
 enum Text {
-    /// Chords of 0.1 mm with so many decimals.
+    /// Chords of 0.1 mm with this many decimals.
     Chords(usize),
     /// Four arcs a turn.
     Arcs(usize),
@@ -94,7 +94,7 @@ fn ripple(radius: f64, text: Text, feed: f64, settings: &Settings) -> (f64, f64)
     assert_eq!(outcome.underruns, 0);
     let turn = TAU * radius / feed;
     let end = steps.all.iter().flatten().map(|(time, _)| *time).fold(0.0, f64::max);
-    // Before the last turn, half of which it may brake in.
+    // Before the last turn; in half of that turn it may brake.
     let (least, most) = steps.speeds(end - 2.2 * turn, end - 1.2 * turn, feed);
     (100.0 * (most - least) / feed, (most + least) / 2.0)
 }

@@ -7,7 +7,7 @@ use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{Sink, run};
 
-/// 200 mm in chords of 0.05 mm: 300 mm/s, from 3 m/s2 to rest at both ends. So many decimals.
+/// 200 mm in chords of 0.05 mm: 300 mm/s, from 3 m/s2 to rest at both ends, with the given number of decimals.
 fn in_chords(decimals: usize, toward: [f64; 2]) -> String {
     let point = |i: u32| {
         let [x, y] = toward.map(|v| 100.0 + v * f64::from(i) / 4000.0);

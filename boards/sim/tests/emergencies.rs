@@ -16,8 +16,8 @@ impl Sink for Last<'_> {
     }
 }
 
-/// Sends everything at once, says the word at a place in motion time or when it hears that the printer is busy, and
-/// asks for the position when all is answered.
+/// Sends everything at once. Says the word at a place in motion time, or when the printer reports that it is busy. Asks
+/// for the position when all is answered.
 struct Shouter<'a> {
     last: &'a Cell<u64>,
     text: String,
@@ -63,8 +63,8 @@ impl Host for Shouter<'_> {
     }
 }
 
-/// What the machine is doing, the program that leads there, and the motion time at which it does, in ms; never if it is
-/// to be known by its being busy.
+/// A state of the machine, the program that leads there, and the motion time of the state in ms. The time is "never" if
+/// the busy message shows the state.
 const STATES: [(&str, &str, u64); 9] = [
     ("moving", "G1 X200 F6000\nM114\n", 400),
     ("moving with many lines waiting", "", 400),

@@ -28,7 +28,7 @@ use toml::Table;
 
 const EXAMPLE: &str = include_str!("../../../examples/machines/prototype.toml");
 
-/// What a machine of `settings` hears from M503 after these lines.
+/// The reply of a machine of `settings` to M503 after these lines.
 fn settings_as_said(settings: &Settings, lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().chain(&["M503"]).map(|line| (*line).to_owned()).collect();
     let (mut host, drivers) = (Lines::new(lines), Drivers::new());
@@ -209,9 +209,9 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
     names.iter().any(|name| path == *name || path.ends_with(&format!(".{name}")))
 }
 
-/// Whether M503 says it of every machine, or never. Settings of heaters and fans it says of those that are fitted, and
-/// `boards/sim/tests/heat.rs` sends its lines back; how a closed belt runs round it says where one is
-/// (`boards/sim/tests/machines/circulation.rs`); the mechanism and the connectors are no numbers.
+/// Whether M503 reports it for every machine, or never. M503 reports settings of heaters and fans only if they are
+/// fitted; `boards/sim/tests/heat.rs` sends those lines back. It reports circulation only with a closed belt
+/// (`boards/sim/tests/machines/circulation.rs`). The mechanism and the connectors are not numbers.
 fn is_of_all_machines(path: &str) -> bool {
     let is_of_closed_belt = path.starts_with("belt.")
         && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases", "belt.limp_lift"].contains(&path);

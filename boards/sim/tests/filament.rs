@@ -22,7 +22,8 @@ impl Sink for Extruder {
     }
 }
 
-/// So much filament at a step a millimetre, then these lines at the finest resolution; what was told, and the steps.
+/// Extrudes `metres` of filament at a step a millimetre, then these lines at the finest resolution; returns the
+/// messages, and the steps.
 fn print(metres: u32, lines: &[&str]) -> (Vec<String>, i64) {
     let mut all: Vec<String> = ["M92 E1", "M203 E1000", "M83"].map(String::from).to_vec();
     all.extend((0..10 * metres).map(|_| "G1 E100 F60000".to_owned()));
@@ -35,8 +36,8 @@ fn print(metres: u32, lines: &[&str]) -> (Vec<String>, i64) {
     (host.heard.into_iter().filter(|line| line.starts_with("X:")).collect(), extruder.0 - before)
 }
 
-/// Reproducer: beyond 2^31 steps, 84 m at this resolution, homing and M410 read the filament as 168 m less, and the
-/// next absolute move, which then asked for that much, was made without.
+/// Reproducer for more than 2^31 steps, 84 m at this resolution. Homing and M410 read the filament as 168 m less; the
+/// next absolute move, which then asked for that much, was made without it.
 #[test]
 fn a_long_print_goes_on_extruding() {
     for metres in [83, 84] {

@@ -53,7 +53,7 @@ fn targets_beyond_the_limits_are_refused_and_told_of() {
     assert!(heard.last().unwrap().contains(" /0.00 B:"), "{heard:?}");
 }
 
-/// A wait for a target that was refused would last for ever, or be over at once as if all were well: there is none.
+/// A wait for a refused target would last for ever, or be over at once as if all were well: the firmware does not wait.
 #[test]
 fn no_target_that_was_refused_is_waited_for() {
     let heard = talk(&machine(&[Heater::Hotend]), 4000, &["M104 S30", "M109 S400", "M105"]);
@@ -165,7 +165,7 @@ fn heaters_that_nobody_uses_go_off_also_while_the_user_is_waited_for() {
 fn no_filament_moves_while_the_hotend_is_cold() {
     let told = "echo: cold extrusion prevented";
     let settings = machine(&[Heater::Hotend]);
-    // Nothing of this prints: who prints is held (`paused.rs`).
+    // Nothing of this prints: a printing host is held (`paused.rs`).
     let lines = [
         "G1 X110 F6000",
         "G1 E5 F600",

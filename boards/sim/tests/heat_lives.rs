@@ -2,8 +2,8 @@
 //! such a life, and must be found. `cargo xtask soak heat` makes weeks of it.
 //!
 //! A life is a machine drawn from a seed (powers, masses, losses, lags, noise, room) and a row of acts drawn from
-//! [`ACTS`]. The plant is what the seed says; the firmware knows the power of its heaters and nothing else, until it
-//! tunes itself.
+//! [`ACTS`]. The seed decides the plant; the firmware knows the power of its heaters and nothing else, until it tunes
+//! itself.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[path = "common/deaf.rs"]
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 /// Something that owners do.
 struct Act {
     name: &'static str,
-    /// How often, beside the others.
+    /// Relative frequency of the act.
     weight: u64,
     play: fn(&mut Life<'_>),
 }
@@ -138,8 +138,7 @@ const ACTS: [Act; 17] = [
     act("PID or model", 2, |life| {
         let watt = life.machine.hotend.watt;
         match life.dice.below(4) {
-            // What M303 has found, or what it is made with, serves only if it was tuned: a stranger's gains are no
-            // fault of a guard.
+            // Gains from M303, or default gains, serve only if it was tuned: foreign gains are no fault of a guard.
             0 => life.say("M301 P22.2 I1.08 D114"),
             1 => life.say("M304 P120 I1 D600"),
             2 => life.say(&format!("M306 E0 P{watt:.0}")),
@@ -200,7 +199,7 @@ fn all_off(life: &mut Life<'_>) {
     life.say("M140 S0");
 }
 
-/// So many seconds of filament at up to 6 mm3/s.
+/// Extrudes for `seconds` at up to 6 mm3/s.
 fn extrude(life: &mut Life<'_>, seconds: f64) {
     // A nozzle on its way down to a lower target would have the line held.
     life.say("M302 P1");
@@ -241,7 +240,7 @@ fn print(life: &mut Life<'_>, hotend: f64, bed: f64) {
     life.pass(seconds);
 }
 
-/// M303, from whatever temperature there is; what it finds is used.
+/// M303, from any temperature; its result is used.
 fn tune(life: &mut Life<'_>, heater: i32, target: f64) {
     if life.dice.is_one_of(3) {
         // Just after a print.
@@ -253,7 +252,7 @@ fn tune(life: &mut Life<'_>, heater: i32, target: f64) {
     assert!(is_done || life.fault().is_some(), "not tuned: {heard:?}\n{}", life.story());
 }
 
-/// A row of acts until `hours` are over or a guard has found something: the act, and what was found.
+/// A row of acts until `hours` are over or a guard has found something: the act, and the finding.
 fn use_it(life: &mut Life<'_>, hours: f64) -> Option<(&'static str, String)> {
     let end = life.now() + hours * 3600.0;
     let all: u64 = ACTS.iter().map(|act| act.weight).sum();
@@ -274,7 +273,7 @@ fn use_it(life: &mut Life<'_>, hours: f64) -> Option<(&'static str, String)> {
     None
 }
 
-/// An owner whose heaters are not what the firmware takes for granted tunes them first.
+/// An owner with heaters that differ from the firmware's defaults tunes them first.
 fn tune_first(life: &mut Life<'_>) -> Option<(&'static str, String)> {
     let [hotend, bed] = life.machine.is_tuned_first;
     if hotend {
@@ -288,7 +287,7 @@ fn tune_first(life: &mut Life<'_>) -> Option<(&'static str, String)> {
     life.fault().map(|fault| ("tuned first", fault))
 }
 
-/// A number of the environment, for a soak.
+/// A number from the environment, for a soak.
 fn number(name: &str) -> Option<u64> {
     std::env::var(name).ok().map(|text| text.parse().unwrap())
 }
@@ -327,7 +326,7 @@ fn a_machine_that_is_used_raises_no_alarm() {
     assert!(alarms.is_empty(), "{} of {} machines had a false alarm", alarms.len(), seeds.len());
 }
 
-/// What a life makes of something that breaks.
+/// The required result of a life with a fault.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Must {
     /// A guard finds it, or its heater is refused.
@@ -336,7 +335,7 @@ enum Must {
     BeHarmless,
 }
 
-/// What each kind must come to (docs/explanation/safety.md). A kind without a row here is found.
+/// The required result of each kind (docs/explanation/safety.md). A kind without a row here must be found.
 const HARMLESS: [&str; 4] = ["late", "weak", "loose", "fan-dead"];
 
 const fn is_of_hotend_and_bed(kind: &Kind) -> bool {

@@ -1,4 +1,4 @@
-//! Heaters that nobody uses go off in whatever state the machine is left (F23), and stay off.
+//! Unused heaters go off in whatever state the machine is left (F23), and stay off.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::connectors::Heater;
@@ -95,14 +95,14 @@ fn f23_heaters_go_off_in_every_state_that_a_machine_is_left_in() {
     ] {
         let [power, target] = left_alone(&[heat.as_slice(), &[state]].concat(), |_, _| {});
         println!("{state}: power until {power:.1} s, targets until {target:.1} s");
-        // A minute after the last line of three at most, and what a move takes.
+        // A minute after the last of at most three lines, and the time of a move.
         assert!((60.0..68.0).contains(&power) && (60.0..68.0).contains(&target), "{state}: {power} s, {target} s");
     }
 }
 
 #[test]
 fn f23_a_line_without_an_end_keeps_no_heater_on() {
-    // What a host has begun to say is no use of the heaters.
+    // The begin of a host's line does not count as use of the heaters.
     let [power, _] = left_alone(&["M140 S60"], |ms, world| {
         if ms > 5000 && ms.is_multiple_of(10_000) {
             world.wires()[0].put(*b"G1 X");

@@ -1,4 +1,4 @@
-//! Hosts that pause: anywhere and for any time. The steps stay what they are, or the pause is counted.
+//! Hosts that pause anywhere and for any time. The steps stay the same, or the pause is counted.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/trace.rs"]
@@ -79,7 +79,7 @@ proptest! {
     }
 }
 
-/// Straight ways in fine chords, and what comes between them: corners, other settings, a fan, an offset, filament.
+/// Straight ways in fine chords, and lines between them: corners, other settings, a fan, an offset, filament.
 fn chords() -> impl Strategy<Value = Vec<String>> {
     let way = prop_oneof![
         6 => (1i32..12, -9i32..9, 2usize..40, 40u32..300).prop_map(|(x, y, count, v)| {
@@ -140,7 +140,7 @@ fn a_line_that_is_held_up_is_an_underrun() {
     assert_eq!((at_end.underruns, at_end.ticks, steps_at_end), (0, whole.ticks, steps));
 }
 
-/// What comes between two chords comes there: the same in chords as with a line in one before it and one after it.
+/// A command between two chords acts there: the result equals the one with one line before it and one after it.
 #[test]
 fn a_command_between_two_chords_ends_the_line() {
     let mut settings = Settings::prototype();
@@ -208,7 +208,7 @@ fn the_end_of_a_stream_is_no_underrun() {
     assert_eq!(outcome.underruns, 1, "the tool has stopped at X120 where nobody wanted it to");
 }
 
-/// Jogs a few seconds apart are as fast as commanded: nobody is slow who has paused for so long.
+/// Jogs a few seconds apart are as fast as commanded: a host that paused for so long is not slow.
 #[test]
 fn jogs_are_not_slowed_down() {
     let settings = Settings::prototype();

@@ -121,7 +121,7 @@ fn a_quick_stop_forgets_the_lines_of_both_and_answers_them() {
 
 #[test]
 fn whoever_opens_a_line_does_not_inherit_what_was_under_way_on_it() {
-    // The dwell and half a line belong to somebody who has gone.
+    // The dwell and half a line belong to a host that has gone.
     let mut a = Talker::new(&[("echo:", "G4 S5\nN1 G1 X"), ("start", "N1 M115*39\n")]);
     a.opens_before = Some(1);
     let mut b = Talker::new(&[("echo:", "M114\n")]);

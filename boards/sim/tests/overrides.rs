@@ -1,4 +1,4 @@
-//! M220 counts at once, also for moves that wait; neither it nor M221 asks anything of the machine that it cannot do.
+//! M220 counts at once, also for queued moves; neither it nor M221 makes the machine exceed its limits.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};
@@ -101,7 +101,7 @@ fn an_override_reaches_the_tool_within_100_ms() {
     }
 }
 
-/// Checks what is played.
+/// Checks the played events.
 struct Steps<'a> {
     checker: Checker,
     tick: &'a Cell<u64>,
@@ -120,7 +120,7 @@ impl Sink for Steps<'_> {
     }
 }
 
-/// Prints lines, and changes overrides meanwhile: each when so much motion time has passed.
+/// Prints lines, and changes overrides during the print, each after a motion time.
 struct Fiddler<'a> {
     lines: std::vec::IntoIter<String>,
     words: std::iter::Peekable<std::vec::IntoIter<(u64, String)>>,

@@ -1,4 +1,4 @@
-//! Pauses: who is told, who ends them, and what goes on meanwhile.
+//! Pauses: who is told, who ends them, and which work continues.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/deaf.rs"]

@@ -22,8 +22,8 @@ impl Sink for Count<'_> {
 const GREETING: &str = "echo:Printer halted. Send M999 or reset\n";
 const KILLED: &str = "Error:Printer halted. kill() called! Send M999 or reset\n";
 
-/// Has two hosts say things in turns: which of them, what, and for how many ms the world goes on. Returns what each has
-/// heard after each, whether the machine begins anew, and whether motors have power.
+/// Lets two hosts say lines in turns: which host, the line, and for how many ms the world goes on. Returns the lines
+/// that each has heard after each, whether the machine restarts, and whether motors have power.
 fn talk(script: &[(usize, &str, u32)]) -> (Vec<[String; 2]>, bool, bool) {
     let (drivers, events) = (Drivers::new(), std::cell::Cell::new(0));
     let mut desk = Desk::new(2);
@@ -77,8 +77,8 @@ fn who_was_there_hears_the_error_and_who_comes_is_greeted() {
     assert!(!has_ended && !has_power);
 }
 
-/// A reset of the firmware cools nothing: what was hot at a fault is hot at the next start, and prints again from
-/// there.
+/// A reset of the firmware cools nothing: a part that was hot at a fault is hot at the next start, and prints again
+/// from there.
 #[test]
 fn heaters_are_as_hot_after_m999_as_before_it_and_the_machine_prints_again() {
     let mut settings = Settings::prototype();

@@ -57,7 +57,7 @@ fn stops_homing_and_other_resolutions_leave_the_way_back_right() {
     assert_eq!((outcome.counts[4], outcome.counts[6]), (0, 0));
     let (told, outcome) = print(&["M207 Z1", "G10", "G28 Z", "M114", "G11", "M400", "M114 R"]);
     assert!(told.iter().all(|told| told.starts_with("X:100.00 Y:100.00 Z:0.00 ")), "{told:?}");
-    // Homing begins another print: what was pulled back is of no account to it, and stays where it is.
+    // Homing begins another print: filament that was pulled back before does not matter to it, and stays where it is.
     assert_eq!(outcome.counts[6], -1200);
     let (told, _) = print(&["M207 Z1", "G10", "M92 Z1600", "G11", "M400", "M114", "M114 R"]);
     assert_eq!(told[0], told[1]);

@@ -42,7 +42,7 @@ impl Host for Screen {
     }
 }
 
-/// Sends lines one by one and keeps what it hears.
+/// Sends lines one by one and keeps the replies.
 struct Teller {
     lines: Vec<&'static str>,
     next: usize,

@@ -36,8 +36,8 @@ impl Storage for Flashed<'_> {
     }
 }
 
-/// Heats the hotend of a board with this image and looks at the power of hotend and bed: whether a self-test was
-/// passed, and how many ms the bed had power.
+/// Heats the hotend of a board with this image and watches the power of hotend and bed. Returns whether a self-test was
+/// passed, and for how many ms the bed had power.
 fn heat(eeprom: &mut Eeprom, image: u32, seconds: u64) -> (bool, u64, Vec<String>) {
     let mut pulsed = 0;
     let settings = machine(&[Heater::Hotend, Heater::Bed]);

@@ -1,4 +1,5 @@
-//! M593 and M900 through the whole simulator: where prints end, what the checker finds, what waits for the motion.
+//! M593 and M900 through the whole simulator: ends of prints, the checker's findings, and commands that wait for the
+//! motion.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};
@@ -11,7 +12,7 @@ use corehbot_sim::limits::Limits;
 use corehbot_sim::world::{Host, Outcome, Sink, run_with};
 use std::cell::Cell;
 
-/// Checks what is played, and counts it.
+/// Checks the played events, and counts them.
 struct Steps<'a> {
     checker: Checker,
     tick: &'a Cell<u64>,
@@ -132,7 +133,7 @@ fn the_checker_knows_how_fast_the_advance_may_push() {
     }
 }
 
-/// One row of lines at 150 mm/s and 5 m/s2, and what the machine was told before.
+/// One row of lines at 150 mm/s and 5 m/s2, after the setup line.
 fn fast_lines(setup: &str) -> Print {
     let line = |i: u32| format!("G1 X{} E2 F9000\n", if i.is_multiple_of(2) { 160 } else { 100 });
     print(&format!("M204 P5000\n{setup}\nM83\n{}M400\n", (0..8).map(line).collect::<String>()))
@@ -146,7 +147,7 @@ fn a_long_advance_stays_within_the_extruders_limits() {
         assert_eq!(print.way, [0, 0, 0, 6400], "{setup}");
         assert_eq!(print.findings.total, 0, "{setup}: {:?}", print.findings.first);
     }
-    // What a direct drive asks for costs no time but that of a longer delay.
+    // A direct drive's advance costs only the time of a longer delay.
     let [plain, advanced] = ["M900 K0", "M900 K.05"].map(|setup| fast_lines(setup).time);
     assert!(advanced < plain + 130_000, "{advanced} {plain}");
 }

@@ -23,8 +23,8 @@ enum Fate {
     Paused,
 }
 
-/// Sends numbered lines as printcore and OctoPrint do: one for each `ok`, and again from where it is asked to, unless
-/// it has not sent that line yet. Says what it heard, in order.
+/// Sends numbered lines as printcore and OctoPrint do: one for each `ok`, and again from the requested line, unless it
+/// has not sent that line yet. Returns the replies, in order.
 fn stream(lines: &[&str], fates: &[(usize, Fate)]) -> (Outcome, Vec<String>) {
     let (mut sink, drivers, mut desk) = (Deaf, Drivers::new(), Desk::new(1));
     let start = Some([100, 100, 10].map(Mm::from_num));
@@ -117,7 +117,7 @@ fn a_pause_on_a_bad_line_costs_two_questions_at_most() {
     assert_eq!(resends(&heard), 1, "{heard:?}");
 }
 
-/// What was lost is printed before the machine has come to rest: nothing of it can be seen.
+/// A lost line is printed before the machine has come to rest: the loss leaves no trace.
 #[test]
 fn a_lost_line_costs_one_resend_and_no_stop() {
     for lost in [&[30][..], &[25, 30], &[25, 26, 36]] {

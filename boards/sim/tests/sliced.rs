@@ -1,5 +1,5 @@
-//! Real sliced files, if the folder with them stands beside the checkout, print to their end, and again on the same
-//! printer; so do the examples and what the clients of `cargo xtask clients` print.
+//! Real sliced files, if their folder is next to the checkout, print to their end, and again on the same printer. So do
+//! the examples and the prints of `cargo xtask clients`.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::connectors::Heater;
@@ -58,7 +58,7 @@ fn every_sliced_file_prints_to_its_end() {
     }
 }
 
-/// The head of a file, and of its end what is no motion: a print of a minute that heats and ends as the whole one does.
+/// The head of a file, and its end without motion: a print of a minute that heats and ends as the whole one does.
 fn short_print(gcode: &str) -> String {
     let lines: Vec<_> = gcode.lines().collect();
     let is_motion = |line: &&str| ["G0", "G1", "G2", "G3"].iter().any(|code| line.starts_with(code));

@@ -1,4 +1,4 @@
-//! Motion so slow that ticks of 32 bits, and what is known ahead, are short beside it.
+//! Motion so slow that it outlasts ticks of 32 bits and the look-ahead.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};

@@ -12,7 +12,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Host, run_from};
 use deaf::Deaf;
 
-/// Hours of motion, but for those of a soak.
+/// Hours of motion, except in a soak.
 const HOURS: f64 = 0.2;
 
 /// When counters wrap, in ticks: 32 bits of ticks, of microseconds and of milliseconds, and 16 bits of ms.

@@ -20,8 +20,7 @@ fn write(chip: &mut Tmc2209, register: u8, value: u32) {
     assert_eq!(chip.exchange(&with_crc(vec![5, 0, register | 0x80, a, b, c, d])), [0u8; 0]);
 }
 
-/// Read requests whose last byte stands in the public record: IFCNT of address 0 is 05 00 02 8F, GCONF
-/// 05 00 00 48.
+/// Read requests with a last byte from the public record: IFCNT of address 0 is 05 00 02 8F, GCONF 05 00 00 48.
 #[test]
 fn checksums_are_those_seen_on_real_wires() {
     assert_eq!(tmc2209::crc(&[0x05, 0x00, 0x00]), 0x48);

@@ -1,5 +1,5 @@
-//! Hosts that are too slow: the machine slows down before it starves, goes on without a blob, comes to be as fast as
-//! its host, and says so in M122; and hosts that are just fast enough leave no trace.
+//! Hosts that are too slow: the machine slows down before it starves, goes on without a blob, adapts to its host's
+//! speed, and reports that in M122. Hosts that are just fast enough leave no trace.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet};
@@ -35,7 +35,7 @@ impl Steps {
         Self { checker: Checker::new(settings, &Limits::new(settings, None, "")), at: [0; 2], all: Vec::new() }
     }
 
-    /// The speed along x in mm/s, over windows of so many ms.
+    /// The speed along x in mm/s, over windows of `ms` ms.
     fn speeds(&self, ms: u64) -> Vec<f64> {
         let window = ms * u64::from(TICKS_PER_MS);
         let end = self.all.last().map_or(0, |(tick, _)| *tick);
@@ -47,7 +47,7 @@ impl Steps {
     }
 }
 
-/// What a print came to.
+/// The result of a print.
 struct Print {
     outcome: Outcome,
     heard: Vec<String>,
@@ -55,7 +55,7 @@ struct Print {
     rests: Vec<[i32; 7]>,
 }
 
-/// Sends a line for each `ok`, but none before its time: `pace` says how many ms after the one before.
+/// Sends a line for each `ok`, but none before its time: `pace` gives the ms after the previous line.
 fn send(settings: &Settings, lines: &[String], pace: impl Fn(usize) -> u64, sink: &mut dyn Sink) -> Print {
     let drivers = Drivers::new();
     let mut desk = Desk::new(1);
@@ -96,7 +96,7 @@ fn lines(length: f64) -> Vec<String> {
 
 #[test]
 fn a_print_comes_to_be_as_fast_as_its_host() {
-    // 100 mm/s are wanted; the host has moves for so many.
+    // 100 mm/s are commanded; the host supplies moves for `supply` mm/s.
     for (length, ms, supply) in
         [(0.5, 6, 83.0), (0.5, 8, 62.0), (0.5, 12, 42.0), (0.5, 20, 25.0), (2.0, 25, 80.0), (2.0, 40, 50.0)]
     {
@@ -106,7 +106,8 @@ fn a_print_comes_to_be_as_fast_as_its_host() {
         let speeds = steps.speeds(10);
         let findings = steps.checker.finish(Some(print.outcome.counts));
         assert_eq!(findings.total, 0, "{:?}", findings.first);
-        // At first it is as fast as commanded, for it has gathered moves, until the stream runs dry for the first time.
+        // At first it is as fast as commanded, because it has gathered moves, until the stream runs dry for the first
+        // time.
         assert!(speeds[..20].iter().any(|speed| *speed > 99.0));
         let slow = speeds.iter().skip(10).position(|speed| *speed < 0.95 * 100.0).unwrap() + 10;
         // A second later it has found its speed, as long as the host goes on.
@@ -207,8 +208,8 @@ fn m122_tells_what_was_too_slow() {
     let (outcome, told) = overload(&lines(0.5), |_| 40);
     assert!(told.ends_with(&format!("out of steps, {} times out of moves", outcome.underruns)), "{told}");
     assert!(outcome.underruns > 0);
-    // Moves of 0.02 mm at 100 mm/s, 0.2 ms each, under a shaper that lasts 150 ms: more than it remembers.
-    // Of two feeds by turns, for those of one are one line.
+    // Moves of 0.02 mm at 100 mm/s, 0.2 ms each, under a shaper that lasts 150 ms: more than it remembers. Two feeds
+    // alternate, because moves with one feed would merge into one line.
     let mut dense = vec!["M593 F10 T4".to_owned()];
     dense.extend((1..4000).map(|i| format!("G1 X{:.2} F{}", 0.02 * f64::from(i), 6000 - i % 2)));
     dense.push("M400".to_owned());

@@ -1,5 +1,5 @@
-//! Whatever a host says and whatever breaks: no target above its limit, no power without a target, none after a stop,
-//! and none without a sensor.
+//! Whatever a host says and whatever breaks: no target above its limit, and no power without a target, after a stop or
+//! without a sensor.
 
 #[path = "common/wild_gcode.rs"]
 mod body;

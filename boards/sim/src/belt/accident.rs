@@ -1,8 +1,8 @@
 //! Accident: what befalls the machine while it prints.
 //!
-//! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force acts
-//! against its motion for a time. It takes so many newtons to go on; a tool that has come to a halt is held, and not
-//! thrown back. A brake is something that rubs on a rotor from some motion time on, for good or for a time.
+//! A hit is an obstacle for the tool: when the tool first comes within 1 mm of a place on its way, a force acts against
+//! its motion for a time. The force opposes motion up to a limit in newtons; a tool that has stopped is held, and not
+//! thrown back. A brake rubs on a rotor from some motion time on, for good or for a time.
 
 use corehbot::motors::Motor;
 use corehbot::units::TICKS_PER_MS;
@@ -13,7 +13,7 @@ const NEAR_MM: f64 = 1.0;
 /// A tool that is slower than this, in mm/s, runs into nothing: it trembles.
 const ON_ITS_WAY_MM_S: f64 = 1.0;
 
-/// Most force that is taken, in N: a hundred times what a motor holds.
+/// Greatest force accepted, in N: a hundred times the holding force of a motor.
 const MOST_N: f64 = 10_000.0;
 
 /// Longest hit, in ms.
@@ -39,13 +39,13 @@ pub struct Hit {
 /// Dry friction on a rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brake {
-    /// Whose.
+    /// The braked motor.
     pub motor: Motor,
     /// How strong, at the belt.
     pub force_n: f64,
     /// From which motion time on.
     pub from_s: f64,
-    /// How long; for good if there is none.
+    /// Duration; `None` is for good.
     pub ms: Option<f64>,
 }
 
@@ -63,7 +63,7 @@ pub struct Accidents {
 pub enum AccidentError {
     /// Another number of parts than this.
     Parts(&'static str),
-    /// A part that is no number, or none that is legal: what it is to be, and what it is.
+    /// A part that is not a legal number: the allowed values, and the given text.
     Number(&'static str, String),
     /// There is no such belt motor.
     Motor(String),
@@ -135,7 +135,7 @@ impl std::str::FromStr for Brake {
 pub(super) enum AccidentState {
     /// The tool has not come by, or it is not its time.
     Waiting,
-    /// It acts with so many N, until a time in ticks.
+    /// It acts with this many N, until a time in ticks.
     Acting(f64, u64),
     /// It is over.
     Over,
@@ -190,7 +190,7 @@ pub(super) fn end_all(states: &mut [AccidentState], now: u64) {
     }
 }
 
-/// What it takes to go on, in N.
+/// The opposing force, in N.
 pub(super) fn force_n(states: &[AccidentState]) -> f64 {
     states.iter().map(AccidentState::force_n).sum()
 }

@@ -6,7 +6,7 @@ use corehbot::units::TICKS_PER_SECOND;
 /// Most bins that are kept; of more, every two become one.
 const MOST_BINS: usize = 2048;
 
-/// The first length of a bin, in ticks: 10 ms, as that of the report's other curves.
+/// The first length of a bin, in ticks: 10 ms, as in the report's other curves.
 const FIRST_BIN: u64 = 100_000;
 
 /// A stretch of motion time.
@@ -53,7 +53,7 @@ impl Course {
         &self.bins
     }
 
-    /// Adds what is seen at a motion time in ticks.
+    /// Adds the values at a motion time in ticks.
     pub(super) fn add(&mut self, motion: u64, seen: CourseBin) {
         while motion / self.bin_ticks >= MOST_BINS as u64 {
             let pairs =
@@ -63,7 +63,7 @@ impl Course {
         }
         let index = (motion / self.bin_ticks) as usize;
         if index >= self.bins.len() {
-            // At rest it bore what it still bears as the rest ends.
+            // At rest, each motor's share was the one that it has when the rest ends.
             self.bins.resize(index + 1, seen);
         }
         if let Some(bin) = self.bins.get_mut(index) {

@@ -1,8 +1,8 @@
 //! Field: by how much a driver turns the field of its motor at a step.
 //!
 //! A TMC2209 that was reset runs by its pins, mostly 8 microsteps instead of 16, so a step turns the field twice as
-//! far; and it counts its microsteps from 0 again (MSCNT, datasheet rev 1.09, section 5.4), so the field jumps to where
-//! it was at power-up in the electrical turn.
+//! far. It also counts its microsteps from 0 again (MSCNT, datasheet rev 1.09, section 5.4). So the field jumps to its
+//! power-up place in the electrical turn.
 
 use crate::tmc2209::Tmc2209;
 
@@ -12,11 +12,11 @@ const TURN: i64 = 4;
 /// What sizes its steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Sized {
-    /// Its jumpers, which the settings name: nobody ever configured it.
+    /// Its jumpers, which the settings name: the driver was never configured.
     ByJumpers,
-    /// What the firmware told it.
+    /// The firmware's configuration.
     AsTold,
-    /// Its pins, for it was reset.
+    /// Its pins, because it was reset.
     ByPins,
 }
 
@@ -64,7 +64,7 @@ mod tests {
         chip.set(0x00, 1 << 7);
         assert_eq!(field.step(-1, 10, &chip), -1);
         chip.reset();
-        // 74 is 10 beside a turn of 64, 120 is 8 before one; 8 microsteps are half as many.
+        // 74 is 10 past a turn of 64, 120 is 8 before one; 8 microsteps are half as many.
         assert_eq!(field.step(1, 74, &chip), 2 - 10);
         assert_eq!(field.step(-1, 66, &chip), -2);
     }

@@ -1,4 +1,4 @@
-//! Figures: what became of the machine, for a person and for a program.
+//! Figures: the state of the machine after a print, for a person and for a program.
 
 use super::BeltPlant;
 use super::accident::AccidentState;
@@ -13,25 +13,25 @@ const FULL_STEPS: i32 = 4;
 pub struct BeltFigures {
     /// The machine as the twin has it.
     pub machine: &'static str,
-    /// What drew the phases; none if they are 0.
+    /// The seed of the phases; `None` if they are 0.
     pub seed: Option<u64>,
     /// The motors.
     pub motors: Vec<MotorFigures>,
     /// Skips, in order.
     pub skips: Vec<SkipFigures>,
-    /// Belt that is strained at the end, in mm; none on a machine that has no such way.
+    /// Strain of the belt at the end, in mm; `None` on a machine that cannot strain it.
     pub residual_mm: Option<f64>,
-    /// How far the tool is off at the end, in mm; none before homing.
+    /// Error of the tool's position at the end, in mm; `None` before homing.
     pub off_mm: Option<f64>,
     /// The same in x and y.
     pub off_xy_mm: Option<[f64; 2]>,
     /// How far it was off at most since homing, in mm.
     pub largest_off_mm: f64,
-    /// Hits whose places the tool never came by.
+    /// Hits at places that the tool never reached.
     pub missed_hits: usize,
 }
 
-/// What a motor bore.
+/// The load of a motor.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct MotorFigures {
     /// Its name.

@@ -71,12 +71,12 @@ impl Layout {
     /// The machine that these settings are.
     ///
     /// # Errors
-    /// The twin has none.
+    /// The twin does not model it.
     pub fn new(settings: &Settings, params: &Params) -> Result<Self, LayoutError> {
         let belt: Vec<(Motor, Row)> =
             settings.mechanism.motors().filter(|(_, [x, y, ..])| (*x, *y) != (0, 0)).collect();
         let rows: Vec<[i8; 2]> = belt.iter().map(|(_, [x, y, ..])| [*x, *y]).collect();
-        // Motors that turn for z too, or with pulleys of other sizes, are on none of these machines.
+        // No machine of this kind has belt motors that turn for z too, or pulleys of other sizes.
         let is_flat = belt.iter().all(|(_, row)| row[2..] == [0, 0] && multiple(*row) == 1);
         let machine = machine(rows.clone()).filter(|_| is_flat).ok_or(LayoutError::NoMachine)?;
         let columns = rows.into_iter().map(|row| Column { name: String::new(), row }).collect();
@@ -112,7 +112,7 @@ impl Layout {
     }
 }
 
-/// The machine whose motors turn so for x and y. Two motors are taken for a CoreXY's: an H-bot's turn alike.
+/// The machine with motors that turn like this for x and y. Two motors count as a CoreXY: an H-bot's motors turn alike.
 fn machine(mut rows: Vec<[i8; 2]>) -> Option<Machine> {
     rows.sort_unstable();
     match rows[..] {
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(motors(of("corexy.toml")), [(Motor::M11, 1), (Motor::M8, 1)]);
         let awd = of("awd-corexy.toml");
         assert_eq!(awd.machine, Machine::AwdCoreXy);
-        // Motors 1 and 8 of the twin pull one belt, which is that of motors 4 and 11 in the file.
+        // Motors 1 and 8 of the twin pull one belt, which the file gives to motors 4 and 11.
         assert_eq!(motors(awd).len(), 4);
         for file in ["cartesian.toml", "corexz.toml", "corexyz.toml", "core-unequal.toml", "corehbot-two-drivers.toml"]
         {

@@ -1,4 +1,4 @@
-//! Load: what a TMC2209 measures of its motor's load (StallGuard4).
+//! Load: a TMC2209's measurement of its motor's load (StallGuard4).
 //!
 //! From the datasheet (rev 1.09, sections 5.3 and 11): SG_RESULT is measured in stealthChop, is updated with each full
 //! step whatever TCOOLTHRS says, and is higher for less load; of its ten bits 9 and 0 are always 0. Without steps it

@@ -7,11 +7,16 @@
 //!  step events of Z and E ───────────────> rigid rig ─────────────> endstop Z
 //! ```
 //!
-//! Words: a *phase* is where a motor's magnetic zero lies against the belt at power-up; a *skip* is a rotor that
-//! settled in another electrical turn than its field; a *hit* is something in the tool's way, a *brake* something that
-//! rubs on a rotor; the *torque share* is the part that a motor bears of the torque that it has. A tool is *off* by how
-//! far it is from where the steps say, counted from the place where homing met each switch. Places here are those of
-//! G-code, whose X0 Y0 is the corner of the reach.
+//! Words:
+//!
+//! - A *phase* is the place of a motor's magnetic zero against the belt at power-up.
+//! - A *skip* is a rotor that settled in another electrical turn than its field.
+//! - A *hit* is an obstacle in the tool's way. A *brake* rubs on a rotor.
+//! - The *torque share* is the part of its available torque that a motor bears.
+//! - A tool is *off* by its distance from the place that the steps say, counted from the place where homing met each
+//!   switch.
+//!
+//! Places here are G-code places; X0 Y0 is the corner of the reach.
 //!
 //! | file | what |
 //! |---|---|
@@ -20,8 +25,8 @@
 //! | `timeline` | motion time of an instant that has passed |
 //! | [`course`] | shares and residual over time |
 //! | `field` | by how much a driver turns its field at a step |
-//! | `load` | what a driver measures of its motor's load |
-//! | [`figures`] | what is said of it at the end |
+//! | `load` | a driver's measurement of its motor's load |
+//! | [`figures`] | the figures reported at the end |
 
 pub mod accident;
 pub mod course;
@@ -59,7 +64,7 @@ const NEAR_MM: f64 = 0.1;
 
 /// The drivers of the motors, on whatever board they are.
 pub trait Chips {
-    /// Motors whose drivers give them current, and since when, in ticks, if that was the firmware's doing.
+    /// Motors with current from their drivers, and since when in ticks, if the firmware switched them on.
     fn powered(&self) -> (MotorSet, u64);
 
     /// Has something done to the driver of a motor.
@@ -78,7 +83,7 @@ impl Chips for &Drivers {
     }
 }
 
-/// What the belt plant is besides the machine's settings.
+/// The setup of the belt plant besides the machine's settings.
 #[derive(Clone, Debug, Default)]
 pub struct BeltSetup {
     /// The machine's numbers.
@@ -99,7 +104,7 @@ pub struct BeltPlant {
     /// Where G-code's X0 Y0 is for the twin.
     origin: Place,
     switches: [Endstop; 2],
-    /// Motors whose direction line is low for forward.
+    /// Motors with a direction line that is low for forward.
     reversed: MotorSet,
     powered: MotorSet,
     accidents: Accidents,
@@ -107,7 +112,7 @@ pub struct BeltPlant {
     brakes: Vec<AccidentState>,
     /// Whether homing or printing has begun.
     has_begun: bool,
-    /// How far the tool was off where each switch was met; none before.
+    /// The tool's position error where each switch was met; `None` before.
     met: [Option<f64>; 2],
     largest_off_mm: f64,
     loads: Vec<Load>,
@@ -118,7 +123,7 @@ pub struct BeltPlant {
     seed: Option<u64>,
 }
 
-/// The motors whose direction line is low for forward.
+/// The motors with a direction line that is low for forward.
 fn reversed(settings: &Settings) -> MotorSet {
     let all = Motor::ALL.into_iter().filter(|motor| settings.wiring.of(*motor).is_reversed);
     all.fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
@@ -265,7 +270,7 @@ impl BeltPlant {
         self.in_gcode(self.live.stepped_to())
     }
 
-    /// How far the tool is off in x and y; none before homing.
+    /// The tool's position error in x and y; `None` before homing.
     #[must_use]
     pub fn off_mm(&self) -> Option<[f64; 2]> {
         let [x, y] = self.met;
@@ -285,12 +290,12 @@ impl BeltPlant {
         &self.live
     }
 
-    /// Lets the machine ring out after the last step, so that what is said of its end is said of a machine at rest.
+    /// Lets the machine ring out after the last step, so that the final figures describe a machine at rest.
     pub fn ring_out(&mut self) {
         self.advance(self.live.now() + RING_OUT);
     }
 
-    /// Somebody pushes the tool for so many ms with so many N in x and y, after the print.
+    /// Pushes the tool for `ms` with `force_n` in x and y, after the print.
     pub fn push(&mut self, force_n: [f64; 2], ms: u32) {
         self.live.push(force_n);
         self.advance(self.live.now() + u64::from(ms) * u64::from(TICKS_PER_MS));

@@ -6,10 +6,11 @@
 use corehbot::units::TICKS_PER_SECOND;
 use std::collections::VecDeque;
 
-/// Motion time begins anew where it lags by so much more than before, in ticks: 1 ms. A burst of events lags by less.
+/// Motion time restarts where its lag grows by more than this, in ticks: 1 ms. A burst of events lags by less.
 const ANEW: u64 = 10_000;
 
-/// Beginnings that are kept. A skip is told within one or two; a motor that is stalled for long may take more.
+/// Beginnings that are kept. The firmware reports a skip within one or two; a motor that is stalled for long may take
+/// more.
 const KEPT: usize = 1024;
 
 /// Real time and motion time of an instant, in ticks.

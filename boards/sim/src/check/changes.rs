@@ -1,9 +1,9 @@
 //! Changes of speed: how much the speeds of x and y vary within 4 ms.
 //!
-//! Sampled positions are only exact to one step of length q. Over 4 ms that error would hide a curve which is driven
-//! several times too fast. The instants of steps are known to a tick, and between two of them a motor goes one step: so
-//! its mean speed is known there, which is a speed that it has had. Where a motor reverses or starts, up to `sqrt(A q)`
-//! of its speed cannot be seen.
+//! Sampled positions are only exact to one step of length q. Over 4 ms that error would hide a curve driven several
+//! times too fast. The instants of steps are known to a tick, and between two of them a motor goes one step. So its
+//! mean speed is known there, and the motor has had that speed at some moment. Where a motor reverses or starts, up to
+//! `sqrt(A q)` of its speed cannot be seen.
 //!
 //! Within a window T an axis may change its speed by `1.3 A T + J + sqrt(A q)`: J is the jump of one corner (see
 //! [`limits`](crate::limits)), and the factor leaves room for braking in a curve.
@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 /// Samples of the window: 4 ms.
 const WINDOW_SAMPLES: usize = 8;
 
-/// What a change may exceed that of the acceleration by.
+/// A change of speed may exceed the one by the acceleration by this factor.
 const BEND: f64 = 1.3;
 
 /// Two steps farther apart than this are a rest.
@@ -56,7 +56,7 @@ impl Line {
         }
     }
 
-    /// Its way between two ticks, in steps; nobody asks for an earlier one again.
+    /// Its way between two ticks, in steps; later calls never ask for an earlier tick.
     fn way(&mut self, from: u64, to: u64) -> f64 {
         while self.pieces.front().is_some_and(|piece| piece.to <= from) {
             self.pieces.pop_front();
@@ -74,7 +74,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Takes in the next speed and says by how much too many they differ, if that is new, and what is the most.
+    /// Takes in the next speed. If the difference of speeds is a new excess, returns the excess and the limit.
     fn measure(&mut self, speed: f64) -> Option<(f64, f64)> {
         self.speeds.push_back(speed);
         if self.speeds.len() > WINDOW_SAMPLES {
@@ -97,7 +97,7 @@ impl Axis {
 /// Measures the changes of speed of x and y.
 pub(super) struct Changes {
     lines: Vec<Line>,
-    /// None if there is nothing to judge.
+    /// Empty if there is nothing to judge.
     axes: Vec<Axis>,
     /// Begin of the next sample.
     next: u64,
@@ -128,7 +128,7 @@ impl Changes {
         }
     }
 
-    /// Looks at all samples of which everything is known at `tick`.
+    /// Checks all samples that are fully known at `tick`.
     pub fn advance(&mut self, findings: &mut Findings, tick: u64) {
         while self.next + SAMPLE_TICKS + REST < tick {
             if self.lines.iter().all(|line| line.pieces.is_empty()) {

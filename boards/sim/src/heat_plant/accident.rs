@@ -7,7 +7,7 @@ use corehbot_rig::plant::{HeaterFault, PlantFaults, SensorFault};
 use std::fmt;
 use std::str::FromStr;
 
-/// What a kind of accident happens to.
+/// The effect of a kind of accident.
 #[derive(Clone, Copy, Debug)]
 pub enum Does {
     /// To a heater's sensor.
@@ -25,9 +25,9 @@ pub enum Does {
 pub struct Kind {
     /// Its name.
     pub name: &'static str,
-    /// What it does.
+    /// Its effect.
     pub does: Does,
-    /// What it is, for people.
+    /// Its description for people.
     pub says: &'static str,
 }
 
@@ -130,7 +130,7 @@ impl fmt::Display for AccidentError {
 impl std::error::Error for AccidentError {}
 
 impl Does {
-    /// The places that it may have, by name; the first is meant where none is said.
+    /// The places that it may have, by name; the first is the default.
     const fn places(&self) -> &'static [(&'static str, Where)] {
         match self {
             Self::Sensor(_) | Self::Heater(_) => &[
@@ -154,7 +154,7 @@ impl Does {
 }
 
 impl Kind {
-    /// An accident of this kind, where it happens if nobody says.
+    /// An accident of this kind, at its default place.
     #[must_use]
     pub fn at(&'static self, at_s: f64) -> Accident {
         let place = self.does.places().first().map_or(Where::Machine, |(_, place)| *place);
@@ -201,7 +201,7 @@ impl Accident {
         }
     }
 
-    /// What the machine lacks, so that this could happen.
+    /// A part that the machine lacks, so that this cannot happen.
     #[must_use]
     pub fn missing(&self, thermal: &ThermalSettings) -> Option<String> {
         let needed = match self.place {

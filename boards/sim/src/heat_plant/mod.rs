@@ -1,8 +1,8 @@
 //! The heat of the simulated machine as commands and files have it: the truth of its heaters (`truth`), and what breaks
 //! and when (`accident`).
 //!
-//! Without a word of it, the plant of heat is what the machine's settings say. A firmware with the wrong idea of its
-//! heaters is then never met: with `--plant-heat` they are what they are, and the firmware has to find out.
+//! By default, the heat plant follows the machine's settings. Then the firmware never meets heaters that differ from
+//! its settings. With `--plant-heat` the heaters have their own values, and the firmware has to find out.
 
 pub mod accident;
 pub mod truth;
@@ -11,10 +11,10 @@ pub use accident::{Accident, AccidentError};
 
 use corehbot_rig::plant::PlantConstants;
 
-/// What the heaters are, and what befalls them.
+/// The heaters' true values, and their accidents.
 #[derive(Clone, Debug, Default)]
 pub struct HeatSetup {
-    /// What they are; without it, what the settings say.
+    /// The true values; without them, the settings.
     pub truth: Option<PlantConstants>,
     /// What breaks, by time.
     pub accidents: Vec<Accident>,

@@ -1,5 +1,5 @@
-//! Truth: a TOML file that says what the heaters of the simulated machine are. Every key is optional; what is left out
-//! is as the machine's settings have it.
+//! Truth: a TOML file with the true values of the simulated machine's heaters. Every key is optional; a missing key
+//! takes the machine's setting.
 
 use anyhow::{Result, anyhow};
 use corehbot_machine_file::{Place, words};
@@ -44,7 +44,7 @@ struct CouplingToml {
     bed_chamber: Option<f64>,
 }
 
-/// What a key may be, with its unit.
+/// The legal values of a key, with its unit.
 #[derive(Clone, Copy)]
 struct Legal {
     least: f64,
@@ -87,10 +87,10 @@ impl Number {
     }
 }
 
-/// The plant of a file, over what it is without one.
+/// The plant of a file, on top of the default plant.
 ///
 /// # Errors
-/// What is wrong, with line and column.
+/// The problem, with line and column.
 pub fn read(text: &str, plant: PlantConstants) -> Result<PlantConstants> {
     let file: TruthToml = toml::from_str(text).map_err(|error| match error.span() {
         Some(span) => anyhow!("{}: {}", Place::of_byte(text, span.start), words(&error)),
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!((h.heater.nominal_watt, h.sensor.lag_seconds), (60.0, 3.0));
         let b = &plant.bed;
         assert!((b.mat_joule_per_kelvin + b.plate_joule_per_kelvin - 5500.0).abs() < 1e-9);
-        // What the file does not name stays: the lag from mat to plate too.
+        // Values that the file does not name stay: the lag from mat to plate too.
         assert!((b.mat_joule_per_kelvin / b.mat_to_plate_watt_per_kelvin - 5.0).abs() < 1e-9);
         assert_eq!(b.plate_to_air_watt_per_kelvin, 3.5);
         let c = plant.chamber.unwrap();

@@ -1,6 +1,6 @@
 //! The registers of a TMC2209 with their addresses, and the bits that tests look at (datasheet rev 1.09, section 5).
 
-/// What a register is to the UART (section 5, column R/W).
+/// A register's access by UART (section 5, column R/W).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Access {
     Read,

@@ -5,7 +5,7 @@ use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::figures::BeltFigures;
 
 /// dx, dy and residual of a skip of one electrical turn in the middle, in mm: motors 1, 4, 8 and 11, from an
-/// independent computation; the residual with fields that give way.
+/// independent computation. The residual allows for fields that give way.
 const TABLE: [(&str, [f64; 3]); 4] = [
     ("m1", [-0.1995, 0.1995, 0.618]),
     ("m4", [-0.1995, -0.1995, -0.618]),
@@ -23,7 +23,7 @@ fn after(start: [f64; 2], hits: &[&str], brakes: &[&str]) -> BeltFigures {
     plant.figures()
 }
 
-/// How far the tool and the residual are from what the table says of these skips.
+/// Difference of the tool and the residual from the table's values for these skips.
 fn beside_the_table(figures: &BeltFigures) -> f64 {
     let mut meant = [0.0; 3];
     for skip in &figures.skips {
@@ -67,7 +67,7 @@ fn a_weak_hit_makes_none_and_the_tool_catches_up() {
     assert!(figures.skips.is_empty() && figures.off_mm.unwrap() < 0.01, "{figures}");
     // It held the tool up: 80 N over 248 N/mm, and more, since the sine of a field gives way.
     assert!((0.32..0.6).contains(&figures.largest_off_mm), "{figures}");
-    // A place that the tool does not come to is told.
+    // A place that the tool never reaches is reported.
     assert_eq!(after([175.0, 188.8], &["10,10,500,14"], &[]).missed_hits, 1);
 }
 

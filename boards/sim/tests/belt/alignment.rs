@@ -1,4 +1,4 @@
-//! Alignment: motors that strain the belt are turned until they do not, or the host is told that they could not be.
+//! Alignment: motors that strain the belt are turned until they do not, or the host is told that it failed.
 
 use crate::printer::{Printed, of_each, plant_of, print_as, print_on, seeds};
 use corehbot::motors::{Motor, MotorSet};
@@ -32,8 +32,8 @@ fn has(printed: &Printed, text: &str) -> bool {
     printed.heard.iter().any(|line| line.contains(text))
 }
 
-/// Random phases, belts from half to twice as stiff, loads with noise and rounded as by the driver: within a sixteenth
-/// of a full step, or it is told that it could not be done. `cargo xtask soak belt` does so with 1,000 seeds.
+/// Random phases, belts from half to twice as stiff, loads with noise and with the driver's rounding: aligned within a
+/// sixteenth of a full step, or reported as failed. `cargo xtask soak belt` does so with 1,000 seeds.
 #[test]
 fn aligned_motors_strain_the_belt_by_a_sixteenth_of_a_full_step_at_most() {
     let settings = Settings::prototype();
@@ -71,13 +71,14 @@ fn a_preload_is_left_in_the_belt() {
         let (printed, mut plant) = print(&settings, 3, &["M915", "M400"]);
         assert!(has(&printed, "belt motors aligned"), "{:?}", printed.heard);
         plant.ring_out();
-        // Fields give way, so rotors are beside by less.
+        // Fields give way, so rotors deviate by less.
         let residual = plant.figures().residual_mm.unwrap();
         assert!((residual - preload).abs() < 0.025 && residual * preload > 0.0, "{residual}");
     }
 }
 
-/// What follows is as it would be without: the same program leads the tool to the same place, and z has not moved.
+/// Later lines act as if there had been no alignment: the same program leads the tool to the same place, and z has not
+/// moved.
 #[test]
 fn the_machine_is_homed_and_as_it_was_after_it() {
     let lines = ["M915", "G1 X100 Y120 F6000", "M400", "M114", "M569", "M122"];
@@ -170,8 +171,8 @@ fn printing_moves_are_told_of_refused_or_aligned_for() {
     assert!(has(&automatic, "Belt: motors not aligned since motors got power"), "{:?}", automatic.heard);
 }
 
-/// A motor that is held while others are aligned, homed again or measured again: either nobody calls the belt aligned,
-/// whatever is known of its phase and however often motors are asked to have power, or it is.
+/// A motor is held while others are aligned, homed again or measured again. Then the belt is aligned, or the firmware
+/// does not call it aligned. That holds for any known phase, and however often motors are asked to have power.
 #[test]
 fn a_skip_while_motors_are_aligned_is_noticed() {
     let phase = |printed: &Printed| {

@@ -58,7 +58,7 @@ fn stopped<const N: usize>(settings: &Settings, lines: [&str; N], at: u64) -> (P
     (Printed { events: events.0, outcome, heard: host.lines.heard, drivers }, desk.belt.unwrap())
 }
 
-/// What the drivers are configured for, not what the settings say.
+/// Checks the configuration in the drivers, not the settings.
 fn assert_in_spread_cycle(drivers: &Drivers) {
     for motor in [Motor::M1, Motor::M4, Motor::M8, Motor::M11] {
         let gconf = drivers.chip(motor).register(gconf::ADDRESS);
@@ -66,8 +66,8 @@ fn assert_in_spread_cycle(drivers: &Drivers) {
     }
 }
 
-/// Whenever it comes, in strokes, trims and waits: drivers are as before, nobody believes that motors are aligned, and
-/// after homing the tool goes where it is sent.
+/// M410 may come at any time, in strokes, trims and waits. Drivers are as before, the firmware does not count motors as
+/// aligned, and after homing the tool goes where it is sent.
 #[test]
 fn m410_ends_it_at_any_moment_and_the_machine_goes_on() {
     let settings = Settings::prototype();
@@ -88,8 +88,8 @@ fn m410_ends_it_at_any_moment_and_the_machine_goes_on() {
     }
 }
 
-/// A diagnosis that is ended may leave a motor turned, so nobody believes what was so before it; and one that finds
-/// nothing leaves all as it was.
+/// A diagnosis that is ended may leave a motor turned, so the firmware drops what it held true before. A diagnosis that
+/// finds nothing leaves all as it was.
 #[test]
 fn m410_ends_a_diagnosis_and_nobody_believes_in_what_was_before() {
     let mut settings = Settings::prototype();

@@ -29,7 +29,7 @@ const DEAF: Harm = |chip| chip.is_silent = true;
 /// Its charge pump fails: no torque.
 const NO_PUMP: Harm = |chip| chip.set(tmc2209::GSTAT, 4);
 
-/// What happens so many ms after motion begins, or after the event before.
+/// An event this many ms after motion begins, or after the previous event.
 #[derive(Clone, Copy)]
 enum Event {
     Harm(Motor, Harm),
@@ -37,13 +37,13 @@ enum Event {
     Say(&'static str),
 }
 
-/// What a story was made of: what befell the machine, and what came of it. Times are in ms.
+/// The input of a story, its accidents, and its result. Times are in ms.
 struct Story {
     outcome: Outcome,
     heard: Vec<String>,
     /// When each event came.
     events: Vec<f64>,
-    /// What had power from when on.
+    /// The motors with power, and from when on.
     switched: Vec<(f64, MotorSet)>,
     /// Motion time in s when the first motor lost its power after the first event.
     off_motion_s: f64,
@@ -78,7 +78,7 @@ impl Story {
     }
 }
 
-/// Sends lines, has events happen in their time, and notes what has power.
+/// Sends lines, fires events at their times, and records which motors have power.
 struct Accident<'d> {
     lines: Lines,
     drivers: &'d Drivers,
@@ -175,7 +175,7 @@ fn perimeters() -> Vec<String> {
     lines
 }
 
-/// What a machine of these settings makes of lines and events, with the tool at a known place or somewhere.
+/// Runs lines and events on a machine with these settings, with the tool at a known place or somewhere.
 fn story_of(settings: &Settings, start: Option<[f64; 3]>, lines: &[String], events: &[(f64, Event)]) -> Story {
     let (drivers, seen) = (Drivers::new(), Seen::default());
     let mut host = Accident {
@@ -225,7 +225,7 @@ fn assert_parked(story: &Story, motor: Motor, words: &str, near: f64, relaxing_m
     assert_eq!(last, [MotorSet::NONE, others], "{}", what());
     assert!(story.has("tool parked, z raised by 10 mm"), "{}", what());
     assert!((story.raised_mm - 10.0).abs() < 0.01, "raised by {} mm: {}", story.raised_mm, what());
-    // Beside its switches, which are at 0, is 5 mm.
+    // The park place is 5 mm from the switches, which are at 0.
     let [x, y] = story.plant.tool_mm();
     let off_mm = (x - 5.0).hypot(y - 5.0);
     assert!(off_mm < near, "tool at {x:.3} {y:.3}: {}", what());
@@ -259,8 +259,8 @@ fn a_motor_that_fails_in_mid_print_is_off_within_100_ms_and_the_others_park_the_
     }
 }
 
-/// It goes twice as far as the others until it is off, so these skip meanwhile, and nobody counts by how much: at 100
-/// mm/s the belt is pulled by 8 mm in 80 ms, of which the tool has half.
+/// It goes twice as far as the others until it is off, so these skip in the meantime by an uncounted distance. At 100
+/// mm/s the belt is pulled by 8 mm in 80 ms, and the tool takes half.
 #[test]
 fn a_driver_that_was_reset_pulls_the_tool_aside_until_it_is_off_and_not_afterwards() {
     for (place, motor) in BELT.into_iter().enumerate() {
@@ -357,7 +357,7 @@ fn whoever_does_not_know_where_the_tool_is_or_moves_it_otherwise_cuts_everything
         let story = story_of(&prototype, start, &lines(first), &harm(at));
         assert_cut(&story, 0, 100.0, what);
     }
-    // A Z screw and the extruder pull against nobody.
+    // A Z screw and the extruder work without an opposing motor.
     for motor in [Motor::Z1, Motor::E0] {
         assert_cut(&story(&[(500.0, Event::Harm(motor, NO_SUPPLY))]), 0, 207.0, motor.name());
     }

@@ -1,4 +1,4 @@
-//! Prints on the belt plant: what the firmware commands, and what becomes of it.
+//! Prints on the belt plant: the firmware's commands, and their effect.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod accidents;

@@ -1,5 +1,5 @@
-//! Phases: motors whose drivers stand to each other as they did when nothing strained the belt are aligned, as soon as
-//! they get power.
+//! Phases: motors with drivers in the same relation as when nothing strained the belt are aligned, as soon as they get
+//! power.
 
 use crate::printer::{Printed, of_each, plant_of, print_as, seeds};
 use corehbot::motors::Motor;
@@ -72,7 +72,7 @@ fn third_machine() -> Settings {
     with_phase(*PHASE.get_or_init(learn))
 }
 
-/// Power goes and comes, as after M84, and the tool was pushed elsewhere meanwhile.
+/// Power goes and comes, as after M84, and the tool was pushed elsewhere in between.
 #[test]
 fn motors_that_lost_power_are_aligned_when_they_get_it_again() {
     let settings = third_machine();

@@ -1,4 +1,4 @@
-//! Power: what holds the tool, and what a motor finds when it gets some.
+//! Power: which motors hold the tool, and the state that a motor finds when it gets power.
 
 use crate::printer::{plant, print, print_as, print_on};
 use corehbot::settings::Settings;
@@ -33,7 +33,7 @@ fn power_up_strains_the_belt_within_bounds_and_is_no_skip() {
         // way.
         let residual = figures.residual_mm.unwrap();
         assert!(residual.abs() < 0.40, "{seed}: {figures}");
-        // Nobody told the firmware that the tool went aside.
+        // The firmware was not told that the tool moved.
         assert!((1e-3..0.4 * 1.5).contains(&figures.off_mm.unwrap()), "{seed}: {figures}");
         square += residual * residual;
     }

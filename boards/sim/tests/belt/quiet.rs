@@ -49,8 +49,8 @@ fn homing_finds_switches_where_the_tool_meets_them() {
     // A switch is met within a step of 12.5 um, by a tool that trembles and drags by some um.
     assert!((tool[0] - 200.0).abs() < 0.03 && (tool[1] - 200.0).abs() < 0.03, "{tool:?}");
     assert!(figures.off_mm.unwrap() < 0.03 && figures.residual_mm.unwrap().abs() > 0.05, "{figures}");
-    // Ways to the switches differ by what the phases did, of 0.4 mm at most, and by what the tool rings as it meets
-    // them.
+    // Ways to the switches differ for two reasons: the phases' shift, 0.4 mm at most, and the tool's ringing as it
+    // meets the switches.
     for (on_belt, on_rig) in printed.outcome.counts.iter().zip(rigid.outcome.counts) {
         assert!(on_belt.abs_diff(on_rig) <= 64, "{on_belt} {on_rig}");
     }

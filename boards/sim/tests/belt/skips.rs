@@ -1,4 +1,4 @@
-//! Skips: a motor whose rotor lost its place is named, and what it did is set right.
+//! Skips: a motor with a rotor that lost its place is named, and its error is repaired.
 
 use crate::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::settings::Settings;
@@ -41,7 +41,7 @@ fn moves_of(gcode: &str, from: usize) -> Vec<String> {
     moves.iter().cycle().skip(from).take_while(far_enough).cloned().collect()
 }
 
-/// What a motor that rubs for a while did, and what the firmware said of it.
+/// The effect of a motor that rubs for a while, and the firmware's messages about it.
 struct Story {
     /// X and y are homed between the skip and M915 R.
     is_homed: bool,
@@ -69,7 +69,7 @@ fn story(gcode: &str, seed: u64) -> Story {
     let accidents = Accidents { brakes: vec![brake], ..Accidents::default() };
     let moves = moves_of(gcode, (random.unit() * 1e4) as usize);
     let lines = ["M915"].into_iter().chain(moves.iter().map(String::as_str));
-    // Every fourth story is homed first, which takes away what the switches would have said.
+    // Every fourth story is homed first, which removes the evidence at the switches.
     let is_homed = seed % 4 == 1;
     let homes = if is_homed { &["G28 X Y"][..] } else { &[] };
     let lines = lines.chain(homes.iter().copied());
@@ -136,8 +136,8 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
     assert!(single > 0 && named * 100 >= single * 99, "{named} of {single}");
 }
 
-/// A motor is held for a moment, x and y are homed, and only then it is asked what has happened: what homing took away
-/// is known. A second skip is held against what the repair left.
+/// A motor is held for a moment, x and y are homed, and only then the diagnosis runs: the change by homing is known. A
+/// second skip is compared with the state after the repair.
 #[test]
 fn a_skip_is_found_after_x_and_y_were_homed() {
     let lines =
@@ -155,8 +155,7 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     let figures = plant.unwrap().figures();
     assert_eq!(figures.skips.len(), 1, "{figures}");
     let said = |text: &str| printed.heard.iter().filter(|line| line.contains(text)).count();
-    // M915 D leaves everything as it was but for what it believes in: M915 R has nothing to compare with, and M915 is
-    // due.
+    // M915 D leaves everything as it was except its trust: M915 R has nothing to compare with, and M915 is due.
     assert_eq!(said("motor 11 has skipped by +4 full steps"), 1, "{:#?}", printed.heard);
     assert!(said("nothing to compare with") >= 1, "{:#?}", printed.heard);
 }
@@ -183,7 +182,7 @@ fn the_tool_is_back_where_it_was_after_a_repair() {
     assert!((x - 150.0).hypot(y - 120.0) < 0.04, "{x} {y}");
 }
 
-/// The example tells what the documentation says of it, word for word.
+/// The example prints the documentation's text, word for word.
 #[test]
 fn the_example_in_the_documentation_is_what_happens() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

@@ -1,5 +1,5 @@
-//! Trust: whatever befalls the motors, how often and when, a place that the firmware says is right is right to a full
-//! step, and a belt that it calls aligned is not strained.
+//! Trust: whatever happens to the motors, however often and whenever. A place that the firmware calls right is right to
+//! a full step, and a belt that it calls aligned is not strained.
 //!
 //! No driver tells of a skip, so a place is trusted for no longer than its proof: what M915 D or R has just said. M122
 //! tells how long ago the switches were met.
@@ -82,7 +82,7 @@ fn story(trouble: Trouble, seed: u64) -> Story {
     }
     let (last, said) =
         if random.unit() < 0.5 { ("M915 D", "no motor has skipped") } else { ("M915 R", "belt repaired") };
-    // A G28 in between knows nothing of a skip, and takes away what the switches would have said of it.
+    // A G28 in between does not know of a skip, and removes its evidence at the switches.
     if trouble != Trouble::Held && random.unit() < 0.4 {
         lines.push("G28 X Y".to_owned());
     }
@@ -141,8 +141,8 @@ fn a_place_that_is_said_to_be_right_is_right_to_a_full_step() {
     hold_to_the_plant(Trouble::Held, 4);
 }
 
-/// A motor that rubs for good, from before it is aligned, while it is or later: the place is right and stays so as the
-/// tool goes on, or it is not trusted.
+/// A motor that rubs for good, from before alignment, during it or later: the place is right and stays so as the tool
+/// goes on, or it is not trusted.
 #[test]
 fn a_place_is_trusted_beside_a_motor_that_rubs_only_if_it_stays_right() {
     hold_to_the_plant(Trouble::Rubbing, 4);
@@ -170,8 +170,8 @@ const SEIZED: [&str; 13] = [
     "M400",
 ];
 
-/// Of the three others the belt was told to be repaired, and the tool was 0.44 mm off: a motor without torque is named,
-/// whichever it is, and nothing is vouched for.
+/// Reproducer: for three other motors, the belt was called repaired with the tool 0.44 mm off. A motor without torque
+/// is named, whichever it is, and the firmware guarantees nothing.
 #[test]
 fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
     let names = [("m1", "motor 1 "), ("m11", "motor 11 ")];

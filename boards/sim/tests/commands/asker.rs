@@ -1,4 +1,4 @@
-//! A host that sends lines one by one, and what it hears.
+//! A host that sends lines one by one, and the replies.
 
 use super::deaf::Deaf;
 use corehbot::protocol::{BUSY, BUSY_PAUSED};
@@ -45,7 +45,7 @@ impl Host for Asker {
     }
 }
 
-/// What a homed machine answers to `lines`, without its greeting and without [`BUSY`].
+/// The answers of a homed machine to `lines`, without its greeting and without [`BUSY`].
 pub fn answers(lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
@@ -54,7 +54,7 @@ pub fn answers(lines: &[&str]) -> Vec<String> {
     host.heard.into_iter().skip(2).filter(|line| line != BUSY).collect()
 }
 
-/// What a machine that has not been homed answers.
+/// The answers of a machine that has not been homed.
 pub fn before_homing(settings: &Settings, lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };

@@ -1,4 +1,4 @@
-//! Effects: what a command changes for the lines after it.
+//! Effects of a command on the lines after it.
 
 use super::asker::{Asker, answers, before_homing};
 use super::deaf::Deaf;
@@ -49,7 +49,7 @@ fn moves_before_homing_are_warned_of_once_or_refused() {
     assert!(heard[4].starts_with("X:5.00 Y:0.00 Z:0.00"), "{heard:?}");
 }
 
-/// Lines whose meaning depends on others would print something else if they were passed over.
+/// Conditional lines would print something else if they were skipped.
 #[test]
 fn conditions_stop_the_print_with_a_reason() {
     let names = ["if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"no\""];

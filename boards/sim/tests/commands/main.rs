@@ -1,4 +1,4 @@
-//! Every command that slicers and hosts send: what each is answered, as a table.
+//! Every command that slicers and hosts send, with its answer, as a table.
 //!
 //! The rows are those that a printer of this dialect must or should know. The machine of this
 //! test has no heaters, no probe and no storage; so their commands stand here with the words in which it says that.

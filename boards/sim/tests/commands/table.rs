@@ -1,4 +1,4 @@
-//! The table: a line, and what stands in front of its `ok`.
+//! The table: a line, and the answer before its `ok`.
 
 use super::asker::answers;
 use corehbot::gcode::{Command, names, parse};
@@ -250,7 +250,7 @@ const ROWS: &[Row] = &[
     ("M569 S1 X", SILENCE),
     ("M906 X800", SILENCE),
     ("M907 E500", SILENCE),
-    // Heaters, of which there are none.
+    // Heaters, which this machine lacks.
     ("M104 S200", HEATERS),
     ("M109 S200", HEATERS),
     ("M116", HEATERS),
@@ -304,7 +304,7 @@ const ROWS: &[Row] = &[
     ("M290 Z0.05", PROBE),
     ("M851", PROBE),
     ("M420 S1", &["echo:Bed Leveling OFF"]),
-    // Storage, of which this machine has none.
+    // Storage, which this machine lacks.
     ("M500", &["echo:Settings not stored: no storage on this machine"]),
     ("M501", &["echo:Settings unchanged: *"]),
     ("M502", &["echo:Hardcoded Default Settings Loaded"]),

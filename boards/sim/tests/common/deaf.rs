@@ -1,4 +1,4 @@
-//! A sink that nobody looks at, for tests of what is said.
+//! A sink that ignores its input, for tests of messages.
 
 use corehbot::motors::MotorSet;
 use corehbot_sim::world::Sink;

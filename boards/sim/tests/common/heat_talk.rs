@@ -20,8 +20,9 @@ pub fn machine(fitted: &[Heater]) -> Settings {
     settings
 }
 
-/// Says `lines` one after the other, each after the `ok` of the one before, and lets so much time pass in all. A line
-/// that begins with a number of ms and a colon is said at that time, whatever was answered. Returns what was heard.
+/// Says `lines` one after the other, each after the `ok` of the previous one, and lets the given time pass in all. A
+/// line that begins with a number of ms and a colon is said at that time, whether or not an answer came. Returns the
+/// replies.
 pub fn talk_with(
     settings: &Settings,
     storage: impl Storage,

@@ -37,7 +37,7 @@ pub struct Life<'w> {
     drivers: &'w Drivers,
     seen: &'w RefCell<Seen>,
     partial: Vec<Vec<u8>>,
-    /// What the host that is turned to has heard.
+    /// The lines that the current host has heard.
     pub heard: Vec<String>,
     all: Vec<Vec<String>>,
     /// Lines that were answered, and answers that were taken for lines.
@@ -47,7 +47,7 @@ pub struct Life<'w> {
     mark: (usize, i32),
 }
 
-/// A machine that stands at X100 Y100 Z50 as if homed lives, with so many hosts.
+/// Runs `body` on a machine that stands at X100 Y100 Z50 as if homed, with `hosts` hosts.
 pub fn live(settings: &Settings, hosts: usize, body: impl FnOnce(&mut Life<'_>)) {
     live_at(settings, Some([100, 100, 50].map(Mm::from_num)), hosts, body);
 }
@@ -160,7 +160,7 @@ impl Life<'_> {
         self.world.outcome().counts[6]
     }
 
-    /// What follows is looked at.
+    /// From here on, steps are checked.
     pub fn mark(&mut self) {
         self.mark = (self.seen.borrow().events.len(), self.extruder_steps());
     }
@@ -202,7 +202,7 @@ impl Life<'_> {
         self.heat().fans[0] / 257
     }
 
-    /// What the hotend is at.
+    /// The hotend's temperature.
     pub fn celsius(&self) -> f64 {
         self.heat().heaters[0].unwrap().measured.unwrap().to_num()
     }

@@ -1,4 +1,4 @@
-//! A host that sends a line for each `ok`, and remembers what it hears.
+//! A host that sends a line for each `ok`, and records the replies.
 
 use corehbot_sim::world::Host;
 

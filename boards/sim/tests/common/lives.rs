@@ -1,4 +1,4 @@
-//! A life of a simulated machine: what it is, what is done with it, and what it answers.
+//! A life of a simulated machine: its parts, its use, and its answers.
 
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
@@ -40,13 +40,13 @@ impl Dice {
     }
 }
 
-/// What a heater is in truth.
+/// The true values of a heater.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
     pub watt: f64,
     pub joule_per_kelvin: f64,
     pub watt_per_kelvin: f64,
-    /// Element to what it heats, and that to the sensor, s.
+    /// Lags in s: from the element to the heated part, and from there to the sensor.
     pub lags: [f64; 2],
 }
 
@@ -171,7 +171,7 @@ pub struct Life<'w> {
     partial: Vec<u8>,
     /// Answers that are missing.
     awaiting: u32,
-    /// What the last print was made at: hotend and bed.
+    /// Temperatures of the last print: hotend and bed.
     pub last: Option<[f64; 2]>,
     /// The hottest of hotend, bed and chamber in truth, C.
     pub hottest: [f64; 3],
@@ -220,7 +220,7 @@ impl Life<'_> {
         self.world.status().fault().is_set() || Heater::ALL.iter().any(|heater| heat.ailment(*heater).is_some())
     }
 
-    /// What may break.
+    /// Changes the plant's faults.
     pub fn faults(&mut self, change: impl FnOnce(&mut PlantFaults)) {
         change(self.world.heat().plant().unwrap().faults());
     }
@@ -268,7 +268,7 @@ impl Life<'_> {
         }
     }
 
-    /// So many seconds pass.
+    /// Lets `seconds` pass.
     pub fn pass(&mut self, seconds: f64) {
         let end = self.now() + seconds;
         while self.now() < end && !self.world.status().fault().is_set() {
@@ -291,7 +291,7 @@ impl Life<'_> {
         self.awaiting += 1;
     }
 
-    /// Waits for all answers, so many seconds at the most; whether they came.
+    /// Waits for all answers, `most` seconds at the most; returns whether they came.
     pub fn await_answers(&mut self, most: f64) -> bool {
         let end = self.now() + most;
         while self.awaiting > 0 && self.now() < end && !self.world.status().fault().is_set() {
@@ -300,8 +300,8 @@ impl Life<'_> {
         self.awaiting == 0
     }
 
-    /// Sends a line and waits for its answer; what was heard meanwhile. A line that has none within two hours is a
-    /// failure.
+    /// Sends a line and waits for its answer; returns the lines heard until then. A line without an answer for two
+    /// hours is a failure.
     pub fn say(&mut self, line: &str) -> Vec<String> {
         self.heard.clear();
         self.put(line);

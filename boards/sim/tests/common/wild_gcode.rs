@@ -12,7 +12,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, HeatPeriod, Sink, World};
 use std::cell::Cell;
 
-/// Time passes: so many ms for each unit of the byte after it.
+/// Time passes: this many ms for each unit of the next byte.
 const PAUSE: u8 = 0xFD;
 const PAUSE_MS: u64 = 16;
 
@@ -22,7 +22,7 @@ const BREAK: u8 = 0xFC;
 /// Simulated time in all, in ms.
 const MOST_MS: u64 = 60_000;
 
-/// So long after a sensor has failed its heater is off: 0.4 s, and what the period takes.
+/// A heater is off this long after its sensor has failed: 0.4 s, and the length of the period.
 const OFF_MS: u64 = 500;
 
 /// What heaters got in the last period.
@@ -36,7 +36,7 @@ impl Sink for Last<'_> {
     }
 }
 
-/// What a byte breaks. Switches that stick are left out: no duty is to blame for them.
+/// Breaks a part by a byte. Switches that stick are left out: no duty is to blame for them.
 fn break_by(byte: u8, faults: &mut PlantFaults) {
     const SENSOR: [SensorFault; 4] =
         [SensorFault::None, SensorFault::Open, SensorFault::ShortToGround, SensorFault::Frozen];
@@ -53,7 +53,7 @@ fn break_by(byte: u8, faults: &mut PlantFaults) {
     }
 }
 
-/// The world, and what is held of it.
+/// The world, and the properties checked on it.
 struct Watched<'w> {
     world: World<'w>,
     last: &'w Cell<Option<HeatPeriod>>,
@@ -101,8 +101,8 @@ impl Watched<'_> {
     }
 }
 
-/// Bytes from a host, pauses and breakages out of `data`, on a machine with a hotend and a bed; in the end every sensor
-/// breaks, and whatever was said before, all is off within half a second.
+/// Bytes from a host, pauses and breakages out of `data`, on a machine with a hotend and a bed. In the end every sensor
+/// breaks, and whatever came before, all is off within half a second.
 pub fn heat_gcode(data: &[u8]) {
     let mut settings = Settings::prototype();
     for heater in [Heater::Hotend, Heater::Bed] {
@@ -138,6 +138,6 @@ pub fn heat_gcode(data: &[u8]) {
         (plant.faults().hotend_sensor, plant.faults().bed_sensor) = (SensorFault::Open, SensorFault::ShortToGround);
     }
     watched.run(OFF_MS);
-    // M999 begins anew, with all off.
+    // M999 restarts, with all off.
     assert!(watched.world.has_ended() || !watched.is_powered, "a heater has power without a sensor");
 }

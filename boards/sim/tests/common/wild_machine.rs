@@ -31,8 +31,8 @@ fn crc<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
     !bytes.fold(!0, |sum, byte| (0..8).fold(sum ^ u32::from(*byte), bit))
 }
 
-/// The bytes change the record of a machine, each three of them one of its bytes, and its checksum is made right: what
-/// a firmware finds is legal, or nothing.
+/// The bytes change the record of a machine: three of them change one byte of the record, and its checksum is
+/// corrected. The firmware finds legal settings, or none.
 pub fn record(data: &[u8]) {
     let mut eeprom = Eeprom::blank();
     let mut machine = Settings::prototype();
@@ -62,8 +62,8 @@ pub fn record(data: &[u8]) {
     }
 }
 
-/// The bytes choose lines of the dialogue, right and wrong: each is answered once, the board stays on, and what it then
-/// has stored is a machine that it can be, or nothing.
+/// The bytes choose lines of the dialogue, right and wrong. Each is answered once, and the board stays on. Afterwards
+/// it has stored a machine that it can be, or none.
 pub fn dialogue(data: &[u8]) {
     let right = lines_of(&Settings { keepalive_s: 9, ..Settings::prototype() });
     let mut bytes = data.iter().copied();

@@ -1,10 +1,9 @@
-//! Arcs whose ends are rounded: they are made, and as long as they are meant. `machine::commands::arcs::slicers` has
-//! thousands.
+//! Arcs with rounded ends: they are made, with the intended length. `machine::commands::arcs::slicers` has thousands.
 
 use super::talk::talk_to;
 use corehbot::settings::Settings;
 
-/// Events of steps of these lines, and what was said of arcs.
+/// Step events of these lines, and the messages about arcs.
 fn steps_of(lines: &[&str]) -> (u64, Vec<String>) {
     let all: Vec<&str> = [&["G1 F6000"], lines, &["M400", "M114"]].concat();
     let (heard, _, steps) = talk_to(&Settings::prototype(), Some([100.0, 100.0, 10.0]), &all);

@@ -1,5 +1,5 @@
-//! Whatever lines set is legal: M500 stores it, and the next start reads it back. A command whose range is wider than
-//! that of `settings::ranges` would let a user lose all settings.
+//! Whatever lines set is legal: M500 stores it, and the next start reads it back. A command with a wider range than
+//! `settings::ranges` would let a user lose all settings.
 
 #[path = "../common/setting_lines.rs"]
 mod setting_lines;

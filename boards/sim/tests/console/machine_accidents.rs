@@ -9,7 +9,7 @@ use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::run_with;
 use proptest::prelude::*;
 
-/// An EEPROM whose power goes after so many bytes; the byte in which it goes holds nothing of use.
+/// An EEPROM that loses power after some bytes; the byte at that moment gets no useful value.
 struct Cut<'e> {
     eeprom: &'e mut Eeprom,
     left: usize,
@@ -40,7 +40,7 @@ impl Storage for Cut<'_> {
     }
 }
 
-/// What a machine with that storage says to these lines.
+/// The replies of a machine with that storage to these lines.
 fn say(storage: impl Storage, lines: &[String]) -> Vec<String> {
     let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
     let mut host = Talk::new(&lines);
@@ -49,8 +49,8 @@ fn say(storage: impl Storage, lines: &[String]) -> Vec<String> {
     host.heard
 }
 
-/// Cuts at 200 bytes, some of them within the first page that is written and some after the last: the board then is the
-/// old machine or the new one, and takes the new one again.
+/// Cuts at 200 bytes, some of them within the first written page and some after the last. The board then is the old
+/// machine or the new one, and takes the new one again.
 #[test]
 fn a_power_cut_at_any_byte_leaves_the_old_machine_or_the_new() {
     let mut old = Settings::prototype();

@@ -8,7 +8,7 @@ use corehbot::storage::machine_in;
 use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
 
-/// What is heard of these lines, but for each `ok`, on a machine as it was made with that EEPROM.
+/// The replies to these lines, except each `ok`, from the prototype with that EEPROM.
 fn say(eeprom: &mut Eeprom, lines: &[String]) -> Vec<String> {
     let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
     let (heard, ..) = keep(eeprom, &Settings::prototype(), &lines);

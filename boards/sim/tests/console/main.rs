@@ -1,4 +1,4 @@
-//! Conversations with the whole firmware: what a host says, and what it hears.
+//! Conversations with the whole firmware: a host's lines, and the replies.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod arcs;

@@ -1,5 +1,5 @@
-//! Words for parts that are not there, and the start of prints that slicers write for many machines: refused once, by
-//! name, and what the machine has is left alone.
+//! Words for parts that the machine lacks, and the start of prints that slicers write for many machines. Each is
+//! refused once, by name, and the machine's own parts stay untouched.
 
 use super::talk::{HOMED, Steps, Talk, talk, talk_to};
 use corehbot::port::NoStorage;
@@ -8,7 +8,7 @@ use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::run_on;
 
-/// What is said besides the `ok`s.
+/// The replies besides the `ok`s.
 fn told(lines: &[&str]) -> Vec<String> {
     let (heard, ..) = talk(lines);
     heard.into_iter().filter(|line| !line.starts_with("ok") && !line.starts_with("echo:busy")).collect()
@@ -92,7 +92,7 @@ fn words_for_the_only_extruder_are_silent() {
     assert_eq!(told(&["G10 P0 S200"]), ["echo:Unknown command: \"G10 P0 S200\""]);
 }
 
-/// The beginning of a print as slicers' profiles have it, and what is told of it.
+/// The beginning of a print in slicers' profiles, and the messages about it.
 const PROFILES: [(&str, &[&str], &[&str]); 4] = [
     // PrusaSlicer 2.7, Original Prusa i3 MK3S (resources/profiles/PrusaResearch.ini), without G80; its filament has
     // both K.
@@ -217,8 +217,8 @@ const PROFILES: [(&str, &[&str], &[&str]); 4] = [
     ),
 ];
 
-/// Lives: the same print twice on one machine. It is told of the same, settings end the same, and the filament moves as
-/// far.
+/// Lives: the same print twice on one machine. The messages are the same, settings end the same, and the filament moves
+/// as far.
 #[test]
 fn profiles_of_other_machines_print_twice_alike() {
     for (name, profile, told_of) in PROFILES {

@@ -1,6 +1,6 @@
 //! Values out of range: the old value stays, and with it every other value of the line. The report of all settings
-//! (M503) is the same before and after, and the host is told. Which values are brought to an edge instead is
-//! `src/machine/state/clamps.rs`' table.
+//! (M503) is the same before and after, and the host is told. The table in `src/machine/state/clamps.rs` lists the
+//! values that are clamped instead.
 
 use super::legal_settings::{SETTERS, heated};
 use super::talk::{HOMED, Steps, Talk};
@@ -10,14 +10,14 @@ use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::run_on;
 
-/// Letters whose number is a switch, a choice or an axis, or that have an edge; they have rows of their own below.
+/// Letters with a switch, a choice or an axis as number, or with clamping; they have rows of their own below.
 const NO_RANGE: [(&str, &str); 7] =
     [("M113", "S"), ("M211", "S"), ("M302", "P"), ("M306", "E"), ("M569", "SXZE"), ("M593", "XYT"), ("M710", "SRAI")];
 
 /// Settings that are not stored.
 const NOT_STORED: [(&str, &str); 2] = [("M207", "SFZ"), ("M208", "SF")];
 
-/// Settings without a range whose 0 is legal.
+/// Settings without a range, for which 0 is legal.
 const NO_ZERO: [(&str, &str); 6] =
     [("M92", "XYZE"), ("M201", "XYZE"), ("M203", "XYZE"), ("M204", "PRTS"), ("M205", "JXYE"), ("M906", "XZE")];
 
@@ -36,7 +36,7 @@ const LEGAL: [(&str, &str); 11] = [
     ("M906", "Z555"),
 ];
 
-/// What a machine with heaters and drivers hears.
+/// The replies of a machine with heaters and drivers.
 fn heard(settings: &Settings, lines: &[String]) -> Vec<String> {
     let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
     let (mut host, drivers) = (Talk::new(&lines), Drivers::new());
@@ -45,7 +45,7 @@ fn heard(settings: &Settings, lines: &[String]) -> Vec<String> {
     host.heard
 }
 
-/// The settings after these lines, and what else was said.
+/// The settings after these lines, and the other replies.
 fn after(lines: &[String]) -> (Vec<String>, Vec<String>) {
     let mut all = lines.to_vec();
     all.push("M503".to_owned());
@@ -79,7 +79,7 @@ fn a_value_out_of_range_leaves_all_settings_as_they_were() {
     let lines: Vec<_> = too_much.chain(below).chain(zero).chain(named).chain(advance.map(str::to_owned)).collect();
     let (settings, told) = after(&lines);
     assert_eq!(settings, before);
-    // S of M204 is P and T, and each is told.
+    // S of M204 sets P and T, and each is reported.
     let twice = lines.iter().filter(|line| line.starts_with("M204 S")).count();
     assert_eq!(told.len(), lines.len() + twice, "{told:#?}");
     assert!(told.iter().all(|line| line.contains(" ignored: ")), "{told:#?}");
@@ -104,7 +104,7 @@ fn with_one_value_out_of_range_no_value_of_the_line_is_set() {
     assert_eq!((settings, told.len()), (before, 1));
 }
 
-/// What a clamp is right for is set to the edge, and told.
+/// A clamped value is set to the end of its range, and reported.
 #[test]
 fn where_the_edge_is_meant_it_is_set() {
     for (line, report, expected) in [

@@ -7,7 +7,7 @@ use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::{Host, run_with};
 
-/// Says something so many turns after it has sent M500.
+/// Says a line a number of turns after it has sent M500.
 struct Interrupter {
     talk: Talk,
     turns: u32,
@@ -63,7 +63,7 @@ fn an_emergency_stop_is_heard_while_settings_are_saved() {
     assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 3, "{heard:?}");
 }
 
-/// Plans a move, looks at the storage, and so many turns later sends a quick stop.
+/// Plans a move, checks the storage, and a number of turns later sends a quick stop.
 struct Stopper {
     turns: u32,
     oks: u32,

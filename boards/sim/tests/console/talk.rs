@@ -1,4 +1,4 @@
-//! A host that says one line after the other, and what it heard and the motors did.
+//! A host that says one line after the other, and records the replies and the motors' steps.
 
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
@@ -20,8 +20,8 @@ impl Sink for Steps {
     }
 }
 
-/// Sends each line when the one before is answered; a line that begins with `!` goes out together with the
-/// one before it, and one that begins with `~` when the printer has said that it is busy with that.
+/// Sends each line when the previous one is answered. A line that begins with `!` goes out together with the previous
+/// one. A line that begins with `~` goes out when the printer has said that it is busy with that.
 pub struct Talk {
     pub lines: VecDeque<String>,
     pub awaiting: u32,
@@ -89,12 +89,13 @@ pub fn talk_to(settings: &Settings, start: Option<[f64; 3]>, lines: &[&str]) -> 
     (heard, outcome, steps)
 }
 
-/// What a homed machine at the origin answers, and how it ends.
+/// The answers of a homed machine at the origin, and its end.
 pub fn talk(lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
     talk_to(&Settings::prototype(), HOMED, lines)
 }
 
-/// What a machine with storage says to such lines, greeting apart, but with what it found there at the start.
+/// The replies of a machine with storage to such lines, without the greeting, but with its report of the storage at the
+/// start.
 pub fn keep(eeprom: &mut Eeprom, settings: &Settings, lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
     let mut host = Talk::new(lines);
     let mut steps = Steps::default();

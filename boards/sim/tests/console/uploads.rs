@@ -1,5 +1,5 @@
-//! M28 to M29: what a host uploads is no print. Pronsole does not wait for the answer to M28, so the lines of the file
-//! arrive whatever it is; they get their `ok`s and nothing moves.
+//! M28 to M29: the lines of an upload are not printed. Pronsole does not wait for the answer to M28, so the lines of
+//! the file arrive whatever the answer; they get their `ok`s and nothing moves.
 
 use super::talk::{HOMED, Steps, Talk, talk};
 use corehbot::port::NoStorage;
@@ -72,7 +72,7 @@ fn m29_ends_it_and_says_so() {
     assert_eq!(heard.iter().filter(|line| *line == "ok").count(), 8, "{heard:?}");
 }
 
-/// OctoPrint sets the line number before M28, and numbers what follows.
+/// OctoPrint sets the line number before M28, and numbers the lines after it.
 #[test]
 fn damaged_lines_of_an_upload_are_asked_for_again() {
     let [begin, first, second, end] = [(1, "M28 test.gco"), (2, "G1 X5 F6000"), (3, "G1 X9"), (4, "M29")]
@@ -81,7 +81,7 @@ fn damaged_lines_of_an_upload_are_asked_for_again() {
     let lines = [&numbered(0, "M110 N0"), &begin, &first, &damaged, &second, &first, &second, &end, "M114"];
     let (heard, _, steps) = talk(&lines);
     assert_eq!((steps.count, said(&heard, "Resend: 3").len()), (0, 1), "{heard:?}");
-    // What comes twice was not counted twice.
+    // A line that comes twice counts once.
     assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, lines not carried out: 2"]);
     assert_eq!(heard.iter().filter(|line| *line == "ok").count(), 9, "{heard:?}");
 }

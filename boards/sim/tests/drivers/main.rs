@@ -1,4 +1,4 @@
-//! Motor drivers that are well, and that are not: what the firmware does, and that no motor runs on trust.
+//! Healthy and faulty motor drivers: the firmware's reaction, and that no motor runs on an unproven driver.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod failures;

@@ -154,7 +154,7 @@ fn drivers_without_a_wire_run_as_before() {
     assert!(!told.has("M906 X"));
     assert_eq!(told.outcome.counts[3], 400);
     assert_eq!(drivers.chip(Motor::M1).replies(), 0);
-    // Some have a wire, some have none.
+    // Some drivers have a wire, some do not.
     let drivers = Drivers::with_lines(MotorSet::BELT);
     let told = play(&drivers, lines(&["G1 X5 F6000", "M400", "M122"]), None);
     assert_eq!(drivers.enabled(), MotorSet::ALL);
@@ -165,7 +165,7 @@ fn drivers_without_a_wire_run_as_before() {
 /// after another.
 #[test]
 fn motors_of_one_belt_get_power_one_after_another_and_lose_it_together() {
-    /// What was switched on, and when.
+    /// The motors that were switched on, and when.
     struct Watch<'d> {
         drivers: &'d Drivers,
         lines: Vec<&'static str>,

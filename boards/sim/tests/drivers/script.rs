@@ -9,7 +9,7 @@ use corehbot_sim::tmc2209;
 use corehbot_sim::world::{Host, Outcome, Sink, run_on};
 use std::collections::VecDeque;
 
-/// What the host and the user do, one after the other.
+/// An action of the host or the user, one after the other.
 pub enum Act<'d> {
     /// A line to the printer; the next act waits for its `ok`.
     Say(String),
@@ -79,7 +79,7 @@ pub struct Steps<'d> {
     pub struck: u64,
     pub count: u64,
     pub tick: u64,
-    /// Steps of motors without power, or whose driver makes other microsteps, before anything struck.
+    /// Steps of motors without power, or with a driver that makes other microsteps, before any fault.
     pub unfit: u64,
 }
 
@@ -111,7 +111,7 @@ pub fn cutting() -> Settings {
     settings
 }
 
-/// What a script led to.
+/// The result of a script.
 pub struct Played<'d> {
     pub heard: Vec<String>,
     pub outcome: Outcome,

@@ -21,9 +21,9 @@ pub fn damage() -> impl Strategy<Value = Corruption> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// Whatever replies are damaged, and whenever drivers are reset: no motor gets power when its driver has said
-    /// that it lost its configuration; and two seconds later all motors have power and the right microsteps, or none
-    /// has power and the host knows why.
+    /// Whatever replies are damaged, and whenever drivers are reset: no motor gets power after its driver has said that
+    /// it lost its configuration. Two seconds later all motors have power and the right microsteps, or no motor has
+    /// power and the host knows why.
     #[test]
     fn no_motor_runs_on_trust(
         damages in proptest::collection::vec((0usize..7, 0u32..40, damage()), 0..12),
@@ -56,7 +56,7 @@ proptest! {
     }
 }
 
-/// A host on whose machine drivers are reset when all of them together have said so much.
+/// A host. Drivers of its machine are reset when all drivers together have sent a number of bytes.
 struct Resets<'d> {
     script: Script<'d>,
     resets: Vec<(usize, u32)>,

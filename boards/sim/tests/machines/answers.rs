@@ -8,7 +8,7 @@ use corehbot_sim::check::Checker;
 use corehbot_sim::limits::Limits;
 use corehbot_sim::world::run;
 
-/// What a machine that stands at 10, 20, 5 answers to a line.
+/// The answer to a line of a machine that stands at 10, 20, 5.
 pub fn answers(s: &Settings, lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Lines::new(lines);

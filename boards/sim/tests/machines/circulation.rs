@@ -18,7 +18,7 @@ impl Sink for Deaf {
     fn event(&mut self, _: u64, _: MotorSet, _: MotorSet) {}
 }
 
-/// What the printer says to these lines, on a machine that stands at X100 Y100 Z10.
+/// The replies to these lines, on a machine that stands at X100 Y100 Z10.
 fn said(s: &Settings, gcode: &str) -> Vec<String> {
     struct Listening(FileHost, Vec<String>);
     impl Host for Listening {
@@ -78,7 +78,7 @@ fn it_runs_round_while_the_tool_moves() {
     assert_eq!(belt(&print), wanted);
 }
 
-/// What comes before and after is what it would be without: same steps but for the belt's.
+/// Lines before and after are as without it: the same steps except for the belt's.
 #[test]
 fn prints_go_on_as_if_nothing_had_been() {
     let body = "G1 X120 Y110 F6000\nG2 X140 Y110 I10 J0\nG1 Z11\nG1 X150.013 Y97.007 E1\n";
@@ -91,8 +91,7 @@ fn prints_go_on_as_if_nothing_had_been() {
     assert_eq!(ran.counts[4..], twice.counts[4..]);
 }
 
-/// A move along an axis stands up to half a step beside the place that was asked for. What runs round starts where the
-/// motors are.
+/// A move along an axis ends up to half a step from the requested place. Circulation starts where the motors are.
 #[test]
 fn nothing_adds_up_behind_moves_along_an_axis() {
     let round = "G1 X100 Y100.004 F6000\nG1 X120.0025\nG1 C0\nG1 X100 Y100\nG1 Y119.9973\nG1 C1\n";

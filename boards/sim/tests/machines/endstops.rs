@@ -56,7 +56,7 @@ fn the_tool_is_where_the_machine_says_wherever_the_switches_are() {
 }
 
 /// A switch inside the axis stays pressed behind it: homing finds it from there as well, at power-up and again from the
-/// end of the axis. And one that is outside is left only by who is asked to.
+/// end of the axis. The tool leaves a switch outside the axis only on command.
 #[test]
 fn a_switch_is_found_from_behind_and_left_only_on_command() {
     // A belt, four coordinates for three axes, and one motor an axis.

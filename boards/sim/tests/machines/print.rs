@@ -14,7 +14,7 @@ use std::path::Path;
 pub fn machines() -> Vec<(String, Settings)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/machines");
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    // The schema stands beside them.
+    // The schema is in the same folder.
     files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
     files.sort();
     let named = files.into_iter().map(|file| {

@@ -86,7 +86,7 @@ fn homing_again_and_again_adds_up_to_nothing() {
     }
 }
 
-/// Motors that are not fitted get neither steps nor power, and are not asked for a proof.
+/// Missing motors get neither steps nor power, and need no proof of their driver.
 #[test]
 fn motors_that_are_not_fitted_are_left_alone() {
     for (name, s) in machines() {
@@ -112,7 +112,8 @@ fn there_is_a_file_for_every_kind_of_machine() {
     let machines = machines();
     let of = |name: &str| machines.iter().find(|(file, _)| file == name).unwrap().1.mechanism;
     assert_eq!(of("prototype"), Mechanism::corehbot());
-    // The firmware sees no difference between a CoreXY and an H-bot, and none in what part an axis moves.
+    // The firmware sees no difference between a CoreXY and an H-bot, or between axes that move the bed and axes that
+    // move the head.
     assert_eq!(of("corexy"), of("hbot"));
     assert_eq!(of("cartesian"), of("cartesian-xz"));
     let motors = |name: &str| of(name).fitted().0.count_ones();

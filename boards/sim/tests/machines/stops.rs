@@ -1,4 +1,4 @@
-//! Stops between positions: what is said is where the motors are.
+//! Stops between positions: the reported place is where the motors are.
 
 use super::print::{Steps, machines};
 use corehbot::motors::MotorSet;
@@ -65,8 +65,8 @@ impl Sink for Counted<'_> {
     }
 }
 
-/// After a quick stop the motors of a slanted move stand between positions. What is said is where they really are, and
-/// nothing adds up over many stops.
+/// After a quick stop the motors of a slanted move stand between positions. The reported place is the true one, and no
+/// error adds up over many stops.
 #[test]
 fn quick_stops_leave_the_position_true() {
     for (name, s) in machines() {

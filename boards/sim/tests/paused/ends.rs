@@ -1,4 +1,4 @@
-//! Prints that end while they are paused, and what the next one finds.
+//! Prints that end while they are paused, and the state that the next print finds.
 
 use super::{MINUTE, heated, place};
 use crate::life::live;

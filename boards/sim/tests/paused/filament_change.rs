@@ -39,7 +39,7 @@ fn m600_pulls_filament_out_and_pushes_it_in_where_it_is_parked() {
             print(life);
             assert_eq!(change(life, line, &[]), expected, "{line}");
             assert_eq!(life.count("echo:M600"), 0, "{:?}", life.heard);
-            // The print asks for what it would have asked for without it.
+            // The print's E requests are the same as without the change.
             let before = place(life)[3];
             for line in ["G1 X160 E6 F6000", "M400"] {
                 life.say(line);
@@ -63,7 +63,7 @@ fn filament_that_is_changed_has_limits() {
         life.await_ok();
         assert_eq!(place(life)[3], 5.0 - most);
     });
-    // None moves in a cold hotend, and the user hears of it.
+    // A cold hotend moves no filament, and the user is told.
     live(&heated(), 1, |life| {
         print(life);
         life.say("M104 S100");
@@ -71,7 +71,7 @@ fn filament_that_is_changed_has_limits() {
         assert_eq!(change(life, "M600 U40", &[]), [5.0, 5.0]);
         assert_eq!(life.count("echo:filament is not moved: the hotend is too cold"), 1, "{:?}", life.heard);
     });
-    // A dry run moves none.
+    // A dry run moves no filament.
     live(&Settings::prototype(), 1, |life| {
         for line in ["M111 S8", "G1 X150 F6000", "M75"] {
             life.say(line);

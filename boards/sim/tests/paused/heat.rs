@@ -81,7 +81,7 @@ fn a_wait_for_a_heater_that_does_not_get_there_ends_the_job_and_not_the_machine(
         assert_eq!(life.count("echo:print ended, heaters are off: bed stays at 4"), 1, "{:?}", life.heard.last());
         assert_eq!((life.count("//action:cancel action:cancel"), life.count("Error:"), life.count("!!")), (1, 0, 0));
         assert_eq!(life.targets(), [0.0, 0.0]);
-        // The rest of the stream heats and moves nothing, and is told so once.
+        // The rest of the stream heats and moves nothing, and one message says so.
         let before = place(life);
         for line in ["M104 S200", "M109 S200", "G1 X50 Y50 E5 F6000", "G10", "M400", "M600"] {
             life.say(line);

@@ -15,7 +15,7 @@ fn a_line_that_has_lost_its_place_is_held_until_the_axes_are_homed() {
         life.switch_to(1);
         life.say("M84 X Y");
         life.switch_to(0);
-        // M84 ends the print; who prints on has lost its place.
+        // M84 ends the print; a host that prints on has lost its place.
         life.put(0, "G1 X60 E2");
         life.rest(10_000);
         assert_eq!(life.count("//action:pause action:pause"), 1, "{:?}", life.heard);
@@ -100,7 +100,7 @@ fn a_macro_that_is_not_there_homes_nothing() {
         assert_eq!(life.count("//action:cancel action:cancel"), 1);
         assert_eq!(life.extruder_steps(), 0);
     });
-    // Without the macro it is told, as ever: there are machines without switches.
+    // Without the macro the host is told, as ever: there are machines without switches.
     live_unhomed(|life| {
         life.say("G1 X10 E1 F6000");
         assert_eq!(life.count("echo:motion before homing"), 1);

@@ -6,7 +6,8 @@ use crate::support::hosts::{Host, Pauses, Printcore};
 use crate::support::octoprint::OctoPrint;
 use corehbot::settings::Settings;
 
-/// OctoPrint's scripts at a pause and at its end, as its documentation has them, beside M25: they find the work done.
+/// OctoPrint's scripts at a pause and at its end, as its documentation has them, in addition to M25: they find the work
+/// done.
 #[test]
 fn a_pause_script_of_the_host_neither_retracts_nor_parks_twice() {
     let script = ["M114", "G91", "M83", "G1 E-2 F2400", "G1 Z10", "M82", "G90", "G1 X0 Y0 F6000", "M400"];
@@ -53,8 +54,8 @@ fn a_pause_script_of_the_host_neither_retracts_nor_parks_twice() {
 const PRINT: [&str; 10] =
     ["G28", "G90", "M82", "G92 E0", "M109 S200", "G1 Z0.3 F600", "G1 X50 Y50 E3 F3000", "M600", "G1 X80 E5", "M400"];
 
-/// printcore and OctoPrint as their sources have them (tests/support), with their M110 and what each sends when it is
-/// cancelled. Before a line of the print the host takes its time.
+/// printcore and OctoPrint as their sources have them (tests/support), with their M110 and their lines on cancel. The
+/// host waits before each line of the print.
 fn models(pauses: &[u32]) -> [(Box<dyn Host>, &'static str, &'static [&'static str]); 2] {
     let program = || PRINT.map(str::to_owned).to_vec();
     let cancel: &[&str] = &["M108", "M400", "M114", "M84", "M104 T0 S0", "M140 S0", "M106 S0"];
@@ -86,7 +87,7 @@ fn drive(life: &mut Life<'_>, host: &mut dyn Host, mut happens: impl FnMut(&mut 
     }
 }
 
-/// The user goes on from a screen after so many reports that the printer waits.
+/// The user resumes from a screen after this many reports that the printer waits.
 fn change_filament(life: &mut Life<'_>, reports: usize) -> bool {
     if life.heard.last().is_some_and(|line| line == "echo:busy: paused for user")
         && life.count("echo:busy: paused for user") % reports == 0
@@ -148,7 +149,7 @@ fn both_models_of_hosts_cancel_while_the_printer_waits_and_print_again() {
     }
 }
 
-/// printcore says nothing when it pauses; what it says before it goes on is from its source (printcore.py 2.2.0,
+/// printcore sends nothing when it pauses; its lines before it resumes are from its source (printcore.py 2.2.0,
 /// `resume`).
 #[test]
 fn printcore_pauses_for_an_hour_and_goes_on() {

@@ -1,4 +1,4 @@
-//! The state of the program: what a pause saves, what it gives back, and what stays as it was left.
+//! The state of the program: what a pause saves and restores, and what keeps its new value.
 
 use super::{heated, place, print};
 use crate::life::{Life, live};
@@ -17,7 +17,7 @@ fn jogging_and_heating_work_in_a_pause_and_the_print_goes_on_where_it_was() {
             life.say(line);
         }
         life.say("M24");
-        // Filament that was changed meanwhile is none that the print has asked for.
+        // Filament that was changed in between does not count as requested by the print.
         assert_eq!(place(life), [150.0, 100.0, 50.0, 35.0]);
         assert_eq!(life.targets(), [210.0, 40.0], "hot enough to print with");
         for line in ["G1 X160 E6 F6000", "M400"] {
@@ -45,7 +45,7 @@ fn what_a_pause_saves_is_the_whole_state_of_the_program() {
     });
 }
 
-/// A user who looks at a print that is paused sets what is wrong with it, and expects it to stay.
+/// A user who watches a paused print corrects its settings, and expects them to stay.
 #[test]
 fn overrides_that_are_set_in_a_pause_stay_and_others_are_what_they_were() {
     live(&Settings::prototype(), 2, |life| {
@@ -55,7 +55,7 @@ fn overrides_that_are_set_in_a_pause_stay_and_others_are_what_they_were() {
         let overrides = |life: &mut Life<'_>| [life.ask("M220", "FR:"), life.ask("M221", "echo:E0")];
         assert_eq!(overrides(life), ["FR:80%", "echo:E0 Flow: 90%"]);
         life.say("M25");
-        // From a screen beside the host.
+        // From a screen next to the host.
         life.switch_to(1);
         for line in ["M220 S60", "M221 S110"] {
             life.say(line);
@@ -102,7 +102,7 @@ fn the_part_fan_blows_again_after_a_pause_unless_another_speed_was_set() {
             });
         }
     }
-    // A print that is cancelled in the pause gives its fan to nobody.
+    // A print that is cancelled in the pause hands its fan on to no other print.
     live(&heated(), 1, |life| {
         print(life);
         for line in ["M106 S128", "M25", "M107", "M524", "G28", "G1 X50 F6000", "M400"] {
