@@ -11,8 +11,8 @@ use std::collections::BTreeSet;
 use support::bodies;
 use support::print::Printed;
 
-/// Decimal text as the nearest multiple of 2^-32, by doubling the written digits: bit after bit of the
-/// fraction falls out on the left, as in a schoolbook.
+/// Decimal text as the nearest multiple of 2^-32. The written digits are doubled: bit after bit of the fraction falls
+/// out on the left, as in long multiplication by hand.
 fn by_hand(is_negative: bool, integer: &str, fraction: &str) -> i64 {
     const LIMIT: i128 = 1_000_000_000 << 32;
     let mut digits: Vec<u8> = fraction.bytes().map(|digit| digit - b'0').collect();
@@ -73,7 +73,7 @@ fn number_text() -> impl Strategy<Value = String> {
     prop_oneof!["[+-]?[0-9]{0,3}\\.?[0-9]{0,5}", "[+-]?[0-9]{1,12}\\.[0-9]{0,45}", "[0-9.+-]{0,8}",]
 }
 
-/// What a line may begin with: every code that is known, and others like them.
+/// Beginnings of a line: every known code, and others like them.
 #[rustfmt::skip]
 const CODES: &[&str] = &[
     "G0", "G1", "g1", "G01", "G2", "G3", "G4", "G17", "G20", "G21", "G28", "G90", "G91", "G92", "M17", "M18", "M84",
@@ -130,7 +130,7 @@ proptest! {
         // (2 step + 1) / 2^33 has 33 decimals: (2 step + 1) * 5^33 / 10^33, written out.
         let mut digits = [0u8; 33];
         for bit in format!("{:033b}", 2 * step + 1).bytes() {
-            // Halving what is to come is doubling what is there: digits = digits * 2 + bit, in units of 5^33.
+            // Halving the remaining bits is doubling the present ones: digits = digits * 2 + bit, in units of 5^33.
             let mut carry = 0;
             for digit in digits.iter_mut().rev() {
                 let sum = 2 * *digit + carry;
@@ -293,7 +293,7 @@ fn custom_code_of_real_profiles() {
 
 /// Codes after which any text may stand, by reason; the last two reasons are looked at.
 const ANY_TEXT: [&[&str]; 5] = [
-    // They must act whatever follows.
+    // They must act in any case.
     &["M81", "M108", "M110", "M112", "M410", "M524", "M999"],
     // A text for people, a name or a version follows.
     &["M0", "M1", "M28", "M29", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876", "M125"],
@@ -321,7 +321,7 @@ fn every_known_code_and_name_is_thrown_at_the_parser() {
     assert!(missing.is_empty(), "{missing:?} in CODES");
 }
 
-/// Names say in their own reader what is wrong with their words, as `ACCEL=fast`.
+/// Named commands report errors in their words by their own reader, as `ACCEL=fast`.
 #[test]
 fn a_name_that_goes_on_is_another_name() {
     for name in names() {

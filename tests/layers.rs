@@ -1,5 +1,5 @@
-//! The arrows between the rooms: every `use crate::room` in src/ must be one that the table holds, and the files and
-//! folders within a room have no circle.
+//! The arrows between the rooms: every `use crate::room` in src/ must be in the table, and the files and folders within
+//! a room have no circle.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "support/arrows.rs"]
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// What each room may use. A room uses itself without asking.
+/// The rooms that each room may use. A room uses itself without asking.
 const ARROWS: [(&str, &[&str]); 18] = [
     ("units", &[]),
     ("text", &[]),
@@ -116,8 +116,8 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
     assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
 }
 
-/// What the parts of the room `machine` may use of each other, each only those above it: a command gets the main loop
-/// and the states that it names, and the Console hands them to it.
+/// The parts of the room `machine` that each part may use, only those above it. A command gets the main loop and the
+/// states that it names, and the Console passes them.
 const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("ports", &[]),
     ("interrupt", &[]),

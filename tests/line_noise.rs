@@ -1,8 +1,8 @@
 //! Whole prints over a line that damages, loses and repeats: every command is carried out once and in order, nothing
 //! else is, and the print ends.
 //!
-//! Damage that an 8-bit sum cannot see is left out (one damaged line in 256), and so is damage that takes both the N
-//! and the star: no answer helps.
+//! Two kinds of damage are left out: damage that an 8-bit sum cannot see (one damaged line in 256), and damage that
+//! takes both the N and the star, because no answer helps.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod support;
@@ -16,7 +16,7 @@ use support::hosts::{Host, Pauses, Printcore, Windowed};
 use support::machine::Machine;
 use support::octoprint::OctoPrint;
 
-/// What becomes of one line on its way.
+/// The fate of one line on its way.
 #[derive(Clone, Debug)]
 enum Harm {
     None,
@@ -24,7 +24,7 @@ enum Harm {
     Bits(Vec<(usize, u8)>),
     /// Bytes in a row become others.
     Burst(usize, Vec<u8>),
-    /// Bytes in a row are gone; nobody notices.
+    /// Bytes in a row are gone, without a notice.
     Gap(usize, usize),
     /// A byte is gone, and the receiver noticed.
     Marked(usize),
@@ -105,12 +105,12 @@ struct Wire {
 }
 
 impl Wire {
-    /// What arrives of a line.
+    /// The received part of a line.
     fn carry(&mut self, line: &str) -> Vec<u8> {
         let harm = self.harms.next().unwrap_or(Harm::None);
         let mut bytes = harmed(line, &harm);
         let all = [&self.begun[..], &bytes].concat();
-        // What came before may have been given up.
+        // Earlier bytes may have been dropped.
         if has_other_line(&all, line) || has_other_line(&bytes, line) {
             // The sum would not see it.
             bytes = format!("\n{line}").into_bytes();
@@ -121,7 +121,7 @@ impl Wire {
     }
 }
 
-/// Prints, and says what was carried out.
+/// Prints, and returns the commands that were carried out.
 fn print(host: &mut impl Host, harms: Vec<Harm>, deaf: &[bool], last: i32, packet: usize) -> Vec<String> {
     let mut machine = Machine::new();
     assert_eq!(machine.say(["N0 M110 N0*125\n", "N-1 M110 N-1*125\n"][usize::from(last < 0)]), "ok\n");
@@ -209,7 +209,7 @@ fn octoprint_prints_whole_and_in_order() {
         prop_assert!(host.has_erred || difference.is_none(), "{:?}", difference);
         Ok(())
     });
-    // Its own error, which nobody at the other end can prevent, must stay as rare as it is.
+    // Errors of the host itself, which the firmware cannot prevent, must stay as rare as they are.
     assert!(errors.get() <= DAYS / 1000, "{} days", errors.get());
 }
 

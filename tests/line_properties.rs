@@ -1,5 +1,5 @@
-//! The line protocol whatever arrives: every line is answered once, how bytes are split into packets does
-//! not matter, every damaged line is repaired.
+//! The line protocol for any input: every line is answered once, the split into packets does not matter, and every
+//! damaged line is repaired.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod support;
@@ -53,7 +53,7 @@ fn noise() -> impl Strategy<Value = Vec<Received>> {
     proptest::collection::vec(received, 0..20).prop_map(|pieces| pieces.concat())
 }
 
-/// What terminals send for the key that erases a character: backspace, or delete.
+/// The bytes that terminals send for the key that erases a character: backspace, or delete.
 const ERASING: [u8; 2] = [0x08, 0x7F];
 
 /// The same without what those keys send.
@@ -69,7 +69,7 @@ fn typing_slips() -> impl Strategy<Value = Vec<(String, u8)>> {
     proptest::collection::vec(slip, 1..5)
 }
 
-/// What a fuzzer might think of: noise, pauses, and lines in order.
+/// Input for a fuzzer: noise, pauses, and valid lines.
 fn fuzz_data() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         3 => (0i32..6, "(G1 X5|M105|M110 N[0-9]|M112|)").prop_map(|(number, text)| numbered(number, &text).into_bytes()),
@@ -109,7 +109,7 @@ impl Host {
     }
 }
 
-/// What happens to a byte on a bad line.
+/// The fate of a byte on a bad line.
 #[derive(Clone, Copy, Debug)]
 enum Damage {
     Changed(u8),
@@ -129,8 +129,8 @@ fn damage() -> impl Strategy<Value = Damage> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The keys that erase a character have a property of their own below: what they leave of a line depends on the
-    /// lines before it.
+    /// The keys that erase a character have their own property below: their effect on a line depends on the lines
+    /// before it.
     #[test]
     fn every_line_that_asks_for_an_answer_gets_one(noise in noise().prop_map(without_erasing_keys)) {
         let mut machine = Machine::new();
@@ -229,7 +229,7 @@ proptest! {
                 host.hear(&machine.take_replies());
             }
         }
-        // What is left of a checksum after a false line end is a number, which no command looks like.
+        // The rest of a checksum after a false line end is a number, and no command looks like one.
         let carried_out: Vec<&String> =
             machine.commands.iter().filter(|text| text.starts_with(['G', 'g'])).collect();
         prop_assert_eq!(carried_out, program.iter().collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! The line protocol, one dialogue after the other; `line_properties.rs` has what holds whatever arrives.
+//! The line protocol, one dialogue after the other; `line_properties.rs` has the properties for any input.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod support;

@@ -7,7 +7,7 @@ use corehbot::units::Instant;
 /// As the receiver has it.
 const QUIET_MS: u32 = 100;
 
-/// A receiver and what it makes of things, in short: commands as they are, the rest by name.
+/// A receiver and its output, in short: commands as they are, the rest by name.
 struct Line {
     receiver: Receiver,
     ms: u32,

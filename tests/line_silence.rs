@@ -16,7 +16,7 @@ fn streaming(last: i32) -> Machine {
     machine
 }
 
-/// What the machine says during so much silence.
+/// The machine's output during this much silence.
 fn wait(machine: &mut Machine, ms: u32) -> String {
     for _ in 0..ms {
         machine.ms += 1;
@@ -25,7 +25,7 @@ fn wait(machine: &mut Machine, ms: u32) -> String {
     machine.take_replies()
 }
 
-/// A machine whose line has lost something before it took lines 1 to `last` of a stream.
+/// A machine that has lost bytes on its line before it took lines 1 to `last` of a stream.
 fn streaming_badly(last: i32) -> Machine {
     let mut machine = Machine::new();
     assert!(machine.say("N1 G1 X1*1\n").starts_with("Error:checksum mismatch"));
@@ -112,7 +112,7 @@ fn nobody_is_asked_for_lines_once_the_motion_has_ended() {
 fn eight_prompts_and_the_stream_is_over() {
     let mut machine = streaming_badly(7);
     assert_eq!(wait(&mut machine, 600_000), QUESTION.repeat(2) + &"ok\n".repeat(6));
-    // Whoever types now may take his time, and needs no numbers.
+    // Typed lines have no timeout now, and need no numbers.
     assert_eq!(machine.say("M1"), "");
     assert_eq!(wait(&mut machine, 10_000), "");
     assert_eq!(machine.say("05\n"), "ok\n");
@@ -303,7 +303,7 @@ fn at_the_end_of_the_numbers_only_m110_helps() {
     assert_eq!(machine.commands, ["G1 X1", "G1 X2", "G1 X3"]);
 }
 
-/// Blanks are no line; a comment may have been one, whose N came through as a semicolon.
+/// Blanks are no line; a comment may have been a line with an N that arrived as a semicolon.
 #[test]
 fn a_stream_that_pauses_after_blanks_has_lost_nothing() {
     let mut machine = streaming(7);

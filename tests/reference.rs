@@ -5,7 +5,7 @@ use corehbot::fault::{Cause, Fault};
 use corehbot::gcode::{Command, Flaw, names, parse};
 use std::collections::BTreeMap;
 
-/// What the firmware does with a code, as the headings of gcode.md name it. M486 does something with a word alone.
+/// The firmware's treatment of a code, as the headings of gcode.md name it. M486 does something with a word alone.
 fn heading_of(code: &str) -> Option<&'static str> {
     match parse(code.as_bytes()) {
         Command::Unknown(_) => None,

@@ -1,4 +1,4 @@
-//! The printer's words: what they are, and that they mean nothing else to any host.
+//! The printer's replies: their words, and that they mean nothing else to any host.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "support/actions.rs"]
@@ -108,12 +108,11 @@ fn every_answer_has_its_words() {
     assert_eq!(reply(|r| r.advanced_ok(None, 0, 95)), "ok P0 B0\n");
 }
 
-/// What a line may not begin with, unless it is meant (printcore, OctoPrint comm.py).
+/// Forbidden beginnings of a line, unless intended (printcore, OctoPrint comm.py).
 const RESERVED_BEGINNINGS: [&str; 11] =
     ["ok", "start", "rs", "resend", "wait", "error", "fatal", "!!", "//", "debug_", "cap:"];
 
-/// What may not stand anywhere in a line (OctoPrint, Printrun, Cura); the last two for old versions
-/// of Cura.
+/// Words forbidden anywhere in a line (OctoPrint, Printrun, Cura); the last two for old versions of Cura.
 const RESERVED_WORDS: [&str; 26] = [
     "X:",
     " T:",

@@ -1,5 +1,5 @@
-//! Every number among the settings has a greatest legal value, and a least one: whoever adds a setting and forgets its
-//! range finds it here.
+//! Every number among the settings has a greatest legal value, and a least one: a new setting without a range is found
+//! here.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::settings::{Advance, CornerRule, Settings, ShaperKind};
@@ -43,7 +43,7 @@ fn changed(settings: &Settings, path: &str, numbers: &[i64]) -> Settings {
 const GREATEST: [i64; 5] = [i64::MAX, u32::MAX as i64, i32::MAX as i64, u16::MAX as i64, u8::MAX as i64];
 const LEAST: [i64; 3] = [i64::MIN, i32::MIN as i64, 0];
 
-/// Numbers of which all are legal; and those of which 0 is, which mostly switches something off.
+/// Numbers that are legal with any value; and numbers with 0 as a legal value, which usually switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
 const MAY_BE_0: [&str; 21] = [
     "preload",

@@ -54,7 +54,7 @@ fn every_row_says_what_it_means() {
     }
 }
 
-/// Every bit of settings is in some row: what is changed through the rows is all that can be.
+/// Every bit of the settings is in some row: the rows can change all of them.
 #[test]
 fn settings_are_what_their_rows_say() {
     struct Copy<'a>(std::slice::Iter<'a, (Key, Value)>);

@@ -14,7 +14,7 @@ const ROOM: u16 = 62594;
 /// Cross-section of filament of 1.75 mm, mm2.
 const FILAMENT: f64 = 2.405;
 
-/// The plant behind the firmware's thermal port, and what the firmware last told it.
+/// The plant behind the firmware's thermal port, and the firmware's last outputs.
 pub struct Heat {
     plant: Option<Plant>,
     settings: ThermalSettings,
@@ -33,7 +33,7 @@ impl Heat {
         Self::with(settings, &constants(&settings.thermal))
     }
 
-    /// The same with a plant that is what it is, whatever the settings say of it.
+    /// The same with a plant that does not depend on the settings.
     #[must_use]
     pub fn with(settings: &Settings, constants: &PlantConstants) -> Self {
         let thermal = settings.thermal;
@@ -54,7 +54,7 @@ impl Heat {
         Self { plant: plant.filter(|_| self.plant.is_some()).or(self.plant), ..self }
     }
 
-    /// The plant, for what comes after this firmware.
+    /// The plant, for the run after this firmware.
     pub const fn take_plant(&mut self) -> Option<Plant> {
         self.plant.take()
     }
@@ -102,14 +102,14 @@ impl Heat {
         self.is_supplied
     }
 
-    /// A single conversion at a sensor, 0 to 4095, for a board that adds them up itself; `None` without heaters, and
-    /// where none of them has its sensor.
+    /// A single conversion at a sensor, 0 to 4095, for a board that adds them up itself; `None` without heaters, and if
+    /// no heater has this sensor.
     pub fn convert(&mut self, sensor: Sensor) -> Option<u16> {
         let place = self.place(sensor)?;
         self.plant.as_mut()?.convert(place)
     }
 
-    /// Where the plant has what hangs at a sensor's connector: sensors hang where the machine's file has them.
+    /// The plant's sensor at this connector: sensors are connected as in the machine's file.
     fn place(&self, sensor: Sensor) -> Option<Sensor> {
         let of = |heater| self.settings.heater(heater).sensor == sensor;
         if of(Heater::Hotend) {
@@ -143,7 +143,7 @@ impl Heat {
     }
 }
 
-/// The prototype's plant with what the machine's file says of it.
+/// The prototype's plant with the values of the machine's file.
 #[must_use]
 pub fn constants(thermal: &ThermalSettings) -> PlantConstants {
     let mut constants = PlantConstants::prototype();
@@ -164,7 +164,7 @@ pub fn constants(thermal: &ThermalSettings) -> PlantConstants {
     constants
 }
 
-/// A chamber of which the machine's file says so much.
+/// A chamber with the values of the machine's file.
 fn chamber(heater: &HeaterSettings) -> ChamberConstants {
     let mut c = ChamberConstants::usual();
     let all = c.element_joule_per_kelvin + c.air_joule_per_kelvin;
@@ -203,7 +203,7 @@ impl ThermalPort for Heat {
     }
 
     fn outputs(&self) -> OutputSet {
-        // Those of the Octopus.
+        // The outputs of the Octopus.
         OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1)
     }
 

@@ -16,7 +16,7 @@ use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Settings};
 use corehbot::units::Mm;
 
-/// Where the tool stands at power-up if nobody says: well inside, and not on a round number.
+/// The default place of the tool at power-up: well inside, and not on a round number.
 pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.4")];
 
 /// The simulated machine. An endstop is pressed while its axis is at its place or beyond.
@@ -33,7 +33,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A machine whose tool stands at `start` (x, y, z in mm), or somewhere if `None`.
+    /// A machine with its tool at `start` (x, y, z in mm), or somewhere if `None`.
     #[must_use]
     pub fn new(settings: &Settings, start: Option<[Mm; 3]>) -> Self {
         let a = &settings.axes;

@@ -12,7 +12,7 @@ macro_rules! files {
         /// The rows of each file.
         const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
 
-        /// What the rows of each file mean.
+        /// The texts of the rows of each file.
         const TEXTS: &[&[Text]] = &[$(super::$file$(::$inner)*::TEXTS),+];
     };
 }
@@ -51,7 +51,7 @@ pub const fn is_known(id: u16) -> bool {
     0 < id && id < NEXT_ID
 }
 
-/// Every row with what it means to people. Not for images: the texts would be in them.
+/// Every row with its text for people. Not for images: the texts would be in them.
 pub fn described() -> impl Iterator<Item = (&'static Row, &'static Text)> {
     let texts = TEXTS.iter().copied().flatten();
     ALL.iter().flat_map(|file| file.rows).zip(texts)

@@ -6,21 +6,21 @@ use corehbot::port::{BusError, Coupling, DriverBus, Frame};
 use corehbot::settings::Settings;
 use corehbot::units::Instant;
 
-/// Drivers that take what they are told, unless told otherwise; all share their registers.
+/// Drivers that hold what is written to them, unless told otherwise; all share their registers.
 pub struct Bus {
     pub registers: [u32; 128],
     pub powered: MotorSet,
     /// Requests, as motor and bytes.
     pub requests: Vec<(Motor, Vec<u8>)>,
-    /// What comes of the requests of these numbers, instead of what should.
+    /// Results of the requests with these numbers, instead of the right ones.
     pub mishaps: Vec<(usize, Result<Frame, BusError>)>,
-    /// A register whose writes never arrive.
+    /// A register that writes never reach.
     pub lost: Option<usize>,
-    /// Motors whose drivers do not answer.
+    /// Motors with drivers that do not answer.
     pub silent: MotorSet,
     /// An exchange takes so many steps.
     pub slowness: usize,
-    /// What comes of the exchange under way, and the steps until then.
+    /// The result of the exchange under way, and the steps until then.
     pub outcome: Option<(usize, Result<Frame, BusError>)>,
 }
 

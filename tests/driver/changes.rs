@@ -1,4 +1,4 @@
-//! Changes: other settings for drivers whose motors have power.
+//! Changes: new settings for drivers of motors with power.
 
 use crate::bench::{Bench, CHOPCONF, Z1};
 use corehbot::driver::{Config, DriverError, Fault, News, Register};

@@ -1,4 +1,4 @@
-//! Proof: no motor gets power before its driver has shown that it holds what it was told.
+//! Proof: no motor gets power before its driver has shown that it holds its settings.
 
 use crate::bench::{Bench, CHOPCONF, IFCNT, Z1};
 use corehbot::driver::{Config, DriverError, Drivers, Job, Reading, Register};
@@ -57,7 +57,7 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
     new.drivers.z.current_ma = 500;
     assert_eq!(bench.verify(Motor::Z1), Ok(()));
     assert_eq!(bench.power(Z1), Ok(()));
-    // A change under power proves what it has written; the next one is on its way when it is taken back.
+    // A change under power proves its writes; the next change is under way when it is withdrawn.
     bench.drivers.want(&new);
     bench.run(60);
     assert!(bench.drivers.is_configured());

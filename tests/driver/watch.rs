@@ -1,4 +1,4 @@
-//! Watch: what looks at drivers with power find, how soon, and what comes of it.
+//! The watch: the faults that it finds in drivers with power, how soon, and the reaction.
 
 use crate::bench::{Bench, GSTAT, Z1};
 use corehbot::driver::{DriverError, Fault, Job, News, Register};
@@ -186,7 +186,7 @@ fn after_a_fault_the_others_go_on_and_are_looked_at_at_once() {
     assert_eq!((bench.bus.powered, bench.drivers.powered(), bench.drivers.are_unseen()), (others, others, true));
     bench.run(56);
     assert!(!bench.drivers.are_unseen(), "six looks of 8 ms");
-    // Nobody changes or proves anything any more, and nobody gets power.
+    // Nothing is changed, proved or powered any more.
     let mut settings = Settings::prototype();
     settings.drivers.belt.current_ma = 500;
     bench.drivers.want(&settings);

@@ -1,4 +1,4 @@
-//! What is laid on a bed, and what a hot bed warms: no fault; and a fault next to it is found all the same.
+//! Cold things laid on a bed, and parts warmed by a hot bed: no fault. A fault next to them is still found.
 
 use crate::printer::{Printer, settings};
 use crate::{break_it, constants, until_off};
@@ -18,7 +18,7 @@ fn heavy(times: f64) -> (PlantConstants, ThermalSettings) {
     (constants, settings)
 }
 
-/// Reproducer: a plate of 7 to 20 C that was laid on while the last heat arrived, and a short heating after it, were a
+/// Reproducer: a plate of 7 to 20 C, laid on while the last heat arrived, with a short heating after it, counted as a
 /// heater that does not heat (E08).
 #[test]
 fn a_cold_plate_and_a_short_heating_after_it_are_no_open_heater() {
@@ -50,8 +50,8 @@ fn a_cold_plate_and_a_short_heating_after_it_are_no_open_heater() {
     assert!(found.is_empty(), "{} of 24: {found:#?}", found.len());
 }
 
-/// Reproducer: a heavy thing of 0 C that is laid on a bed which warms at full power took more than 10 C of it, and the
-/// floor held the sensor to have slipped (E09).
+/// Reproducer: a heavy thing of 0 C on a bed that warms at full power took more than 10 C of it. The floor reported
+/// that the sensor had slipped (E09).
 #[test]
 fn a_very_cold_plate_on_a_bed_that_warms_is_no_sensor_that_slipped() {
     let mut found = Vec::new();

@@ -49,8 +49,7 @@ fn other_gains_change_nothing_else() {
     assert!((printer.hotend() - 215.0).abs() < 1.0, "{}", printer.hotend());
 }
 
-/// Reproducer: settings that came again and again (M301, M306) began every guard anew, so that none ever found
-/// anything.
+/// Reproducer: settings that came again and again (M301, M306) restarted every guard, so that none ever found a fault.
 #[test]
 fn settings_that_keep_coming_hold_up_no_guard() {
     for (is_frozen, celsius) in [(false, 20.0), (false, 215.0), (true, 215.0)] {
@@ -68,7 +67,7 @@ fn settings_that_keep_coming_hold_up_no_guard() {
         for second in 0..60_u8 {
             (changed.pid.p, changed.model.capacity) = ((20 + second % 2).into(), (11 + second % 2).into());
             printer.order(Order::Heater(Heater::Hotend, changed));
-            // Whoever tries to see through a frozen sensor needs another power now and then.
+            // To detect a frozen sensor the guards need another power now and then.
             printer.set(Heater::Hotend, if second % 4 < 2 { 215.0 } else { 225.0 });
             printer.run(1.0);
         }

@@ -1,5 +1,5 @@
-//! The floor: whatever the model, the settings and the commands say, a heater that gives nothing and a sensor that has
-//! slipped are found; and a heater that can reach its target never is, however slow it is.
+//! The floor finds a heater without power and a sensor that has slipped, independent of the model, the settings and the
+//! commands. It never reports a heater that can reach its target, however slow it is.
 
 use crate::printer::{Printer, settings};
 use crate::{break_it, constants, until_off};
@@ -9,7 +9,7 @@ use corehbot::settings::{Control, HeaterSettings, ThermalSettings};
 use corehbot::units::{JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use corehbot_rig::plant::{Drive, HeaterFault, Plant, PlantConstants, SensorFault};
 
-/// Models that nobody has: power in W, J/K, W/K, s.
+/// Models of no real heater: power in W, J/K, W/K, s.
 const NONSENSE: [(f64, f64, f64, f64); 6] = [
     (40.0, 200.0, 0.075, 1.2),
     (1.0, 10.8, 0.075, 1.2),
@@ -201,7 +201,7 @@ impl Ceiling {
     }
 }
 
-/// A floor that is left alone finds what was reached and lost: F08 with a model of nonsense.
+/// The floor alone finds a temperature that was reached and lost: F08 with a model of nonsense.
 #[test]
 fn an_open_heater_at_its_target_is_lost_whatever_the_model() {
     let mut printer = Printer::new(&constants(), with(Heater::Hotend, (40.0, 200.0, 0.075, 1.2), Control::Pid));

@@ -1,4 +1,4 @@
-//! Whatever is measured and whatever is asked for: no panic, no target above its limit, no power after a fault.
+//! For all readings and commands: no panic, no target above its limit, no power after a fault.
 
 use crate::printer::{Printer, settings};
 use crate::wild_heat::heat_orders;

@@ -69,8 +69,8 @@ fn f10_a_switch_that_sticks_costs_the_power_supply() {
     }
 }
 
-/// Starts with a hotend of 60 W whose switch sticks from a moment on: rooms, lags, masses and noise by the seed. A soak
-/// has 1000.
+/// Starts with a hotend of 60 W and a switch that sticks from a random moment on: the seed selects rooms, lags, masses
+/// and noise. A soak has 1000.
 #[test]
 fn f10_stuck_switches_of_any_machine_burn_nothing() {
     let mut hottest = 0.0_f64;
@@ -178,8 +178,7 @@ fn f12_f13_swapped_plugs_are_found_in_a_joint_preheat_too() {
                 if swaps_sensors {
                     assert_eq!((cause, time < 10.0, hotend < 60.0), (Cause::SensorsSwapped, true, true));
                 }
-                // At full power both get what the other one should have: it shows when the first of them is at its
-                // target.
+                // At full power each gets the other's heat: it shows when the first of them is at its target.
                 assert!(hotend < 320.0 && bed < 100.0);
             }
         }
@@ -187,7 +186,7 @@ fn f12_f13_swapped_plugs_are_found_in_a_joint_preheat_too() {
 }
 
 /// Reproducer: with PID, M140 S60, M104 S215, M109 S215 ended in "swapped" when the hotend's power was cut at its
-/// target; with the model, when it was switched off soon after.
+/// target. With the model it did when the hotend was switched off soon after.
 #[test]
 fn a_hotend_that_goes_off_while_the_bed_heats_is_not_swapped() {
     for control in [Control::Pid, Control::Model] {

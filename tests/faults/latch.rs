@@ -1,4 +1,4 @@
-//! The latch: the first cause wins, whatever comes after it.
+//! The latch: the first cause wins over all later ones.
 
 use crate::{break_it, is_off, printing};
 use corehbot::fault::{Cause, Fault, Record};

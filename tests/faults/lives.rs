@@ -127,7 +127,7 @@ fn a_model_that_is_nonsense_gets_no_further_than_the_ceiling_and_the_heat_under_
                 hottest = hottest.max(printer.hotend());
             }
             println!("A{loss} C{capacity}, {watts} W: {hottest:.1} C at most, {:?}", printer.fault());
-            // What the cartridge still has, and what the sensor has not seen yet.
+            // Heat still in the cartridge, and not yet seen by the sensor.
             let under_way = watts / 10.8 * 2.4;
             assert!(hottest < 210.5 + under_way, "{hottest}");
         }

@@ -1,5 +1,5 @@
-//! What can go wrong with heat, crash and configuration, each thing a test that looks at pins and duties in virtual
-//! time. The numbers are those of docs/explanation/safety.md.
+//! Faults of heat, crash and configuration: each is a test that looks at pins and duties in virtual time.
+//! docs/explanation/safety.md has the same numbers.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod beds;
@@ -60,8 +60,8 @@ fn is_off(printer: &Printer) -> bool {
     [Output::He0, Output::Bed].into_iter().all(|output| printer.duty(output) == 0.0)
 }
 
-/// How long it takes until a heater that nobody wants refuses to heat, for a sensor that is broken; then it is asked
-/// to, and does not, until the sensor is well again.
+/// The time until a heater that is off refuses to heat because its sensor is broken. Then a target is set, and it does
+/// not heat until the sensor works again.
 fn until_refused(printer: &mut Printer, heater: Heater, mend: impl FnOnce(&mut PlantFaults)) -> (Cause, f64) {
     let time = printer.run_until(5.0, |printer| printer.status.heat().ailment(heater).is_some()).unwrap();
     let cause = printer.status.heat().ailment(heater).unwrap();
@@ -88,7 +88,7 @@ fn until_off(printer: &mut Printer, most: f64) -> (Cause, f64) {
         panic!("no fault within {most} s: hotend at {}, bed at {}", printer.hotend(), printer.bed())
     });
     let cause = printer.fault().unwrap().cause;
-    // Whatever is asked for now, nothing heats.
+    // After that no target heats.
     printer.set(Heater::Hotend, 200.0);
     printer.set(Heater::Bed, 60.0);
     for _ in 0..500 {

@@ -40,10 +40,10 @@ fn hour(printer: &mut Printer, seed: u32) {
     printer.run(900.0);
 }
 
-/// Hours that are printed, but for those of a soak.
+/// Hours of printing, except in a soak.
 const HOURS: u32 = 6;
 
-/// Hours of printing on a machine of its own each: noise up to three times, lags up to 1.4 times what they should be.
+/// Hours of printing, each on its own machine: noise up to three times, lags up to 1.4 times the nominal ones.
 #[test]
 fn hours_of_printing_trip_nothing() {
     let hours = soak_hours().unwrap_or(HOURS);

@@ -8,8 +8,8 @@ use corehbot::status::SelfTest;
 use corehbot::thermal::Order;
 use corehbot_rig::plant::{HeaterFault, Plant, PlantConstants, SensorFault};
 
-/// Orders a self-test and a target, and runs until the test has ended or a fault is latched; how long it took, and how
-/// hot the hotend and the bed became.
+/// Orders a self-test and a target, and runs until the test has ended or a fault is latched. Returns the time, and the
+/// highest temperatures of the hotend and the bed.
 fn tested(printer: &mut Printer) -> (SelfTest, f64, [f64; 2]) {
     printer.order(Order::SelfTest);
     printer.set(Heater::Hotend, 200.0);

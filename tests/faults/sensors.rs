@@ -136,8 +136,8 @@ fn f07_a_slow_sensor_trips_nothing_and_overshoots_little() {
 
 #[test]
 fn f14_a_thermistor_of_ten_kiloohm_does_not_heat() {
-    // It reads 95 C in a room of 25 C: a lot too hot for a bed of 60 C, so nothing heats; a hotend stays far below what
-    // it reads.
+    // It reads 95 C in a room of 25 C: far too hot for a bed of 60 C, so nothing heats; a hotend stays far below its
+    // reading.
     let mut printer = cold();
     break_it(&printer, |faults| faults.hotend_sensor = SensorFault::TenKiloOhm);
     let mut fresh = Printer::new(&constants(), settings());

@@ -1,5 +1,5 @@
-//! The Console's end of the motion, with all that it may do at moments that dice choose: it queues moves, dwells and
-//! taps, looks at what is left and made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves,
+//! The Console's end of the motion, with all its calls at moments that dice choose: it queues moves, dwells and taps,
+//! reads the remaining and made steps, brakes, aborts, and circulates the belt. An endstop is pressed in some moves,
 //! and interrupts are late.
 
 use super::clock::{Clock, Timer};
@@ -86,7 +86,7 @@ const BEGIN: u32 = u32::MAX - 20_000_000;
 /// Rounds in which anything is done that ends by itself.
 const MOST_ROUNDS: usize = 4_000;
 
-/// A machine whose contexts run when dice say so.
+/// A machine with contexts that run at random.
 struct Machine<'m> {
     link: Link<'m, &'m Pended>,
     generator: StepGenerator<'m>,
@@ -165,7 +165,7 @@ impl Machine<'_> {
         self.stop();
     }
 
-    /// Drops what is left, and stands at the origin whatever happened.
+    /// Drops the remaining motion, and stands at the origin in any case.
     fn stop(&mut self) {
         self.link.abort();
         for _ in 0..100 {
@@ -207,7 +207,7 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.look();
     // In the first epoch, too.
     machine.meet_endstop(&watched);
-    // A whole path with a dwell, while an endstop is pressed that nobody watches, then paths that are broken off sooner
+    // A whole path with a dwell, while an endstop is pressed that no move watches; then paths that are aborted sooner
     // and later.
     machine.pressed.set(2);
     machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), MOST_ROUNDS);
@@ -233,7 +233,7 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.play(work(&plan(&super::fine_circle(), &settings)[..300]), MOST_ROUNDS);
     assert!(machine.status.overload().spans.count > 0, "{:?}", machine.status.overload());
     machine.stop();
-    // Between two moves of which the second comes late, and while time passes.
+    // Between two moves, with the second one late, and while time passes.
     for rounds in [120, 250, 280, 310, 340, 370, 400, 800] {
         machine.play(work(&shaped_circle[..20]), rounds);
         machine.link.brake();

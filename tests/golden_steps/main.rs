@@ -1,7 +1,7 @@
-//! The steps of some paths, kept: the same on every computer and in every version, but for a change of the law of
-//! motion that is meant. Then the test says what is to be kept instead. That steps are right is what `tests/motion`
-//! holds to models; this finds, within a second, that they are others. Two tests look at all that a Console and a
-//! planner see, so they also change with what is reported, with what a move holds, and with how much is made at a time.
+//! The recorded steps of some paths: the same on every computer and in every version, except for an intended change of
+//! the law of motion. Then the test prints the new record. `tests/motion` checks by models that steps are right; this
+//! test finds, within a second, that they differ. Two tests read everything that a Console and a planner see. So they
+//! also change with the reports, with the content of a move, and with the amount made at a time.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[path = "../stepper/clock.rs"]
@@ -219,8 +219,8 @@ fn far() -> Path {
     path
 }
 
-/// The prototype with shapers, whose taps stand closer away from the middle if belts have these lengths in mm, and
-/// pressure advance.
+/// The prototype with shapers and pressure advance. The taps stand closer away from the middle if belts have these
+/// lengths in mm.
 fn shaped(kinds: [ShaperKind; 2], spans: [u16; 2]) -> Settings {
     let mut settings = Settings::prototype();
     let axes = [&mut settings.shapers.x, &mut settings.shapers.y];

@@ -12,7 +12,7 @@ use corehbot::units::{Mm, Steps};
 /// Parts of its work in which a planner has planned everything again.
 const MOST_PARTS: usize = 1000;
 
-/// What is seen of a planner.
+/// The outputs of a planner.
 #[derive(Default)]
 struct Seen {
     moves: usize,
@@ -85,7 +85,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
         seen.look(&mut planner, at);
         assert!(planner.is_whole(settings, groupings.of(grouping)));
         if dice.roll() < often / 6.0 {
-            // What waits is made first, or dropped.
+            // Waiting moves are made first, or dropped.
             if dice.roll() < 0.5 {
                 planner.release_all();
                 assert!((0..MOST_PARTS).any(|_| planner.prepare()));

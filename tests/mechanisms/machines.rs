@@ -22,11 +22,11 @@ pub const MACHINES: [(&str, Mechanism); 10] = [
     ("corehbot, two drivers", Mechanism { rows: [[-1, 1, 0, 0], [-1, -1, 0, 0], NONE, NONE, Z, Z, E] }),
 ];
 
-/// A CoreXY with a pulley of 20 teeth on motor 11 and one of 16 on motor 8: equation 8 of the CoreH-bot paper divides
+/// A CoreXY with a pulley of 20 teeth on motor 11 and one of 16 on motor 8. Equation 8 of the CoreH-bot paper divides
 /// each row by the radius of its motor's pulley, which leaves 4 and 5 steps for one of the axes.
 pub const UNEQUAL: Mechanism = Mechanism { rows: [NONE, NONE, [5, -5, 0, 0], [4, 4, 0, 0], Z, NONE, E] };
 
-/// All of these, and one with pulleys of different sizes, whose motors step each for itself.
+/// All of these, and one with pulleys of different sizes, with motors that each step for themselves.
 pub fn all() -> impl Iterator<Item = (&'static str, Mechanism)> {
     MACHINES.into_iter().chain([("unequal pulleys", UNEQUAL)])
 }
@@ -37,7 +37,7 @@ pub const COREXYZ: Mechanism =
 pub const COREXYZ_THREE: Mechanism =
     Mechanism { rows: [NONE, [-1, -1, 1, 0], [1, -1, 1, 0], [1, 1, 1, 0], NONE, NONE, E] };
 
-/// The settings of a machine whose axes share a resolution.
+/// The settings of a machine with axes that share a resolution.
 pub fn settings(mechanism: Mechanism) -> Settings {
     let mut s = Settings { mechanism, ..Settings::prototype() };
     s.belt.is_closed &= mechanism.can_circulate();

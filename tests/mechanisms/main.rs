@@ -1,5 +1,5 @@
-//! Mechanisms as data: forward and inverse in whole numbers, what the motors may not do, and why motors of a group step
-//! in the same instant.
+//! Mechanisms as data: forward and inverse in whole numbers, the motor motions that are not allowed, and why motors of
+//! a group step in the same instant.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "../support/belt_equations.rs"]

@@ -1,4 +1,4 @@
-//! Residuals: what motors can do to a belt that no position asks for.
+//! Residuals: strains that motors can put on a belt, but that no position needs.
 
 use super::machines::{COREXYZ, MACHINES, UNEQUAL, settings};
 use corehbot::kinematics::{Groups, Mechanism, Residual, Residuals};

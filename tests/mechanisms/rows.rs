@@ -1,4 +1,4 @@
-//! Rows: motors from a position, a position from motors, and what is no machine.
+//! Rows: motors from a position, a position from motors, and illegal machines.
 
 use super::belt_equations::{BeltSteps, residual};
 use super::machines::{COREXYZ, COREXYZ_THREE, E, MACHINES, NONE, Z, all, settings};
@@ -7,14 +7,14 @@ use corehbot::motors::Motor;
 use corehbot::units::{Steps, StepsPerMm};
 use proptest::prelude::*;
 
-/// What motors with these counts say of the tool, if they agree on whole steps.
+/// The tool's position for motors with these counts, if they agree on whole steps.
 fn whole<const N: usize>(back: &ForwardKinematics<N>, counts: &[i64; N]) -> Option<[i64; 4]> {
     let fractions = back.fractions(counts);
     fractions.iter().all(|(sum, over)| sum % over == 0).then(|| fractions.map(|(sum, over)| sum / over))
 }
 
-/// Reproducer: with halves rounded upwards one of two groups that mirror each other had a step more in the piece that
-/// ended on half a step; found together with others, its steps then came a tick beside the other's.
+/// Reproducer: halves were rounded upwards, so one of two groups that mirror each other had a step more in the piece
+/// that ended on half a step. Found together with others, its steps then came a tick later or earlier than the other's.
 #[test]
 fn groups_that_mirror_each_other_round_alike() {
     for (whole, way) in (-5..6).flat_map(|whole| [0.25, 0.5, 0.75, 1.5, 2.5].map(|way| (f64::from(whole), way))) {
@@ -48,8 +48,8 @@ proptest! {
         }
     }
 
-    /// Null spaces. Of the CoreH-bot: the belt runs round and the tool stands. Of both machines with four motors: what
-    /// they must not do moves nothing either, and no position asks for it.
+    /// Null spaces. Of the CoreH-bot: the belt runs round and the tool stands. For both machines with four motors:
+    /// their forbidden motion moves nothing either, and no position needs it.
     #[test]
     fn what_moves_no_tool(at in prop::array::uniform3(-10_000i64..10_000), c in -1000i64..1000, strain in -1000i64..1000) {
         let [x, y, z] = at;
@@ -134,7 +134,7 @@ fn what_is_no_machine_is_refused() {
     assert_eq!(with(Motor::M8, [2, -2, 0, 0]), Err(MechanismError::Multiples));
     assert_eq!(with(Motor::Z1, [0, 0, 1, 1]), Err(MechanismError::Mixed(Motor::Z1)));
     assert_eq!(with(Motor::E0, NONE), Err(MechanismError::NotDriven("e")));
-    // Three pairs and the screws are four coordinates, but the second screw is a fifth beside the extruder.
+    // Three pairs and the screws are four coordinates, but the second screw is a fifth next to the extruder.
     assert_eq!(with(Motor::M1, [1, 0, 0, 0]), Ok(()));
     let crowd = Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] };
     assert_eq!(crowd.check(), Err(MechanismError::TooManyGroups));
@@ -152,7 +152,7 @@ fn axes_that_share_motors_have_one_resolution() {
     assert_eq!(s.check_machine(), Ok(()));
 }
 
-/// Settings are stored as what they are, the mechanism as one number.
+/// Settings are stored by their kind, the mechanism as one number.
 #[test]
 fn every_mechanism_is_stored() {
     for (name, mechanism) in all() {

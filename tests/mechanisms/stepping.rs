@@ -11,8 +11,8 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
-    /// Any path on any machine: motors of a group step together, what four coordinates of three axes must not do stays
-    /// below two steps, and the end is met to half a step.
+    /// Any path on any machine. Motors of a group step together, the forbidden motion of four coordinates of three axes
+    /// stays below two steps, and the end is met to half a step.
     #[test]
     fn a_path_is_stepped_as_the_rows_say(
         path in prop::collection::vec(((0.0..30.0f64, 0.0..30.0f64, 0.0..3.0f64), 5.0..200.0f64), 1..8),
@@ -32,7 +32,7 @@ proptest! {
             }
             prop_assert!(strain(&groups, &counts).abs() < 2, "{}", name);
             let end = moves.last().map_or([Steps::ZERO; 4], |m| m.end);
-            // Motors half a step beside leave the tool half a step beside; more of it where thirds hold it.
+            // Motors that are half a step off put the tool half a step off; more of it where thirds hold it.
             let most = if name == "skew" { 0.67 } else { 0.501 };
             for (at, end) in tool(&mechanism, &counts).into_iter().zip(end) {
                 prop_assert!((at - end.to_num::<f64>()).abs() <= most, "{}: {} instead of {} steps", name, at, end);
@@ -79,7 +79,7 @@ fn every_machine_is_as_fast_as_its_motors() {
             (axis.max_speed, axis.max_acceleration) = (MmPerSec::from_num(1000), MmPerSec2::from_num(5000));
             axis.steps_per_mm = StepsPerMm::from_num(80);
         }
-        // What a move reaches, not how long it keeps that up.
+        // The peak of a move counts, not the time at it.
         s.minimum_cruise_ratio = Ratio::ZERO;
         let steps = generate_on(&plan(&[(to, 1000.0)], &s), &s);
         let rate = |motor: Motor| {

@@ -12,15 +12,15 @@ fn lateral(way: &[f64; 3], axis: usize) -> f64 {
     way.iter().enumerate().filter(|(i, _)| *i != axis).map(|(_, w)| w * w).sum::<f64>().sqrt()
 }
 
-/// What the motors make of the tool's way, in steps.
+/// The tool's position by the motors' counts, in steps.
 pub fn tool(mechanism: &Mechanism, counts: &[i64; 7]) -> [f64; 3] {
     let [x, y, z, _] =
         mechanism.forward_kinematics().unwrap().fractions(counts).map(|(sum, over)| sum as f64 / over as f64);
     [x, y, z]
 }
 
-/// How far the tool leaves its line, and the motors their constraint, in the middle of one step along an axis that its
-/// motors make one after the other, in this order.
+/// The largest distance of the tool from its line, and of the motors from their constraint, in the middle of one step
+/// along an axis. Its motors make the step one after the other, in this order.
 fn sequential(mechanism: &Mechanism, axis: usize, order: &[Motor]) -> (f64, i64) {
     let mut position = [0; 4];
     position[axis] = 1;
@@ -85,7 +85,7 @@ fn sequential_steps_zig_zag() {
     ] {
         assert!(is_near(sequential(&COREXYZ_THREE, axis, &order).0, 0.5), "{axis} {order:?}");
     }
-    // Four motors by 0.3536 if they are strained by two steps meanwhile, by half a step if by one.
+    // Four motors by 0.3536 if they are strained by two steps in between, by half a step if by one.
     for axis in 0..3 {
         for order in orders(&[M11, M8, M4, M1]) {
             let (width, strain) = sequential(&COREXYZ, axis, &order);
@@ -104,8 +104,8 @@ fn sequential_steps_zig_zag() {
     }
 }
 
-/// Our generator's real events, also of moves to places between steps: in a move of one axis all motors that it needs
-/// step in the same instants, so that the tool never leaves the line and nothing is strained, on every machine.
+/// The real events of our generator, also of moves to places between steps. In a move of one axis all its motors step
+/// in the same instants, so that the tool never leaves the line and nothing is strained, on every machine.
 #[test]
 fn axis_moves_do_not_zig_zag() {
     for (name, mechanism) in MACHINES {

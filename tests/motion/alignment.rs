@@ -1,5 +1,5 @@
-//! Moves along one axis: all motors that they need step in the same instants, whatever came before. And where their
-//! steps fall is nothing to the corners, which are those of the commanded path.
+//! Moves along one axis: all motors that they need step in the same instants, after any earlier moves. Corners do not
+//! depend on the place of the steps: they are the corners of the commanded path.
 
 use super::dice::Dice;
 use super::line::{Step, generate_on, generate_shaped, plan};
@@ -92,7 +92,7 @@ fn every_event_of_a_long_axis_move_has_all_four_belt_motors() {
     }
 }
 
-/// Behind the slowest tap of a shaper, when what came before has passed.
+/// Behind the slowest tap of a shaper, after the earlier motion has passed.
 #[test]
 fn a_shaped_axis_move_steps_all_four_when_the_corner_has_passed() {
     let mut s = Settings::prototype();
@@ -177,7 +177,7 @@ fn a_straight_line_in_pieces_is_run_at_one_speed() {
         let whole: f64 = length.iter().sum();
         let mut gone = 0.0;
         for (m, length) in moves[2..].iter().zip(&length) {
-            // What the acceleration of a travel allows between standstill at both ends.
+            // The speed that the acceleration of a travel allows between standstill at both ends.
             let a: f64 = s.travel_acceleration.to_num();
             let limit = |way: f64| (2.0 * a * way).sqrt().min(feed);
             let end = gone + length;
@@ -191,7 +191,7 @@ fn a_straight_line_in_pieces_is_run_at_one_speed() {
     }
 }
 
-/// Moves too short to be planned are no bend either, and what follows along an axis is along it.
+/// Moves too short to be planned are no bend either, and a following move along an axis stays along it.
 #[test]
 fn a_move_too_short_to_be_one_bends_nothing() {
     let s = Settings::prototype();
@@ -215,7 +215,7 @@ fn a_move_too_short_to_be_one_bends_nothing() {
     assert!(last.iter().all(|step| step.steps.0 & 0x0F == 0x0F));
 }
 
-/// But what is left over in them does not add up.
+/// But their remainders do not add up.
 #[test]
 fn moves_too_short_to_be_one_do_not_add_up() {
     let s = Settings::prototype();

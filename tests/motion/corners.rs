@@ -1,10 +1,10 @@
-//! Corner speeds against the paper's geometry, in double precision: the speed at which the emitted moves really pass a
+//! Corner speeds against the paper's geometry, in double precision: the speed at which the released moves really pass a
 //! corner, for corners of all angles in x, y and z.
 //!
 //! The reference shares neither code nor formulas with the planner, which works with half angles and no circle. Here
 //! the circle is constructed: it touches both moves, its centre lies on the line that halves the angle between them,
-//! and it leaves the corner by the deviation. What the axes and motors bear is asked for along that line, the direction
-//! of the acceleration in the middle of the arc.
+//! and it leaves the corner by the deviation. The limits of axes and motors are taken along that line, the direction of
+//! the acceleration in the middle of the arc.
 
 use super::dice::Dice;
 use super::line::plan;
@@ -50,7 +50,7 @@ fn way(from: [Steps; 4], m: &Move, s: &Settings) -> Way {
     Way { unit: scaled(tool, 1.0 / length), length, extrusion: d[3] / length }
 }
 
-/// The least of what is wanted and what each axis and motor bears along `direction`.
+/// The least of the wanted value and the limits of each axis and motor along `direction`.
 fn bounded(wanted: f64, direction: Vector, axes: Vector, motor: f64) -> f64 {
     let [x, y, z] = direction;
     let [ax, ay, az] = axes;
@@ -60,7 +60,7 @@ fn bounded(wanted: f64, direction: Vector, axes: Vector, motor: f64) -> f64 {
         .fold(wanted, f64::min)
 }
 
-/// The greatest speed from `p` into `q`, both of which are commanded with `feed`.
+/// The greatest speed from `p` into `q`, both commanded with `feed`.
 fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
     let accelerations = s.axes.map(|a| a.max_acceleration.to_num::<f64>());
     let speeds = s.axes.map(|a| a.max_speed.to_num::<f64>());
@@ -76,10 +76,10 @@ fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
     // The line that halves the angle points from the corner to the centre.
     let inwards = unit(plus(scaled(p.unit, -1.0), q.unit));
     let bears = bounded(along(q, purpose), inwards, axes, motor);
-    // A circle of radius 1 whose centre lies so far in that it touches: how far is it from the corner?
+    // A circle of radius 1 with its centre so far in that it touches both moves: its distance from the corner.
     let turn = dot(p.unit, q.unit).clamp(-1.0, 1.0).acos();
     let centre = 1.0 / (turn / 2.0).cos();
-    // Its distance grows with its radius. For small angles 1/cos - 1 is what cancels, so it is taken from the sine.
+    // Its distance grows with its radius. For small angles 1/cos - 1 cancels, so it is computed from the sine.
     let deviation = (turn / 2.0).sin().powi(2) / ((turn / 2.0).cos() * (1.0 + (turn / 2.0).cos()));
     assert!((centre - 1.0 - deviation).abs() < 1e-9 * centre);
     let bend = match s.corner {

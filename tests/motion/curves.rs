@@ -1,5 +1,5 @@
-//! Curves of all kinds, as polylines from coarse to fine: within 4 ms the tool's velocity varies by no more than 1.3
-//! times what the acceleration makes of it, beside the most that junction deviation allows at one corner (`share`).
+//! Curves of all kinds, as polylines from coarse to fine. Within 4 ms the tool's velocity varies by no more than 1.3
+//! times the change by acceleration, plus the largest jump that junction deviation allows at one corner (`share`).
 //!
 //! The reference knows nothing of chords or of the planner's law: it looks at the velocities alone.
 
@@ -19,8 +19,8 @@ const MOST: f64 = 1.3;
 
 type Points = Vec<[f64; 2]>;
 
-/// What two velocities differ by, as a share of what they may. The jump of a corner that turns by t under junction
-/// deviation d is `2 v sin(t/2)` with `v^2 = a d s / (1 - s)` and `s = cos(t/2)`, which is `sqrt(4 a d s (1 + s))`: at
+/// The difference of two velocities, as a share of the allowed one. The jump of a corner that turns by t under junction
+/// deviation d is `2 v sin(t/2)`, with `v^2 = a d s / (1 - s)` and `s = cos(t/2)`. That is `sqrt(4 a d s (1 + s))`, at
 /// most `sqrt(8 a d)`.
 fn share(p: Velocity, q: Velocity, a: f64, d: f64) -> f64 {
     size(std::array::from_fn(|i| q[i] - p[i])) / (MOST * a * BEND_TIME + (8.0 * a * d).sqrt())
@@ -72,7 +72,7 @@ impl<'a> Pen<'a> {
         }
     }
 
-    /// Chords whose ends lie on an arc that turns by `turn`.
+    /// Chords with ends on an arc that turns by `turn`.
     fn arc(&mut self, radius: f64, turn: f64) {
         let mut done = 0.0;
         while done < turn.abs() && self.points.len() < MOST_POINTS {
@@ -127,7 +127,7 @@ pub enum Kind {
 
 pub const KINDS: [Kind; 6] = [Kind::Arc, Kind::Arcs, Kind::Sine, Kind::Kinks, Kind::Sharp, Kind::Spiral];
 
-/// What a path was made of.
+/// The parts of a path.
 #[allow(dead_code, reason = "shown where a test fails")]
 #[derive(Clone, Copy, Debug)]
 pub struct Recipe {
@@ -203,7 +203,7 @@ pub fn curve(kind: Kind, dice: &mut Dice) -> (Recipe, Points) {
     (Recipe { kind, chords, jitter, decimals }, points)
 }
 
-/// What is before and after a curve: a long line, perhaps cut as the curve is.
+/// The path before and after a curve: a long line, perhaps cut as the curve is.
 fn ends(pen: &mut Pen) {
     if pen.dice.roll() < 0.7 {
         pen.line(30.0);
@@ -224,7 +224,7 @@ fn targets(points: &[[f64; 2]], feed: f64, prints: bool) -> Vec<([f64; 4], f64)>
     points.iter().map(target).collect()
 }
 
-/// The greatest share of a path, and when it is: planned point by point, and as a stream, in which points on a line are
+/// The greatest share of a path, and its time: planned point by point, and as a stream, in which points on a line are
 /// left out.
 pub fn points_share(points: &[[f64; 2]], feed: f64, prints: bool, s: &Settings) -> (f64, f64) {
     let targets = targets(points, feed, prints);

@@ -88,7 +88,7 @@ pub fn plan(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
     moves
 }
 
-/// The same of a stream, whose chords are joined where they are one line.
+/// The same for a stream, with chords joined where they are one line.
 pub fn stream(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
     let mut memory = MoveMemory::new();
     let mut planner = Planner::new(&mut memory, settings, [Mm::ZERO; 4]);

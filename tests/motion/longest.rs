@@ -6,7 +6,7 @@ use super::speeds::speeds;
 use corehbot::motion::LOOKAHEAD_MOVES;
 use corehbot::settings::{Settings, ranges};
 
-/// What a move of 11 m or more could gain of speed is more than the look-ahead's comparisons hold.
+/// The possible gain of speed squared in a move of 11 m or more exceeds the look-ahead's comparisons.
 #[test]
 fn the_longest_moves_with_the_greatest_acceleration_stop_where_the_path_turns_back() {
     let mut s = Settings::prototype();

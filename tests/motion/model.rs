@@ -1,8 +1,8 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
-//! It shares no code with the planner. What it takes from the firmware's documentation: moves of at least 1 mm along x
-//! or y go along the line on which the belt motors stand, the junction-deviation law, the trend of the path, the
-//! minimum cruise ratio, and the limits.
+//! It shares no code with the planner. It follows the firmware's documentation: moves of at least 1 mm along x or y go
+//! along the line on which the belt motors stand, the junction-deviation law, the trend of the path, the minimum cruise
+//! ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
 
@@ -133,8 +133,8 @@ fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settin
     })
 }
 
-/// What is known of the path behind: by what its direction is ahead of its means over 0.08 to 1.28 mm, by what it leads
-/// a velocity that keeps to the acceleration, and the most of late.
+/// The known part of the path behind. It holds the lead of its direction over its means over 0.08 to 1.28 mm. It also
+/// holds its lead over a velocity that keeps to the acceleration, and the greatest recent one.
 #[derive(Default)]
 struct Path {
     ahead: [[f64; 3]; 5],
@@ -159,7 +159,7 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
         return if still_p && still_q && p.ratio.signum() == q.ratio.signum() { most } else { 0.0 };
     }
     let half = ((1.0 + dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
-    // The change of direction, and what the axes bear along it.
+    // The change of direction, and the limits of the axes along it.
     let turn = sum(q.unit, p.unit, -1.0);
     let along = |wanted: f64, turn: [f64; 3], axes: [f64; 4], motor: f64| {
         [turn[0], turn[1], turn[2], turn[0] + turn[1], turn[0] - turn[1]]
@@ -186,7 +186,7 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
             curve = bears(bend) / curvature;
         }
     }
-    // All corners of a bend together are one, beside what time makes up for.
+    // All corners of a bend together count as one, less the part that time makes up for.
     let (lead, past) = (sum(path.lead, turn, 1.0), path.greatest);
     let greatest = size(lead).max(past);
     let mut bend = curve;
@@ -286,8 +286,8 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
         .collect()
 }
 
-/// The instants in s at which a coordinate crosses from one step to the next within a trapezoid, counted
-/// from its begin; `row` gives the coordinate as a sum of x, y, z and e.
+/// The instants in s at which a coordinate crosses from one step to the next within a trapezoid, counted from its
+/// begin; `row` gives the coordinate as a sum of x, y, z and e.
 pub fn crossings(t: &Trapezoid, row: [f64; 4]) -> Vec<(f64, i8)> {
     let value = |p: &[f64; 4]| -> f64 { p.iter().zip(row).map(|(p, r)| p * r).sum() };
     let (from, to) = (value(&t.from), value(&t.to));

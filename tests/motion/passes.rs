@@ -1,4 +1,4 @@
-//! What has to look at many moves is done a few at a time, and comes to the same as if it were done at once.
+//! Work on many moves is done a few at a time, with the same result as if it were done at once.
 
 use super::line::{plan, target};
 use super::timing::wander;
@@ -53,7 +53,7 @@ fn a_changed_feed_is_planned_a_few_moves_at_a_time() {
     assert_eq!(planner.waiting(), 0);
 }
 
-/// A second change begins where the first one did, whatever had been done of that.
+/// A second change starts at the begin again, independent of the progress of the first one.
 #[test]
 fn the_last_of_two_changes_counts() {
     let settings = Settings::prototype();
@@ -69,7 +69,7 @@ fn the_last_of_two_changes_counts() {
     assert!(leaving(&mut planner) == plan(&targets(), &settings));
 }
 
-/// A move that is added finds those before it planned and settled, whoever has seen to that.
+/// A move that is added finds those before it planned and settled, by any caller.
 #[test]
 fn what_is_added_after_a_change_is_planned_like_the_rest() {
     let settings = Settings::prototype();

@@ -1,7 +1,7 @@
 //! Pressure advance within the extruder's limits: what released moves ask of the extruder, in floating point.
 //!
-//! The extruder goes at `v + (q(t + h/2) - q(t - h/2)) / h`, v being the filament's speed and q what the moves say of
-//! the pressure. Both are straight lines between ends of phases, so the greatest values stand at these ends, and half a
+//! The extruder moves at `v + (q(t + h/2) - q(t - h/2)) / h`, with v as the filament's speed and q as the pressure of
+//! the moves. Both are straight lines between ends of phases, so the greatest values stand at these ends, and half a
 //! window before and behind them.
 
 use super::dice::Dice;
@@ -54,7 +54,7 @@ fn at(pieces: &[Piece], time: f64) -> [f64; 2] {
 /// Just before and just after a time, in s.
 const BESIDE: f64 = 2e-8;
 
-/// What the extruder is asked for at the most.
+/// The extruder's greatest speed, acceleration and jump of speed.
 #[derive(Debug, Default)]
 struct Asked {
     speed: f64,
@@ -124,7 +124,7 @@ fn a_long_advance_stays_within_the_speed_of_the_extruder() {
             .map(|i| ([f64::from(i % 2) * 60.0, 0.0, 0.0, 60.0 * ratio * f64::from(i)], 150.0, 0.9))
             .collect();
         let length = advance_window(&s).to_num();
-        // What it would ask for otherwise.
+        // The same without the limits.
         let free = asked(&plan_with(&targets, &s, None), 400.0, length);
         assert!(free.speed > 110.0, "{window:?}: {free:?}");
         let asked = asked(&plan(&targets, &s), 400.0, length);
@@ -213,7 +213,7 @@ fn no_advance_asks_the_extruder_for_more_than_it_bears() {
             *worst = worst.max(part);
         }
         // Where lines of different width meet within a window, the ramps of two are added to the acceleration of a
-        // third, which may be greater than the mean of theirs; what is left is single precision.
+        // third. That one may be greater than the mean of the two; the remainder is single precision.
         let is_kept = parts[0] <= 1.0 && parts[1] <= 1.05 && parts[2] <= 1.01;
         assert!(is_kept, "{round}: {parts:.3?} of speed, acceleration and jerk, {s:?}");
     }

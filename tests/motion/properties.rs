@@ -51,8 +51,8 @@ fn tool_jump([x, y, z, _]: [f64; 4]) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// The greatest jump of the tool's velocity in any corner: `2 v cos t` with `v^2 = a d s / (1 - s)`, s being the sine
-/// of half the angle t between the moves, is at most `sqrt(8 a d)`.
+/// The greatest jump of the tool's velocity in any corner: `2 v cos t` with `v^2 = a d s / (1 - s)` and s as the sine
+/// of half the angle t between the moves is at most `sqrt(8 a d)`.
 fn most_jump(s: &Settings) -> f64 {
     match s.corner {
         CornerRule::JunctionDeviation(d) => {
@@ -63,8 +63,8 @@ fn most_jump(s: &Settings) -> f64 {
     }
 }
 
-/// What a chain of moves must be: continuous in speed but for corners, which jump no more than they may; within the
-/// limits of axes and belt motors; at rest at its end.
+/// Requirements on a chain of moves. It is continuous in speed except at corners, which jump within their limit. It
+/// stays within the limits of axes and belt motors, and it is at rest at its end.
 pub fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
     let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
     let [motor_speed, motor_acceleration] =
@@ -131,7 +131,7 @@ proptest! {
         check_chain(&plan(&path, &settings), &settings)?;
     }
 
-    /// Whatever was released before, the moves still in the window brake the machine to rest.
+    /// After any released moves, the moves still in the window brake the machine to rest.
     #[test]
     fn any_prefix_of_released_moves_can_stop(path in paths(), cuts in proptest::collection::vec(0..4u8, 60)) {
         let settings = Settings::prototype();
@@ -197,7 +197,7 @@ proptest! {
                 (at[0], at[1]) = (at[0] + dx, at[1] + dy);
                 planner.push(&target(at, feed), &settings);
                 if let Some((_, percent)) = change.filter(|change| change.0 == i) {
-                    // What has left keeps its feed.
+                    // Released moves keep their feed.
                     moves.extend(std::iter::from_fn(|| planner.pop()));
                     planner.override_feed(percent);
                     while !planner.replan() {}
@@ -251,8 +251,8 @@ proptest! {
     }
 }
 
-/// Two pieces of this path end in one tick at different parts of it; a group that went on alone took the axis past what
-/// the other still needed, and they stepped a tick apart.
+/// Two pieces of this path end in one tick at different parts of it. A group that went on alone took the axis past the
+/// other's end, and they stepped a tick apart.
 #[test]
 fn pieces_that_end_in_one_tick_are_followed_together() {
     let path: Path = vec![

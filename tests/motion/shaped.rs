@@ -53,8 +53,8 @@ impl Motion {
     }
 }
 
-/// The period of an axis at a position in steps, as a part of that in its middle: belts on both sides, and the motors
-/// behind them, as springs in a row.
+/// The period of an axis at a position in steps, as a part of the one in its middle: belts on both sides, and the
+/// motors behind them, as springs in a row.
 fn period(shaper: &Shaper, length: f64, at: f64) -> f64 {
     let (span, motor): (f64, f64) = (shaper.span.to_num(), shaper.motor_frequency.to_num());
     if span == 0.0 {
@@ -144,7 +144,7 @@ fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
             let speed = (value(t + 5e-7) - value(t - 5e-7)).abs() / 10.0;
             // What single precision leaves of a position is 2^-24 of the way of a span, a ten-thousandth of a step.
             let off = ((value(t) - edge).abs() - 2e-4).max(0.0) / speed.max(1e-6);
-            // Where a move is laid beside the end of the one before, the coordinate leaps across the edge.
+            // Where a move starts next to the end of the one before, the coordinate jumps across the edge.
             let leaps = (value(t - 1e-7) - edge) * (value(t + 1e-7) - edge) <= 0.0;
             let off = if leaps { off.min(1.0) } else { off };
             worst = worst.max(off);
@@ -193,7 +193,7 @@ fn taps_stand_closer_where_belts_are_stiffer() {
         }
         let (count, worst) = errors(&wander(150, 0x1234_5678_9ABC_DEF1), &s);
         println!("{kind:?}: {count} steps, worst {worst:.3} ticks");
-        // A tap moves evenly within a span, while the tool speeds up by up to 50 ms: that is some us of the 6 ms
+        // A tap moves evenly within a span, while the tool speeds up over up to 50 ms: that is some us of the 6 ms
         // between taps.
         assert!(count > 20_000 && worst <= 150.0, "{kind:?}: {worst} ticks");
         // It is another motion than with taps that stand alike everywhere.

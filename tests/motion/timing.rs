@@ -111,15 +111,14 @@ fn no_error_adds_up_over_ten_thousand_moves() {
         .collect();
     let (count, worst) = errors(&targets, |i| begins[i]);
     assert!(count > 1_000_000, "{count} steps");
-    // Positions cannot drift: each step is one of the model's. Time is summed from roundings of a 2^-16th
-    // of a tick, of speeds and ramps to 24 bits and of accelerations to 0.004 mm/s2. That makes up less than 3 us in
-    // more than 400 s, a thousandth of what a crystal of 5 ppm strays.
+    // Positions cannot drift: each step is one of the model's. Time is summed from roundings of a 2^-16th of a tick, of
+    // speeds and ramps to 24 bits and of accelerations to 0.004 mm/s2. That adds up to less than 3 us in more than 400
+    // s, a thousandth of the error of a crystal of 5 ppm.
     println!("worst of {count} steps: {worst} ticks");
     assert!(worst <= 32.0, "worst of {count} steps in {} moves: {worst} ticks", model.len());
 }
 
-/// Reproducer: fractions of a move have 31 bits, of which one is 6 ticks in a move of 23 minutes, and so had its
-/// length.
+/// Reproducer: fractions of a move have 31 bits, and so had its length. One bit is 6 ticks in a move of 23 minutes.
 #[test]
 fn moves_of_many_minutes_are_as_exact() {
     for (length, speed) in

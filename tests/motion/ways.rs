@@ -1,4 +1,4 @@
-//! Lengths: of the path, and how a move's is divided among its three phases, of which none has time but no length.
+//! Lengths: of the path, and of a move's three phases; a phase with time has a length.
 
 use super::line::{plan, target};
 use corehbot::motion::{MoveMemory, Planner};
@@ -18,7 +18,7 @@ fn moves_and_their_path_are_counted() {
     }
 }
 
-/// Reproducer: what rounding left of a move that is all ramps was a cruise with time and no way, whose speed was 0; a
+/// Reproducer: the rounding of a move that is all ramps left a cruise with time but no length, so its speed was 0. A
 /// brake (M410) that began with it took the tool for standing.
 #[test]
 fn no_phase_has_time_and_no_way() {

@@ -49,7 +49,7 @@ fn fastest(moves: &[Move], width: f64) -> f64 {
     moves.iter().step_by(2).map(peak).fold(0.0, f64::max)
 }
 
-/// How far a frame of that frequency swings along x, as the root of the mean square, in mm: x'' = -w^2 x - 2 d w x' -
+/// The swing of a frame with that frequency along x, as the root of the mean square, in mm: x'' = -w^2 x - 2 d w x' -
 /// a.
 fn swing(moves: &[Move], width: f64, frequency: f64) -> f64 {
     let (w, d) = (TAU * frequency, 0.05);

@@ -1,10 +1,10 @@
-//! A clock that is set by hand, and nobody who is called.
+//! A clock that is set by hand, and a `Pend` without effect.
 
 use corehbot::port::{Pend, StepClock};
 use corehbot::units::Tick;
 use std::cell::Cell;
 
-/// What the clock shows, and when it is to ring.
+/// The clock's time, and its alarm.
 #[derive(Default)]
 pub struct Clock {
     pub now: Cell<u32>,

@@ -1,4 +1,4 @@
-//! Step counts, which nobody keeps event by event, against pins that do.
+//! Step counts, which are not kept event by event, against pins that count each event.
 
 use super::clock::{Clock, NullPend, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};

@@ -1,5 +1,5 @@
-//! The stepper with a clock like that of the boards: a cycle counter that wraps long before ticks do, and a timer that
-//! rings early, often, and not for what is near.
+//! The stepper with a clock like the boards': a cycle counter that wraps long before ticks do, and a timer that rings
+//! early, often, and not for near times.
 
 use corehbot::motion::{StepEvent, StepQueue, Stepper};
 use corehbot::port::{EndstopSet, GroupSet, StepClock, StepPort};
@@ -16,7 +16,7 @@ const LONGEST: u32 = (1 << 22) + 71;
 const NEAR: u32 = 72;
 const EARLY: u32 = 12;
 
-/// What has happened: cycles since the start, none of which is lost; when the timer rings; rises, in cycles.
+/// The record: cycles since the start without a loss; when the timer rings; rises, in cycles.
 #[derive(Default)]
 struct World {
     cycles: Cell<u64>,
@@ -124,7 +124,7 @@ fn no_step_is_early_and_none_is_late_however_far_apart_they_are() {
         assert_eq!(rises.len(), intervals.len());
         let mut due = 0;
         for (number, rise) in rises.iter().enumerate() {
-            // What is looked at closely keeps 1 us from the event before it, so a few close ones are late.
+            // Events that are looked at closely keep 1 us from the event before, so a few close ones are late.
             let is_close = intervals[number.saturating_sub(4)..=number].iter().any(|interval| *interval < 17);
             let most = if is_close { 40 * i64::from(CYCLES) } else { 40 };
             assert!((0..=most).contains(&(rise - due)), "event {number}: {} cycles late, from {start}", rise - due);

@@ -1,4 +1,4 @@
-//! The stepper: what it does to the lines, and how its steps are counted.
+//! The stepper: its effect on the lines, and its step counts.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod clock;

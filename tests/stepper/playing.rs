@@ -1,4 +1,4 @@
-//! The stepper on its pins: what it does to the lines, in which order, and when.
+//! The stepper on its pins: its effect on the lines, the order, and the times.
 
 use super::clock::{Clock, NullPend, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
@@ -156,7 +156,7 @@ fn ten_microseconds_late_is_made_good_and_a_tick_more_is_not() {
     }
 }
 
-/// Whoever waits for the processor gets it between two events, however many are due.
+/// Another waiting interrupt gets the processor between two events, even if many are due.
 #[test]
 fn many_events_that_are_due_at_once_leave_the_processor_in_between() {
     for (steps, most, pause) in [(V, 9, 50), (GroupSet::NONE, 9, 50)] {
@@ -311,8 +311,8 @@ fn moves(places: &[[i32; 3]], speed: i32, watch: EndstopSet) -> Vec<Entry> {
     std::iter::from_fn(|| planner.pop()).map(|m| Entry { epoch: 0, work: Work::Move(m) }).collect()
 }
 
-/// Reproducer: the generator made all 400,000 events of a long approach, the stepper discarded each, and for a second
-/// nothing of lower priority ran, the Console with its M112 among it.
+/// Reproducer: the generator made all 400,000 events of a long approach, and the stepper discarded each. For a second
+/// nothing of lower priority ran, including the Console with its M112.
 #[test]
 fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let (bench, status) = (Bench::default(), Status::new());
@@ -335,7 +335,7 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     assert!(steps_out.dequeue().is_none(), "nothing is made that would be discarded");
 }
 
-/// A step whose direction lines must be set before it would be a microsecond late.
+/// A step that needs its direction lines set first would be a microsecond late.
 #[test]
 fn directions_are_set_ahead_of_the_step_that_needs_them() {
     let (status, groupings) = (Status::new(), machine());

@@ -21,7 +21,7 @@ impl StepPort for Pins {
     }
 }
 
-/// Who is too slow in a run.
+/// The context that is too slow in a run.
 #[derive(Clone, Copy, PartialEq)]
 enum Sleeper {
     NullPend,
@@ -33,12 +33,12 @@ enum Sleeper {
     Console,
 }
 
-/// What was too slow in a run of these moves, and whether that includes one.
+/// The overload in a run of these moves.
 fn overload(ways: &[([f64; 2], f64)]) -> Overload {
     overload_with(ways, Sleeper::NullPend)
 }
 
-/// The same with somebody who is too slow.
+/// The same with one context that is too slow.
 fn overload_with(ways: &[([f64; 2], f64)], sleeper: Sleeper) -> Overload {
     let (clock, status, settings) = (Clock::default(), Status::new(), Settings::prototype());
     let groupings = Groupings::new(&Mechanism::corehbot());
@@ -132,8 +132,8 @@ fn a_move_that_comes_too_late_is_counted_whether_steps_are_quick_or_slow() {
     }
 }
 
-/// Reproducer: below 20 steps a second each chord counted as a lack of steps, for the Console saw time pass only with
-/// the steps, and handed the next move on when the last step of the one before was made.
+/// Reproducer: below 20 steps a second each chord counted as a lack of steps. The Console saw time pass only with the
+/// steps, and handed the next move on when the last step of the one before was made.
 #[test]
 fn slow_moves_that_come_50_ms_ahead_are_no_lack_of_steps() {
     for (speed, length) in

@@ -1,5 +1,5 @@
-//! Settings in a memory whose power can be cut: what was saved before or what was being saved survives,
-//! whatever the memory does to the byte or page in which it happens.
+//! Settings in a memory with power that can be cut. The settings saved before or the ones being saved survive, for any
+//! damage to the byte or page being written.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -30,7 +30,7 @@ fn newest(eeprom: &mut Eeprom) -> Option<Settings> {
     now(storage::survey(eeprom)).unwrap().newest.map(|stored| stored.settings)
 }
 
-/// A save that is cut after `left` bytes; what is readable then must be one of the two.
+/// A save that is cut after `left` bytes; afterwards one of the two must be readable.
 fn cut_save(eeprom: &mut Eeprom, settings: &Settings, left: usize, torn: Torn, whole_page: bool) -> Option<Settings> {
     let old = newest(eeprom);
     let result = now(storage::save(&mut Cut { eeprom, left, torn, whole_page, is_dead: false }, settings));
@@ -310,7 +310,7 @@ fn a_board_is_started_as_the_machine_that_is_stored() {
     assert_eq!(now(storage::stored_machine(&mut NoStorage)), None);
 }
 
-/// Both slots and the note have places of their own, and all of them are within what is said to be needed.
+/// Both slots and the note have separate places, and all of them are within the declared size.
 #[test]
 fn a_note_of_a_self_test_and_two_records_do_not_touch_each_other() {
     let mut eeprom = Eeprom::holding(vec![0xFF; NEEDED as usize]);

@@ -1,4 +1,4 @@
-//! Memories: one without faults, and those whose power is cut, whose cells wear out, and which stop answering.
+//! Memories: one without faults, and others with power cuts, with worn cells, or without an answer.
 
 use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
@@ -66,7 +66,7 @@ impl Storage for Eeprom {
     }
 }
 
-/// What a cell holds whose programming was cut.
+/// The content of a cell after a cut during its programming.
 pub type Torn = fn(old: u8, new: u8) -> u8;
 
 pub const TORN: [Torn; 6] =

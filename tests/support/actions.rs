@@ -1,7 +1,7 @@
-//! What hosts and screens do on a line of a host action, as their sources have it.
+//! The reactions of hosts and screens to a host action line, as in their sources.
 #![allow(dead_code, reason = "each test uses a part")]
 
-/// What a host does with its print.
+/// The reaction of a host's print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Deed {
     /// It pauses the print, with its scripts.

@@ -80,14 +80,14 @@ pub fn paths_used(module: &[String], code: &str) -> Vec<Vec<String>> {
     paths.iter().map(absolute).collect()
 }
 
-/// Which files and folders beside each other use which, by the folder that they stand in.
+/// The files and folders in one folder, and the others of that folder that each of them uses.
 ///
-/// A folder's own `mod.rs` is not one of them: it opens the folder, and what it defines its files may use. A name that
+/// A folder's own `mod.rs` is not one of them: it opens the folder, and its files may use its definitions. A name that
 /// `mod.rs` hands on from one of its files counts as that file's.
 pub fn arrows_within(src: &Path, files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> {
     let read: Vec<_> = files
         .iter()
-        // A test may use whatever it tests with.
+        // A test may use any file.
         .filter(|file| file.file_name().is_none_or(|name| name != "tests.rs"))
         .map(|file| {
             let module = module_of(file.strip_prefix(src).unwrap());

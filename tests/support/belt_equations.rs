@@ -1,21 +1,20 @@
-//! The CoreH-bot's equations as its paper has them, to hold the mechanism of rows to: four motors on one closed belt,
+//! The CoreH-bot's equations as its paper has them, as a check of the mechanism's rows: four motors on one closed belt,
 //! coupled in two pairs.
 //!
-//! With x to the right, y to the back, counter-clockwise positive seen from above, and belt travel
+//! Let x point to the right, y to the back, and counter-clockwise be positive seen from above. With belt travel
 //! `r * theta` in steps, the paper's kinematics (its equation 8 with the coupling of equation 12) read
 //!
 //! ```text
 //! n1 = c - x + y      n4 = c - x - y      n8 = c + x - y      n11 = c + x + y
 //! ```
 //!
-//! `c` is the circulation: all four motors turn alike, the belt runs round and the head stands still. The
-//! fourth combination, the residual `n1 - n4 + n8 - n11`, is the one that a belt cannot follow: it must
-//! stay 0 at every instant, or the motors strain the belt against each other. The four rows are orthogonal
-//! and of equal length, so the way back is the transpose over four.
+//! `c` is the circulation: all four motors turn alike, the belt runs round and the head stands still. A belt cannot
+//! follow the fourth combination, the residual `n1 - n4 + n8 - n11`: it must stay 0 at every instant, or the motors
+//! strain the belt against each other. The four rows are orthogonal and of equal length, so the way back is the
+//! transpose over four.
 //!
-//! With c held at 0 the motors move in two exact pairs, `n1 = -n8` and `n4 = -n11`: v = x - y drives 8
-//! (forward) and 1 (backward), u = x + y drives 11 (forward) and 4 (backward). In CoreXY's words A is 11
-//! and 4, B is 8 and 1.
+//! With c held at 0 the motors move in two exact pairs, `n1 = -n8` and `n4 = -n11`. There v = x - y drives 8 (forward)
+//! and 1 (backward), and u = x + y drives 11 (forward) and 4 (backward). In CoreXY's words A is 11 and 4, B is 8 and 1.
 
 /// Belt travel of motors 1, 4, 8 and 11, in steps or any other unit of length.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -41,15 +40,15 @@ pub struct ToolSteps {
     pub c: i64,
 }
 
-/// What each motor must have turned for the tool to be there.
+/// The turn of each motor for the tool to be there.
 #[must_use]
 pub const fn inverse(tool: ToolSteps) -> BeltSteps {
     let ToolSteps { x, y, c } = tool;
     BeltSteps { n1: c - x + y, n4: c - x - y, n8: c + x - y, n11: c + x + y }
 }
 
-/// Four times where the tool is, given what the motors turned: exact for any integers, also for steps that
-/// no position of the tool can explain (their [`residual`] is not 0).
+/// Four times the tool's position, given the turns of the motors. It is exact for any integers, also for steps that no
+/// position of the tool can explain (their [`residual`] is not 0).
 #[must_use]
 pub const fn forward(belt: BeltSteps) -> ToolSteps {
     let BeltSteps { n1, n4, n8, n11 } = belt;

@@ -1,4 +1,4 @@
-//! What holds for any bytes at all: one body each for the fuzzer and for the property tests.
+//! Properties for any bytes at all: one body each for the fuzzer and for the property tests.
 
 use super::machine::Machine;
 use super::print::Printed;
@@ -54,9 +54,9 @@ pub fn protocol(data: &[u8]) {
     assert_eq!(prompt.receiver.last_line(), lazy.receiver.last_line());
 }
 
-/// Any line is some command, whose printed form is that command, and final.
+/// Any line is some command; its printed form is that command, and final.
 pub fn gcode(data: &[u8]) {
-    // What the protocol hands on has no line ends.
+    // Lines from the protocol have no line ends.
     let line = data.split(|byte| matches!(byte, b'\n' | b'\r' | 0)).next().unwrap_or_default();
     let command = parse(line);
     let printed = Printed(command).to_string();
@@ -66,7 +66,7 @@ pub fn gcode(data: &[u8]) {
         // A question mark in place of a byte can mean something: T? asks a multi-material unit.
         Command::Unknown(_) if printed == "T?" => return assert_eq!(again, Command::Silent),
         Command::Unknown(_) => assert_eq!(again, Command::Unknown(printed.as_bytes()), "{line:?}"),
-        // Of what is wrong only the beginning is printed.
+        // Of an error only the beginning is printed.
         Command::Malformed(_) => return assert!(matches!(again, Command::Malformed(_)), "{line:?} {printed}"),
         Command::VelocityLimit(words) if words.other.is_some() => {
             assert_eq!(Printed(again).to_string(), printed, "{line:?}")

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// Echoes that it shows to nobody, or for a moment only.
+/// Echoes that it does not show, or shows for a moment only.
 const KNOWN_ECHOES: [&str; 15] = [
     "busy: paused for user",
     "busy: processing",
@@ -44,7 +44,7 @@ const PARAMETERS: [(&str, &str); 16] = [
     ("M914", "XYZ"),
 ];
 
-/// Hotends of which it keeps a model.
+/// Number of hotends with a model.
 const MODELS: f64 = 6.0;
 
 /// The screen.
@@ -62,7 +62,7 @@ pub struct BttTft {
     /// Temperature and target of the hotend.
     pub hotend: Option<(f64, f64)>,
     pub has_bed: bool,
-    /// What it has shown to the user as a message.
+    /// The messages that it has shown to the user.
     pub shown: Vec<String>,
     queue: VecDeque<String>,
     awaits_ok: bool,
@@ -150,7 +150,7 @@ impl BttTft {
         } else if let Some((begin, letters)) = parameter {
             let code = begin.split(' ').next().unwrap();
             for letter in letters.chars() {
-                // The first place of the letter counts, wherever that is.
+                // The first place of the letter counts, at any position.
                 if let Some(value) = value(line, &letter.to_string()) {
                     self.parameters.insert(format!("{code}{letter}"), value);
                 }

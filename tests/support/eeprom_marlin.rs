@@ -30,8 +30,8 @@ pub fn asks(firmware_name: &str) -> bool {
     firmware_name.to_lowercase().contains("marlin")
 }
 
-/// What it reads out of a line (`parse_eeprom_data`): a command and its values. The line must begin with
-/// `echo:`, any blanks, and a code of one to three digits.
+/// Its reading of a line (`parse_eeprom_data`): a command and its values. The line must begin with `echo:`, any blanks,
+/// and a code of one to three digits.
 pub fn parse(line: &str) -> Option<(String, BTreeMap<char, f64>)> {
     let text = line.strip_prefix("echo:")?.trim_start();
     let digits = text.strip_prefix('M')?.chars().take(3).take_while(char::is_ascii_digit).count();

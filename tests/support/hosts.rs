@@ -87,7 +87,7 @@ impl Host for Printcore {
     }
 }
 
-/// A host that has several lines under way, begins again where it is asked to, and then counts anew.
+/// A host that has several lines under way, starts again at a requested line, and then counts from there.
 pub struct Windowed {
     program: Vec<String>,
     window: usize,

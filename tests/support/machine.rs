@@ -19,7 +19,7 @@ pub struct Machine {
     pub commands: Vec<String>,
     pub emergencies: Vec<Emergency>,
     pub ms: u32,
-    /// What it is about, as far as the host's silence is concerned.
+    /// Its activity, for the host's silence.
     pub activity: Activity,
 }
 

@@ -9,8 +9,8 @@ use corehbot::gcode::{
 };
 
 /// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line
-/// that is not in order is printed as one with the same flaw. A text is printed with `?` for what is neither printable
-/// ASCII nor a tab.
+/// that is not in order is printed as one with the same flaw. In a text, `?` stands for every byte that is neither
+/// printable ASCII nor a tab.
 pub struct Printed<'c>(pub Command<'c>);
 
 impl Display for Printed<'_> {
@@ -224,7 +224,7 @@ impl Display for Printed<'_> {
             Command::Tell { form, to, text } => {
                 f.write_str("M118 ")?;
                 match to {
-                    // What stands in front of a text ends there, or the text could be taken for more of it.
+                    // The letters in front of a text end there, or the text could be taken for more of them.
                     Audience::Sender => f.write_str("E0 ")?,
                     Audience::All => f.write_str("P0 ")?,
                     Audience::Line(line) => write!(f, "P{line} ")?,
@@ -255,7 +255,7 @@ const fn index(heater: Option<Heater>) -> &'static str {
     }
 }
 
-/// A text, with `?` for what is neither printable ASCII nor a tab.
+/// A text, with `?` for every byte that is neither printable ASCII nor a tab.
 fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
     text.iter().try_for_each(|&byte| {
         f.write_char(match byte {

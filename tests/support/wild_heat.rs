@@ -1,5 +1,4 @@
-//! What holds for heaters whatever is measured and whatever is ordered: one body for the fuzzer and for the property
-//! tests.
+//! Properties of heaters for all readings and orders: one body for the fuzzer and for the property tests.
 
 use corehbot::connectors::{HEATERS, Heater, OUTPUTS, OutputSet, Sensor};
 use corehbot::fault::Cause;
@@ -15,7 +14,7 @@ use std::rc::Rc;
 /// Periods after which a sensor that says nothing has cost its heater the power: 0.4 s, and one.
 const SILENT: u32 = 21;
 
-/// A port that reads what it is told to.
+/// A port with given readings.
 #[derive(Default)]
 struct Wild {
     samples: Cell<[Option<u16>; 3]>,
@@ -98,7 +97,7 @@ impl Bytes<'_> {
         (!sample.is_multiple_of(4)).then_some(sample)
     }
 
-    /// Settings as no machine file may have them, for a heater that hangs where `base` does.
+    /// Settings that no machine file may have, for a heater at the connectors of `base`.
     fn settings(&mut self, base: &HeaterSettings) -> HeaterSettings {
         HeaterSettings {
             thermistor: Thermistor::Beta { ohms: self.word(), beta: self.half() },
@@ -150,7 +149,7 @@ impl Bytes<'_> {
     }
 }
 
-/// What is watched from outside.
+/// The values watched from outside.
 struct Watch {
     machine: ThermalSettings,
     /// Periods for which each sensor has said nothing.
@@ -161,7 +160,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// Holds a period that has passed to what must always be so.
+    /// Checks the invariants after a period.
     fn look(&mut self, status: &Status, wild: &Wild) {
         let duties = wild.duties.get();
         for (silent, sample) in self.silent.iter_mut().zip(wild.samples.get()) {

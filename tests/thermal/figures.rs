@@ -5,7 +5,7 @@ use corehbot_rig::plant::PlantConstants;
 use crate::peers::{self, Output, calibrate};
 use crate::runs::{Controller, FlowStep, HeatUp, PRINTING, flow_step, heat_up};
 
-/// What a controller did.
+/// The results of a controller.
 struct Figures {
     to_215: HeatUp,
     to_250: HeatUp,

@@ -18,7 +18,7 @@ const SMOOTH_TIME: f64 = 1.0;
 const MAX_DELTA: f64 = 2.0;
 /// The relay switches off at the target and on again this much below it, K.
 const RELAY_BAND: f64 = 5.0;
-/// Turning points that a calibration waits for, and those of them that belong to the heat-up.
+/// Turning points that a calibration waits for, and the number of them in the heat-up.
 const TURNS: usize = 12;
 const TURNS_OF_HEAT_UP: usize = 4;
 
@@ -27,8 +27,8 @@ const TURNS_OF_HEAT_UP: usize = 4;
 pub enum Output {
     /// At once, as the equations have it.
     AtOnce,
-    /// As Klipper sends it to its microcontroller: to take effect 0.3 s after the measurement, and changes of less than
-    /// 0.05 only 0.75 of 3 s after the last change took effect.
+    /// As Klipper sends it to its microcontroller: it takes effect 0.3 s after the measurement. Changes of less than
+    /// 0.05 are sent only 0.75 of 3 s after the last change took effect.
     ByHost,
 }
 

@@ -1,4 +1,4 @@
-//! What the firmware's control does with the plant, beside what the peers do with it.
+//! The firmware's control of the plant, compared with the peers' control of it.
 
 use crate::printer::{Printer, settings};
 use crate::runs::{FlowStep, PRINTING};

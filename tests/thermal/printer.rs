@@ -17,10 +17,10 @@ pub const PERIOD: f64 = PERIOD_MS as f64 / 1000.0;
 /// Cross-section of filament of 1.75 mm, mm2.
 const FILAMENT: f64 = 2.405;
 
-/// What the port and the test share.
+/// The state shared by the port and the test.
 pub struct Bench {
     pub plant: Plant,
-    /// What was put out in the last period, of 1.
+    /// The outputs in the last period, of 1.
     pub duties: [f64; OUTPUTS],
     pub fans: [f64; FANS],
     pub supply: bool,
@@ -76,7 +76,7 @@ impl ThermalPort for BenchPort {
     }
 }
 
-/// Nobody is there to be pended.
+/// A `Pend` without effect.
 #[derive(Clone, Copy)]
 pub struct NullPend;
 
@@ -221,7 +221,7 @@ impl Printer {
         self.status.fault().fault()
     }
 
-    /// What a heater is given, of 1.
+    /// A heater's output, of 1.
     pub fn duty(&self, output: Output) -> f64 {
         self.bench.borrow().duties[output as usize]
     }
@@ -237,7 +237,7 @@ impl Printer {
         self.bench.borrow().plant.bed_celsius()
     }
 
-    /// What the firmware takes for a heater's temperature.
+    /// The firmware's temperature of a heater.
     pub fn measured(&self, heater: Heater) -> f64 {
         self.status.heat().measured(heater).map_or(f64::NAN, |celsius| celsius.to_num())
     }

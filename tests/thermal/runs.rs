@@ -15,7 +15,7 @@ const BAND: f64 = 0.5;
 /// The target of `flow_step`, C.
 pub const PRINTING: f64 = 215.0;
 
-/// What turns measured degrees into power. Its target is its own affair.
+/// Turns measured degrees into power. It keeps its own target.
 pub trait Controller {
     /// The duty, 0..=1, after `seconds` more.
     fn duty(&mut self, measured_celsius: f64, seconds: f64) -> f64;
@@ -42,7 +42,7 @@ pub struct HeatUp {
     pub sensor: Approach,
 }
 
-/// What a flow of filament does to the block, in K from the target.
+/// The effect of a filament flow on the block, in K from the target.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowStep {
     /// How far it falls below while there is flow.
@@ -107,7 +107,7 @@ pub fn heat_up(controller: &mut impl Controller, constants: &PlantConstants, fro
         }
     }
     for approach in [&mut block, &mut sensor] {
-        // What swings has been in the band for a while at any end.
+        // A swinging temperature has been in the band for a while at any end.
         approach.settled = approach.settled.filter(|settled| *settled < WATCHED - 30.0);
     }
     HeatUp { block, sensor }

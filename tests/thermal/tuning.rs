@@ -1,4 +1,4 @@
-//! M303: what the tuning finds is what the plant is, and control with it is as good as with the plant's own figures.
+//! M303: the tuning finds the plant's values, and control with them is as good as with the plant's own figures.
 
 use crate::predictive::heat_up;
 use crate::printer::{Printer, settings};
@@ -38,7 +38,7 @@ fn a_tuned_hotend_is_the_plant_and_heats_as_well() {
     assert_eq!(printer.bench.borrow().fans[0], 0.0, "the fan stands still again");
     assert!((1.5..3.5).contains(&lag.to_num::<f64>()));
     assert_eq!(printer.duty(corehbot::connectors::Output::He0), 0.0, "it is off afterwards");
-    // With what was found.
+    // With the tuned values.
     let mut tuned = settings();
     let hotend = tuned.heater_mut(Heater::Hotend);
     (hotend.model.capacity, hotend.model.loss) = (capacity, WattsPerKelvin::from_num(loss));

@@ -1,4 +1,4 @@
-//! What a plant is made of. Every field carries its unit in its name or its comment; prototype.rs has the figures.
+//! The constants of a plant. Every field carries its unit in its name or its comment; prototype.rs has the figures.
 
 use super::thermistor::Thermistor;
 
@@ -35,15 +35,15 @@ pub struct HotendConstants {
     pub cartridge_to_block_watt_per_kelvin: f64,
     /// From block to still air close to the room's temperature, W/K.
     pub block_to_air_watt_per_kelvin: f64,
-    /// What that grows by for each kelvin that the block is above the room (radiation), W/K^2.
+    /// Its growth for each kelvin of the block above the room (radiation), W/K^2.
     pub block_to_air_rise_watt_per_kelvin_sq: f64,
-    /// What the part fan at full speed adds to it, W/K.
+    /// Its growth by the part fan at full speed, W/K.
     pub part_fan_watt_per_kelvin: f64,
     /// From block to sink, through the heatbreak, W/K.
     pub block_to_sink_watt_per_kelvin: f64,
     /// From sink to still air, W/K.
     pub sink_to_air_watt_per_kelvin: f64,
-    /// What the hotend fan at full speed adds to it, W/K.
+    /// Its growth by the hotend fan at full speed, W/K.
     pub hotend_fan_watt_per_kelvin: f64,
     /// Heat that melted filament takes along, J/(mm^3 K).
     pub filament_joule_per_mm3_kelvin: f64,
@@ -75,7 +75,7 @@ pub struct BedConstants {
 pub struct ChamberConstants {
     /// Heat capacity of the element, J/K.
     pub element_joule_per_kelvin: f64,
-    /// Heat capacity of the air and of what it warms, J/K.
+    /// Heat capacity of the air and of the parts that it warms, J/K.
     pub air_joule_per_kelvin: f64,
     /// From element to air, W/K.
     pub element_to_air_watt_per_kelvin: f64,
@@ -98,7 +98,7 @@ pub struct Couplings {
     pub bed_chamber: f64,
 }
 
-/// A resistor, whose power goes with the square of the voltage.
+/// A resistor: its power goes with the square of the voltage.
 #[derive(Clone, Debug)]
 pub struct HeaterConstants {
     /// Its power at `nominal_volts`, W.
@@ -107,7 +107,7 @@ pub struct HeaterConstants {
     pub nominal_volts: f64,
 }
 
-/// A thermistor that follows what it sits in, and takes no heat from it.
+/// A thermistor that follows the part it sits in, and takes no heat from it.
 #[derive(Clone, Debug)]
 pub struct SensorConstants {
     /// Its resistance at a temperature.

@@ -7,7 +7,7 @@ const CONVERSIONS: u16 = 16;
 /// Steps of 12 bits.
 const STEPS: f64 = 4096.0;
 
-/// One channel of it, with noise of its own: what one channel reads does not depend on how often another is read.
+/// One channel of it, with its own noise: a channel's readings do not depend on how often another is read.
 pub(super) struct Channel {
     noise_lsb: f64,
     state: u64,

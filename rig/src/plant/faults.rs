@@ -1,10 +1,10 @@
-//! What may be broken in a plant, and when: a test writes these values at any time, and they hold from the next step or
-//! sample on. All of them may be broken at once.
+//! The faults of a plant: a test writes these values at any time, and they hold from the next step or sample on. All of
+//! them may be broken at once.
 
 use super::constants::PlantConstants;
 use corehbot::connectors::Heater;
 
-/// What is wrong with a thermistor or its wires.
+/// The fault of a thermistor or its wires.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SensorFault {
     /// Nothing.
@@ -16,7 +16,7 @@ pub enum SensorFault {
     ShortToGround,
     /// Shorted to 24 V; the clamp diodes hold the pin at the rail: full scale.
     ShortToSupply,
-    /// The reading stays what it is when it is next taken.
+    /// The reading stays as it is at the next sample.
     Frozen,
     /// A loose contact: open for the first `open_seconds` of each `period_seconds`.
     Intermittent {
@@ -39,12 +39,12 @@ pub enum SensorFault {
     TenKiloOhm,
 }
 
-/// What is wrong with a heater or the switch (MOSFET) before it.
+/// The fault of a heater or the switch (MOSFET) before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeaterFault {
     /// The part of its power that it has: 1 is healthy, 0 is an open heater.
     pub power: f64,
-    /// Its switch conducts whatever the duty is. Without supply (PS_ON) it is off all the same.
+    /// Its switch conducts at any duty. Without supply (PS_ON) it is off all the same.
     pub stuck_on: bool,
 }
 

@@ -1,10 +1,10 @@
-//! The hotend: three lumps of heat, and what flows between them.
+//! The hotend: three lumps of heat, and the flows between them.
 //!
-//! What leaves one lump enters another in the same step, so no energy is lost or made by the arithmetic.
+//! Heat that leaves one lump enters another in the same step, so no energy is lost or made by the arithmetic.
 
 use super::constants::HotendConstants;
 
-/// What acts on a hotend.
+/// The inputs of a hotend.
 pub(super) struct HotendLoad {
     pub watt: f64,
     pub flow_mm3_s: f64,

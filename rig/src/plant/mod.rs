@@ -6,12 +6,12 @@
 //! block, plate -> thermistor with lag -> divider -> converter with noise -> sample
 //!                 (sensor.rs, thermistor.rs)        (converter.rs, wiring.rs)
 //! ```
-//! Lumps of heat (constants.rs, prototype.rs) in f64, with the crate libm for every function that the language has not:
+//! Lumps of heat (constants.rs, prototype.rs) in f64, with the crate libm for every function that the language lacks:
 //! the host, QEMU and the emulator compute the same bits. A step is cut into parts of at most 5 ms; the same steps from
-//! the same seed give the same readings. Nothing is limited: what is heated without end burns (in numbers). faults.rs
-//! is what may be broken.
+//! the same seed give the same readings. Nothing is limited: a part heated without end burns (in numbers). faults.rs
+//! has the faults.
 //!
-//! Cost on a Cortex-M4, whose f64 is software: some 6000 instructions a part, and 16,000 (bed) or 26,000 (hotend) a
+//! Cost on a Cortex-M4 with f64 in software: some 6000 instructions a part, and 16,000 (bed) or 26,000 (hotend) a
 //! reading (QEMU, -icount).
 
 mod bed;
@@ -49,7 +49,7 @@ const LONGEST_PART: f64 = 0.005;
 /// The chip's internal reference, V (STM32F446, DS10693: VREFINT 1.21 V typical).
 const VREFINT_VOLTS: f64 = 1.21;
 
-/// What the board puts out during a step.
+/// The board's outputs during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drive {
     /// Duty of the hotend's heater, 0..=1.
@@ -116,7 +116,7 @@ impl Plant {
         if seconds.is_nan() || seconds <= 0.0 {
             return;
         }
-        // 1e-9: what is 5 ms but for rounding is one part.
+        // 1e-9: 5 ms with a rounding error is one part.
         let parts = libm::ceil(seconds / LONGEST_PART - 1e-9).max(1.0);
         let part = seconds / parts;
         let [hotend_watt, bed_watt, chamber_watt] = self.watts(drive);
@@ -144,7 +144,7 @@ impl Plant {
         }
     }
 
-    /// The temperature of block and nozzle, C: the truth, not what the sensor says.
+    /// The temperature of block and nozzle, C: the truth, not the sensor's reading.
     #[must_use]
     pub const fn hotend_celsius(&self) -> f64 {
         self.hotend.block
@@ -180,7 +180,7 @@ impl Plant {
         self.hotend.cartridge.max(self.hotend.block).max(self.bed.mat).max(self.bed.plate).max(of_chamber)
     }
 
-    /// What the converter reads at a sensor, as [`corehbot::port::ThermalPort::sample`] says it.
+    /// The converter's reading at a sensor, as in [`corehbot::port::ThermalPort::sample`].
     pub fn sample(&mut self, sensor: Sensor) -> Option<u16> {
         match sensor {
             Sensor::Bed => self.read(Place::Bed),
@@ -191,7 +191,7 @@ impl Plant {
         }
     }
 
-    /// A single conversion at a sensor, 0 to 4095, for a board whose own converter adds them up.
+    /// A single conversion at a sensor, 0 to 4095, for a board with a converter that adds them up itself.
     pub fn convert(&mut self, sensor: Sensor) -> Option<u16> {
         match sensor {
             Sensor::Bed => self.arrive(Place::Bed, Channel::convert),
@@ -201,18 +201,18 @@ impl Plant {
         }
     }
 
-    /// What it reads at its internal reference, in 1/65,536 of VDDA: 1.21 V / VDDA.
+    /// The reading at its internal reference, in 1/65,536 of VDDA: 1.21 V / VDDA.
     pub fn vref_sample(&mut self) -> Option<u16> {
         self.read(Place::Vrefint)
     }
 
-    /// What is broken, to be changed at any time.
+    /// The faults, to be changed at any time.
     pub const fn faults(&mut self) -> &mut PlantFaults {
         &mut self.faults
     }
 }
 
-/// Heat flows between what is near each other; what leaves one enters the other.
+/// Heat flows between neighbours; heat that leaves one enters the other.
 fn couple(c: &PlantConstants, block: &mut f64, plate: &mut f64, air: &mut f64, seconds: f64) {
     let Couplings { hotend_bed, hotend_chamber, bed_chamber } = c.couplings;
     if c.couplings == Couplings::default() {

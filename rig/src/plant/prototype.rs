@@ -1,5 +1,5 @@
-//! The prototype's figures, each with its source. Those marked `[estimate]` are nobody's measurement, and wait for a
-//! machine to be measured.
+//! The prototype's figures, each with its source. Figures marked `[estimate]` were not measured, and wait for a
+//! measurement on a machine.
 
 use super::constants::{
     BedConstants, ChamberConstants, ConverterConstants, Couplings, HeaterConstants, HotendConstants, PlantConstants,
@@ -72,7 +72,7 @@ impl PlantConstants {
 }
 
 impl ChamberConstants {
-    /// A heater of 300 W that blows into half a cubic metre: what the firmware's model of a chamber says.
+    /// A heater of 300 W that blows into half a cubic metre: the values of the firmware's model of a chamber.
     #[must_use]
     pub fn usual() -> Self {
         Self {

@@ -9,7 +9,7 @@ pub(super) struct Thermometer {
     bead: f64,
     /// Time since a loose contact last opened, s.
     phase: f64,
-    /// What it is frozen at.
+    /// The frozen reading.
     frozen: Option<u16>,
 }
 
@@ -18,7 +18,7 @@ impl Thermometer {
         Self { bead: celsius, phase: 0.0, frozen: None }
     }
 
-    /// Time passes; `hole` is the temperature of what it sits in.
+    /// Time passes; `hole` is the temperature of the part around the sensor.
     pub(super) fn step(&mut self, c: &SensorConstants, fault: SensorFault, hole: f64, ambient: f64, seconds: f64) {
         let (around, lag) = match fault {
             SensorFault::Slipped { lag_seconds } => (ambient, lag_seconds),

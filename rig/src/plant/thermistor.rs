@@ -1,4 +1,4 @@
-//! Thermistors: what a resistance is at a temperature.
+//! Thermistors: the resistance at a temperature.
 //!
 //! Two laws of the field. Beta, from one resistance and one slope: 1/T = 1/T25 + ln(R/R25)/B. Steinhart-Hart, through
 //! three points of a table: 1/T = a + b ln R + c (ln R)^3. T in kelvin, R in ohm.
@@ -36,8 +36,8 @@ impl Thermistor {
     pub const NTC_100K_B3950: Self = Self::Beta { ohm_at_25: 100e3, beta: 3950.0 };
 
     /// ATC Semitec 104GT-2, E3D's thermistor: Steinhart-Hart through 126.8 kOhm at 20 C, 1360 Ohm at 150 C and 80.65
-    /// Ohm at 300 C (Semitec's table for the GT series, as Klipper's temperature_sensors.cfg has it; R25 = 100 kOhm,
-    /// B25/85 = 4267 K).
+    /// Ohm at 300 C. These are from Semitec's table for the GT series, as in Klipper's temperature_sensors.cfg (R25 =
+    /// 100 kOhm, B25/85 = 4267 K).
     #[must_use]
     pub fn semitec_104gt2() -> Self {
         Self::through([(20.0, 126.8e3), (150.0, 1360.0), (300.0, 80.65)])

@@ -1,4 +1,4 @@
-//! What is plugged into what: outputs into heaters, thermistors into channels of the converter.
+//! The connections: outputs to heaters, thermistors to channels of the converter.
 //!
 //! A switch that sticks belongs to its output, and a heater's power to the heater, whichever output that is plugged
 //! into. When plugs are swapped, a broken thermistor stays broken in the other socket.
@@ -51,7 +51,7 @@ impl Plant {
         self.arrive(place, Channel::read)
     }
 
-    /// What arrives from a place, as the converter's channel makes it of the share of the reference. Only one way of
+    /// The reading of a place: the converter's channel computes it from the share of the reference. Only one way of
     /// reading is used with one plant: a frozen sensor keeps what arrived.
     pub(super) fn arrive(&mut self, place: Place, of: fn(&mut Channel, f64) -> u16) -> Option<u16> {
         let (c, f) = (&self.constants, &self.faults);

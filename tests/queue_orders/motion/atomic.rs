@@ -1,7 +1,7 @@
-//! A memory in which one context stores and an interrupt of it looks.
+//! A memory with one context that stores and an interrupt that reads.
 //!
 //! Between two fences the compiler may give the stores any order. So an interrupt may find any of those since the last
-//! fence done or not done, and all before. The context itself sees what it has stored.
+//! fence done or not done, and all before. The context itself sees its own stores.
 
 use super::explore::choose;
 use std::cell::{Cell, RefCell};
@@ -34,7 +34,7 @@ thread_local! {
     static INTERRUPT: RefCell<Option<Box<dyn FnMut()>>> = const { RefCell::new(None) };
 }
 
-/// From now on up to so many interrupts come, wherever they may; each runs `interrupt`.
+/// From now on up to `interrupts` interrupts come, at any place; each runs `interrupt`.
 pub fn begin(interrupts: u32, interrupt: Box<dyn FnMut()>) {
     INTERRUPT.set(Some(interrupt));
     MEMORY.with_borrow_mut(|m| (m.interrupts, m.shared) = (interrupts, m.words.len()));
@@ -52,7 +52,7 @@ pub fn end() {
     interrupt();
 }
 
-/// Forgets everything. From now on words are stale that nobody has stored.
+/// Forgets everything. From now on words that were not stored are stale.
 pub fn reset() {
     INTERRUPT.set(None);
     MEMORY.set(Memory { is_stale: true, ..Memory::default() });

@@ -1,11 +1,11 @@
-//! What the step interrupt does with the queue, as `motion::stepper` does it.
+//! The step interrupt's use of the queue, as in `motion::stepper`.
 
 use super::explore::choose;
 use super::queue::{PackedEvent, StepsOut};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-/// What it has played: motion time, groups, and whether it called the generator.
+/// The played events: motion time, groups, and whether it called the generator.
 pub type Played = Rc<RefCell<Vec<(u32, u8, bool)>>>;
 
 /// The Stepper: the event that comes next, when it is due in motion time, and the epoch that counts.
@@ -42,7 +42,7 @@ impl Interrupt {
             self.next = self.events.peek().1;
         }
         if self.next == PackedEvent::NONE || !self.next.is_of(self.epoch.get().into()) {
-            // At rest, from which the next event is taken up anew.
+            // At rest; the next event starts from here again.
             let (interval, word) = self.events.peek();
             if !word.is_of(self.epoch.get().into()) {
                 self.next = PackedEvent::RESTING;

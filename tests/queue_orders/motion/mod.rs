@@ -1,4 +1,4 @@
-//! The queue's own files, and what they need of the room that they come from.
+//! The queue's own files, and their needs from their room.
 #![allow(
     dead_code,
     unreachable_pub,

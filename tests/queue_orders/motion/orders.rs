@@ -13,7 +13,7 @@ use std::rc::Rc;
 /// Events that are made, to have all places there, and taken back before a run.
 const BEFORE: u32 = 8;
 
-/// What a run has to do with: the generator's end, what the interrupt has played, and the epoch.
+/// The parts of a run: the generator's end, the events that the interrupt has played, and the epoch.
 struct Bench {
     events: StepsIn<'static>,
     played: Played,
@@ -35,7 +35,7 @@ impl Bench {
     }
 }
 
-/// Explores `calls` with up to so many interrupts; what has been played in the end must be `expected`.
+/// Explores `calls` with up to `interrupts` interrupts; the events played in the end must be `expected`.
 fn all_orders(interrupts: u32, before: fn(&mut Bench), calls: fn(&mut Bench), check: fn(&Bench)) {
     let runs = explore(|| {
         atomic::reset();
@@ -134,7 +134,7 @@ fn what_is_taken_back_is_what_was_not_played() {
             bench.put(10, 1);
             bench.epoch.set(1);
             bench.taken_back = bench.events.take_back();
-            // Whoever begins an epoch pends the generator first and then the Stepper.
+            // The caller that begins an epoch pends the generator first and then the Stepper.
             atomic::interrupt();
             bench.put(50, 2);
         },

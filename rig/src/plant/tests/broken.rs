@@ -1,4 +1,4 @@
-//! Each thing that may break does what it says, and nothing else.
+//! Each fault has its described effect, and no other.
 
 use super::*;
 
@@ -7,7 +7,7 @@ const FULL: Option<u16> = Some(65_520);
 
 const HEAT: Drive = Drive { hotend: 1.0, bed: 1.0, ..Drive::IDLE };
 
-/// What the hotend's sensor reads when it has `celsius`, without noise.
+/// The reading of the hotend's sensor at `celsius`, without noise.
 fn reads(celsius: f64) -> f64 {
     let ohm = Thermistor::semitec_104gt2().ohm(celsius);
     65_536.0 * ohm / (ohm + 4700.0)

@@ -160,7 +160,7 @@ fn no_time_and_no_number_change_nothing() {
     assert_eq!(two.hotend_celsius(), one.hotend_celsius());
 }
 
-/// 300 W into 5 W/K hold 60 K above the room, whatever lies between; half of it half.
+/// 300 W into 5 W/K hold 60 K above the room, independent of the parts between; half of it half.
 #[test]
 fn a_chamber_comes_to_what_its_power_and_losses_say() {
     let mut constants = PlantConstants::prototype();
@@ -176,8 +176,8 @@ fn a_chamber_comes_to_what_its_power_and_losses_say() {
     assert_eq!(prototype().sample(Sensor::Hotend1), None, "the prototype has none");
 }
 
-/// What one gives the other, by hand: 2 W/K between plate and air, 3.5 W/K from the plate and 5 from the air to the
-/// room.
+/// The heat flows between the parts, by hand: 2 W/K between plate and air, 3.5 W/K from the plate and 5 from the air to
+/// the room.
 #[test]
 fn things_that_are_coupled_share_their_heat() {
     let mut constants = PlantConstants::prototype();

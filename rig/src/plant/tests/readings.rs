@@ -1,4 +1,4 @@
-//! What the converter says, and what it was made of.
+//! The converter's readings, and their source.
 
 use super::*;
 
@@ -31,7 +31,7 @@ fn celsius(sensor: Sensor, reading: f64) -> f64 {
     1.0 / inverse - 273.15
 }
 
-/// A quiet plant whose two sensors sit at `celsius`.
+/// A quiet plant with its two sensors at `celsius`.
 fn quiet(celsius: f64, noise_lsb: f64) -> Plant {
     let mut c = PlantConstants::prototype();
     c.converter.noise_lsb = noise_lsb;
@@ -152,8 +152,8 @@ fn there_are_two_sensors() {
     assert_near(f64::from(plant.sample(Sensor::Hotend0).unwrap()), 62_594.0, 32.0);
 }
 
-/// A guard, not a truth: it changes with the prototype's figures. What it holds is that every platform computes the
-/// same: a Cortex-M4 (QEMU, mps2-an386) has printed these figures too.
+/// A guard, not a truth: it changes with the prototype's figures. It checks that every platform computes the same: a
+/// Cortex-M4 (QEMU, mps2-an386) has printed these figures too.
 #[test]
 fn the_bits_are_the_same_everywhere() {
     let mut plant = prototype();
