@@ -1,6 +1,6 @@
 //! How many lines a second the way from bytes to planned moves takes on this computer: `cargo bench --bench lines`.
 //!
-//! Wall times differ from computer to computer; what a line costs on the board is counted by `cargo xtask bench`.
+//! Wall times differ from computer to computer; `cargo xtask bench` counts the cost of a line on the board.
 #![allow(clippy::panic, missing_docs, reason = "a measurement that fails has nothing to say")]
 
 use corehbot::gcode::{Command, Number, parse};

@@ -1,5 +1,5 @@
-//! What the build scripts of all boards do: memory.x in the repository's root folder becomes a link argument, with the
-//! addresses of the board.
+//! Shared by the build scripts of all boards: memory.x in the repository's root folder becomes a link argument, with
+//! the addresses of the board.
 
 use std::env;
 use std::error::Error;

@@ -1,8 +1,8 @@
 //! The wiring of the Fysetc Spider V1.x and V2.x with an STM32F446VET6 (LQFP100), as far as all of these are the same.
 //!
 //! From Fysetc's README (github.com/FYSETC/FYSETC-SPIDER), Klipper's generic-fysetc-spider.cfg, Marlin's
-//! pins_FYSETC_SPIDER.h and the RepRapFirmware that Fysetc adapted (FYSETC.h), which agree. Nobody has read the
-//! schematic.
+//! pins_FYSETC_SPIDER.h and the RepRapFirmware that Fysetc adapted (FYSETC.h), which agree. The schematic itself has
+//! not been read.
 //!
 //! Motors 1 and 8 have step pins on GPIOE, motors 4 and 11 on GPIOD, so each pair steps by one store. The host is on
 //! USART1, on the header for a Raspberry Pi, or on USB.
@@ -31,7 +31,7 @@ pub static BOARD: Board = Board {
         Slot::new((Port::E, 1), (Port::E, 0), (Port::C, 5), (Port::D, 11)),
         // E0-MOT: extruder.
         Slot::new((Port::D, 5), (Port::D, 6), (Port::D, 4), (Port::D, 7)),
-        // E1-MOT, whose direction pin is slow.
+        // E1-MOT, which has a slow direction pin.
         Slot::new((Port::E, 6), (Port::C, 13), (Port::E, 5), (Port::C, 14)),
     ],
     // X-MIN, Y-MIN, Z-MIN, X-MAX, Y-MAX.

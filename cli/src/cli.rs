@@ -1,4 +1,4 @@
-//! Command line: what `corehbot` understands, and with which status it ends.
+//! Command line: the arguments of `corehbot`, and its exit status.
 //!
 //! 0: the print was done and its steps are sound. 1: it was not, or nothing was printed. 2: nothing was begun, because
 //! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
@@ -27,15 +27,15 @@ struct Cli {
 enum Command {
     /// Prints a G-code file and checks every step.
     Run(Run),
-    /// Is a printer at the end of a serial line (a pty), for hosts and terminal programs.
+    /// Runs the firmware on a pseudo-terminal, for hosts and terminal programs.
     #[cfg(unix)]
     Serve(Serve),
-    /// Makes an image for a board, with the machine of a file in it. Takes no compiler.
+    /// Writes a firmware image for a board, with the machine of a file in it. Needs no compiler.
     Image(Image),
-    /// Begins, checks and describes machine files, sends them to boards and gets them back.
+    /// Writes, checks and describes machine files, sends them to boards and reads them back.
     #[command(subcommand)]
     Config(Config),
-    /// What the belt makes of commanded steps: stiffness, modes, slips.
+    /// Computes how the belt follows commanded steps: stiffness, modes, slips.
     #[command(subcommand)]
     Twin(Twin),
 }
@@ -53,7 +53,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Does what was prepared, and says how it ended.
+/// Runs the prepared command, and returns the exit status.
 fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<u8>) -> ExitCode {
     match prepared.map(run) {
         Ok(Ok(status)) => ExitCode::from(status),

@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 pub(crate) enum Config {
     /// Writes the JSON Schema of machine files, for editors.
     Schema,
-    /// Writes a machine file with every key and what it means.
+    /// Writes a machine file with every key and its meaning.
     New(New),
-    /// Says what is wrong or unwise in a machine file; the exit status is 1 if it is no machine.
+    /// Reports errors and doubtful values in a machine file; the exit status is 1 if it is not a machine.
     Check(Check),
     /// Sends a machine to a board, which checks it and stores it.
     #[cfg(unix)]

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The plant of heat as commands ask for it.
 #[derive(Args)]
 pub struct HeatArgs {
-    /// What the heaters are in truth, whatever the machine's settings say (docs/explanation/heat.md).
+    /// File with the heaters' true values, whatever the machine's settings say (docs/explanation/heat.md).
     #[arg(long, value_name = "H.toml")]
     plant_heat: Option<PathBuf>,
     /// Something breaks: what, where and when after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or
@@ -25,7 +25,7 @@ impl HeatArgs {
         self.plant_heat.as_deref()
     }
 
-    /// What they ask for, of a machine with these settings.
+    /// The setup that the options ask for, on a machine with these settings.
     ///
     /// # Errors
     /// No such accident, a plant that cannot be, or no heater that could break.

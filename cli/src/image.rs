@@ -1,8 +1,7 @@
 //! `corehbot image`: an image for a board, with the machine of a file in it.
 //!
-//! Images are built without a machine. Each has a block for one ([`corehbot::storage::put_machine`]), so nobody needs a
-//! compiler to have the image of a machine. Boards that differ in pins alone share an image, and its block says which
-//! it is on.
+//! Images are built without a machine. Each has a block for one ([`corehbot::storage::put_machine`]), so an image for a
+//! machine needs no compiler. Boards that differ in pins alone share an image, and its block names the board.
 
 use crate::output::Outputs;
 use crate::status::DONE;
@@ -16,19 +15,19 @@ use corehbot_machine_file::{self as machine_file, Machine};
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// Where images lie that came with the program, beside it or beside its folder.
+/// Folder of the images that came with the program, in the program's folder or its parent.
 const IMAGES: &str = "images";
 
-/// Whose image to make.
+/// The image to make.
 #[derive(Args)]
 pub(crate) struct Image {
-    /// The board: octopus, nucleo or another. Without --from its image is looked for in `images`, beside this program.
+    /// The board: octopus, nucleo or another. Without --from, its image is taken from `images`, next to this program.
     #[arg(long, required_unless_present = "from")]
     board: Option<String>,
     /// Takes this image: one that `cargo xtask build` has made, or another machine's.
     #[arg(long, value_name = "IMAGE.bin")]
     from: Option<PathBuf>,
-    /// The machine; without it, the image has none, and moves nothing.
+    /// The machine; without it, the image has no machine, and moves nothing.
     #[arg(long, value_name = "M.toml")]
     machine: Option<PathBuf>,
     /// Where to write the image.
@@ -45,7 +44,7 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// Reads what is needed, and puts the machine in.
+    /// Reads the files, and puts the machine in.
     pub(crate) fn new(args: &Image) -> Result<Self> {
         let wanted = args.board.as_deref().map(board_called).transpose()?;
         let path = match (&args.from, wanted) {

@@ -1,7 +1,7 @@
 //! Input: a G-code file of any size, read line by line.
 //!
-//! What comes through a pipe is kept in a temporary file first, for it is read twice: once to count its commands and to
-//! see what limits it sets, once to print it. What is no text is refused with the way out.
+//! Input from a pipe is kept in a temporary file first, because it is read twice: once to count its commands and find
+//! its limits, once to print it. Input that is not text is refused with a hint.
 
 use crate::output::STANDARD;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -126,7 +126,7 @@ pub fn read(path: &Path) -> Result<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Keeps in a temporary file what can be read only once.
+/// Keeps input that can be read only once in a temporary file.
 fn keep(mut from: impl Read) -> io::Result<File> {
     let mut file = tempfile::tempfile()?;
     io::copy(&mut from, &mut file)?;

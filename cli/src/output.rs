@@ -1,8 +1,8 @@
-//! Outputs: files that are written beside their place and renamed when they are whole.
+//! Outputs: files that are written under a temporary name and renamed when they are complete.
 //!
-//! While `t.csv` is being written it is called `t.csv.partial`, so nobody takes half a trace for a whole one and an
-//! older one stays as it is until there is a better. What is no plain file (`/dev/null`, a pipe) is written as it is,
-//! and `-` is standard output. No output may be an input or another output, whatever the paths are called.
+//! While `t.csv` is being written it is called `t.csv.partial`. So half a trace is never mistaken for a whole one, and
+//! an older trace stays until there is a better one. A special file (`/dev/null`, a pipe) is written in place, and `-`
+//! is standard output. No output may be an input or another output, whatever the paths are called.
 
 use crate::stop::Stop;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -11,7 +11,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Stdout, Write};
 use std::path::{Path, PathBuf};
 
-/// What the names of files end in that are not whole.
+/// Suffix of incomplete files.
 const PARTIAL: &str = ".partial";
 
 /// More symbolic links than this lead in a circle; Linux follows as many (path_resolution(7)).
@@ -25,7 +25,7 @@ pub const STANDARD: &str = "-";
 pub enum Stream {
     /// A file.
     File(File),
-    /// Standard output, and what to stop when nobody reads it any more.
+    /// Standard output, and the command to stop when its reader is gone.
     Standard(Stdout, Stop),
 }
 
@@ -56,7 +56,7 @@ fn or_stop<T>(written: io::Result<T>, enough: T, stop: &Stop) -> io::Result<T> {
     }
 }
 
-/// What makes two paths the same file.
+/// Identity of a file: two paths with the same identity are the same file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 struct Identity {
     /// Without symbolic links.
@@ -86,7 +86,7 @@ struct Unfinished {
 impl Drop for Unfinished {
     fn drop(&mut self) {
         if !self.is_kept {
-            // Nothing was promised of it, and there is nobody to hear of it.
+            // This output was not promised, and no caller is left to report to.
             let _ = fs::remove_file(&self.partial);
         }
     }
@@ -103,8 +103,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Outputs of a command that reads these files, `-` being standard input, and that `stop` stops when nobody reads
-    /// its standard output any more.
+    /// Outputs of a command that reads these files, `-` being standard input. `stop` stops the command when the reader
+    /// of its standard output is gone.
     #[must_use]
     pub fn new<'p>(inputs: impl IntoIterator<Item = &'p Path>, stop: Stop) -> Self {
         let input = |path: &Path| {
@@ -128,14 +128,14 @@ impl Outputs {
         let target = follow(path).with_context(cannot)?;
         let file = match fs::metadata(&target) {
             Ok(there) if there.is_dir() => bail!("{}: it is a directory", cannot()),
-            // A device or a pipe takes what comes, and has no place to be renamed to.
+            // A device or a pipe accepts data at once, and cannot be the target of a rename.
             Ok(there) if !there.is_file() => OpenOptions::new().write(true).open(&target).with_context(cannot)?,
             there => {
                 let partial = beside(&target);
                 self.claim(path, &target, &partial)?;
                 let permissions = there.ok().map(|there| there.permissions());
                 if permissions.is_some() {
-                    // Renaming would also replace a file that nobody may write.
+                    // Renaming would also replace a file without write permission.
                     OpenOptions::new().write(true).open(&target).with_context(cannot)?;
                 }
                 let file = File::create(&partial).with_context(cannot)?;
@@ -149,7 +149,7 @@ impl Outputs {
         Ok(BufWriter::new(Stream::File(file)))
     }
 
-    /// Whether one of them goes to standard output, so that words for people must not.
+    /// Whether one of them goes to standard output, so that text for people must not.
     #[must_use]
     pub const fn is_standard_taken(&self) -> bool {
         self.is_standard_taken
@@ -169,14 +169,14 @@ impl Outputs {
         Ok(())
     }
 
-    /// They are not whole, but somebody may want them: leaves them, and says what they are called.
+    /// Leaves incomplete files, because they may be useful, and returns their names.
     #[must_use]
     pub fn leave(mut self) -> Vec<PathBuf> {
         self.files.iter_mut().for_each(|file| file.is_kept = true);
         self.files.iter().map(|file| file.partial.clone()).collect()
     }
 
-    /// Nobody else may have the target, nor the name that it has until it is whole.
+    /// No other output may have the target, or the temporary name.
     fn claim(&mut self, path: &Path, target: &Path, partial: &Path) -> Result<()> {
         let both = [Identity::new(target), Identity::new(partial)];
         for (name, input) in &self.inputs {

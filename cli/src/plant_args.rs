@@ -8,17 +8,17 @@ use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::params::Params;
 
-/// What stands in the place of the machine.
+/// The plant in place of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Plant {
     /// Belts that stretch, rotors that skip.
     Belt,
 }
 
-/// Which plant, and what befalls it.
+/// The plant, and its accidents.
 #[derive(Args)]
 pub struct PlantArgs {
-    /// What the motors turn; without it, a rigid machine.
+    /// The plant that the motors turn; without it, a rigid machine.
     #[arg(long, value_enum)]
     plant: Option<Plant>,
     /// Draws the phase of each motor at power-up, and the noise of its driver; without it, phases are 0.
@@ -35,7 +35,7 @@ pub struct PlantArgs {
 }
 
 impl PlantArgs {
-    /// What the plant is, if one is asked for.
+    /// The plant, if the options ask for one.
     ///
     /// # Errors
     /// No such accident.

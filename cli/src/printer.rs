@@ -38,13 +38,13 @@ impl Printer {
         [&self.settings, &self.storage].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// What keeps its settings.
+    /// The storage for its settings.
     pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
         self.storage.as_deref().map(Eeprom::open).transpose()
     }
 }
 
-/// Three numbers that a machine of any size might hold; whether this one does is the firmware's to say.
+/// Three numbers in the range of any machine; the firmware decides whether this machine can hold them.
 pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
     let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
         Ok(v) if v.abs() <= 5000.0 => Ok(Mm::from_num(v)),

@@ -35,10 +35,10 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Said of a file with M92, whose steps have two sizes.
+/// Message about a file with M92: its steps have two sizes.
 const UNITS_CHANGED: &str = "M92 changes the steps: speeds and paths are shown in the old unit and not judged";
 
-/// What to print, and what to write of it.
+/// The file to print, and the outputs.
 #[derive(Args)]
 pub(crate) struct Run {
     /// G-code file, `-` for standard input.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Shells say 128 and the number of the signal of a command that a signal has ended.
 const SIGNALLED: u8 = 128;
 
-/// What a pipe without a reader stands for: the signal that Rust ignores, SIGPIPE.
+/// The signal for a pipe without a reader, which Rust ignores: SIGPIPE.
 const NO_READER: usize = 13;
 
 /// Whether to stop, and why.
@@ -38,13 +38,13 @@ impl Stop {
     /// Nothing here tells of Ctrl-C before it has ended the process.
     ///
     /// # Errors
-    /// None.
+    /// The signal handlers could not be installed.
     #[cfg(not(unix))]
     pub fn at_signals() -> Result<Self> {
         Ok(Self::default())
     }
 
-    /// Nobody reads what is written any more.
+    /// The reader of the output is gone.
     pub fn lose_reader(&self) {
         self.0.store(NO_READER, Ordering::Relaxed);
     }

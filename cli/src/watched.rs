@@ -1,4 +1,4 @@
-//! Watched: a host whose progress is shown, and that can be stopped.
+//! Watched: a host that shows its progress, and that can be stopped.
 
 use crate::stop::Stop;
 use corehbot_sim::host::FileHost;
@@ -6,7 +6,7 @@ use corehbot_sim::world::Host;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 
-/// A bar on a terminal, and none elsewhere.
+/// A bar on a terminal, and no bar elsewhere.
 pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -18,7 +18,7 @@ pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
     bar
 }
 
-/// A host whose progress is shown, and that can be stopped.
+/// A host that shows its progress, and that can be stopped.
 pub(crate) struct Watched<'s> {
     host: FileHost,
     bar: ProgressBar,

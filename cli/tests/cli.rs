@@ -124,7 +124,7 @@ fn every_example_prints_without_a_remark() {
     assert!(printed >= 13);
 }
 
-/// Reproducer: a print that asked a cold hotend for filament, and got none, was `ok`.
+/// Reproducer: a print that asked a cold hotend for filament, and got nothing, was `ok`.
 #[test]
 fn filament_that_was_asked_for_and_did_not_move_is_a_failure() {
     let told = |gcode: &str| {
@@ -251,7 +251,7 @@ fn heaters_are_what_a_file_says() {
     assert!(text(&bare.stderr).contains("the machine has no heater; fit one"), "{}", text(&bare.stderr));
 }
 
-/// The table of docs/explanation/heat.md is that of the program.
+/// The table of docs/explanation/heat.md equals the program's.
 #[test]
 fn every_accident_of_heat_is_in_the_docs() {
     let docs = std::fs::read_to_string(example("../docs/explanation/heat.md")).unwrap();

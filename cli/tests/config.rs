@@ -121,7 +121,7 @@ fn a_new_file_is_a_machine_and_prints() {
     let check = config(&["check", name]);
     assert_eq!(check.status.code(), Some(0));
     assert_eq!(out(&check), format!("{name}: a machine of 4 motors for BTT Octopus; no errors, no warnings\n"));
-    // What is there stays.
+    // An existing file stays.
     let again = config(&new);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("cannot create"));

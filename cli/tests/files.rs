@@ -1,4 +1,4 @@
-//! Files of the `corehbot` command: what is read and refused, and what is left when a run ends early.
+//! Files of the `corehbot` command: inputs that are read or refused, and the files left when a run ends early.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use std::io::{Read as _, Write as _};
@@ -163,7 +163,7 @@ fn control_bytes_are_never_echoed() {
     }
 }
 
-/// What the emulator does with `--settings`: a machine stored in the EEPROM of another one is that machine.
+/// The emulator does this with `--settings`: a machine stored in the EEPROM of another one is that machine.
 #[test]
 fn a_stored_machine_prints_as_one_that_was_made_so() {
     let place = scratch("stored");

@@ -1,5 +1,5 @@
-//! The arrows between the crates of the command, and between the files of each: who may use whom, and that none use
-//! each other in a circle. The rooms of the core have a test of their own, and so have those of the twin.
+//! The arrows between the crates of the command, and between the files of each: allowed uses, and no circles. The rooms
+//! of the core have a test of their own, and so have the twin's rooms.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "../../tests/support/arrows.rs"]

@@ -13,7 +13,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// A running `corehbot serve`, and what it prints.
+/// A running `corehbot serve`, and its output.
 struct Served {
     process: Child,
     out: BufReader<ChildStdout>,
@@ -30,7 +30,7 @@ impl Served {
         Self { process, out, path: PathBuf::from(path.trim()) }
     }
 
-    /// Ends it as Ctrl-C does: its status, and what it printed.
+    /// Ends it as Ctrl-C does; returns its status and its output.
     fn interrupt(mut self) -> (Option<i32>, String) {
         kill_process(Pid::from_child(&self.process), Signal::INT).unwrap();
         let mut words = String::new();
@@ -154,8 +154,8 @@ fn a_link_replaces_a_stale_link_and_nothing_else() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// After M112 the next host gets far enough to ask for a new start, which is one: where the tool is is not known, the
-/// settings are those that were stored, and the line is the same.
+/// After M112 the next host can ask for a restart. The restart is a full one: the tool's place is unknown, the settings
+/// are the stored ones, and the line is the same.
 #[test]
 fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
     let folder = folder("restart");
@@ -170,7 +170,7 @@ fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
     client.ask("M203 X99");
     client.ask("G1 X60 F6000");
     client.ask("M400");
-    // Nothing to begin anew yet.
+    // Nothing to restart yet.
     assert_eq!(client.ask("M999"), ["ok"]);
     client.say(b"M112\n");
     while !client.hear().starts_with("Error:Printer halted") {}
@@ -204,14 +204,14 @@ fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
     let (status, words) = served.interrupt();
     assert_eq!(status, Some(0));
     assert!(words.contains("moves        6,"), "{words}");
-    // One trace, whose time never goes back. The belts were turned from 50 to 60 and 65 mm, to the switch, and to 5 mm.
+    // One trace; its time never goes back. The belts were turned from 50 to 60 and 65 mm, to the switch, and to 5 mm.
     let trace = std::fs::read_to_string(trace).unwrap();
     let ticks: Vec<u64> = trace.lines().filter_map(|line| line.split(',').next()?.parse().ok()).collect();
     assert!(ticks.len() > 1000 && ticks.is_sorted());
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// The firmware begins anew after a stop, and its heaters are what they were: they cool in their own time.
+/// The firmware restarts after a stop, and its heaters keep their temperature: they cool in their own time.
 #[test]
 fn a_new_start_cools_no_heater() {
     let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/clients/heat.toml");
@@ -238,7 +238,7 @@ fn a_new_start_cools_no_heater() {
     assert_eq!(served.interrupt().0, Some(0));
 }
 
-/// What a person types is shown, and can be erased; a line with a checksum is not edited.
+/// Typed text is echoed, and can be erased; a line with a checksum is not edited.
 #[test]
 fn a_person_types_with_echo_and_backspace() {
     let served = Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--echo"]);
@@ -252,7 +252,7 @@ fn a_person_types_with_echo_and_backspace() {
     assert!(client.hear().starts_with("X:65.00 Y:50.00"));
 }
 
-/// Runs `corehbot config`: its status, and what it says.
+/// Runs `corehbot config`; returns its status and its output.
 fn config(args: &[&str]) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("config").args(args).output().unwrap();
     let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
@@ -275,14 +275,14 @@ fn a_machine_is_sent_and_comes_back() {
     std::fs::write(&got, &said).unwrap();
     let [sent, read] = [&mine, &got].map(|file| machine_file::read(file).unwrap().settings);
     assert_eq!(read, sent);
-    // What has come back can be sent, and changes nothing.
+    // The file from the board can be sent, and changes nothing.
     assert_eq!(config(&["send", got.to_str().unwrap(), port]).0, Some(0));
     assert_eq!(config(&["get", port]).1, said);
     // Another mechanism waits for the next start.
     let corexy = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines/corexy.toml");
     let (status, said) = config(&["send", corexy.to_str().unwrap(), port]);
     assert!(status == Some(0) && said.contains("it counts after the next reset"), "{said}");
-    // What is wrong with a file is said before anything is sent, and a line must be one.
+    // Errors of a file are reported before anything is sent, and the port must be a serial line.
     std::fs::write(&mine, "keepalive_s = 99\n").unwrap();
     let (status, said) = config(&["send", mine.to_str().unwrap(), port]);
     assert!(status == Some(2) && said.contains("mine.toml:1:15: keepalive_s = 99"), "{status:?} {said}");

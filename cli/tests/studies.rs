@@ -1,4 +1,4 @@
-//! `corehbot twin sweep STUDY.toml` as a user meets it: interrupted, killed, in parts, and what it refuses.
+//! `corehbot twin sweep STUDY.toml` as a user sees it: interrupted, killed, in parts, and its refusals.
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used)]
 
@@ -55,7 +55,7 @@ fn kept(folder: &Path) -> usize {
     fs::read(folder.join("s.csv.journal")).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count())
 }
 
-/// A study that is on its way, with at least so many samples.
+/// A running study, with at least this many samples.
 fn begun(folder: &Path, samples: usize) -> Child {
     let mut command = sweep(folder, "study.toml -o s.csv --jobs 1");
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
@@ -174,7 +174,7 @@ fn what_cannot_be_is_said_in_one_line() {
     assert!(said("study.toml", 1).contains("wants an output"));
     assert!(said("nothing.toml -o s.csv", 1).contains("cannot open nothing.toml"));
     assert!(said("", 2).contains("FILE"));
-    // What the study says cannot be said beside it.
+    // Options that the study sets conflict with it.
     assert!(said("study.toml -o s.csv --machine corexy", 2).contains("cannot be used with"));
     assert!(said("study.toml -o s.csv --assume-homed 1,2,3", 2).contains("cannot be used with"));
     assert!(said("--vary belt_EA_N=1:2:3 -o s.csv", 2).contains("cannot be used with"));
@@ -185,7 +185,7 @@ fn what_cannot_be_is_said_in_one_line() {
     fs::remove_file(folder.join("corner.gcode")).unwrap();
     assert!(said("study.toml -o s.csv", 1).contains("corner.gcode"));
     fs::write(folder.join("corner.gcode"), "M112\n").unwrap();
-    // Nobody needs steps for the first line of a journal.
+    // The first line of a journal needs no steps.
     assert!(said("study.toml --plan", 0).is_empty());
     for words in ["study.toml --sample 0", "study.toml -o s.csv"] {
         assert!(said(words, 1).contains("corner.gcode: the print failed"), "{words}");

@@ -116,8 +116,8 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
 }
 
-/// Sides of 2048 steps, on which four of four corners were lost, and a zigzag whose lines lie 0.1 mm apart, which was
-/// measured from the lines beside its own when it was held against another file.
+/// Sides of 2048 steps, on which all four corners were lost. And a zigzag with lines 0.1 mm apart, which was measured
+/// against neighbouring lines when it was compared with another file.
 #[test]
 fn corners_are_found_and_a_line_is_held_against_that_of_its_own_time() {
     let square = "G1 X125.6 Y100 F6000\nG1 Y125.6\nG1 X100\nG1 Y100\nG1 X125.6\nM400\n";
@@ -271,7 +271,7 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert!(light < heavy, "{played}");
     assert!(complaint("sweep --vary belt_EA=1:2:3").contains("belt_EA_N"));
     assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
-    // What the model itself rings at, to a hundredth of a hertz, is what its own numbers are found from.
+    // The model's own numbers must follow from the model's own ringing, given to a hundredth of a hertz.
     let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
         let modes = json(&format!("modes --model rotors --at {x},{y}"));
         let hz = |i: usize| modes["frequencies_Hz"][i].as_f64().unwrap();
@@ -301,12 +301,12 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     }
     assert_eq!(found["estimates"].as_array().unwrap().len(), 6);
     assert_eq!(found["measurements"].as_array().unwrap().len(), 9);
-    // What it prints is a file of parameters.
+    // It prints a file of parameters.
     let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
     let params = file("fitted.toml", &printed);
     let modes = json(&format!("modes --model rotors --params {}", params.display()));
     assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
-    // A belt that nobody weighed makes the tension as uncertain as it is.
+    // An unweighed belt makes the tension as uncertain as its weight.
     let text = std::fs::read_to_string(&example).unwrap();
     let unweighed = file("unweighed.toml", &text.replace("belt_kg_per_m", "# "));
     let uncertainty = |found: &Value| found["estimates"][1]["uncertainty"].as_f64().unwrap();
@@ -357,7 +357,7 @@ fn a_compensated_trace_keeps_the_tool_nearer_to_its_line() {
     assert!(run.output().unwrap().status.success());
     let done = json(&format!("compensate {} -o {} --assume-homed 100,100,0", trace.display(), bent.display()));
     let ahead: Vec<f64> = done["ahead_um"].as_array().unwrap().iter().map(|um| um.as_f64().unwrap()).collect();
-    // M a / K is 18 um in x and 55 in y at 7.5 m/s2, which is what a belt may; where corners jump it is more.
+    // M a / K is 18 um in x and 55 in y at 7.5 m/s2, within the belt's limit; where corners jump it is more.
     assert!((10.0..120.0).contains(&ahead[0]) && ahead[1] > ahead[0] && ahead[1] < 250.0, "{done}");
     let rms = |of: &Path| {
         let words = format!("run {} --against {} --assume-homed 100,100,0", of.display(), trace.display());
@@ -373,8 +373,8 @@ fn a_compensated_trace_keeps_the_tool_nearer_to_its_line() {
     assert_eq!(twin("compensate t.csv -o u.csv --smooth 0").status.code(), Some(2));
 }
 
-/// With drivers at 64 microsteps and motors that may accelerate more than the print asks for, a file that the firmware
-/// plays as it is comes to a third of its error, and to a half with stiffness 20 % off; without them the steps alone
+/// With drivers at 64 microsteps and motors that may accelerate more than the print asks for, a compensated file has a
+/// third of its error on the unchanged firmware. With stiffness 20 % off it has half. Without them the steps alone
 /// leave less room.
 #[test]
 fn compensated_g_code_takes_the_error_to_a_third_if_steps_are_fine_and_motors_have_a_reserve() {
@@ -404,7 +404,7 @@ fn compensated_g_code_takes_the_error_to_a_third_if_steps_are_fine_and_motors_ha
 }
 
 /// Inches, places with other names, relative moves, overrides and pressure advance: motors end where they would have,
-/// filament too, and what is said afterwards means what it did.
+/// filament too, and later lines keep their meaning.
 #[test]
 fn compensated_g_code_means_what_the_file_does() {
     let lines = "M302 S0\nM900 K0.05\nG1 X110 Y100 E1 F6000\nG92 X10 E0\nG1 X20 Y105 E1\nG91\nG1 X-5 Y5 E1\nG20\nG1 X.2 E.02\n\

@@ -1,11 +1,11 @@
-//! What can be wrong with a machine file, and where in the file it is.
+//! Errors in a machine file, and their places in the file.
 
 use super::place::{self, Place};
 use crate::short::short;
 use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SettingsError, Thermistor};
 use std::fmt::{self, Display};
 
-/// What is wrong with a machine file.
+/// An error in a machine file.
 #[derive(Debug)]
 pub enum MachineFileError {
     /// Not TOML.
@@ -25,9 +25,9 @@ pub enum MachineFileError {
     Kind {
         /// The key with its tables.
         key: String,
-        /// What it is to be.
+        /// The expected value.
         wanted: &'static str,
-        /// What the file has.
+        /// The value in the file.
         found: String,
     },
     /// A list of another length.
@@ -37,7 +37,7 @@ pub enum MachineFileError {
         /// Values that it has.
         wanted: usize,
     },
-    /// A thermistor that is none: the key with its tables.
+    /// An invalid thermistor: the key with its tables.
     Thermistor(String),
     /// A value outside its range.
     Range {
@@ -52,30 +52,30 @@ pub enum MachineFileError {
     Corner,
     /// More phases than a belt may have.
     Phases,
-    /// A `name` that is none.
+    /// An invalid `name`.
     Name(String),
-    /// A row of `mechanism` that is none.
+    /// An invalid row of `mechanism`.
     Row {
         /// The key with its table.
         key: String,
         /// The row in the file.
         row: Vec<f64>,
     },
-    /// What is no name of a connector.
+    /// An unknown name of a connector.
     Connector {
         /// The key with its table.
         key: String,
         /// The text in the file.
         value: String,
     },
-    /// Steps a millimetre do not follow from what the file says.
+    /// Steps a millimetre do not follow from the file.
     Resolution {
         /// The key with its tables.
         key: String,
-        /// What is wrong.
+        /// The problem.
         why: &'static str,
     },
-    /// The board has not what is plugged in.
+    /// The board lacks a connector for a plugged-in part.
     Connectors(ConnectorError),
     /// The values do not go together.
     Settings(SettingsError),
@@ -208,7 +208,7 @@ impl MachineFileError {
     }
 }
 
-/// The key of what is plugged in wrongly; of two, the second one's.
+/// The key of the wrongly plugged-in part; of two, the second one's key.
 fn plugged(error: &ConnectorError) -> String {
     match error {
         ConnectorError::Nowhere(part, _) | ConnectorError::NoSuch(part, ..) | ConnectorError::Twice([_, part], _) => {

@@ -9,11 +9,11 @@ use std::sync::LazyLock;
 pub(crate) struct Known {
     /// The key with its tables.
     pub path: String,
-    /// What stands behind it.
+    /// Its kind of value.
     pub of: Of,
 }
 
-/// What stands behind a key.
+/// The kind of value behind a key.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Of {
     /// A setting of a part of the machine.
@@ -31,13 +31,13 @@ pub(crate) struct Other {
     pub name: &'static str,
     /// The tables that may have it.
     pub tables: &'static [&'static str],
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 
 /// Which board the machine is on.
 pub(crate) const BOARD: &str = "board";
-/// What a turn of a motor moves an axis.
+/// Movement of an axis by a turn of a motor.
 pub(crate) const ROTATION_DISTANCE: &str = "rotation_distance";
 /// Full steps of such a turn.
 pub(crate) const FULL_STEPS: &str = "full_steps";
@@ -65,7 +65,7 @@ const OTHERS: [Other; 3] = [
     },
 ];
 
-/// What the tables are about.
+/// The subject of each table.
 pub(crate) const TABLES: [(&str, &str); 29] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
@@ -104,7 +104,7 @@ pub(crate) const TABLES: [(&str, &str); 29] = [
     ("guards", "Guards, which cannot be switched off."),
 ];
 
-/// What a table is about: by its path, or by its last word.
+/// The subject of a table: by its path, or by its last word.
 pub(crate) fn about(path: &str) -> Option<&'static str> {
     let last = path.rsplit('.').next().unwrap_or(path);
     let find = |name: &str| TABLES.iter().find(|(table, _)| *table == name).map(|(_, about)| *about);
@@ -184,7 +184,7 @@ pub(crate) fn legal_words(legal: Legal, kind: Kind) -> String {
 /// Decimals that are tried for the shortest number; a value has at most 32 bits after the point.
 const MOST_DECIMALS: usize = 12;
 
-/// The bits of a fixed-point number; what is too great for 64 bits saturates. NaN has none.
+/// The bits of a fixed-point number; too great a number for 64 bits saturates. NaN has no bits.
 pub(crate) fn bits_of(number: f64, fraction: u32) -> Option<i64> {
     // Exact but for the rounding, as a power of two is.
     (!number.is_nan()).then(|| (number * f64::from(fraction).exp2()).round_ties_even() as i64)

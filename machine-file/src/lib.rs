@@ -3,10 +3,10 @@
 //! For commands, other tools and web pages: but for [`read`], which opens a file, everything goes from text to values
 //! and back.
 //!
-//! Every key is optional and stands over the prototype's value, but for `[mechanism]`, which lists all motors or is
+//! Every key is optional and overrides the prototype's value, except for `[mechanism]`, which lists all motors or is
 //! left out. An unknown key or a value outside its legal range is an error that names both. Keys, kinds, ranges and
-//! meanings are those of the rows of all settings (`corehbot::settings::rows`), so nothing here names a setting that
-//! follows no law of its own.
+//! meanings come from the rows of all settings (`corehbot::settings::rows`). So this crate names only settings that
+//! follow laws of their own.
 //!
 //! | file | job |
 //! |---|---|
@@ -51,7 +51,7 @@ pub use written::written;
 /// A machine as its file describes it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Machine {
-    /// What the file calls it.
+    /// The machine's name in the file.
     pub name: Option<String>,
     /// The board that it says it has; every connector of the settings is on it.
     pub board: Option<&'static BoardConnectors>,
@@ -62,7 +62,7 @@ pub struct Machine {
 /// The machine of the file at `path`, which is its name unless it says another.
 ///
 /// # Errors
-/// What is wrong, with the file's name, line and column in front.
+/// The error, after the file's name, line and column.
 pub fn read(path: &Path) -> anyhow::Result<Machine> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
     let mut machine = parse(&text).map_err(|error| match error.place(&text) {
@@ -76,7 +76,7 @@ pub fn read(path: &Path) -> anyhow::Result<Machine> {
 /// The settings of a machine file.
 ///
 /// # Errors
-/// What is wrong, in words for the person who wrote the file.
+/// The error, in words for the person who wrote the file.
 pub fn load(text: &str) -> Result<Settings, MachineFileError> {
     parse(text).map(|machine| machine.settings)
 }
@@ -84,7 +84,7 @@ pub fn load(text: &str) -> Result<Settings, MachineFileError> {
 /// The machine of a machine file.
 ///
 /// # Errors
-/// What is wrong, in words for the person who wrote the file.
+/// The error, in words for the person who wrote the file.
 pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     let mut given = Given::read(text)?;
     // The first one in the file.

@@ -1,4 +1,4 @@
-//! Places: where in a TOML file an error is, and what the writer may have meant.
+//! Places: where in a TOML file an error is, and which name the writer may have meant.
 //!
 //! Nothing here knows the keys of a machine: places come from the TOML parser, suggestions from the list of names that
 //! the error itself carries.
@@ -7,7 +7,7 @@ use crate::short::short;
 use std::fmt::{self, Display};
 use toml::de::{DeTable, DeValue, Error};
 
-/// A wrong name is taken for a known one from which it differs in at most so many of ten letters.
+/// A wrong name counts as a known one if it differs in at most this many of ten letters.
 const WRONG_OF_TEN: usize = 4;
 
 /// A place in a text, from 1; columns are characters.
@@ -70,7 +70,7 @@ impl Place {
     }
 }
 
-/// What a TOML error says, in one line, and which known name is nearest to one that is not known.
+/// A TOML error in one line, with the known name that is nearest to an unknown one.
 #[must_use]
 pub fn words(error: &Error) -> String {
     // Every other part is a name or a value of the file, in backticks.

@@ -1,4 +1,4 @@
-//! Problems: everything that is wrong with a machine file, and what is only unwise.
+//! Problems: all errors and warnings of a machine file.
 
 use super::reader::Given;
 use super::{Machine, MachineFileError, Place, together, unwise};
@@ -12,7 +12,7 @@ pub struct Problem {
     pub place: Option<Place>,
     /// The file is no machine with it. Otherwise it is one, but an unwise one.
     pub is_error: bool,
-    /// What it is.
+    /// The problem in words.
     pub text: String,
 }
 
@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(said(text), ["1:2: error: x and y share motors: their steps_per_mm must be equal"]);
     }
 
-    /// Reproducer: a gantry on four screws whose motors hang on drivers of two kinds had no errors.
+    /// Reproducer: a gantry on four screws with drivers of two kinds had no errors.
     #[test]
     fn motors_of_an_axis_with_other_microsteps_are_an_error_at_their_key() {
         let gantry = "[mechanism]\nm11 = [1, 1, 0]\nm4 = [1, -1, 0]\nm1 = [0, 0, 1]\nm8 = [0, 0, 1]\nz1 = [0, 0, 1]\n\

@@ -10,10 +10,10 @@ use corehbot::units::Mm;
 use std::collections::BTreeMap;
 use toml::{Table, Value as Toml};
 
-/// What a file says.
+/// The content of a file.
 #[derive(Default)]
 pub(crate) struct Given {
-    /// What it calls the machine.
+    /// The name of the machine.
     pub name: Option<String>,
     /// The board that it names.
     pub board: Option<&'static BoardConnectors>,
@@ -23,12 +23,12 @@ pub(crate) struct Given {
     pub numbers: BTreeMap<String, f64>,
     /// Every key that was given.
     paths: Vec<String>,
-    /// What is wrong, key by key.
+    /// Errors, key by key.
     pub errors: Vec<MachineFileError>,
 }
 
 impl Given {
-    /// Reads a file. What is wrong with single keys is in `errors`.
+    /// Reads a file. Errors in single keys are in `errors`.
     ///
     /// # Errors
     /// If it is no TOML.
@@ -115,7 +115,7 @@ impl Given {
         Ok(())
     }
 
-    /// Puts what the file says over the prototype.
+    /// Applies the file to the prototype.
     ///
     /// # Errors
     /// Keys that do not go together.
@@ -136,7 +136,7 @@ impl Given {
         }
         let has_position = ["x", "y", "z"].map(|axis| self.has(&format!("homing.{axis}.position")));
         s.visit(&mut Put(&self.values));
-        // Without a word on it the bed is what the tool reaches, and a switch sits at the end of its axis.
+        // By default the bed equals the tool's reach, and a switch sits at the end of its axis.
         let bed = s.bed;
         s.bed = Bed::of_reach(&s.axes);
         for (key, place, given) in [

@@ -1,4 +1,4 @@
-//! Steps a millimetre of an axis: as they are, or from what a turn of its motor moves.
+//! Steps a millimetre of an axis: given directly, or by the movement per turn of its motor.
 
 use super::MachineFileError;
 use super::keys::{FULL_STEPS, ROTATION_DISTANCE, bits_of, shortest};
@@ -52,13 +52,13 @@ fn microsteps(s: &Settings, axis: usize) -> Option<u16> {
     of_axis.all(|other| other == first).then_some(first)
 }
 
-/// Steps a millimetre if so many steps turn the motor once.
+/// Steps a millimetre if `steps_a_turn` steps turn the motor once.
 fn turned(key: &str, distance: f64, steps_a_turn: f64) -> Result<StepsPerMm, MachineFileError> {
     let (legal, fraction) = (ranges::STEPS_PER_MM.spec().legal, StepsPerMm::FRAC_NBITS);
     match bits_of(steps_a_turn / distance, fraction) {
         Some(bits) if legal.holds(bits) => Ok(StepsPerMm::from_bits(bits as u32)),
         _ => {
-            // What is legal is the resolution; the error names the distance, which is what the file has.
+            // The resolution has the legal range; the error names the distance, which is the key in the file.
             let [least, most] = [legal.most, legal.least].map(|bits| steps_a_turn / shortest(bits, fraction));
             Err(MachineFileError::Range { key: key.to_owned(), value: distance, legal: format!("{least} to {most}") })
         }

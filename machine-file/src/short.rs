@@ -1,4 +1,4 @@
-//! Long texts of others in messages: a line of a file may have a megabyte, and nobody reads that.
+//! Shortens foreign text in messages: a line of a file may have a megabyte.
 
 use std::borrow::Cow;
 

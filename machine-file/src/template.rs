@@ -1,5 +1,5 @@
-//! Templates: a new machine file is the prototype's, which has and explains every key, with the values of an example of
-//! that kind of machine and the connectors of the board.
+//! Templates: a new machine file is the prototype's, which has and explains every key. The values come from an example
+//! of that kind of machine, and the connectors from the board.
 
 use anyhow::{Context as _, Result};
 use corehbot::connectors::BoardConnectors;
@@ -97,7 +97,7 @@ impl Kind {
 /// The text of a new machine file.
 ///
 /// # Errors
-/// An example that is no machine file, or has a key that the prototype has not: tests see to it that none is.
+/// An example is not a machine file, or has a key that the prototype lacks: tests make sure that this does not happen.
 pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<String> {
     let example: Table = kind.example().parse()?;
     let mut text = Text(PROTOTYPE.lines().skip_while(|line| !line.is_empty()).map(str::to_owned).collect());
@@ -113,7 +113,7 @@ pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<St
         text.set("belt", "closed", &false.into())?;
     }
     if !example.contains_key("bed") {
-        // The bed is what the tool reaches.
+        // The bed is the tool's reach.
         for (side, axis) in [("width", "x"), ("depth", "y")] {
             let axis = example.get("axes").and_then(|axes| axes.get(axis));
             if let Some(length) = axis.and_then(|axis| axis.get("length")) {

@@ -1,4 +1,4 @@
-//! What a machine may have but should not.
+//! Legal but doubtful values of a machine.
 
 use super::Machine;
 use corehbot::connectors::Heater;
@@ -17,7 +17,7 @@ const MODULE_MA: u16 = 1414;
 /// `octopus_sustained_motor_steps_per_s`.
 const STEPS_A_SECOND: f64 = 1.8e6;
 
-/// What is unwise, each with the key that would change it.
+/// The warnings, each with the key that would change it.
 pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     let s = &machine.settings;
     let mut found = Vec::new();
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn the_prototype_makes_steps_as_by_hand() {
-        // Four belt motors along x or y make 4 x 300 x 80, more than the two of a diagonal at 450; z and e beside.
+        // Four belt motors along x or y make 4 x 300 x 80, more than the two of a diagonal at 450; z and e add to that.
         let by_hand = 4.0 * 300.0 * 80.0 + 2.0 * 20.0 * 800.0 + 80.0 * 400.0;
         let s = Settings::prototype();
         assert!((steps_a_second(&s) - by_hand).abs() < 1.0, "{} {by_hand}", steps_a_second(&s));

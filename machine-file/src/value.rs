@@ -1,4 +1,4 @@
-//! Values: what stands behind a key in TOML, as a setting has it, and the reverse.
+//! Values: from the TOML value behind a key to a setting's value, and the reverse.
 
 use crate::error::MachineFileError;
 use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
@@ -10,7 +10,7 @@ use toml::Value as Toml;
 /// The value of a setting.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The problem of the value.
 pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<Value, MachineFileError> {
     match kind {
         Kind::Fixed(_) | Kind::Whole => number(key, toml, kind, legal).map(Value::Number),
@@ -50,7 +50,7 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
 /// A number in its range.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The problem of the value.
 pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
     let number = float(key, toml)?;
     let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole);
@@ -63,7 +63,7 @@ pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result
 /// Any number.
 ///
 /// # Errors
-/// If it is none.
+/// The value is not a number.
 pub(crate) fn float(key: &str, toml: &Toml) -> Result<f64, MachineFileError> {
     match toml {
         Toml::Integer(number) => Ok(*number as f64),
@@ -75,7 +75,7 @@ pub(crate) fn float(key: &str, toml: &Toml) -> Result<f64, MachineFileError> {
 /// The number of a name.
 ///
 /// # Errors
-/// If it is none of them.
+/// The word is none of the names.
 pub(crate) fn choice(key: &str, word: &str, names: &[&'static str]) -> Result<usize, MachineFileError> {
     names.iter().position(|name| *name == word).ok_or_else(|| MachineFileError::Unknown {
         what: "variant",

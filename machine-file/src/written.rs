@@ -28,7 +28,7 @@ pub(crate) fn table(machine: &Settings) -> Table {
             Of::Setting { row, text, part } => value(row.id, part).and_then(|value| toml(value, text.kind)),
             Of::List { row, text } => {
                 let values = (0..row.tables.len()).map_while(|part| value(row.id, part));
-                // What is not known is left out, with all that follows.
+                // Values from the first unknown one on are left out.
                 let known = values.take_while(|value| !is_unknown(&known.path, value));
                 Some(Toml::Array(known.filter_map(|value| toml(value, text.kind)).collect()))
             }
@@ -49,7 +49,7 @@ pub(crate) fn table(machine: &Settings) -> Table {
     file
 }
 
-/// Whether a value of a list says that there is none.
+/// Whether a value of a list means "none".
 fn is_unknown(path: &str, value: &Value) -> bool {
     path == "belt.phases" && *value == Value::Number(corehbot::settings::Belt::NO_PHASE.into())
 }

@@ -11,7 +11,7 @@ use corehbot_sim::world::{HeatPeriod, HeaterPeriod};
 /// Most bins that are kept: a screen has fewer columns.
 const MOST_BINS: usize = 2048;
 
-/// What a quantity was during a bin.
+/// The range of a quantity during a bin.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Range {
     /// The least.
@@ -133,7 +133,7 @@ impl HeatLog {
         self.periods as u64 * PERIOD_MS as u64 * TICKS_PER_MS as u64
     }
 
-    /// The bins from the start on; none on a machine without heaters.
+    /// The bins from the start on; `None` on a machine without heaters.
     #[must_use]
     pub fn bins(&self) -> &[HeatBin] {
         &self.bins

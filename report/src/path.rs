@@ -1,11 +1,11 @@
 //! Tool path: where the tool went, exact to one step and of any length.
 //!
-//! The line is drawn through places at which the tool was, and no place is further from it than a step: each stretch of
-//! step events is cut where it is furthest from its chord, until nothing is (Douglas and Peucker, 1973). A straight
-//! move seen in whole steps is no further from its chord than that, so it becomes one line. Lines are cut, too, where
-//! the tool would not be there in time, so every line has its speed.
+//! The line is drawn through places at which the tool was, and no place is further from it than a step. Each stretch of
+//! step events is cut where it is furthest from its chord, until every place is near enough (Douglas and Peucker,
+//! 1973). A straight move seen in whole steps is no further from its chord than that, so it becomes one line. Lines are
+//! also cut where the tool would not be there in time, so every line has its speed.
 //!
-//! The lines go to a file as they come, which the caller gives; what is kept here does not grow.
+//! The lines go at once to a file from the caller; the memory used here does not grow.
 
 mod filament;
 mod store;

@@ -1,7 +1,7 @@
 //! Print: one page that shows the tool path, speed and load of a print, without any network.
 //!
-//! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a
-//! print of any length has all of its lines and is still opened at once; everything else is one JSON object.
+//! The page is a template. It holds the path in chunks of base64, which the page unpacks when it shows them. So a print
+//! of any length has all of its lines and still opens at once. Everything else is one JSON object.
 
 mod belt;
 mod heat;
@@ -39,7 +39,7 @@ pub(crate) const STYLE: &str = include_str!("print/page.css");
 /// Where the style goes, the path, the data and these scripts.
 const MARKS: [&str; 5] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*BELT*/", "/*HEAT*/"];
 
-/// What a page shows.
+/// The content of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
     /// The figures in one line each.
@@ -50,7 +50,7 @@ pub struct Page<'a> {
     pub heat: &'a HeatLog,
     /// Where the print waited for temperatures.
     pub heat_waits: &'a [HeatWait],
-    /// What the belt plant bore over time, if there was one.
+    /// The belt plant's load over time, if there was a belt plant.
     pub belt: Option<&'a Course>,
     /// The machine.
     pub settings: &'a Settings,
@@ -74,9 +74,9 @@ struct Data<'a> {
     speed: Vec<f64>,
     peak: Vec<f64>,
     rate: Vec<u64>,
-    /// None on a machine without heaters.
+    /// `None` on a machine without heaters.
     heat: Option<HeatData>,
-    /// None on a rigid machine.
+    /// `None` on a rigid machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     belt: Option<BeltData>,
 }
@@ -85,7 +85,7 @@ struct Data<'a> {
 #[derive(Serialize)]
 struct MotorData {
     name: &'static str,
-    /// What it turns for.
+    /// The axes that it turns for.
     drives: String,
     steps: i64,
     net: i64,

@@ -1,4 +1,4 @@
-//! Printable text: what a file or a printer says must not command the terminal.
+//! Printable text: text from a file or a printer must not control the terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;

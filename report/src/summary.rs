@@ -1,4 +1,4 @@
-//! Summary: what a run came to, for a person and for a program.
+//! Summary: the result of a run, for a person and for a program.
 
 use crate::printable::line;
 use corehbot::connectors::Heater;
@@ -46,7 +46,7 @@ impl PerMotor {
     }
 }
 
-/// The figures of one print. The names of the fields are those of the JSON.
+/// The figures of one print. The fields have their JSON names.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Summary {
     /// The G-code file.
@@ -63,7 +63,7 @@ pub struct Summary {
     pub moves: u32,
     /// The whole time, from the printer's start to the last answer: motion, heat and waits.
     pub print_time_s: f64,
-    /// Motion time: what the trace and the tool path count.
+    /// Motion time: the clock of the trace and the tool path.
     pub motion_time_s: f64,
     /// The time in which a command waited for a temperature.
     pub heating_time_s: f64,
@@ -97,7 +97,7 @@ pub struct Summary {
     pub pauses_total: u32,
     /// Why the print failed, if it did.
     pub failure: Option<String>,
-    /// What the checker found, the first few.
+    /// The checker's first few violations.
     pub violations: Vec<String>,
     /// All that the checker found.
     pub violations_total: u64,
@@ -110,7 +110,7 @@ pub struct Summary {
     pub wall_time_s: f64,
 }
 
-/// What a summary says of the run's surroundings.
+/// The names of the run's inputs and parts in a summary.
 #[derive(Clone, Copy, Debug)]
 pub struct Names<'a> {
     /// The G-code file.
@@ -120,7 +120,7 @@ pub struct Names<'a> {
 }
 
 impl Summary {
-    /// Puts together what each part of the simulator knows.
+    /// Joins the results of each part of the simulator.
     #[must_use]
     pub fn new(
         names: Names<'_>,
@@ -175,8 +175,7 @@ impl Summary {
         }
     }
 
-    /// Says what was asked for and did not happen on this machine: heat without a heater, and filament that never
-    /// moved.
+    /// Notes requests that had no effect on this machine: heat without a heater, and filament that never moved.
     pub fn note_asked(&mut self, asked: Asked, settings: &Settings) {
         let has_heaters = Heater::ALL.into_iter().any(|heater| settings.thermal.heater(heater).is_fitted);
         if asked.heating > 0 && !has_heaters {
@@ -197,7 +196,7 @@ impl Summary {
     /// The summary as JSON, with a line end.
     ///
     /// # Errors
-    /// None that is known: all fields are numbers and text.
+    /// No known case: all fields are numbers and text.
     pub fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
     }

@@ -19,7 +19,7 @@ use std::io::Write;
 /// The page of a path.
 const TEMPLATE: &str = include_str!("twin/page.html");
 
-/// What the twin's pages have in common.
+/// The script shared by the twin's pages.
 const SHARED: &str = include_str!("twin/shared.js");
 
 /// The page of `twin resonance`.
@@ -58,7 +58,7 @@ struct Data<'a> {
     resonance: Resonance,
 }
 
-/// The least (if it is told) and the greatest of something in each bin.
+/// The least (if reported) and the greatest value of a quantity in each bin.
 #[derive(Serialize)]
 struct Curve {
     name: String,
@@ -84,7 +84,7 @@ struct Trail {
     off_y_um: Vec<f64>,
 }
 
-/// Writes the page of a path that was played on a machine with these numbers; `file` is what it is called.
+/// Writes the page of a path that was played on a machine with these numbers; `file` is its name.
 ///
 /// # Errors
 /// What `out` reports, or nothing holds the machine.
@@ -154,7 +154,7 @@ pub fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize)
     Ok(out.flush()?)
 }
 
-/// Writes the page of frequencies alone; `model` says what may move besides the tool.
+/// Writes the page of frequencies alone; `model` names the parts that may move besides the tool.
 ///
 /// # Errors
 /// What `out` reports.

@@ -1,5 +1,4 @@
-//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1, and that of the Octopus Pro V1.0, which is the
-//! same.
+//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1. The Octopus Pro V1.0 has the same wiring.
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
@@ -47,7 +46,7 @@ pub static BOARD: Board = Board {
         Pin::new(Port::G, 14),
         Pin::new(Port::G, 15),
     ],
-    // The PROBE header, and that of the BLTouch.
+    // The PROBE header, and the BLTouch header.
     probe: Some(Pin::new(Port::B, 7)),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
     thermistors: &[
@@ -72,7 +71,7 @@ pub static BOARD: Board = Board {
         Pin::new(Port::D, 14),
         Pin::new(Port::D, 15),
     ],
-    // HE2 and HE3 (PB10, PB11) are on the same channels of TIM2 as HE0 and HE1 and on none of TIM5, so nothing would
+    // HE2 and HE3 (PB10, PB11) share channels of TIM2 with HE0 and HE1 and have no channel of TIM5. So nothing would
     // end their pulses: they stay low.
     heaters: &[heater(Output::Bed, 1), heater(Output::He0, 2), heater(Output::He1, 3)],
     fans: &[
@@ -100,8 +99,8 @@ pub static BOARD: Board = Board {
 };
 
 /// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's
-/// generic-bigtreetech-octopus-pro-v1.0.cfg). Its PROBE header alone is elsewhere, on PC5, and not in use; PB7 is that
-/// of the BLTouch.
+/// generic-bigtreetech-octopus-pro-v1.0.cfg). Only its PROBE header is elsewhere, on PC5, and not in use; PB7 is the
+/// BLTouch's pin.
 pub static PRO: Board = Board { name: "BTT Octopus Pro V1.0", connectors: &OCTOPUS_PRO, ..BOARD };
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// Bytes of a piece of a record: a line holds them in hexadecimal digits, with its number and checksum.
 const PIECE: usize = 24;
 
-/// What a board says before the reason why it does not take a machine.
+/// A board's words before the reason why it does not take a machine.
 const REFUSED: &str = "echo:machine not stored: ";
 
 /// And when it did.
@@ -114,7 +114,7 @@ fn bytes_of(hex: &str) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// What a board would say of these lines.
+    /// The replies of a board to these lines.
     fn said(lines: &str) -> Vec<String> {
         let pieces: Vec<_> = lines.lines().filter_map(|line| line.strip_prefix("MACHINE_PUT ")).collect();
         let digits: usize = pieces.iter().map(|piece| piece.split_once("HEX=").unwrap().1.len()).sum();

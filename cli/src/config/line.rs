@@ -10,7 +10,7 @@ use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Silence after which nobody is there: a board that stores settings in flash says nothing for half a second.
+/// Silence after which the board counts as absent: a board that stores settings in flash is silent for half a second.
 const SILENCE: Duration = Duration::from_secs(8);
 
 /// A line to a board.
@@ -36,8 +36,8 @@ impl SerialLine {
         Ok(Self { line, path: path.to_owned(), baud })
     }
 
-    /// Sends commands as a print, with numbers and checksums and again where the board asks for it, and gives what it
-    /// said.
+    /// Sends commands as a print, with numbers and checksums, and again where the board asks for it. Returns the
+    /// replies.
     pub fn talk(&mut self, commands: &str) -> Result<Vec<String>> {
         let (mut host, mut heard, mut part) = (FileHost::new(commands), Vec::new(), Vec::new());
         let mut active = Instant::now();

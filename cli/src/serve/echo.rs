@@ -1,17 +1,17 @@
-//! Echo: what a person types is shown, as a terminal without an echo of its own needs it.
+//! Echo: shows typed text, for terminals without an echo of their own.
 
-/// Shows what is typed on a line that the printer takes in raw.
+/// Shows typed text on a line that the printer reads in raw mode.
 #[derive(Default)]
 pub(crate) struct Echo {
     /// Characters of the line that is being typed.
     column: usize,
-    /// A carriage return came last, whose line feed is not another line.
+    /// The last character was a carriage return; a line feed after it does not end another line.
     has_returned: bool,
 }
 
 impl Echo {
-    /// What is shown of `typed`: printable characters as they are, line ends as a terminal wants them, and an erased
-    /// character as a blank in its place.
+    /// The echo of `typed`: printable characters as they are, line ends as a terminal wants them, and a blank in place
+    /// of an erased character.
     pub fn show(&mut self, typed: &[u8]) -> Vec<u8> {
         let mut shown = Vec::new();
         for &byte in typed {

@@ -41,7 +41,7 @@ use wire::Delay;
 /// millisecond.
 const LOOK: Duration = Duration::from_micros(100);
 
-/// What printer to be, and where.
+/// The printer to run, and its port.
 #[derive(Args)]
 pub(crate) struct Serve {
     /// Makes a link here to the serial port; without it, the port's own name is printed.
@@ -50,8 +50,8 @@ pub(crate) struct Serve {
     /// Sends and receives bytes no faster than a UART at this rate; without it, the line takes no time.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=10_000_000))]
     baud: Option<u32>,
-    /// So many times as fast as real time, or `max`: as fast as it can be computed, but in real time (after 0.25 s)
-    /// while it waits for the host.
+    /// Speed in multiples of real time, or `max`: as fast as it can be computed, but in real time (after 0.25 s) while
+    /// it waits for the host.
     #[arg(long, value_name = "X", default_value = "1", value_parser = pace::parse)]
     speed: Speed,
     #[command(flatten)]
@@ -60,7 +60,7 @@ pub(crate) struct Serve {
     heat: HeatArgs,
     #[command(flatten)]
     printer: Printer,
-    /// Shows what is typed, for terminal programs without an echo of their own; not for hosts.
+    /// Echoes typed text, for terminal programs without an echo of their own; not for hosts.
     #[arg(long)]
     echo: bool,
     /// Writes every step event as CSV.
@@ -165,7 +165,7 @@ impl Total {
     }
 }
 
-/// A trace that goes on after a new start, whose motion time begins at 0 again.
+/// A trace that goes on after a restart; the restart begins motion time at 0 again.
 struct Later<'t> {
     trace: &'t mut TraceWriter<BufWriter<Stream>>,
     ticks: u64,
@@ -200,7 +200,7 @@ struct Server {
 }
 
 impl Server {
-    /// Serves a printer until a signal comes, or until the printer begins anew.
+    /// Serves a printer until a signal comes, or until the printer restarts.
     fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, stop: &Stop) -> Result<()> {
         let mut look = Duration::ZERO;
         while !(stop.is_set() || world.has_ended()) {

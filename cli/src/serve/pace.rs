@@ -13,10 +13,11 @@ const LAG: Duration = Duration::from_millis(200);
 /// How fast virtual time goes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Speed {
-    /// So many times as fast as the wall clock.
+    /// This many times as fast as the wall clock.
     Times(f64),
-    /// As fast as it can be computed. While the printer waits for its host, time stands still for a moment, as
-    /// a host's thinking would take long otherwise, and then goes like the wall clock, as silence means something.
+    /// As fast as it can be computed. While the printer waits for its host, virtual time first stands still for a
+    /// moment, because a host's thinking time would count as long otherwise. Then it follows the wall clock, because
+    /// silence means something.
     Max,
 }
 
@@ -29,7 +30,7 @@ pub(crate) fn parse(text: &str) -> Result<Speed, String> {
     }
 }
 
-/// Holds virtual time against the wall clock, whose time is that since the start.
+/// Keeps virtual time in step with the wall clock, which counts from the start.
 pub(crate) struct Pace {
     speed: Speed,
     /// A moment on the wall clock, and the tick that belongs to it.
@@ -45,8 +46,8 @@ impl Pace {
         Self { speed, anchor: (Duration::ZERO, 0), asked: None, moves: 0 }
     }
 
-    /// The host has sent something, and the printer has planned so many moves. Time may stand still once more only if
-    /// they have become more: a host that asks for temperatures ten times a second would otherwise never see them
+    /// The host has sent something, and the printer has planned this many moves. Time may stand still once more only if
+    /// the number has grown. Otherwise a host that asks for temperatures ten times a second would never see them
     /// change.
     pub const fn hear(&mut self, moves: u32) {
         if self.moves != moves {

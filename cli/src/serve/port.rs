@@ -1,8 +1,7 @@
-//! The port: a pseudo-terminal whose far end a host opens like a serial line.
+//! The port: a pseudo-terminal; a host opens its far end like a serial line.
 //!
-//! The far end is held open here too. Otherwise the near end would fail while no host has it open, and forget that
-//! it is raw. What the printer says while nobody listens is there for the next host to read, or to throw away, as
-//! pyserial does when it opens a port.
+//! The far end is held open here too. Otherwise the near end would fail while no host has it open, and lose its raw
+//! mode. Output without a host stays for the next host to read, or to discard, as pyserial does when it opens a port.
 
 use anyhow::{Context as _, Result, bail};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -37,7 +36,7 @@ impl Port {
     /// A new pseudo-terminal, and a link to it if wanted.
     ///
     /// # Errors
-    /// If there is none to be had, or the link would replace something.
+    /// If no pseudo-terminal is available, or the link would replace something.
     pub fn open(link: Option<&Path>) -> Result<Self> {
         let near = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).context("cannot open a pseudo-terminal")?;
         grantpt(&near).and_then(|()| unlockpt(&near)).context("cannot unlock the pseudo-terminal")?;
@@ -56,13 +55,13 @@ impl Port {
         Ok(Self { near, _far: far, path, link: link.map(Path::to_owned), backlog: VecDeque::new() })
     }
 
-    /// What a host has to open.
+    /// The path for a host to open.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
-    /// Takes what the host has sent.
+    /// Takes the bytes that the host has sent.
     ///
     /// # Errors
     /// If the pseudo-terminal fails.
@@ -98,7 +97,7 @@ impl Port {
         Ok(())
     }
 
-    /// Waits until the host says something or hears what it is still to hear, or `other` has something to be read; no
+    /// Waits until the host sends something, until it can receive pending output, or until `other` can be read; no
     /// longer than `patience`.
     ///
     /// # Errors

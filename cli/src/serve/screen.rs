@@ -21,7 +21,7 @@ pub(crate) struct Screen {
     seen_tick: u32,
     /// The line that the printer is saying.
     spoken: String,
-    /// What the printer has said of temperatures last.
+    /// The printer's last temperature report.
     temperatures: String,
     /// Where motors bring the tool.
     back: ForwardKinematics<{ Motor::ALL.len() }>,
@@ -32,7 +32,7 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    /// A screen if standard error is a terminal, and none otherwise.
+    /// A screen if standard error is a terminal, and `None` otherwise.
     pub fn new(settings: &Settings, start: [Mm; 3]) -> Self {
         let target =
             if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
@@ -53,7 +53,7 @@ impl Screen {
         }
     }
 
-    /// Listens to the printer for what it says of temperatures.
+    /// Reads temperature reports in the printer's output.
     pub fn hear(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             if byte == b'\n' {
@@ -99,7 +99,7 @@ impl Screen {
     }
 }
 
-/// What the printer is about: whether it has halted, moves, waits for its user, or waits for its host.
+/// The printer's state: it has halted, moves, waits for its user, or waits for its host.
 const fn state([is_halted, is_moving, is_for_user, is_for_host]: [bool; 4]) -> &'static str {
     if is_halted {
         "HALTED"

@@ -32,7 +32,7 @@ impl Json {
         self.give_with(answer, inputs, |_| Ok(()))
     }
 
-    /// The same with other outputs beside it.
+    /// The same with other outputs in addition.
     ///
     /// # Errors
     /// An output cannot be written.

@@ -9,7 +9,7 @@ use corehbot_twin::routing::Machine;
 use serde::Serialize;
 use std::path::Path;
 
-/// What was found.
+/// The result of a calibration.
 #[derive(Serialize)]
 pub(super) struct Calibrated {
     estimates: Vec<Estimate>,
@@ -37,8 +37,8 @@ impl Calibrated {
     /// From a file of measurements.
     ///
     /// # Errors
-    /// What is wrong with the file, what the measurements do not determine, or which of them no machine has with the
-    /// others.
+    /// Errors in the file, quantities that the measurements do not determine, or measurements that contradict each
+    /// other on every machine.
     pub(super) fn read(path: &Path, machine: Machine, params: &Params) -> Result<Self> {
         let Measured { measurements, fixed } = Measured::read(path, &workspace(machine, params))?;
         let (names, measurements): (Vec<_>, Vec<_>) = measurements.into_iter().unzip();
@@ -50,7 +50,7 @@ impl Calibrated {
         Ok(Self { estimates, not_told, fixed, measurements, params })
     }
 
-    /// Keys that are not those of the nominal machine, and were not found now.
+    /// Keys that differ from the nominal machine, and were not found now.
     fn kept(&self) -> Vec<(String, f64)> {
         let keys = |params: &Params| match serde_json::to_value(params) {
             Ok(serde_json::Value::Object(keys)) => keys,

@@ -31,7 +31,7 @@ pub(crate) struct Compare {
     /// The force in N that moves the tool aside.
     #[arg(long, value_name = "N", default_value = "5", value_parser = parse_force)]
     force: f64,
-    /// What may move besides the tool, over the area.
+    /// Parts that may move besides the tool, over the area.
     #[arg(long, value_enum, default_value = "full")]
     model: ModelArg,
     /// What moves besides the tool, on the file.
@@ -46,7 +46,7 @@ pub(crate) struct Compare {
     json: Json,
 }
 
-/// What the page is made of.
+/// The page's data.
 #[derive(Serialize)]
 struct Data<'a> {
     file: String,
@@ -54,7 +54,7 @@ struct Data<'a> {
     answer: &'a Answer,
 }
 
-/// Figures of the area, and those of the file.
+/// Figures of the area, and of the file.
 #[derive(Serialize)]
 struct Answer {
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! `twin fit`: numbers of a machine from what was measured, in a file, or frequencies on the command line.
+//! `twin fit`: fits numbers of a machine to measurements, in a file, or to frequencies on the command line.
 
 use super::answer::Json;
 use super::calibrated::Calibrated;
@@ -15,15 +15,14 @@ use std::path::PathBuf;
 /// `twin fit`.
 #[derive(Args)]
 pub(crate) struct Fit {
-    /// Measurements of several kinds (docs/research/twin.md tells how to make them): finds belt, preload, masses and
-    /// motors.
+    /// Measurements of several kinds (docs/research/twin.md describes them): finds belt, preload, masses and motors.
     #[arg(value_name = "MEASURED.toml", required_unless_present = "measured", conflicts_with = "measured")]
     file: Option<PathBuf>,
-    /// Where the tool was in mm from motor 1's axis, and what x and y rang at in Hz, `-` for one that was not measured;
-    /// as often as there were places.
+    /// The tool's place in mm from motor 1's axis, and the ringing of x and y in Hz, `-` for one that was not measured.
+    /// May be repeated, once a place.
     #[arg(long, value_name = "X,Y,FX,FY", value_parser = parse_rung, allow_hyphen_values = true)]
     measured: Vec<Rung>,
-    /// The places are ones of G-code, whose X0 Y0 is the lower left corner of the reach.
+    /// The places are in G-code coordinates: X0 Y0 is the lower left corner of the reach.
     #[arg(long, requires = "measured")]
     gcode_frame: bool,
     #[command(flatten)]
@@ -32,7 +31,7 @@ pub(crate) struct Fit {
     json: Json,
 }
 
-/// Numbers of the model, and those of the firmware.
+/// Numbers for the model, and for the firmware.
 #[derive(Serialize)]
 struct Answer {
     #[serde(flatten)]

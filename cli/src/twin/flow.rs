@@ -5,15 +5,15 @@
 //!   '----firmware, shaper, K and window---> extruder's steps --nozzle of first order--> flow that there is
 //! ```
 //!
-//! The nozzle gives out what is pressed into it with a lag: `dQ/dt = (v - Q) / T`, v being the speed of the filament at
-//! the extruder, which goes evenly from step to step. With K = T and no window Q would be the speed of the filament as
-//! planned. The tool goes where its shaper sends it, so wanted is the planned flow through the same taps: with one
-//! ratio of filament to path that is this ratio times the speed of the tool, where it goes straight. Both are compared
-//! at the times of the second run.
+//! The nozzle follows the pressed-in filament with a lag: `dQ/dt = (v - Q) / T`. Here v is the speed of the filament at
+//! the extruder, which is even from step to step. With K = T and no window, Q would be the planned speed of the
+//! filament. The tool follows its shaper, so the wanted flow is the planned flow through the same taps. With one ratio
+//! of filament to path, that is this ratio times the speed of the tool, where it goes straight. Both are compared at
+//! the times of the second run.
 //!
-//! Of a file only motion is taken: lines that move, and those that set modes, places and limits. Moves of the filament
-//! alone are left out, for what a retraction does in a nozzle is no matter of its lag. So neither run comes to rest
-//! before its end, and their times are the same but for the delay of all axes.
+//! Only motion is taken from a file: lines that move, and lines that set modes, places and limits. Moves of the
+//! filament alone are left out, because the effect of a retraction in a nozzle does not depend on its lag. So neither
+//! run comes to rest before its end, and their times are the same except for the delay of all axes.
 
 use super::answer::Json;
 use anyhow::{Context as _, Result, ensure};
@@ -43,7 +43,7 @@ const EXTRUDER_STEPS: u32 = 4000;
 /// Ticks between two samples: 0.1 ms, in which a nozzle of 50 ms changes by 0.2 %.
 const SAMPLE: u64 = 1000;
 
-/// Beads are looked at in pieces of so many mm of path.
+/// Beads are compared in pieces of this many mm of path.
 const PIECE: f64 = 1.0;
 
 /// `twin flow`.
@@ -61,7 +61,7 @@ pub(crate) struct Flow {
     /// The acceleration in mm/s2.
     #[arg(long, value_name = "MM_S2", default_value = "10000", value_parser = parse_acceleration)]
     acceleration: f64,
-    /// Windows in ms that are tried beside the firmware's own.
+    /// Windows in ms to try in addition to the firmware's own.
     #[arg(long, value_name = "MS,..", value_delimiter = ',', default_value = "6,9,12,15,17,22,30,40", value_parser = parse_window)]
     windows: Vec<f64>,
     #[command(flatten)]
@@ -233,7 +233,7 @@ fn motion(text: &str) -> String {
             ('M', 83.0) => is_relative = true,
             _ => {}
         }
-        // A new place of the filament is none of the tool.
+        // A new place of the filament does not change the tool's place.
         let is_place = (letter, code) == ('G', 92.0) && !has("XYZ");
         if (moves && (has("XYZ") || !has("E"))) || sets || is_place {
             gcode += &command;
@@ -354,7 +354,7 @@ impl Print {
     }
 }
 
-/// What a comparison finds, as parts of what is wanted.
+/// The errors of a comparison, as parts of the wanted flow.
 struct Found {
     error: f64,
     worst: [f64; 2],

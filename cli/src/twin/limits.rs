@@ -24,10 +24,10 @@ pub(crate) struct LimitsArgs {
     /// The part of its torque at each speed that a motor keeps, of 1: the other way to say --torque.
     #[arg(long, value_name = "PART", value_parser = parse_margin, conflicts_with = "torque")]
     margin: Option<f64>,
-    /// The belt speed in mm/s that settings are told for.
+    /// The belt speed in mm/s for which settings are suggested.
     #[arg(long, value_name = "MM_S", value_parser = parse_speed, default_value = "300")]
     speed: f64,
-    /// What may move besides the tool.
+    /// Parts that may move besides the tool.
     #[arg(long, value_enum, default_value = "rotors")]
     model: ModelArg,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! Measured: the file in which the owner of a machine writes down what was measured. docs/research/twin.md tells how.
+//! Measured: the file with a machine owner's measurements. docs/research/twin.md describes it.
 
 use super::setup::syntax;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -108,7 +108,7 @@ struct SlipToml {
     uncertainty_percent: Option<Spanned<f64>>,
 }
 
-// Standard uncertainties, as parts, of what was measured as docs/research/twin.md says; all assumed.
+// Standard uncertainties, as parts, of measurements by the method of docs/research/twin.md; all assumed.
 
 /// A pitch: 1 % of the phone, and 1.5 % of the span's length by a ruler and of its ends that hold it.
 const PLUCKED: f64 = 0.02;
@@ -124,7 +124,7 @@ const PUSHED: f64 = 0.06;
 /// A spring scale that is pulled until the motor slips.
 const SLIPPED: f64 = 0.10;
 
-/// What a file says.
+/// The content of a file.
 pub(super) struct Measured {
     /// Measurements, each with words by which people know it.
     pub measurements: Vec<(String, Measurement)>,
@@ -133,10 +133,10 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Reads a file about a machine whose tool reaches so far.
+    /// Reads a file about a machine with this reach.
     ///
     /// # Errors
-    /// What is wrong, with file and line.
+    /// The problem, with file and line.
     pub(super) fn read(path: &Path, reach: &Workspace) -> Result<Self> {
         let file = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
@@ -245,7 +245,7 @@ impl Reader<'_> {
         Ok(place)
     }
 
-    /// What was measured of x and of y, at least one of them.
+    /// The measurements of x and of y, at least one of them.
     fn either<'v>(
         &self,
         wanted: &str,

@@ -1,7 +1,6 @@
-//! `corehbot twin`: what the belt makes of commanded steps, computed by the crate `corehbot-twin`.
+//! `corehbot twin`: the belt's response to commanded steps, computed by the crate `corehbot-twin`.
 //!
-//! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for
-//! programs.
+//! The subcommands read the command line, ask the twin, and print its answer: a table for people, JSON for programs.
 
 mod answer;
 mod calibrated;
@@ -23,37 +22,36 @@ mod yin;
 use anyhow::Result;
 use clap::Subcommand;
 
-/// What the belt makes of commanded steps: stiffness, modes, slips.
+/// The belt's response to commanded steps: stiffness, modes, slips.
 #[derive(Subcommand)]
 pub(crate) enum Twin {
-    /// Where the belt runs: segments, wraps, lengths and reach.
+    /// Shows where the belt runs: segments, wraps, lengths and reach.
     Geometry(point::Geometry),
-    /// How stiffly the tool is held.
+    /// Computes how stiffly the tool is held.
     Stiffness(point::Stiffness),
-    /// At which frequencies the machine vibrates.
+    /// Computes the frequencies at which the machine vibrates.
     Modes(point::Modes),
-    /// What a force on the tool does.
+    /// Computes the effect of a force on the tool.
     Push(point::Push),
-    /// What a motor that slipped does.
+    /// Computes the effect of a motor that slipped.
     Slip(point::Slip),
-    /// At which frequencies each axis rings over the reach, which shapers fit, and which speeds to stay away from.
+    /// Finds the frequencies at which each axis rings over the reach, shapers that fit, and speeds to avoid.
     Resonance(resonance::Resonance),
-    /// How hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
+    /// Finds the limits before a motor slips, a span goes slack, or the tool rings too much.
     Limits(limits::LimitsArgs),
-    /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
+    /// Compares CoreH-bot, H-bot and CoreXY of one size, over one area and, if given, on a file.
     Compare(compare::Compare),
-    /// Numbers of the machine are varied, one of them or as a study says: stiffness, frequencies, what becomes of a
+    /// Varies numbers of the machine, one of them or as a study file says: stiffness, frequencies, the result of a
     /// file.
     #[command(mut_args(sweep::not_beside_a_study))]
     Sweep(sweep::Sweep),
-    /// Belt, preload, masses and motors of a CoreH-bot from what was measured on it.
+    /// Fits belt, preload, masses and motors of a CoreH-bot to measurements.
     Fit(fit::Fit),
-    /// Makes G-code, or a step trace, that goes ahead by what belts and motors will give way, for the firmware as it
-    /// is.
+    /// Compensates G-code, or a step trace, in advance for the give of belts and motors, for the unchanged firmware.
     Compensate(compensate::Compensate),
-    /// How well the nozzle's flow follows the tool, by shaper and window of the pressure advance.
+    /// Compares the nozzle's flow with the tool's motion, by shaper and window of the pressure advance.
     Flow(flow::Flow),
-    /// Yin et al.'s CoreXY on a square of 20 mm: how far the tool cuts the corners.
+    /// Computes how far the tool cuts the corners on Yin et al.'s CoreXY, on a square of 20 mm.
     Yin(yin::Yin),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     Run(play::Play),
@@ -62,7 +60,7 @@ pub(crate) enum Twin {
 /// Answers, and says the exit status.
 ///
 /// # Errors
-/// What is asked for is not there, or an output cannot be written.
+/// The requested item is missing, or an output cannot be written.
 pub(crate) fn run(twin: &Twin) -> Result<u8> {
     match twin {
         Twin::Geometry(args) => args.answer(),

@@ -69,10 +69,10 @@ pub(crate) struct Play {
     /// What moves besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: RunModel,
-    /// Measures errors from the line of this file, of which the other was made (corehbot twin compensate).
+    /// Measures errors against the path of this file, from which the played file was made (corehbot twin compensate).
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
-    /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
+    /// The tool's place at the begin, in mm from motor 1's axis; without it, the place that the firmware assumes.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     #[command(flatten)]
@@ -146,7 +146,7 @@ pub(super) fn play(
     Ok(told?)
 }
 
-/// The same with `go_on`, which is told how much was played, of 1, and says whether to go on.
+/// The same with `go_on`, which gets the played part, of 1, and says whether to go on.
 pub(super) fn played(
     machine: Machine,
     params: &Params,

@@ -81,7 +81,7 @@ pub(crate) struct Slip {
     /// The motor that slipped.
     #[arg(long, value_name = "N")]
     motor: u8,
-    /// By how many full steps, counter-clockwise; a rotor that slips does so by four, an electrical turn.
+    /// Slip in full steps, counter-clockwise; a rotor slips by four, an electrical turn.
     #[arg(long, value_name = "K", default_value_t = slip::A_SLIP, value_parser = parse_finite, allow_hyphen_values = true)]
     full_steps: f64,
     #[command(flatten)]

@@ -21,7 +21,7 @@ pub(crate) struct Resonance {
     /// Columns and rows of places over the reach.
     #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "7x7")]
     grid: [usize; 2],
-    /// What may move besides the tool.
+    /// Parts that may move besides the tool.
     #[arg(long, value_enum, default_value = "rotors")]
     model: ModelArg,
     /// Writes a page with maps of the frequencies, shapers and the lines that set them.

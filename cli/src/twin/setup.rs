@@ -35,7 +35,7 @@ impl From<MachineArg> for Machine {
     }
 }
 
-/// What may move besides the tool.
+/// Parts that may move besides the tool.
 #[derive(Clone, Copy, Default, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum ModelArg {
@@ -49,7 +49,7 @@ pub(super) enum ModelArg {
 }
 
 impl ModelArg {
-    /// What that is.
+    /// The degrees of freedom.
     pub(super) fn freedom(self) -> Freedom {
         let (idlers, rotors) = match self {
             Self::Reduced => (false, false),
@@ -59,7 +59,7 @@ impl ModelArg {
         Freedom { idlers, rotors, ..Freedom::default() }
     }
 
-    /// What pages call it.
+    /// Its name on pages.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Reduced => "without idlers and rotors",
@@ -78,7 +78,7 @@ pub(super) struct ParamsArgs {
 }
 
 impl ParamsArgs {
-    /// The files that they are made of.
+    /// The files of the numbers.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         self.params.as_deref().into_iter()
     }
@@ -110,7 +110,7 @@ pub(super) struct MachineArgs {
 }
 
 impl MachineArgs {
-    /// The files that it is made of.
+    /// The files of the machine's numbers.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         self.params.files()
     }
@@ -122,7 +122,7 @@ impl MachineArgs {
     }
 }
 
-/// What is wrong with a file, in one line.
+/// The error of a file, in one line.
 pub(super) fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
     let line = before.matches('\n').count() + 1;
@@ -134,13 +134,13 @@ pub(super) fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
 pub(super) struct SetupArgs {
     #[command(flatten)]
     pub machine: MachineArgs,
-    /// Where the tool is, in mm from motor 1's axis; the middle of its reach without it.
+    /// The tool's place, in mm from motor 1's axis; the middle of its reach without it.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
-    /// The place is one of G-code, whose X0 Y0 is the lower left corner of the reach.
+    /// The place is in G-code coordinates: X0 Y0 is the lower left corner of the reach.
     #[arg(long, requires = "at")]
     gcode_frame: bool,
-    /// What may move besides the tool.
+    /// Parts that may move besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: ModelArg,
     /// A motor without power.
@@ -152,7 +152,7 @@ pub(super) struct SetupArgs {
 }
 
 impl SetupArgs {
-    /// What the twin is asked about.
+    /// The setup for the twin.
     ///
     /// # Errors
     /// No such file, motor or place.

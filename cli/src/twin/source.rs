@@ -15,7 +15,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-/// What a trace begins with.
+/// First bytes of a trace.
 const TRACE: &[u8] = b"# corehbot-trace";
 
 /// Steps, and where the tool was before, in G-code's coordinates.
@@ -39,7 +39,7 @@ impl Source {
         Ok(Self { steps, begin: [x, y] })
     }
 
-    /// Reads a trace; none if the file is something else.
+    /// Reads a trace; `None` if the file is something else.
     ///
     /// # Errors
     /// It cannot be read, or is a trace with a mistake.
@@ -55,7 +55,7 @@ fn trace_of(file: &Path) -> Result<Option<impl BufRead>> {
         return Ok(None);
     }
     let mut reader = BufReader::new(File::open(file).with_context(|| format!("cannot open {}", file.display()))?);
-    // What cannot be read, as a directory, is no trace; who reads it as G-code says what is wrong.
+    // An unreadable input, such as a directory, is not a trace; reading it as G-code reports the error.
     let is_trace = reader.fill_buf().is_ok_and(|bytes| bytes.starts_with(TRACE));
     Ok(is_trace.then_some(reader))
 }

@@ -29,11 +29,11 @@ pub(crate) struct Sweep {
     study: Options,
     #[command(flatten)]
     setup: SetupArgs,
-    /// Where the tool is at the begin of the file, in mm from motor 1's axis (as --at of `twin run`); without it, where
-    /// the firmware is.
+    /// The tool's place at the begin of the file, in mm from motor 1's axis (as --at of `twin run`); without it, the
+    /// firmware's place.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     begin: Option<[f64; 2]>,
-    /// What moves besides the tool, on the file.
+    /// Parts that move besides the tool, on the file.
     #[arg(long, value_enum, default_value = "rotors")]
     run_model: RunModel,
     #[command(flatten)]
@@ -42,7 +42,7 @@ pub(crate) struct Sweep {
     json: Json,
 }
 
-/// What a study says in its file cannot be said on the command line too.
+/// An option that a study sets in its file conflicts with it on the command line.
 pub(super) fn not_beside_a_study(arg: clap::Arg) -> clap::Arg {
     const BESIDE_A_STUDY: [&str; 8] = ["file", "vary", "output", "jobs", "report", "sample", "plan", "json"];
     let is_taken = BESIDE_A_STUDY.iter().any(|id| arg.get_id() == id);
@@ -56,7 +56,7 @@ struct Range {
     values: Vec<f64>,
 }
 
-/// What follows from each value.
+/// The results for each value.
 #[derive(Serialize)]
 struct Answer {
     key: String,
@@ -76,7 +76,7 @@ struct Row {
     run: Option<RunRow>,
 }
 
-/// What follows for a file.
+/// The results for a file.
 #[derive(Serialize)]
 struct RunRow {
     contour_max_mm: f64,

@@ -55,7 +55,7 @@ impl Yin {
     }
 }
 
-/// What is told of the corners.
+/// The results for the corners.
 #[derive(Serialize)]
 struct Answer {
     x_to_y_mm: f64,

@@ -1,4 +1,4 @@
-//! The command: what `--plant belt` says, and what it refuses.
+//! The command: the output of `--plant belt`, and its refusals.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

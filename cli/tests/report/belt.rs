@@ -1,4 +1,4 @@
-//! The torque shares and the residual that a page draws are those of the belt plant.
+//! A page draws the torque shares and the residual of the belt plant.
 
 use crate::page;
 

@@ -1,4 +1,4 @@
-//! The heat that a page draws is that of the plant.
+//! A page draws the heat of the plant.
 
 use crate::{page, scratch};
 use serde_json::Value;
@@ -58,7 +58,7 @@ fn heat_is_drawn_as_the_plant_was_heated() {
         assert!((low[0] - 25.0).abs() < 1.0, "{}", low[0]);
         assert!(targets[wait[0] + 1..wait[1]].iter().all(|t| *t == target) && targets[targets.len() - 1] == 0.0);
         assert!((low[wait[1]] - target).abs() < 2.0, "{} at the end of the wait", low[wait[1]]);
-        // What was put in is in it or lost.
+        // Heat that was put in is stored or lost.
         let until = wait[1];
         let joule: f64 = mean[..until].iter().map(|duty| duty / 100.0 * watt * bin_s).sum();
         let lost: f64 = low[..until].iter().map(|low| (low - 25.0) * watt_per_kelvin * bin_s).sum();

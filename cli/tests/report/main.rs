@@ -1,4 +1,4 @@
-//! The report page: what it draws is where the tool was.
+//! The report page: it draws the path where the tool was.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod belt;
@@ -12,8 +12,8 @@ use std::process::Command;
 /// A step of the prototype's x and y, in mm.
 const STEP: f64 = 0.0125;
 
-/// Moves end at halves of steps, a quarter away in x and in y; a place that the tool can reach is half a step from
-/// where it should be; a line is a step from its places, and its ends are rounded to um.
+/// Moves end at halves of steps, a quarter away in x and in y. A place that the tool can reach is half a step from its
+/// ideal place. A line is a step from its places, and its ends are rounded to um.
 const TOLERANCE: f64 = 1.86 * STEP + 0.001;
 
 fn scratch(name: &str) -> PathBuf {

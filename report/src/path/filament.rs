@@ -1,11 +1,11 @@
 //! Filament: on which stretches of the path it is laid.
 //!
-//! Steps of the extruder are further apart than those of the axes. The way between two forward steps is printed, unless
-//! it is much longer than the ways between the steps before it: then the tool travelled.
+//! The extruder's steps are further apart than the axes' steps. The way between two forward steps is printed, unless it
+//! is much longer than the ways between the steps before it: then the tool travelled.
 
 use super::{Place, distance};
 
-/// A way between two steps of the filament that is so many times as long as usual is no print.
+/// A way between two steps of the filament is travel if it is this many times as long as usual.
 const UNUSUAL: f64 = 3.0;
 
 /// The longest way between two steps of a print, in mm: 93 steps/mm and a line of 0.3 x 0.05 mm make 1.7 a mm.
@@ -35,7 +35,7 @@ impl Filament {
         Self { at, e: 0, way: 0.0, is_forward: false, usual: LONGEST, is_unusual: false, undecided: Vec::new() }
     }
 
-    /// The tool has moved, the extruder has made `e` steps; hands on the places of which it is known what they are.
+    /// The tool has moved, and the extruder has made `e` steps. Hands on the places that are now classified.
     pub fn event(&mut self, at: [f64; 3], tick: u64, e: i64, mut each: impl FnMut(Place)) {
         self.way += distance(self.at, at);
         self.at = at;

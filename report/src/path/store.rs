@@ -1,10 +1,10 @@
 //! Store: the lines of a path, packed, in a file.
 //!
 //! They are packed in chunks of one layer each, so that a page can unpack the layer that it shows. A vertex is four
-//! numbers: the differences of x, y and z to the one before in um, and that of time in 10 us, doubled, plus one if the
-//! line to it is printed. Each number takes as many bytes as it needs, seven bits in each, the least first; a negative
-//! n is stored as -2n-1, another as 2n. The first vertex of a chunk is where the one before ended, with differences to
-//! 0.
+//! numbers. Three are the differences of x, y and z to the previous one in um. The fourth is the time difference in 10
+//! us, doubled, plus one if the line to it is printed. Each number takes as many bytes as it needs, seven bits in each,
+//! the least first; a negative n is stored as -2n-1, another as 2n. The first vertex of a chunk is where the previous
+//! one ended, with differences to 0.
 
 use super::Vertex;
 use corehbot::units::TICKS_PER_SECOND;
@@ -23,16 +23,16 @@ const RISING_LAYER: i64 = 200;
 /// It still rises if its z has not made a step for so long, in mm.
 const RISING: f64 = 20.0;
 
-/// What is steeper is no line of a print.
+/// A steeper line is not a line of a print.
 const STEEPEST: f64 = 1.0;
 
 /// A line shorter than this says little of its speed, in mm.
 const SHORTEST: f64 = 0.3;
 
-/// What a chunk holds.
+/// The content of a chunk.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Chunk {
-    /// Where its layer is, in um; `None` before anything was printed.
+    /// The height of its layer, in um; `None` before the first printed line.
     pub height: Option<i64>,
     /// Vertices, among them the one where it begins.
     pub vertices: usize,
@@ -77,13 +77,13 @@ impl Bounds {
 pub struct Stored<F> {
     /// The packed chunks, one after another.
     pub file: F,
-    /// What each of them holds.
+    /// The content of each chunk.
     pub chunks: Vec<Chunk>,
     /// Heights of the layers in um, each once, the lowest first.
     pub heights: Vec<i64>,
-    /// What is printed.
+    /// Bounds of the printed lines.
     pub printed: Bounds,
-    /// What is only passed.
+    /// Bounds of travel.
     pub travelled: Bounds,
 }
 

@@ -1,4 +1,4 @@
-//! What a page shows of the belt plant: torque shares and residual over motion time, and where motors skipped.
+//! The belt plant on a page: torque shares and residual over motion time, and skips of motors.
 
 use super::tenth;
 use corehbot_sim::belt::course::Course;
@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct BeltData {
     bin_s: f64,
     motors: Vec<MotorCurve>,
-    /// Greatest residual of each bin in um, without its sign; none on a machine that has no such way.
+    /// Greatest residual of each bin in um, without its sign; `None` on a machine that cannot strain its belt.
     residual_um: Option<Vec<f64>>,
     skips: Vec<SkipMark>,
 }

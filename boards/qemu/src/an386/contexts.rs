@@ -1,4 +1,4 @@
-//! The contexts: each owns one handle of the core, and nobody else touches it.
+//! The contexts: each owns one handle of the core, and no other context touches it.
 
 use core::cell::RefCell;
 use core::future::poll_fn;
@@ -90,8 +90,8 @@ pub fn wake_console() {
 /// Interrupt: a step is due, or software wants the Stepper to look.
 pub extern "C" fn on_step_timer() {
     StepTimer::acknowledge();
-    // SAFETY: `start` fills the place before it enables this interrupt, nobody else uses it, and an interrupt does not
-    // interrupt itself.
+    // SAFETY: `start` fills the place before it enables this interrupt, no other code uses it, and an interrupt does
+    // not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
 }
 

@@ -13,7 +13,7 @@ const PANICKED: i32 = 101;
 /// Exit status: a fault of the processor.
 const FAULTED: i32 = 102;
 
-/// Turns `core::fmt` output into semihosting writes; a failure leaves nobody to tell.
+/// Turns `core::fmt` output into semihosting writes; a failure cannot be reported anywhere.
 struct Stderr(io::Stderr);
 
 impl core::fmt::Write for Stderr {
@@ -41,10 +41,10 @@ fn on_panic(info: &PanicInfo<'_>) -> ! {
     process::exit(PANICKED)
 }
 
-/// A HardFault may come from a full stack, on which nothing can be pushed: the handler fetches the
-/// initial stack pointer from the vector table (at 0 on this board) before it runs Rust code.
-// SAFETY: cortex-m-rt wants the handler under this name. Nothing returns from it, so it may forget the
-// stack and the registers, and `describe` gets what the core left in them.
+/// A HardFault may come from a full stack that cannot take another push. So the handler fetches the initial stack
+/// pointer from the vector table (at 0 on this board) before it runs Rust code.
+// SAFETY: cortex-m-rt wants the handler under this name. Nothing returns from it, so it may forget the stack and the
+// registers, and `describe` gets the core's values in them.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 pub unsafe extern "C" fn HardFault() -> ! {

@@ -1,14 +1,13 @@
 //! The idle loop, which decides how fast virtual time passes.
 //!
-//! QEMU's virtual time counts instructions, 8 ns each, and while nothing happens it runs some 40 times as
-//! fast as the host's clock. A host program, which needs wall time, would look unbearably slow from in
-//! here: the motion would run dry between two lines, and the steps would depend on the host's mood. So
-//! there are two ways to idle:
+//! QEMU's virtual time counts instructions, 8 ns each, and while nothing happens it runs some 40 times as fast as the
+//! host's clock. A host program needs wall time, so it would look extremely slow from here: the motion would run dry
+//! between two lines, and the steps would depend on the host's load. So there are two ways to idle:
 //!
-//! - The Console waits for the host: semihosting calls, each of which takes the host a microsecond but
-//!   only two instructions here. A byte, which QEMU needs 45 to 65 us of wall time to bring, then takes 4
-//!   to 8 us of virtual time with all that is done about it, so the line is as fast as one of 2 Mbaud
-//!   (measured with QEMU 7.2 on two cores: 700 lines a second, and 7000 a virtual second).
+//! - The Console waits for the host by semihosting calls. Each takes the host a microsecond but only two instructions
+//!   here. QEMU needs 45 to 65 us of wall time for a byte, which then takes 4 to 8 us of virtual time with all its
+//!   handling. So the line is as fast as one of 2 Mbaud (measured with QEMU 7.2 on two cores: 700 lines a second, and
+//!   7000 a virtual second).
 //! - Otherwise: nops. WFI and WFE are out of the question, for QEMU then adds the host's delays to
 //!   virtual time, or passes it twice (seen in versions 7.2 and 10.0).
 

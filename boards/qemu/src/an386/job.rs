@@ -1,4 +1,4 @@
-//! The job: what the emulator's command line asks of this run.
+//! The job of this run, from the emulator's command line.
 //!
 //! `arg=IMAGE,arg=SETTINGS,arg=TRACE`: paths on the host without blanks. SETTINGS holds the machine and the
 //! position to be assumed at start, `(Settings, Option<[Mm; 3]>)` in postcard; TRACE takes the step events.
@@ -61,7 +61,7 @@ fn load<'b>(path: &str, buffer: &'b mut [u8; BLOB]) -> &'b [u8] {
 /// Calls `work` with `path` as the C string that semihosting takes.
 fn with_path<R>(path: &str, work: impl FnOnce(&CStr) -> R) -> R {
     let mut bytes = [0; LINE + 1];
-    // The command line, of which `path` is a part, has at most LINE bytes.
+    // The command line, which contains `path`, has at most LINE bytes.
     bytes[..path.len()].copy_from_slice(path.as_bytes());
     match CStr::from_bytes_until_nul(&bytes) {
         Ok(path) => work(path),

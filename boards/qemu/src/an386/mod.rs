@@ -1,4 +1,4 @@
-//! The board: who runs at which priority, and the start-up that hands everything out.
+//! The board: the contexts' priorities, and the start-up that hands everything out.
 //!
 //! | priority | context | runs |
 //! |---|---|---|

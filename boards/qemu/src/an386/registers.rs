@@ -49,9 +49,9 @@ pub mod uart {
 
     /// The byte received, or the byte to be sent.
     pub const DATA: Register = Register(0x4000_4000);
-    /// What is full; overruns, write 1 to clear.
+    /// Full buffers, and overruns, which are cleared by writing 1.
     pub const STATE: Register = Register(0x4000_4004);
-    /// What is switched on.
+    /// Enabled parts.
     pub const CTRL: Register = Register(0x4000_4008);
     /// Write 1 to take an interrupt back.
     pub const INTCLEAR: Register = Register(0x4000_400C);

@@ -81,7 +81,7 @@ impl Serial for UartSerial {
         let taken = bytes.iter().take_while(|byte| self.sending.enqueue(**byte).is_ok()).count();
         if taken > 0 {
             NVIC::pend(Irq::Transmitted);
-            // Who has something to say has got on, and may get on further.
+            // Output has made progress, and may make more.
             wake_console();
         }
         taken

@@ -24,13 +24,13 @@ pub fn size() -> usize {
 /// Room for what this room's functions have on the stack themselves.
 const OWN: usize = 256;
 
-/// Forgets what was used so far, so that [`used`] tells of what follows.
+/// Forgets the use so far, so that [`used`] reports only later use.
 pub fn forget() {
     let end = bounds().0;
     for address in (end..(msp::read() as usize).saturating_sub(OWN)).step_by(size_of::<u32>()) {
-        // SAFETY: the address is aligned and lies in RAM, so far below the stack pointer that nothing of
-        // value is there: this function's frame is smaller than OWN, and an interrupt that comes in
-        // between is over before the loop goes on.
+        // SAFETY: the address is aligned and lies in RAM, far enough below the stack pointer that nothing of value is
+        // there. This function's frame is smaller than OWN, and an interrupt that comes in between is over before the
+        // loop goes on.
         unsafe { write_volatile(address as *mut u32, 0) };
     }
 }
@@ -40,8 +40,8 @@ pub fn forget() {
 pub fn used() -> usize {
     let (end, start) = bounds();
     let is_untouched = |address: &usize| {
-        // SAFETY: the address is aligned and lies in the stack, which is RAM; any word is a valid u32, and
-        // a volatile read of one that changes gives the old value or the new.
+        // SAFETY: the address is aligned and lies in the stack, which is RAM. Any word is a valid u32, and a volatile
+        // read of a changing word gives the old value or the new.
         unsafe { read_volatile(*address as *const u32) == 0 }
     };
     let untouched = (end..start).step_by(size_of::<u32>()).take_while(is_untouched).count();

@@ -17,9 +17,9 @@ const LONGEST: u32 = 3 << 30;
 /// Counts are to ticks as 5 is to 2.
 const COUNTS_PER_TICK: (u64, u64) = (5, 2);
 
-/// How often the counter has passed a half of its range. The low bit says in which half it was last
-/// seen, so a reader knows which number belongs to the counter it read, even if the counter passed the
-/// next half in between. [`beat`] is the only writer and comes every millisecond; a half takes 86 s.
+/// Number of half ranges that the counter has passed. The low bit names the half in which it was last seen. So a reader
+/// knows the number for the counter that it read, even if the counter passed the next half in between. [`beat`] is the
+/// only writer and comes every millisecond; a half takes 86 s.
 static HALVES: AtomicU32 = AtomicU32::new(0);
 
 /// Counts since start.

@@ -1,7 +1,7 @@
 //! The step pins of a machine that does not exist: every event goes into a file.
 //!
-//! Semihosting takes no virtual time, so the step interrupt itself writes a full buffer out: the timing
-//! stays what it is on a printer, no event can get lost, and no other context is involved.
+//! Semihosting takes no virtual time, so the step interrupt itself writes out a full buffer. The timing stays the same
+//! as on a printer, no event can get lost, and no other context is involved.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -18,10 +18,10 @@ use super::time;
 /// The tick's lower 48 bits, the motors that step, and the directions; little-endian.
 type Record = [u8; 8];
 
-/// Records between two writes, each of which costs the emulator some microseconds of wall time.
+/// Records between two writes. A write costs the emulator some microseconds of wall time.
 const BUFFERED: usize = 512;
 
-/// The file, what is not in it yet, and the machine.
+/// The file, the records still to be written, and the machine.
 struct Trace {
     file: File,
     records: Vec<Record, BUFFERED>,
@@ -42,9 +42,9 @@ impl Trace {
         }
     }
 
-    /// Has the machine make the steps recorded, which went `forward`; nobody has looked at it since.
+    /// Makes the machine feel the recorded steps, which went `forward`; it has not been read since.
     fn feel(&mut self, forward: MotorSet) {
-        // Most sets have made none: going through all of them for all motors would hold up the next step.
+        // Most sets have made no steps: going through all of them for all motors would hold up the next step.
         for (groups, times) in (0..).zip(&mut self.unfelt).filter(|(_, times)| **times != 0) {
             self.rig.step_often(self.table.motors(GroupSet(groups)), forward, core::mem::take(times));
         }
@@ -68,7 +68,7 @@ pub fn last_step() -> u32 {
 
 static TRACE: Handover<Trace> = Handover::new();
 
-/// Writes out what is left; the step interrupt must be off.
+/// Writes out the rest; the step interrupt must be off.
 pub fn finish() {
     TRACE.with(Trace::flush);
 }
@@ -80,13 +80,14 @@ pub struct TracePort {
 }
 
 impl TracePort {
-    /// The port of the one machine, whose motors are grouped as in `table`.
+    /// The port of the one machine; `table` groups its motors.
     pub fn new(rig: Rig, table: MotorTable, file: File) -> Self {
         TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], table, rig });
         Self { table, forward: MotorSet::NONE }
     }
 
-    /// From now on a step of a group turns these motors. The machine feels what it has not felt yet as it was.
+    /// From now on a step of a group turns these motors. The machine first feels pending steps with the previous
+    /// coupling.
     pub fn couple(&mut self, coupling: &Coupling) {
         self.table = MotorTable::new(coupling);
         TRACE.with(|trace| {

@@ -60,7 +60,7 @@ pub fn prioritise(nvic: &mut NVIC, scb: &mut SCB) {
     unsafe { scb.set_priority(SystemHandler::SysTick, LINK_PRIORITY) };
 }
 
-/// Lets all interrupts in but that of the Console, which its executor enables.
+/// Enables all interrupts except the Console's, which its executor enables.
 pub fn enable() {
     for irq in [Irq::StepTimer, Irq::Received, Irq::Transmitted, Irq::Overrun, Irq::Generator, Irq::Thermal] {
         // SAFETY: called once from start-up, outside of any critical section.

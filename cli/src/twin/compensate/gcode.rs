@@ -1,9 +1,9 @@
-//! G-code that is sent ahead by what the tool would lag behind, for the firmware as it is.
+//! Compensates G-code for the tool's lag in advance, for the unchanged firmware.
 //!
-//! The file goes through the firmware once. Each stretch of motion between two rests is then a path in time, which is
-//! sent ahead ([`corehbot_twin::compensation`]) and written as chords, each with the feed that makes it last as long as
-//! it did. The planner must not slow them down: accelerations and corners are set so high that belt motors alone limit
-//! them (`motor_max_acceleration` of the machine). What the file's own limits asked for is in the times of the chords.
+//! The file goes through the firmware once. Each stretch of motion between two rests is then a path in time. It is sent
+//! ahead ([`corehbot_twin::compensation`]) and written as chords, each with a feed that keeps its duration. The planner
+//! must not slow them down: accelerations and corners are set so high that belt motors alone limit them
+//! (`motor_max_acceleration` of the machine). The durations of the chords already contain the file's own limits.
 
 use super::sections::{Kind, Line, Modes, Section, is_kept, is_origin, sections};
 use crate::printer::Printer;
@@ -35,12 +35,12 @@ const MARGIN: u64 = 300_000;
 /// Decimals of a way: 0.01 um.
 const DECIMALS: i32 = 5;
 
-/// Ways of the tool shorter than this, 2 um, wait: the firmware takes less than 0.5 um for none, and filament that goes
-/// with them would have their speed.
+/// Ways of the tool shorter than this, 2 um, wait. The firmware counts less than 0.5 um as no way, and filament that
+/// goes with them would get their speed.
 const LEAST_WAY: i64 = 200;
 
-/// What the chords are planned by: the greatest legal values, so that motors limit x and y alone. From chord to chord
-/// the speed of filament changes by less than this jerk.
+/// The limits for planning the chords: the greatest legal values, so that motors limit x and y alone. From chord to
+/// chord the speed of filament changes by less than this jerk.
 const LIMITS: &str = "M201 X100000 Y100000 Z100000 E100000\nM204 P100000 R100000 T100000\nM205 J1 E20\n";
 
 /// A file that was played, in sections.
@@ -82,7 +82,7 @@ impl Played {
         Ok(Self { settings, sections, ends, steps })
     }
 
-    /// Writes it anew for a machine that begins with its tool at `start`, as stiff and heavy as `believed`.
+    /// Rewrites it for a machine that begins with its tool at `start`, with the stiffness and masses of `believed`.
     pub(super) fn compensated(
         &self,
         (machine, believed): (Machine, &Params),
@@ -132,7 +132,7 @@ impl Played {
         Ok(done)
     }
 
-    /// Steps after the last homing, of what was played or of what was made of it, and where the tool is then.
+    /// Steps after the last homing, of the played file or of its compensated version, and the tool's place then.
     pub(super) fn after_homing(&self, steps: &StepTrace, ends: &[usize], start: Place) -> (StepTrace, Place) {
         let is_homing =
             |(section, _): &(Section, Modes)| matches!(section, Section::Still(text) if text.starts_with("G28"));
@@ -195,7 +195,7 @@ impl Host for Marked<'_, '_> {
         let before = out.len();
         self.host.send(out);
         let Some(sent) = out.get(before..).filter(|sent| !sent.is_empty()) else { return };
-        // What was sent before has been answered.
+        // All earlier lines have been answered.
         if self.is_resting {
             self.ends.push(self.count.get());
         }
@@ -300,7 +300,7 @@ impl Stretch {
         stretch
     }
 
-    /// Writes its chords and what is carried out under way; says how many chords.
+    /// Writes its chords and the commands under way; returns the number of chords.
     fn write(self, lead: &Lead, lines: &[Line], text: &mut String) -> usize {
         let count = lead.meant.len();
         let (zs, es) = (sampled(self.zs, count), sampled(self.es, count));
@@ -341,7 +341,7 @@ fn made(way: [i64; 4], is_last: bool) -> [i64; 4] {
     if is_short && !is_last { [0, 0, 0, e] } else { way }
 }
 
-/// Writes a move of so many units of the last decimal in so many s, if it is one.
+/// Writes a move of `way` units of the last decimal in `duration_s`, if it is one.
 fn chord(way: [i64; 4], duration_s: f64, text: &mut String) -> bool {
     let mm = way.map(|units| units as f64 / 10_f64.powi(DECIMALS));
     let tool = mm[..3].iter().map(|way| way * way).sum::<f64>().sqrt();
@@ -359,7 +359,7 @@ fn chord(way: [i64; 4], duration_s: f64, text: &mut String) -> bool {
     true
 }
 
-/// Writes what is left of a command beside moves that come planned.
+/// Writes the rest of a command, without moves, which are planned elsewhere.
 fn pass(line: &Line, text: &mut String) {
     match line.kind {
         // Places get their names where the stretch ends.
@@ -375,7 +375,7 @@ fn head() -> String {
         .to_owned()
 }
 
-/// The machine's limits of what stands between stretches, as homing.
+/// The machine's limits for commands between stretches, such as homing.
 fn limits(s: &Settings) -> String {
     let [x, y, z, e] = s.axes.to_array().map(|axis| axis.max_acceleration);
     let (print, retract, travel) = (s.print_acceleration, s.retract_acceleration, s.travel_acceleration);
@@ -391,7 +391,7 @@ fn limits(s: &Settings) -> String {
 fn tail(s: &Settings, sections: &[(Section, Modes)]) -> String {
     let mut text = format!("M900 K{}\n", s.advance.time);
     for (letter, shaper) in [('X', s.shapers.x), ('Y', s.shapers.y)] {
-        // Numbered from 0 on as `all` has them, without the one that is none.
+        // Numbered from 0 on as `all` has them, without the kind "none".
         let kinds = ShaperKind::all().filter(|kind| *kind != ShaperKind::None);
         if let Some((number, _)) = kinds.enumerate().find(|(_, kind)| *kind == shaper.kind) {
             let _ = writeln!(text, "M593 {letter} F{} D{} T{number}", shaper.frequency, shaper.damping);

@@ -1,4 +1,4 @@
-//! Measure: what is left of the error on the machine with rotors, and how much of it is not the machine's.
+//! Measures the remaining error on the machine with rotors, and the part of it that the machine does not cause.
 
 use crate::stop::Stop;
 use crate::twin::play::{RunModel, play};
@@ -8,7 +8,7 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::steps::StepTrace;
 use serde::Serialize;
 
-/// Belts and fields that hardly give way are so many times as stiff.
+/// Belts and fields that hardly give way are this many times as stiff.
 const RIGID: f64 = 50.0;
 
 /// RMS and greatest error in um.
@@ -18,12 +18,12 @@ pub(super) struct Error {
     max_um: f64,
 }
 
-/// What is left.
+/// The remaining errors.
 #[derive(Serialize)]
 pub(super) struct Measured {
     /// As the file is.
     before: Error,
-    /// Compensated by what the machine is.
+    /// Compensated by the machine's true values.
     after: Error,
     /// By belts and fields 20 % softer than they are.
     too_soft: Error,

@@ -1,4 +1,4 @@
-//! `twin compensate`: G-code, or a step trace, that goes ahead by what the tool would lag behind.
+//! `twin compensate`: compensates G-code, or a step trace, for the tool's lag in advance.
 
 mod gcode;
 mod measure;
@@ -40,8 +40,8 @@ pub(crate) struct Compensate {
     /// Over how many ms (standard deviation of a Gaussian) the path is smoothed before its acceleration is taken.
     #[arg(long, value_name = "MS", value_parser = parse_width, default_value = "1")]
     smooth: f64,
-    /// Plays both on the machine with rotors, as it is believed to be and with belts and fields 20 % off, and tells
-    /// what is left.
+    /// Plays both on the machine with rotors, with the believed values and with belts and fields 20 % off, and reports
+    /// the remaining error.
     #[arg(long)]
     measure: bool,
     /// What moves besides the tool where it is measured.
@@ -51,7 +51,7 @@ pub(crate) struct Compensate {
     json: Json,
 }
 
-/// What was done.
+/// The result.
 #[derive(Serialize)]
 struct Answer {
     /// The most that the tool is sent ahead, along x and y.
@@ -77,7 +77,7 @@ impl std::fmt::Display for Answer {
     }
 }
 
-/// A compensated file: its text, the steps that it makes, how many there are with homing, and what it took.
+/// A compensated file: its text, its steps, their number with homing, and the greatest lead.
 struct Done {
     text: Vec<u8>,
     steps: StepTrace,
@@ -86,7 +86,7 @@ struct Done {
     chords: Option<usize>,
 }
 
-/// What is compensated.
+/// The input to compensate.
 enum Given {
     Trace(StepTrace),
     Gcode(Box<Played>),

@@ -1,8 +1,8 @@
-//! Sections: a G-code file as stretches of motion and what stands between them.
+//! Sections: a G-code file as stretches of motion and the commands between them.
 //!
-//! A stretch goes on as long as no command makes the motion end: those that set limits, the feed, shapers or the
-//! advance shape the plan of the stretch and are then in it; those that look after heat, fans and displays are carried
-//! out under way. Everything else, as homing, waiting or switching motors off, stands by itself between two stretches.
+//! A stretch goes on as long as no command makes the motion end. Commands that set limits, the feed, shapers or the
+//! advance shape the plan of the stretch and belong to it. Commands for heat, fans and displays are carried out under
+//! way. Every other command, such as homing, waiting or switching motors off, stands alone between two stretches.
 
 use corehbot_sim::file_line::{command_of, words};
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 /// A part of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Section {
-    /// Moves, and what is carried out under way.
+    /// Moves, and commands carried out under way.
     Motion(Vec<Line>),
     /// A command that motion ends for.
     Still(String),
@@ -25,7 +25,7 @@ pub(super) struct Line {
     pub kind: Kind,
 }
 
-/// What a command is to a stretch.
+/// The role of a command in a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// It moves the tool or the filament.
@@ -61,8 +61,8 @@ pub(super) fn is_origin(text: &str) -> bool {
     matches!(words(text).next(), Some(('G', Some(92.0))))
 }
 
-/// Whether a command about planning is said where moves come planned, too: greatest speeds are, for they are of motors
-/// and screws.
+/// Whether a command about planning is also written where moves come planned. Only greatest speeds are, because they
+/// belong to motors and screws.
 pub(super) fn is_kept(text: &str) -> bool {
     matches!(words(text).next(), Some(('M', Some(203.0))))
 }
@@ -137,8 +137,8 @@ impl Modes {
         }
     }
 
-    /// The lines that set them after a stretch, and say what its end is called: on the way the tool is ahead of its
-    /// path, and filament goes by its steps, flow and all.
+    /// The lines that set them after a stretch, and that name its end. On the way the tool is ahead of its path, and
+    /// filament goes by its steps, flow and all.
     pub(super) fn text(self, stretch: &[Line]) -> String {
         let mut origin = String::new();
         for (letter, at) in ['X', 'Y', 'Z', 'E'].into_iter().zip(self.at) {

@@ -1,4 +1,4 @@
-//! Check: what a study's file must say to be one.
+//! Check: the conditions for a study's file.
 
 use super::error::StudyError;
 use super::form::{AxisToml, MethodToml, QueryToml, RangeToml, StudyToml};
@@ -14,7 +14,7 @@ const FARTHEST_MM: f64 = 5000.0;
 
 type Checked<T> = Result<T, StudyError>;
 
-/// What is wrong with all but the numbers that are varied, if anything.
+/// The first problem besides the varied numbers, if any.
 pub(super) fn check(study: &StudyToml) -> Checked<()> {
     let wrong = |key: &str, why: &str| Err(StudyError::value(key, why));
     let computes = |query| study.compute.contains(&query);
@@ -101,7 +101,7 @@ pub(super) fn design(study: &StudyToml) -> Checked<(Vec<String>, Design)> {
     Ok((keys, design))
 }
 
-/// How many samples a design has on so many machines.
+/// The number of samples of a design on `machines` machines.
 pub(super) fn samples(design: &Design, machines: usize) -> Checked<usize> {
     let samples = design.points().and_then(|points| points.checked_mul(machines));
     samples

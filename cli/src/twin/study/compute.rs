@@ -10,7 +10,7 @@ use rayon::ThreadPoolBuilder;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use std::sync::{Mutex, PoisonError};
 
-/// Computes what is not among `kept`, on so many threads (none: as many as there are cores).
+/// Computes the samples that are not among `kept`, on this many threads (`None`: one a core).
 ///
 /// All samples in their order; if it was stopped, those that were finished.
 ///

@@ -1,16 +1,16 @@
-//! What can be wrong with the file of a study, and where in it.
+//! Errors of a study's file, and their places in it.
 
 use corehbot_machine_file::{Place, with_suggestion, words};
 use std::fmt;
 
-/// What is wrong.
+/// The error.
 #[derive(Debug)]
 pub(super) enum StudyError {
     /// Not TOML, an unknown key, or a value of the wrong type.
     Syntax(toml::de::Error),
     /// A number that no machine has by this name, at a byte of the file.
     UnknownNumber { at: usize, key: String, known: Vec<String> },
-    /// What a key says cannot be.
+    /// The value of a key is impossible.
     Value { key: String, why: String },
 }
 

@@ -1,6 +1,6 @@
-//! Figures: the columns of each query, and what is worse in them.
+//! Figures: the columns of each query, and the direction in which they are worse.
 
-/// A column: its name with its unit, and what is worse in it.
+/// A column: its name with its unit, and whether more or less is worse.
 #[derive(Clone, Copy)]
 pub(super) struct Figure {
     /// Its name with its unit.

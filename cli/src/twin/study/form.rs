@@ -14,22 +14,22 @@ use toml::Spanned;
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StudyToml {
-    /// What is computed of each sample.
+    /// The queries for each sample.
     pub compute: Vec<QueryToml>,
     /// The machines, each with the same numbers.
     #[serde(default = "corehbot")]
     pub machines: Vec<MachineArg>,
-    /// What may move besides the tool, where nothing is played; without it, what each question's command has.
+    /// Parts that may move besides the tool, where nothing is played; without it, the default of each query's command.
     pub model: Option<ModelArg>,
     /// Where the tool is, in mm from motor 1's axis; neither: in the middle of its reach.
     pub at: Option<[f64; 2]>,
-    /// Columns and rows of places over the reach, of which the worst counts.
+    /// Columns and rows of places over the reach; the worst place counts.
     pub worst_of: Option<[usize; 2]>,
     /// How samples are chosen.
     pub method: MethodToml,
     /// How many a Latin hypercube has.
     pub samples: Option<usize>,
-    /// What a Latin hypercube draws its numbers from.
+    /// The seed of a Latin hypercube.
     pub seed: Option<u64>,
     /// The numbers that are varied, by their keys.
     pub vary: BTreeMap<Spanned<String>, AxisToml>,
@@ -76,7 +76,7 @@ pub(super) enum AxisToml {
     Range(RangeToml),
 }
 
-/// From one value to another, on a grid so many.
+/// From one value to another, in a number of grid points.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RangeToml {
@@ -120,7 +120,7 @@ impl Default for ResonanceToml {
     }
 }
 
-/// What is played.
+/// The file to play.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RunToml {
@@ -142,7 +142,7 @@ const fn rotors() -> RunModel {
     RunModel::Rotors
 }
 
-/// By hand, so that what is wrong inside of a range is said, and where.
+/// By hand, so that an error inside a range is reported with its place.
 impl<'de> Deserialize<'de> for AxisToml {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Either;

@@ -1,9 +1,9 @@
-//! Journal: the samples that are finished, kept beside the result until that is whole.
+//! Journal: the finished samples, in a file next to the result until that is complete.
 //!
-//! A file that is only appended to, a line a sample ([`super::line`]), the study's own line first. A process that is
-//! killed leaves at most half a line at its end: what has no line end is cut off before the next sample is written, and
-//! a line whose check is wrong is as if it were not there. Nobody else may write while one process does; where files
-//! cannot be locked, as on some network drives, the user is asked to see to it.
+//! A file that is only appended to, one line a sample ([`super::line`]), the study's own line first. A killed process
+//! leaves at most half a line at its end. A last line without a line end is cut off before the next sample is written,
+//! and a line with a wrong check is ignored. Only one process may write at a time. Some network drives cannot lock
+//! files; there the user must make sure of that.
 
 use super::line;
 use super::plan::{Sample, Study};
@@ -13,7 +13,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What the names of journals end in.
+/// Suffix of journals.
 const ENDING: &str = ".journal";
 
 /// A journal, open for more samples.
@@ -80,7 +80,7 @@ impl Journal {
         if self.is_empty { self.remove() } else { Ok(()) }
     }
 
-    /// The samples in it; what is not whole at its end is cut off.
+    /// The samples in it; an incomplete line at its end is cut off.
     fn read(&mut self, study: &Study) -> Result<Vec<Sample>> {
         let mut bytes = Vec::new();
         self.file.seek(SeekFrom::Start(0)).and_then(|_| self.file.read_to_end(&mut bytes)).context("cannot read it")?;

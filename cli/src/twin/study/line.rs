@@ -1,15 +1,15 @@
 //! Lines of a journal: a sample each, with a check at the end by which a line that was cut is known.
 //!
-//! `corehbot twin sweep STUDY.toml --sample I` prints one, so a journal can also be put together from what other
-//! machines have computed. A line is one JSON object; its last entry is the check, the first four bytes of the SHA-256
-//! of what stands before it.
+//! `corehbot twin sweep STUDY.toml --sample I` prints one, so a journal can also be joined from the samples of other
+//! machines. A line is one JSON object. Its last entry is the check, the first four bytes of the SHA-256 of the text
+//! before it.
 
 use super::plan::{Point, Sample, Study};
 use serde::{Deserialize, Serialize, Serializer};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 
-/// What a line's check begins with.
+/// Begin of a line's check.
 const CHECK: &str = ",\"check\":\"";
 
 /// Bytes of a check.
@@ -24,7 +24,7 @@ impl Serialize for Entries<'_> {
     }
 }
 
-/// What a journal begins with.
+/// The first line of a journal.
 #[derive(Serialize, Deserialize)]
 struct Head {
     study: String,

@@ -1,19 +1,18 @@
-//! Study: what follows when numbers of the machine vary, as a file says (`corehbot twin sweep STUDY.toml`).
+//! Study: results for varied numbers of the machine, as a file describes (`corehbot twin sweep STUDY.toml`).
 //!
-//! A sample is a pure function of the study and of its number; so they can be computed in any order, on any number of
-//! cores and computers, be interrupted and gone on with, and the result is the same bytes: with one build of the
-//! command, on one kind of machine. What `sin`, `tanh`, `exp` and `hypot` round to differs between C libraries and
-//! processors.
+//! A sample is a pure function of the study and of its number. So samples can be computed in any order, on any number
+//! of cores and computers, and be interrupted and resumed. The result is the same bytes, with one build of the command
+//! on one kind of machine. C libraries and processors round `sin`, `tanh`, `exp` and `hypot` differently.
 //!
 //! | file | job |
 //! |---|---|
-//! | `form`, `check`, `error` | the study's file, what is legal in it, and what is said of what is not |
+//! | `form`, `check`, `error` | the study's file, its legal values, and the messages about illegal ones |
 //! | `read` | from there to a plan, with the files that it names |
-//! | `plan`, `query`, `figure` | samples by their numbers, what is asked of them, and the columns of that |
+//! | `plan`, `query`, `figure` | samples by their numbers, their queries, and the columns of these |
 //! | `played` | the file that samples play, read when the first one is computed |
 //! | `compute` | all samples, on all cores |
 //! | `line`, `journal` | finished samples in a file that may be cut at any byte |
-//! | `results`, `table`, `summary`, `page` | what becomes of them |
+//! | `results`, `table`, `summary`, `page` | the outputs of a study |
 
 mod check;
 mod compute;
@@ -46,10 +45,11 @@ use journal::Journal;
 use results::{Results, Wanted};
 use std::path::{Path, PathBuf};
 
-/// What a study is told on the command line.
+/// Command-line options of a study.
 #[derive(Args)]
 pub(super) struct Options {
-    /// Where the table of a study goes; `-` is standard output. What is finished is kept beside it until it is whole.
+    /// File for the table of a study; `-` is standard output. Finished samples are kept next to it until it is
+    /// complete.
     #[arg(short, long, value_name = "OUT.csv", conflicts_with_all = ["vary", "sample", "plan"])]
     output: Option<PathBuf>,
     /// How many samples are computed at once; as many as there are cores without it.
@@ -58,10 +58,11 @@ pub(super) struct Options {
     /// Writes a page with a picture of each figure over each number.
     #[arg(long, value_name = "R.html", conflicts_with_all = ["vary", "sample", "plan"])]
     report: Option<PathBuf>,
-    /// Computes one sample, counted from 0, and prints it as the line of a journal: the task of a computer among many.
+    /// Computes one sample, counted from 0, and prints it as the line of a journal: the task of one computer among
+    /// many.
     #[arg(long, value_name = "I", conflicts_with_all = ["vary", "plan"])]
     sample: Option<usize>,
-    /// Prints the first line of the study's journal, which says how many samples there are.
+    /// Prints the first line of the study's journal, with the number of samples.
     #[arg(long, conflicts_with = "vary")]
     plan: bool,
 }
@@ -72,10 +73,10 @@ impl Options {
         self.jobs.map(usize::from)
     }
 
-    /// Does what they say with the study of a file.
+    /// Runs the study of a file with these options.
     ///
     /// # Errors
-    /// The study is none, its journal is another one's, or an output cannot be written.
+    /// The study is invalid, its journal belongs to another study, or an output cannot be written.
     pub(super) fn answer(&self, file: &Path, json: &Json) -> Result<u8> {
         let stop = Stop::at_signals()?;
         let study = read::read(file)?;
@@ -99,7 +100,7 @@ impl Options {
         let (results, samples) = match computed {
             Ok(computed) => computed,
             Err(error) => {
-                // What went wrong first is told, not that this does too.
+                // The first error is reported, not that this fails too.
                 let _ = journal.map(Journal::remove_if_empty);
                 return Err(error);
             }

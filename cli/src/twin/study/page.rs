@@ -10,7 +10,7 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
 use std::io::Write;
 
-/// Most samples that are drawn; of more, those of points chosen by chance.
+/// Most samples that are drawn; of more, the samples of points chosen by chance.
 const MOST_DRAWN: usize = 5000;
 
 #[derive(Serialize)]
@@ -66,9 +66,9 @@ pub(super) fn write(
     fill(out, STUDY, &data).context("cannot write the report")
 }
 
-/// At most so many of a design's points, by their numbers: those whose hash is least.
+/// At most `most` of a design's points, by their numbers: the points with the least hashes.
 ///
-/// Every nth one would leave out whole levels of a grid, of which the last number changes fastest.
+/// Every nth one would leave out whole levels of a grid, because its last number changes fastest.
 fn chosen(points: usize, most: usize) -> BTreeSet<usize> {
     let mut order: Vec<usize> = (0..points).collect();
     if points > most {
@@ -85,7 +85,7 @@ mod tests {
     use serde_json::Value;
     use std::collections::BTreeMap;
 
-    /// Two machines, and 10 * 6 * 60 points, of which a page draws 2,500.
+    /// Two machines, and 10 * 6 * 60 points; a page draws 2,500 of them.
     const STUDY: &str = "\
 compute = [\"stiffness\"]
 machines = [\"corehbot\", \"corexy\"]

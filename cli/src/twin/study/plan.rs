@@ -11,7 +11,7 @@ use corehbot_twin::sampling::Design;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Most samples of a study: what the table of them takes in memory.
+/// Most samples of a study, for the memory of their table.
 pub(in crate::twin) const MOST: usize = 1_000_000;
 
 /// A study.
@@ -28,13 +28,13 @@ pub(in crate::twin) struct Study {
     pub(super) design: Design,
     /// How many samples that makes.
     pub(super) samples: usize,
-    /// What is computed.
+    /// The queries.
     pub(super) queries: Vec<Query>,
     /// The files that it is made of.
     pub(super) inputs: Vec<PathBuf>,
 }
 
-/// What a sample is of.
+/// The subject of a sample.
 pub(in crate::twin) struct Point {
     pub machine: Machine,
     /// The values of the numbers that are varied.
@@ -46,7 +46,7 @@ pub(in crate::twin) struct Point {
 pub(in crate::twin) struct Sample {
     /// Its number, counted from 0.
     pub number: usize,
-    /// Its figures, where there is such a figure; or why it has none.
+    /// Its figures, as far as each exists; or why it has none at all.
     pub outcome: Result<Vec<Option<f64>>, String>,
 }
 
@@ -74,7 +74,7 @@ impl Study {
         self.queries.iter().flat_map(|query| query.figures()).map(|figure| figure.name)
     }
 
-    /// What the sample of this number is of.
+    /// The subject of the sample with this number.
     pub(in crate::twin) fn point(&self, number: usize) -> Option<Point> {
         let machine = *self.machines.get(number.checked_rem(self.machines.len())?)?;
         let values = self.design.point(number / self.machines.len())?;
@@ -89,7 +89,7 @@ impl Study {
         self.queries.iter().try_for_each(|query| query.load(stop))
     }
 
-    /// Computes a sample; none if there is no such sample, if what it plays was not loaded, or if it was stopped.
+    /// Computes a sample; `None` if there is no such sample, if its file was not loaded, or if it was stopped.
     pub(super) fn sample(&self, number: usize, stop: &Stop) -> Option<Sample> {
         let point = self.point(number).filter(|_| self.queries.iter().all(Query::is_loaded))?;
         let outcome = self.outcome(&point, stop);
@@ -111,7 +111,7 @@ impl Study {
     }
 }
 
-/// Why numbers are none of a machine.
+/// Why numbers do not make a machine.
 #[derive(Debug)]
 pub(in crate::twin) enum NotVaried {
     /// No number has the key.

@@ -1,4 +1,4 @@
-//! Played: the file whose steps samples play, read when the first sample is computed.
+//! Played: the file with the steps for samples, read when the first sample is computed.
 //!
 //! G-code goes through the firmware, which takes its time; the first line of a journal and the table of finished
 //! samples do not wait for it.

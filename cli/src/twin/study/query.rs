@@ -1,4 +1,4 @@
-//! Queries: what is computed of a sample, as figures in columns.
+//! Queries: computations on a sample, as figures in columns.
 
 use super::figure::{Figure, LIMITS, MODES, PUSH, RESONANCE, RUN, STIFFNESS};
 use super::played::Played;
@@ -26,7 +26,7 @@ pub(in crate::twin) enum Places {
     Centre,
     /// At one place.
     At(Place),
-    /// At so many columns and rows over the reach; of each figure the worst counts.
+    /// At this many columns and rows over the reach; the worst value of each figure counts.
     Worst([usize; 2]),
 }
 
@@ -53,7 +53,7 @@ impl Query {
         }
     }
 
-    /// Reads what it plays, if it plays anything.
+    /// Reads its file, if it plays one.
     ///
     /// # Errors
     /// It cannot be played, or it was stopped.

@@ -1,4 +1,4 @@
-//! Read: from a study's file to what is computed, with the files that it names.
+//! Read: from a study's file to its computation, with the files that it names.
 
 use super::check::{check, design, samples};
 use super::error::StudyError;
@@ -15,10 +15,10 @@ use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
-/// Reads a study; what it plays is only hashed.
+/// Reads a study; a played file is only hashed.
 ///
 /// # Errors
-/// What is wrong, with file, line and column.
+/// The error, with file, line and column.
 pub(super) fn read(path: &Path) -> Result<Study> {
     let file = path.display();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
@@ -49,8 +49,8 @@ fn beside(path: &Path, file: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(file)
 }
 
-/// What the last bits of the samples depend on besides the build: the C library rounds `sin`, `tanh`, `exp` and `hypot`
-/// in its own way, and does it by what the processor has.
+/// The last bits of the samples depend on these besides the build. The C library rounds `sin`, `tanh`, `exp` and
+/// `hypot` in its own way, which also depends on the processor's features.
 pub(super) const PLATFORM: [&str; 3] = [std::env::consts::ARCH, std::env::consts::OS, C_LIBRARY];
 
 /// The C library, as the target's name ends in it.
@@ -106,7 +106,7 @@ fn query(query: QueryToml, form: &StudyToml, path: &Path) -> Option<Query> {
     }
 }
 
-/// The model of a question without `model`: that of its command.
+/// The model of a query without `model`: the default of its command.
 pub(super) const fn model(query: QueryToml) -> ModelArg {
     match query {
         QueryToml::Limits | QueryToml::Resonance => ModelArg::Rotors,

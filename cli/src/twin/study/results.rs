@@ -1,5 +1,5 @@
-//! Results: the files that a study makes, claimed before it is computed, so that one that cannot be written is told in
-//! the first second and not after hours.
+//! Results: the files that a study makes. They are claimed before the computation, so that an unwritable one is
+//! reported in the first second and not after hours.
 
 use super::page;
 use super::plan::{Sample, Study};
@@ -31,7 +31,7 @@ pub(super) struct Results {
 }
 
 impl Results {
-    /// Opens them; none may be one of the study's files, or its journal.
+    /// Opens them; no result may be one of the study's files, or its journal.
     ///
     /// # Errors
     /// One cannot be written, or is an input or another output.

@@ -1,4 +1,4 @@
-//! Summary: what a study says in a few lines: the range of each figure, and which of the varied numbers it follows.
+//! Summary: a study in a few lines: the range of each figure, and the varied numbers that it follows.
 
 use super::plan::{Sample, Study};
 use serde::Serialize;
@@ -11,7 +11,7 @@ pub(super) struct Summary {
     samples: usize,
     /// Those that have no figures.
     failed: usize,
-    /// Why the first of these has none.
+    /// Why the first of these has no figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     first_failure: Option<String>,
     figures: Vec<Column>,
@@ -62,7 +62,7 @@ impl Summary {
 /// The values of a sample's numbers, and its figures.
 type Row = (Vec<f64>, Vec<Option<f64>>);
 
-/// The ranks of the numbers among some rows; most figures are those of the same rows.
+/// The ranks of the numbers among some rows; most figures have the same rows.
 #[derive(Default)]
 struct Ranked {
     rows: Vec<usize>,
@@ -90,7 +90,7 @@ impl Ranked {
     }
 }
 
-/// A figure that some rows have, beside the numbers that it came from.
+/// A figure that some rows have, next to the numbers that it came from.
 fn column(
     (machine, name): (&'static str, &'static str),
     figure: usize,
@@ -148,7 +148,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// Pearson's correlation; none if one of them does not vary.
+/// Pearson's correlation; `None` if one of them does not vary.
 fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (mean_a, mean_b) = (mean(a), mean(b));
@@ -193,8 +193,8 @@ const TOLD: f64 = 0.3;
 /// Standard deviations that chance is given: if they are normal, one in 370 is above them.
 const CHANCE: f64 = 3.0;
 
-/// What a correlation of so many samples must be above. Over all orders of n ranks its standard deviation is
-/// 1 / sqrt(n - 1), so of ten samples and fewer none is told.
+/// The threshold for reporting a correlation of `count` samples. Over all orders of n ranks its standard deviation is 1
+/// / sqrt(n - 1), so ten samples and fewer report none.
 fn told_above(count: usize) -> f64 {
     TOLD.max(CHANCE / (count.saturating_sub(1) as f64).sqrt())
 }
@@ -202,7 +202,7 @@ fn told_above(count: usize) -> f64 {
 /// Decimals that people are shown at most.
 const DECIMALS: i32 = 9;
 
-/// Some five digits, as people read them; what has none within the decimals is 0.
+/// Some five digits, as people read them; 0 if the decimals hold no digit.
 fn significant(value: f64) -> String {
     if is_shown_as_zero(value) {
         return "0".to_owned();
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn rounding_follows_nothing() {
-        // Some units in the last place of what is constant, and of what should be 0, both rising.
+        // Some units in the last place of a constant, and of a value that should be 0, both rising.
         let row = |v: f64| (vec![v], vec![Some(287.5 * (1.0 + v * f64::EPSILON)), Some(v * 1e-15), Some(v)]);
         let rows: Vec<_> = (0..50).map(f64::from).map(row).collect();
         assert!(of(&["k"], 0, &rows).rank_correlation.is_empty());

@@ -1,7 +1,7 @@
 //! Table: samples as CSV, a row each, in their order.
 //!
-//! A number is the shortest one that reads back to the same bits, a figure that does not exist is empty, and the last
-//! column says why a row has no figures.
+//! A number is the shortest one that reads back to the same bits, and a missing figure is empty. The last column says
+//! why a row has no figures.
 
 use super::plan::{Sample, Study};
 use std::io::{self, Write};

@@ -1,4 +1,4 @@
-//! Studies as a whole: what a file says, and that the result is the same bytes whatever happens on the way.
+//! Studies as a whole: the content of a file, and that the result is the same bytes whatever happens on the way.
 
 use super::*;
 use std::fs;
@@ -22,7 +22,7 @@ fn study(folder: &Path, text: &str) -> Result<Study> {
     read::read(&file)
 }
 
-/// What a study is told from others by, on a platform.
+/// The identity of a study, on a platform.
 fn identity_on(file: &Path, platform: [&str; 3]) -> String {
     let form: form::StudyToml = toml::from_str(&fs::read_to_string(file).unwrap()).unwrap();
     let (keys, _) = check::design(&form).unwrap();
@@ -92,7 +92,7 @@ fn a_line_that_was_damaged_is_computed_again_and_one_that_came_twice_counts_once
 fn what_is_played_is_read_when_a_sample_is_missing() {
     let folder = tempfile::tempdir().unwrap();
     let text = "compute = [\"run\"]\nmethod = \"grid\"\n[vary]\npreload_N = [30, 40, 50]\n[run]\nfile = \"s.gcode\"\n";
-    // An emergency stop: nobody gets steps of it.
+    // An emergency stop: the file gives no steps.
     fs::write(folder.path().join("s.gcode"), "M112\n").unwrap();
     let (study, output) = (study(folder.path(), text).unwrap(), folder.path().join("s.csv"));
     assert!(line::head(&study).unwrap().contains("\"samples\":3"));
@@ -201,7 +201,7 @@ fn of_a_grid_of_places_the_worst_counts() {
     assert_eq!(worst[6].map(f64::abs), all(6).map(f64::abs).reduce(f64::max));
 }
 
-/// The study in docs/research/twin.md has every key; what it asks is answered as the twin's own commands answer it.
+/// The study in docs/research/twin.md has every key; its queries get the same answers as from the twin's own commands.
 #[test]
 fn the_study_in_the_documentation_is_one() {
     use corehbot_twin::queries::{Setup, limits::Limits, push::Push, resonance::Resonance};
@@ -232,7 +232,7 @@ fn the_study_in_the_documentation_is_one() {
     assert!(figure("slips") == 0.0 && figure("tension_min_N") < 50.0 && figure("torque_margin") < 1.0);
 }
 
-/// What a study does not say is what the question's own command takes.
+/// A key that a study leaves out has the default of the query's own command.
 #[test]
 fn what_is_left_out_is_as_the_commands_have_it() {
     use crate::twin::limits::LimitsArgs;
