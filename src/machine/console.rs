@@ -1,6 +1,6 @@
 //! The Console: lines in, replies out, one command after the other.
 //!
-//! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. It owns two things: the main loop, which
+//! Its loop is `serve`: take a line, carry it out, send the answer, send `ok`. It owns two things: the main loop, which
 //! runs during every wait of every command, and the states of commands, which the main loop never needs. A command gets
 //! the main loop and the states that it names; no file but this one knows the Console.
 //!
@@ -172,7 +172,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 }
 
-/// Tells what there is to say to a line, and its `ok`.
+/// Sends the answer to a line, and its `ok`.
 async fn reply_to<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     answer: Answer<'_>,
@@ -185,8 +185,8 @@ async fn reply_to<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// The line that is kept goes on: its print does, and if it could not be carried out before, it is now. What there is
-/// to say to it then; `None` if it goes on being kept.
+/// The kept line continues: its print does, and if the line could not be carried out before, it is now. Returns its
+/// answer; `None` if it stays kept.
 async fn take_up<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,

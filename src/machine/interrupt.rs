@@ -5,11 +5,11 @@
 pub(super) enum Interrupt {
     /// M112, or a fault that only a reset ends.
     Halt,
-    /// A motor of the belt has failed, and the others are to park the tool; then it is a halt.
+    /// A motor of the belt has failed, and the others park the tool; then it is a halt.
     Limp,
     /// M410.
     QuickStop,
-    /// Motors may not have power; the host was told why. Nothing was planned.
+    /// Motors may not have power; the host got the reason. Nothing was planned.
     NoPower,
     /// The job ends, the machine stays: why, [`Job`](super::state::job::Job) knows.
     EndJob,

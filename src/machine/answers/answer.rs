@@ -1,7 +1,7 @@
 //! Answers: the result of a command, as a value. `answer` holds the result, `report` the wording.
 //!
 //! A command returns its answer; `main_loop::tell` writes it, and the Console then sends the `ok`. A new reply is a
-//! variant here and an arm in `main_loop::tell`. A reply of several lines gets a function of its own, in `reports`. An
+//! variant here and an arm in `main_loop::tell`. A reply of several lines gets its own function in `reports`. An
 //! `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
@@ -19,18 +19,18 @@ use crate::port::{EndstopSet, Motor};
 use crate::protocol::{Action, ResendReason};
 use crate::status::Tuned;
 
-/// What there is to say. Numbers that everybody knows are looked up when they are written; those that a command keeps
-/// for itself are part of the answer.
+/// An answer. Numbers that everybody knows are looked up when they are written; those that a command keeps for itself
+/// are part of the answer.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum Answer<'a> {
-    /// Nothing, but for the `ok`.
+    /// Nothing except the `ok`.
     Nothing,
     /// The `ok` that ends an answer, unless it stands in the answer itself (`has_ok`).
     Ok,
     /// M110, with the number that it asked for.
     LineNumber(Option<i32>),
     TooLong,
-    /// Nothing, and no `ok` as yet: the line is kept.
+    /// Nothing, and no `ok` for now: the line is kept.
     Kept,
     /// To a silent host: asks for the line after this one.
     Question(i32),
@@ -102,7 +102,7 @@ pub(in crate::machine) enum Answer<'a> {
     /// M503: all of them, and how G10 and G11 retract.
     Settings {
         retraction: RetractionSettings,
-        /// As lines that can be sent back as they are, and nothing else.
+        /// As lines that can be sent back unchanged, and nothing else.
         for_replay: bool,
     },
     /// A command that needs the same value for X and Y got different ones.
@@ -123,7 +123,7 @@ pub(in crate::machine) enum Answer<'a> {
     NoPower(Fault),
     /// Motors get no power for this reason, even if their drivers report no error.
     Refused(&'static str),
-    /// The same, told at the start.
+    /// The same, reported at the start.
     NoMachine(&'static str),
     HomingFailed {
         axis: char,

@@ -1,4 +1,4 @@
-//! What there is to say of motors that can pull against each other.
+//! Answers about motors that can pull against each other.
 
 use crate::driver::Fault;
 use crate::port::Motor;
@@ -33,14 +33,14 @@ pub(in crate::machine) enum Diagnosis {
     Nothing,
     /// The tool is elsewhere, and the motors agree: some have skipped alike, or a switch has moved.
     Alike,
-    /// One motor has skipped, by so many full steps.
+    /// One motor has skipped, by this many full steps.
     Skip { motor: Motor, full_steps: i32 },
-    /// More than one skip, or nothing that skips explain.
+    /// More than one skip, or a state that skips cannot explain.
     Several,
 }
 
 impl Diagnosis {
-    /// Of what two residuals say, that which explains more.
+    /// Of two residuals' diagnoses, the one that explains more.
     pub const fn graver(self, other: Self) -> Self {
         if self.rank() > other.rank() { self } else { other }
     }
@@ -55,7 +55,7 @@ impl Diagnosis {
     }
 }
 
-/// What there is to say of them.
+/// The answers.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum BeltAnswer {
     /// M122: whether they are aligned, and the last results.

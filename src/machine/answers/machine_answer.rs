@@ -1,11 +1,11 @@
-//! What there is to say of a machine that comes or goes over a serial line.
+//! Answers about a machine record on a serial line.
 
 use crate::machine::state::machine_pieces::PieceError;
 use crate::settings::ConnectorError;
 use crate::storage::{Receipt, Rejected, SaveError};
 use core::fmt;
 
-/// What there is to say of it.
+/// The answers.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum MachineAnswer<'p> {
     /// MACHINE_GET: the piece at this place.

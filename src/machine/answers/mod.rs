@@ -1,6 +1,6 @@
 //! Answers: the result of a command as a value, and the speaker that sends it.
 //!
-//! A command returns an [`answer::Answer`]. `reports` words it and says it through the [`speaker::Speaker`], one part
+//! A command returns an [`answer::Answer`]. `reports` words it and sends it through the [`speaker::Speaker`], one part
 //! after the other. Nothing here knows the Console.
 //!
 //! | file | is for |

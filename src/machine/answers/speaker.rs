@@ -1,4 +1,4 @@
-//! The speaker: says the parts of one answer to the host being served, each once and in order.
+//! The speaker: sends the parts of one answer to the host being served, each once and in order.
 //!
 //! A part is a line, or lines that must not be separated. Nothing waits between parts. If a part finds no room,
 //! `main_loop::tell` polls the main loop and runs the whole report again; parts that were already sent are skipped. So
@@ -14,7 +14,7 @@ type Part<'w> = dyn Fn(&mut Replies) -> Result<(), NoRoom> + 'w;
 
 /// The receiver of an answer.
 pub(in crate::machine) trait Listener {
-    /// Hears a part, all of it or nothing. False if there is no room for it.
+    /// Takes a part, all of it or nothing. False if there is no room for it.
     fn hear(&mut self, part: &Part<'_>) -> bool;
 }
 
@@ -38,7 +38,7 @@ pub(in crate::machine) struct Speaker<'s> {
 }
 
 impl<'s> Speaker<'s> {
-    /// Says to `listener` what `progress` does not count as said.
+    /// Sends to `listener` the parts that `progress` does not count as sent.
     pub fn new(progress: &'s mut Progress, listener: &'s mut dyn Listener) -> Self {
         Self { progress, listener, is_echo: false }
     }
@@ -70,7 +70,7 @@ impl<'s> Speaker<'s> {
         if self.is_echo { self.remark(line) } else { self.setting(line) }
     }
 
-    /// Says one line. Inlined, it would stand in fifty places.
+    /// Sends one line. Inlined, it would be repeated in fifty places.
     #[inline(never)]
     pub fn say(&mut self, line: fmt::Arguments<'_>) {
         self.put(&|replies| replies.line(line));
@@ -85,12 +85,12 @@ impl<'s> Speaker<'s> {
     }
 }
 
-/// How far an answer has been written.
+/// The progress of an answer.
 #[derive(Clone, Copy, Default)]
 pub(in crate::machine) struct Progress {
     /// Parts said, at this time or before.
     said: usize,
-    /// Parts looked at this time.
+    /// Parts seen in this run.
     seen: usize,
 }
 
@@ -100,7 +100,7 @@ impl Progress {
         self.seen = 0;
     }
 
-    /// Whether the next part is to be said now: it has not been, and everything before it has.
+    /// Whether the next part is to be sent now: it was not sent yet, and everything before it was.
     const fn is_next(&mut self) -> bool {
         self.seen += 1;
         self.seen == self.said + 1
@@ -111,7 +111,7 @@ impl Progress {
         self.said += 1;
     }
 
-    /// Whether all parts looked at have been said.
+    /// Whether all parts seen were sent.
     pub const fn is_complete(&self) -> bool {
         self.said == self.seen
     }

@@ -1,4 +1,4 @@
-//! News of the storage: what M500 to M504 and the start have to say of it.
+//! News of the storage: results of M500 to M504 and of the start.
 
 use crate::port::StorageError;
 use crate::storage::{Receipt, Rejected, SaveError, Slot, Survey};
@@ -6,7 +6,7 @@ use crate::storage::{Receipt, Rejected, SaveError, Slot, Survey};
 /// Why the content of a slot is not used.
 pub(in crate::machine) type Slots = [(Slot, Option<Rejected>); 2];
 
-/// What there is to tell of the storage.
+/// The news.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum StorageNews {
     /// M500 did it.

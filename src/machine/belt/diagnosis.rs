@@ -14,7 +14,7 @@ pub(in crate::machine) const FULL_STEPS_A_TURN: i32 = 4;
 /// The measurements, in steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Touched {
-    /// How far from its place each switch was met: the tool's displacement from the step counts.
+    /// The distance of each switch from its place: the tool's displacement from the step counts.
     pub aside: [i32; 2],
     /// The residual of the rotors: their strain on the belt.
     pub residual: i32,

@@ -134,9 +134,9 @@ pub(super) fn without_torque(loads: &[Load]) -> Option<Motor> {
     loads.iter().find_map(|load| load.at_limit)
 }
 
-/// The motor with an inverted curve of its own. If friction exceeds its holding torque, the belt drags it, and it skips
-/// a turn at each reversal. Strain by the others then relieves it. With less friction its load is equal everywhere, or
-/// less in the middle. An inverted curve falls as much as the other curves rise; a quarter of that is enough.
+/// The motor with an inverted curve. If friction exceeds its holding torque, the belt drags it, and it skips a turn at
+/// each reversal. Strain by the others then relieves it. With less friction its load is equal everywhere, or less in
+/// the middle. An inverted curve falls as much as the other curves rise; a quarter of that is enough.
 pub(super) fn dragged(loads: [Load; 3]) -> Option<Motor> {
     let own = |index: usize| rise(loads.map(|load| load.each.get(index).copied().unwrap_or_default()));
     let most = (0..Motor::ALL.len()).map(|index| own(index).mean).max().unwrap_or_default();

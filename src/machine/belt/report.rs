@@ -1,5 +1,5 @@
-//! The belt's part of M122: alignment, lost steps between drivers and counts, and how long ago the switches of x and y
-//! were met.
+//! The belt's part of M122: alignment, lost steps between drivers and counts, and the path since the switches of x and
+//! y were met.
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;

@@ -1,6 +1,5 @@
 //! M915 aligns the motors of a belt. With D it meets the switches of x and y again, to check whether the tool is where
-//! the steps say. With R it also repairs the difference. Then the tool returns to its place. How it is done stands in
-//! `belt`.
+//! the steps say. With R it also repairs the difference. Then the tool returns to its place. `belt` carries it out.
 
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
@@ -19,7 +18,7 @@ use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::units::Mm;
 
-/// How far z is lifted while the tool goes to the switches, so that the nozzle does not touch the print.
+/// Lift of z while the tool goes to the switches, so that the nozzle does not touch the print.
 const LIFT: Mm = Mm::const_from_int(5);
 
 /// The axes of the belt.
@@ -103,8 +102,8 @@ struct Aside {
 }
 
 impl Aside {
-    /// What befell a residual: by the switches as they are met now; or, if x and y were homed after it, by what homing
-    /// took away.
+    /// The diagnosis of a residual: by the present distances of the switches; or, if x and y were homed after the skip,
+    /// by the distances that homing removed.
     fn diagnose(self, mechanism: &Mechanism, residual: &Residual, strain: i32, full_step: i32) -> Diagnosis {
         let of = |aside| diagnose(mechanism, residual, Touched { aside, residual: strain }, full_step);
         let [x, y] = [0, 1].map(|axis| {
@@ -118,8 +117,8 @@ impl Aside {
     }
 }
 
-/// The diagnosis from the switches and the residuals together. Motors that have skipped are left without strain if that
-/// is to be repaired; all others are as they were.
+/// The diagnosis from the switches and the residuals together. With `repairs`, motors that have skipped are left
+/// without strain; all others are as they were.
 async fn examine<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
@@ -158,7 +157,7 @@ async fn examine_each<P: PortSet, W: Pend>(
     Ok(said)
 }
 
-/// Lifts z if it is known where it is, and says by how much.
+/// Lifts z if its position is known, and returns the lift.
 async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, Interrupt> {
     main_loop.finish().await?;
     let [.., z] = main_loop.homed().axes();
@@ -172,13 +171,12 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
     Ok(lift)
 }
 
-/// Takes back what [`lift`] did.
+/// Undoes [`lift`].
 async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
     shift_z(main_loop, -lift).await
 }
 
-/// Takes the tool back over a place where it was, if it is known where it is: a print that was paused goes on from
-/// there.
+/// Moves the tool back to its earlier place, if the position is known: a paused print continues from there.
 async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
     let ([x, y, ..], [is_x, is_y, _]) = (place, main_loop.homed().axes());
     if !(is_x && is_y) {

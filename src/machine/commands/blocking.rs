@@ -100,8 +100,7 @@ pub(in crate::machine) enum Blocking<'c> {
     Diagnose,
 }
 
-/// Carries out a command that takes time, with the states that it names, and returns what there is to say before its
-/// `ok`.
+/// Carries out a command that takes time, with the states that it names, and returns the answer before its `ok`.
 pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,

@@ -1,4 +1,4 @@
-//! C in G0 and G1: the belt runs round, with the tool standing or moving in x and y.
+//! C in G0 and G1: the belt circulates, with the tool at rest or moving in x and y.
 
 use super::moves::{Moves, moving};
 use crate::gcode::{AxisWords, Flaw, Number};

@@ -69,7 +69,7 @@ impl ColdExtrusion {
     }
 }
 
-/// Tells once a print that filament was left out.
+/// Reports once per print that filament was left out.
 pub(super) async fn tell_of_cold<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,

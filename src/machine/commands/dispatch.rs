@@ -47,7 +47,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Outcome::TakesTime(command) => carry_out_blocking(main_loop, states, command).await,
     };
     match done {
-        // Why, `power` has told.
+        // `power` has reported the reason.
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
         Err(Interrupt::EndJob) => {
             let why = main_loop.job().why_it_ends();

@@ -15,7 +15,7 @@ use crate::port::Pend;
 use crate::settings::{DriverGroups, DriverSettings, Range, ranges};
 use crate::units::MmPerSec;
 
-/// M906, M913, M914, and M569. What `words` name is changed, without words all is reported.
+/// M906, M913, M914, and M569. The named values are changed; without words all are reported.
 pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     value: DriverValue,

@@ -12,7 +12,7 @@ use crate::port::Pend;
 use crate::settings::{FanRole, Range, ThermalSettings, part_fans, ranges};
 use crate::units::Ratio;
 
-/// What full speed is called.
+/// The number for full speed.
 pub(in crate::machine) const FULL: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(255) };
 
 /// A speed of 255 as one of 65,535.

@@ -1,7 +1,7 @@
 //! Heating: targets (M104, M140, M141), waits for them (M109, M116, M190, M191), and everything off (M81).
 //!
-//! A target acts at once, ahead of moves that are queued, and moves go on while a command waits for it. M108 ends a
-//! wait and leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
+//! A target acts at once, ahead of queued moves, and moves continue while a command waits for it. M108 ends a wait and
+//! leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
 
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
@@ -17,8 +17,8 @@ use crate::port::Pend;
 use crate::settings::Range;
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
-/// So near to its target a heater has reached it, and so far from it it has lost it again: Marlin's TEMP_WINDOW and
-/// TEMP_HYSTERESIS (Configuration.h, 2.1).
+/// Within the first distance of its target a heater has reached it; beyond the second it has lost it again: Marlin's
+/// TEMP_WINDOW and TEMP_HYSTERESIS (Configuration.h, 2.1).
 const NEAR: Celsius = Celsius::const_from_int(1);
 const FAR: Celsius = Celsius::const_from_int(3);
 
@@ -35,13 +35,13 @@ const COOLING_MS: u32 = 60_000;
 /// heater that can reach its target is at least 1 C below its final temperature at full power. In time t it gains at
 /// least 1 C x t x loss / capacity. The heaviest bed in use (5,500 J/K) loses at least 1 W/K and gains 0.33 C in half
 /// an hour. A hotend (34 J/K at most, 0.05 W/K) gains 0.35 C in four minutes. The guards' floor halts the machine after
-/// ten minutes and an hour without 2 C. The host is told after a third of it.
+/// ten minutes and an hour without 2 C. The host is warned after a third of it.
 const LEAST_RISE: Celsius = Celsius::lit("0.2");
 const HOTEND_STUCK_MS: u32 = 240_000;
 const STUCK_MS: u32 = 1_800_000;
 
-/// A heater that has no reading for so long has a sensor that is broken. The guards find a broken sensor of a heater
-/// that is on in half a second; a heater that was just switched on is read after a tenth of one.
+/// A heater without a reading for this time has a broken sensor. The guards find a broken sensor of a heater that is on
+/// in half a second; a heater that was just switched on is read after a tenth of one.
 const UNREAD_MS: u32 = 2000;
 
 /// Interval of temperature lines in every wait.
@@ -91,14 +91,14 @@ impl Cooling {
     }
 }
 
-/// Whether heaters that are to get warmer still do.
+/// Whether heaters below their targets still get warmer.
 struct Rising {
     /// The highest temperature of each heater, in steps that count as a rise, and its time.
     best: [(Celsius, Instant); HEATERS],
     is_told: bool,
 }
 
-/// What there is to do about a heater that gets no warmer.
+/// The reaction to a heater that gets no warmer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Stuck {
     Tell(Heater),
@@ -110,7 +110,7 @@ impl Rising {
         Self { best: measured.map(|measured| (measured, now)), is_told: false }
     }
 
-    /// Looks at those that are too cold.
+    /// Follows the heaters that are too cold.
     fn follow(&mut self, are_cold: [bool; HEATERS], measured: [Celsius; HEATERS], now: Instant) -> Option<Stuck> {
         for heater in Heater::ALL {
             let place = heater as usize;
@@ -131,7 +131,7 @@ impl Rising {
     }
 }
 
-/// What to say of a command for a heater that is not fitted; `None` if it is.
+/// The answer to a command for a heater that is not fitted; `None` if it is.
 fn missing<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
@@ -176,7 +176,7 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     if target > Celsius::ZERO {
         main_loop.test_before_heating();
     } else if heater == Heater::Hotend && main_loop.job().is_printing() {
-        // Nothing is printed without a hotend: so files end that do not switch the motors off.
+        // Nothing is printed without a hotend: files that do not switch the motors off end in this way.
         main_loop.job_mut().end();
     }
     let least = if heater == Heater::Hotend { main_loop.settings().thermal.min_extrude } else { Celsius::ZERO };

@@ -1,7 +1,7 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly ([`switch`](super::switch)).
 //!
 //! The endstops are switches at one end of their axes ([`Endstop`]), and stay pressed beyond the place where they are
-//! met. The rig presses them in the same way (`rig/src/lib.rs`). What position that place has is a setting; so is the
+//! met. The rig presses them in the same way (`rig/src/lib.rs`). The position of that place is a setting; so is the
 //! order of the axes.
 //!
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part. It is read and reported (M119), but no axis homes by it. G29, G30
@@ -58,7 +58,7 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
     }
 }
 
-/// G28. Whichever axis fails, the print must not go on: the machine halts.
+/// G28. If any axis fails, the print must not go on: the machine halts.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
@@ -81,7 +81,7 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
     home_axes(main_loop, notices, flags, aligns).await
 }
 
-/// Power first: where there is none, nothing is homed and the axes keep their homes.
+/// Power first: without it, nothing is homed and the axes stay homed.
 async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     main_loop.power(main_loop.groups().fitted()).await

@@ -135,7 +135,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             main_loop.set_idle_timeout(seconds);
             Answer::Nothing
         }
-        // What later lines mean.
+        // Modes for later lines.
         Command::Plane(plane) => {
             modal.plane = plane;
             Answer::Nothing
@@ -262,7 +262,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             main_loop.job_mut().begin(host);
             Answer::Nothing
         }
-        // The receive path has acted on M108, M410, M524 and M876; of M110 it hands on nothing.
+        // The receive path has acted on M108, M410, M524 and M876; of M110 it passes nothing on.
         Command::Continue | Command::QuickStop | Command::Cancel | Command::Answer | Command::LineNumber => {
             Answer::Nothing
         }
@@ -271,7 +271,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
     })
 }
 
-/// Changes settings of heaters or fans, given those that the machine was made with, and has them told.
+/// Changes settings of heaters or fans, given the default settings, and reports them.
 fn change_heat<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     change: impl FnOnce(&mut ThermalSettings, &ThermalSettings) -> Answer<'static>,

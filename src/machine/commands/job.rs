@@ -15,7 +15,7 @@ use crate::protocol::Action;
 const ENDED: Answer<'static> =
     Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
 
-/// Hosts are told to cancel, heaters go off, planned moves are made, and the machine is as before a print.
+/// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print.
 pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -34,7 +34,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     Ok(Answer::Nothing)
 }
 
-/// Nothing of a print is left that would change the next one: retraction, pause, modes, offsets, overrides.
+/// Clears every state of a print that would change the next one: retraction, pause, modes, offsets, overrides.
 pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -48,7 +48,7 @@ pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// The print ends by a line of its own or of its host's: M84, M77. Paused, it was cancelled, and is cleaned up after.
+/// The print ends by its own line or by its host's: M84, M77. Paused, it was cancelled, and is cleaned up after.
 pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,

@@ -36,7 +36,7 @@ pub(in crate::machine) struct ArcWords<'c> {
     pub decimals: u8,
 }
 
-/// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
+/// Keeps the tool within the reach of any machine; a point of an arc may lie beyond.
 fn bounded(position: [Mm; 4]) -> [Mm; 4] {
     let [x, y, z, e] = position;
     let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
@@ -230,7 +230,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Ok(())
     }
 
-    /// Tells once that a target was beyond the edge.
+    /// Reports once that a target was beyond the edge.
     pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
         if self.notices.give(Notice::Edge) {
             self.main_loop.reply(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
@@ -245,7 +245,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Ok(wanted)
     }
 
-    /// Tells of words that ask for more than is possible.
+    /// Reports words beyond the limits.
     async fn tell_of(&mut self, wanted: &Wanted) -> Result<(), Interrupt> {
         if wanted.is_held_back {
             tell_of_cold(self.main_loop, self.notices).await?;

@@ -1,5 +1,5 @@
-//! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out as yet, and how the
-//! print goes on.
+//! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out for now, and the end
+//! of a pause.
 //!
 //! ```text
 //!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed)
@@ -30,7 +30,8 @@ use crate::port::{EndstopSet, Pend};
 use crate::protocol::Action;
 use crate::units::{Celsius, Instant, Mm, MmPerSec};
 
-/// So far above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to 0.8 mm).
+/// At this distance above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to
+/// 0.8 mm).
 const OFF_PART: Mm = Mm::const_from_int(1);
 
 /// Speeds of filament that is changed: Marlin's `FILAMENT_CHANGE_UNLOAD_FEEDRATE` and
@@ -44,10 +45,10 @@ const FILAMENT: &str = "Change the filament";
 const COLD: &str = "Hotend is too cold to print";
 const LOST: &str = "Home the axes to go on";
 
-/// How it went when a print was to go on.
+/// The result of continuing a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Going {
-    /// It goes on.
+    /// It continues.
     On,
     /// The axes are not homed, or the hotend is too cold for the line that is kept.
     Not(Kept),
@@ -65,7 +66,7 @@ pub(in crate::machine) async fn announce<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Asks the user to go on.
+/// Asks the user to continue.
 async fn ask<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     first: Action<'static>,
@@ -116,7 +117,7 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     Ok(Answer::Kept)
 }
 
-/// What to say of a word that is not obeyed: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour,
+/// The answer to a word that is not obeyed: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour,
 /// name).
 const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     match words.other {
@@ -130,8 +131,8 @@ const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     }
 }
 
-/// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, because
-/// the nozzle may have frozen to the part, or its place is unknown.
+/// A line that prints cannot be carried out for now: the host is asked to pause, and the line is kept. Nothing moves,
+/// because the nozzle may have frozen to the part, or its place is unknown.
 pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
@@ -144,7 +145,7 @@ pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     Ok(Answer::Kept)
 }
 
-/// Says why a line is kept, and what to do.
+/// Reports why a line is kept, and how to continue.
 async fn report_reason<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     why: Kept,
@@ -159,7 +160,7 @@ async fn report_reason<P: PortSet, W: Pend>(
     ask(main_loop, first, question).await
 }
 
-/// The job is paused, and the state of the program saved; so much filament is pushed in before it goes on.
+/// The job is paused, and the state of the program saved; `load` of filament is pushed in before it continues.
 fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, load: Mm) {
     let program = Program {
         modal: *modal,
@@ -289,8 +290,7 @@ async fn park<P: PortSet, W: Pend>(
 }
 
 /// The tool moves from its present place to the commanded position: first above it, then down. Then the filament goes
-/// forward that the pause has pulled back. That stays back in a cold hotend, until a line that prints is kept for it
-/// and goes on.
+/// forward that the pause has pulled back. In a cold hotend it stays back, until a kept line that prints continues.
 async fn go_back<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     cold: &ColdExtrusion,
@@ -314,8 +314,8 @@ async fn go_back<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the program's state
-/// from before the pause returns; without, the state that lines have set in the pause stays.
+/// Heaters get their targets back, and are waited for; the tool goes back, and the print continues. With `restores` the
+/// program's state from before the pause returns; without, the state that lines have set in the pause stays.
 async fn go_on<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -381,7 +381,7 @@ async fn blow_again<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// M24, M602. Where it has ended the wait of a line that is kept, that is told there.
+/// M24, M602. If it has ended the wait of a kept line, that wait reports it.
 pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -406,7 +406,7 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
 }
 
 /// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried
-/// out now; false if it needs its `ok`; `None` if it goes on being kept.
+/// out now; false if it needs its `ok`; `None` if it stays kept.
 pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,

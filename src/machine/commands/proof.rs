@@ -1,5 +1,5 @@
-//! Proof that the tool is where the steps say, and that no motor strains the belt. No driver tells of a skip, so it has
-//! to be looked for.
+//! Proof that the tool is where the steps say, and that no motor strains the belt. No driver reports a skip, so this
+//! test searches for it.
 //!
 //! Loads first, then the switches. A motor that skipped before loads are measured strains the belt. A motor that skips
 //! later has displaced the tool when the switches are met.

@@ -12,7 +12,7 @@ use crate::port::Pend;
 use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio};
 
-/// What M593 says of a shaper.
+/// The report of M593 about a shaper.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct ShaperWords {
     pub axes: AxisFlags,
@@ -92,7 +92,7 @@ impl ShaperWords {
     }
 }
 
-/// What M593 says of a kind that there is not.
+/// The answer of M593 to an unknown kind.
 const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
 

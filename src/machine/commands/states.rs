@@ -17,7 +17,7 @@ pub(in crate::machine) struct States {
     pub(super) clamps: Clamps,
     /// Notices that hosts got once.
     pub(super) notices: Notices,
-    /// A machine on its way over the line.
+    /// A machine record in transfer.
     pub(super) pieces: MachinePieces,
     /// M302.
     pub(super) cold: ColdExtrusion,

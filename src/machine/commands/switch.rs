@@ -10,7 +10,7 @@ use crate::port::{EndstopSet, Pend};
 use crate::settings::{Endstop, HomedAxis, Homing};
 use crate::units::{Mm, MmPerSec, Steps};
 
-/// How far beyond an axis' length the switch is looked for: the machine may stand a little outside.
+/// Search distance beyond an axis' length: the machine may stand a little outside.
 const BEYOND: Mm = Mm::const_from_int(10);
 
 /// Why homing failed.
@@ -48,7 +48,7 @@ struct Axis {
     length: Mm,
 }
 
-/// Homes an axis. If that fails the host is told why, and the print must not go on.
+/// Homes an axis. If that fails the host gets the reason, and the print must not go on.
 pub(super) async fn home_named<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
@@ -60,7 +60,7 @@ pub(super) async fn home_named<P: PortSet, W: Pend>(
     end_homing(main_loop, &axis, result).await
 }
 
-/// Tells why homing failed, if it did; then the print must not go on.
+/// Reports why homing failed, if it did; then the print must not go on.
 async fn end_homing<T, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
@@ -105,7 +105,7 @@ fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis)
     aside.unwrap_or_default().wrapping_round().to_num()
 }
 
-/// What there is to know of an axis.
+/// The facts of an axis.
 fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
     let s = main_loop.settings();
     let (switch, length) = match axis {
@@ -133,7 +133,7 @@ async fn home_axis<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Finds the switch fast, backs off and finds it slowly. Gives how far it backed off.
+/// Finds the switch fast, backs off and finds it slowly. Returns the distance of its back-off.
 async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
     let start = main_loop.real_steps();
     if !approach(main_loop, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {

@@ -19,7 +19,7 @@ use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
 const CYCLES: u16 = 5;
 const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
 
-/// Nearer to a room's temperature nothing swings.
+/// Closer to a room's temperature there is no oscillation.
 const LEAST_TARGET: Celsius = Celsius::const_from_int(40);
 
 /// The arguments of M303.
@@ -77,7 +77,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })
 }
 
-/// Why a tuning found nothing, and what to do. Hosts look for Marlin's words.
+/// Why a tuning failed, and how to continue. Hosts look for Marlin's words.
 const fn way_out(failure: Option<TuningFailure>) -> &'static str {
     match failure {
         None => "PID Autotune failed! It was ended",
@@ -138,8 +138,8 @@ async fn await_tuning<P: PortSet, W: Pend>(
     Ok(Err(None))
 }
 
-/// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. A loss to the part fan that
-/// was not found stays.
+/// Takes over the result of M303. The two lags cannot be told apart, so each gets half. A loss to the part fan that was
+/// not found stays.
 fn apply(tuned: &Tuned, heater: &mut HeaterSettings) {
     let lag = ranges::LAG.clamp(Seconds::from_bits(tuned.lag / 2));
     heater.model.capacity = ranges::CAPACITY.clamp(JoulesPerKelvin::from_bits(tuned.capacity));

@@ -7,7 +7,7 @@ use crate::protocol::ResendReason;
 pub(in crate::machine) enum Asked {
     /// To carry out a command.
     Command,
-    /// To be told `ok`.
+    /// The reply is `ok`.
     Nothing,
     /// M110, with its line number.
     LineNumber(Option<i32>),

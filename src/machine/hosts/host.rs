@@ -9,7 +9,7 @@ use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
 use crate::units::Instant;
 use heapless::Vec;
 
-/// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
+/// A command's text, copied out of the receiver so that more lines can arrive while it is carried out.
 pub(in crate::machine) type Text = Vec<u8, 320>;
 
 /// A serial line and its state.
@@ -21,13 +21,13 @@ pub(super) struct Host<S> {
     pub(super) schedule: Schedule,
     /// Its upload to a card.
     pub(super) upload: Upload,
-    /// When it was last told that there is somebody, or had nothing to wait for.
+    /// When it last got a sign of life, or had nothing to wait for.
     pub(super) assured: Instant,
     /// Its last bytes held a quick stop.
     pub(super) has_stopped: bool,
     /// It opened its line before its last bytes.
     pub(super) has_opened: bool,
-    /// It is to be greeted.
+    /// It needs a greeting.
     pub(super) is_new: bool,
     /// The number of the line that it was last served, if that had one.
     pub(super) number: Option<i32>,
@@ -35,7 +35,7 @@ pub(super) struct Host<S> {
     pub(super) forgotten: Option<u32>,
 }
 
-/// What arrived and cannot wait.
+/// Urgent commands that arrived.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(in crate::machine) struct Urgent {
     /// M112
@@ -53,7 +53,7 @@ pub(in crate::machine) struct Urgent {
 }
 
 impl<S: Serial> Host<S> {
-    /// A host that has said nothing.
+    /// A host without input.
     pub(super) const fn new(line: S, now: Instant) -> Self {
         Self {
             line,
@@ -128,7 +128,7 @@ impl<S: Serial> Host<S> {
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
             Incoming::Question { last } => Asked::Question(last),
         };
-        // A line that nothing is done with may be too long: the outline of an object, a message.
+        // A line without an effect may be too long: the outline of an object, a message.
         let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
         let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
         let number = self.receiver.last_line();

@@ -1,4 +1,4 @@
-//! Hosts: one to a serial line, each with lines of its own and answers of its own.
+//! Hosts: one to a serial line, each with its own lines and answers.
 //!
 //! ```text
 //!   serial line ──▶ receiver ──▶ next_line ──▶ the Console carries one command out at a time

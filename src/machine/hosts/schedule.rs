@@ -28,7 +28,7 @@ impl Report {
     }
 }
 
-/// How often a host is told each [`Report`].
+/// The interval of each [`Report`] for a host.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Schedule {
     /// The period in seconds, 0 for never; and when the next report is due.
@@ -49,7 +49,7 @@ impl Schedule {
         }
     }
 
-    /// Whether nothing is told.
+    /// Whether no report is scheduled.
     pub const fn is_empty(&self) -> bool {
         let [(position, _), (temperatures, _)] = self.reports;
         position | temperatures == 0

@@ -49,7 +49,7 @@ impl<S: Serial> Hosts<S> {
         let _ = self.hosts.push(Host::new(line, now));
     }
 
-    /// How many there are.
+    /// The number of hosts.
     pub(in crate::machine) fn len(&self) -> usize {
         self.hosts.len()
     }
@@ -112,7 +112,7 @@ impl<S: Serial> Hosts<S> {
         self.hosts.get_mut(self.serving)?.upload.take_given_up()
     }
 
-    /// The host being served goes on waiting for its `ok`, while others are served. One that has gone does not wait.
+    /// The host being served keeps waiting for its `ok`, while others are served. One that has gone does not wait.
     pub(in crate::machine) const fn set_aside(&mut self) {
         self.aside = if self.is_gone { None } else { Some(self.serving) };
         self.owes_ok = false;
@@ -136,7 +136,7 @@ impl<S: Serial> Hosts<S> {
         self.serving
     }
 
-    /// Marks those that have opened their lines in what arrived last.
+    /// Marks the hosts that opened their lines before their last bytes.
     pub(in crate::machine) fn note_opened(&self, are_new: &mut [bool; LINES]) {
         for (is_new, host) in are_new.iter_mut().zip(&self.hosts) {
             *is_new |= host.has_opened;
@@ -147,7 +147,7 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut()
     }
 
-    /// Has the host being served told a report every `period_s`, unless it has gone.
+    /// Sends the host being served a report every `period_s`, unless it has gone.
     pub(in crate::machine) fn schedule(&mut self, report: Report, period_s: u8, now: Instant) {
         if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
             host.schedule.set(report, period_s, now);
@@ -191,7 +191,7 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut().for_each(Host::send);
     }
 
-    /// Tells hosts that have waited for `every_ms` for the answer to a line that there is somebody. 0 is never.
+    /// Sends a sign of life to hosts that have waited for `every_ms` for the answer to a line. 0 is never.
     pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32) {
         let say = |replies: &mut Replies, is_aside: bool| if is_aside { replies.paused() } else { replies.busy() };
         for (place, host) in self.hosts.iter_mut().enumerate() {
@@ -220,14 +220,14 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
-    /// Says a line to the host in that place, unless it is the one being served; false if it is, or if there is none.
+    /// Sends a line to the host in that place, unless it is the one being served; false if it is, or if there is none.
     /// One that has no room for it misses it.
     pub(in crate::machine) fn notify_other(&mut self, place: usize, line: fmt::Arguments<'_>) -> bool {
         let other = self.hosts.get_mut(place).filter(|_| place != self.serving);
         other.map(|host| host.replies.line(line)).is_some()
     }
 
-    /// Says `what` to those that have opened their lines since the last time, as soon as it fits.
+    /// Sends `what` to hosts that have opened their lines since the last time, as soon as it fits.
     pub(in crate::machine) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
         for host in &mut self.hosts {
             host.is_new = host.is_new && what(&mut host.replies).is_err();
@@ -239,17 +239,17 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut().for_each(|host| host.is_new = true);
     }
 
-    /// Whether any host is told anything by itself.
+    /// Whether any host has a periodic report.
     pub(in crate::machine) fn have_schedules(&self) -> bool {
         self.hosts.iter().any(|host| !host.schedule.is_empty())
     }
 
-    /// Whether a report is due for a host that has heard everything else.
+    /// Whether a report is due for a host with no other output waiting.
     pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
         self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.pending().is_empty())
     }
 
-    /// Tells a report to the hosts for which it is due and that have heard everything else.
+    /// Sends a report to the hosts for which it is due and that have no other output waiting.
     pub(in crate::machine) fn report(&mut self, report: Report, now: Instant, line: fmt::Arguments<'_>) {
         for host in self.iter_mut() {
             if host.schedule.is_due(report, now) && host.replies.pending().is_empty() && host.replies.line(line).is_ok()

@@ -1,8 +1,8 @@
 //! Uploads: the lines that a host sends between M28 and M29 are a file for a card. There is no card, and the lines are
 //! not commands, so they are answered and not carried out: Pronsole sends them without waiting for the answer to M28.
 //!
-//! A host that never says M29 must not be without a printer for good. Besides M29, these end an upload, and the host is
-//! told:
+//! A host that never says M29 must not be without a printer for good. Besides M29, these end an upload, and the host
+//! gets a message:
 //!
 //! - The line is opened again (USB knows when), which the host sees as a reset.
 //! - M110, the first word of a print. Pronsole says it once within an upload too, directly behind M28, because it sends
@@ -16,23 +16,23 @@ use super::asked::Asked;
 use crate::gcode::{self, Command};
 use crate::units::Instant;
 
-/// Pronsole begins with the file as soon as M28 is on its way; this is more than any computer takes.
+/// Pronsole starts the file as soon as M28 is sent; this is more time than any computer takes.
 const BEGINS_WITHIN_MS: u32 = 10_000;
 
 /// An upload that is under way, if one is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Upload {
     state: State,
-    /// Lines that were not carried out, of an upload that ended without M29 and was not told of.
+    /// Lines that were not carried out, of an upload that ended without M29 and was not reported.
     given_up: Option<u32>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum State {
     None,
-    /// M28 was heard at this time, and nothing of the file.
+    /// M28 came at this time, and nothing of the file.
     Begun(Instant),
-    /// The file is on its way, or M110 before it was: so many lines of it have come.
+    /// The file has started, or M110 before it: this many lines have come.
     Streaming(u32),
 }
 
@@ -73,7 +73,7 @@ impl Upload {
         self.state = State::Begun(now);
     }
 
-    /// M29: how many lines were not carried out. `None` without M28.
+    /// M29: the number of lines that were not carried out. `None` without M28.
     pub(super) const fn end(&mut self) -> Option<u32> {
         match core::mem::replace(&mut self.state, State::None) {
             State::None => None,
@@ -82,7 +82,7 @@ impl Upload {
         }
     }
 
-    /// An upload that ended without M29, told once.
+    /// An upload that ended without M29, once.
     pub(super) const fn take_given_up(&mut self) -> Option<u32> {
         self.given_up.take()
     }

@@ -18,7 +18,7 @@ use crate::units::{Instant, Mm, Steps};
 use core::fmt;
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
-    /// What time it is.
+    /// The time.
     pub fn now(&self) -> Instant {
         self.ports.clock.now()
     }
@@ -65,7 +65,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.ports.drivers.connectors()
     }
 
-    /// How many hosts there are.
+    /// The number of hosts.
     pub fn hosts(&self) -> usize {
         self.hosts.len()
     }
@@ -96,7 +96,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
     }
 
-    /// Has the host being served told a report every `period_s`.
+    /// Sends the host being served a report every `period_s`.
     pub fn schedule(&mut self, report: Report, period_s: u8) {
         self.hosts.schedule(report, period_s, self.ports.clock.now());
     }
@@ -116,7 +116,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         &mut self.pauses
     }
 
-    /// Whether a print is under way.
+    /// The job.
     pub const fn job(&self) -> &Job {
         &self.job
     }
@@ -131,12 +131,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.hosts.serving()
     }
 
-    /// Whether nothing was asked of the motion since the start.
+    /// Whether no motion was requested since the start.
     pub const fn is_fresh(&self) -> bool {
         self.link.is_fresh()
     }
 
-    /// Has the Stepper look at the endstops.
+    /// Makes the Stepper read the endstops.
     pub fn look_at_endstops(&self) {
         self.link.look_at_endstops();
     }

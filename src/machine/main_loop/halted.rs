@@ -42,7 +42,7 @@ fn report_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
     }
 }
 
-/// Whether hosts say this when they connect, and nothing is missing on the plate if it is not done.
+/// Whether hosts send this when they connect, and nothing is missing on the plate if it is not carried out.
 const fn is_said_on_connecting(command: &Command<'_>) -> bool {
     matches!(
         command,
@@ -129,7 +129,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         })
     }
 
-    /// Tells the host being served, as soon as there is room for it, or until M999.
+    /// Sends an answer to the host being served, as soon as there is room for it, or until M999.
     async fn reply_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
         self.progress = Progress::default();
         while !self.is_to_restart && !self.write(&answer) {

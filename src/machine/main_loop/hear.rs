@@ -33,13 +33,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.hosts.begin_upload(self.ports.clock.now());
     }
 
-    /// It is over: how many lines were not carried out. `None` if there was none.
+    /// The upload is over: the number of lines that were not carried out. `None` if there was none.
     pub fn end_upload(&mut self) -> Option<u32> {
         self.hosts.end_upload()
     }
 
-    /// How many lines were not carried out of an upload that the present line has shown to be over without M29, told
-    /// once.
+    /// The number of lines that were not carried out of an upload that the present line has ended without M29, once.
     pub fn upload_given_up(&mut self) -> Option<u32> {
         self.hosts.upload_given_up()
     }
@@ -67,7 +66,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.pauses.end_command();
     }
 
-    /// How the line that is kept goes on, if that is known by now.
+    /// The answer to the kept line, if there is one by now.
     pub fn take_answer(&mut self) -> Option<Answered> {
         if self.job.kept().is_some() && !self.hosts.has_set_aside() {
             // Its host has opened the line again.

@@ -9,7 +9,7 @@ use crate::port::Pend;
 use crate::status::SelfTest;
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
-/// Heat is looked after so often, in ms: a quarter of a control period.
+/// Interval of the heat work, in ms: a quarter of a control period.
 const TURN_MS: u32 = 5;
 
 /// Interval of the look-ahead's filament report: a fraction of any heater's lag.
@@ -68,7 +68,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 
     /// Switches heaters off that were not used for long enough, in every state of the Console. In a print they are
-    /// heated again before it goes on.
+    /// heated again before it continues.
     fn watch_heaters(&mut self, now: Instant) {
         if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
             self.heaters_used = now;
@@ -112,7 +112,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.link.status().heat().set_filament_ahead(ahead.map(heat_of));
     }
 
-    /// Tells how a self-test ended. One that fails is a fault, which tells of itself.
+    /// Reports how a self-test ended. A failed test is a fault, which has its own report.
     fn follow_self_test(&mut self) {
         let heat = self.link.status().heat();
         let state = heat.self_test();

@@ -14,12 +14,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
     }
 
-    /// A heater is to be kept at `target`; 0 is off. It is sent with the next orders.
+    /// Sets the target of a heater; 0 is off. It is sent with the next orders.
     pub fn heat(&mut self, heater: Heater, target: Celsius) {
         self.heat_orders.heat(heater, target);
     }
 
-    /// Somebody uses the heaters.
+    /// The heaters are in use.
     pub fn note_heaters_used(&mut self) {
         self.heaters_used = self.ports.clock.now();
     }
@@ -29,8 +29,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat_orders.note_settings();
     }
 
-    /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. If the schedule is full, it
-    /// waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
+    /// Sets a fan to `speed`, of 65,535, when the planned moves are done. If the schedule is full, it waits as a move
+    /// does that finds the look-ahead full: only as long as that changes no speed of a move.
     pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
         self.close_line();
         self.fan_schedule.note_commanded(fan, speed);
@@ -78,7 +78,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Somebody has asked for a self-test.
+    /// The user has asked for a self-test.
     pub fn begin_asked_test(&mut self) {
         if !self.self_tests.is_under_way() {
             let image = self.ports.storage.image().unwrap_or_default();
@@ -97,13 +97,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.self_tests.is_under_way()
     }
 
-    /// What passed its self-test before the start, if anything did.
+    /// The subject of the self-test passed before the start, if there is one.
     pub const fn know_passed_test(&mut self, passed: Option<u32>) {
         self.self_tests.know(passed);
     }
 
-    /// Whether a self-test that was passed is to be noted: at rest, for flash may stop the processor while it is
-    /// written.
+    /// Whether a passed self-test is to be stored: at rest, because flash may stop the processor while it is written.
     pub fn has_passed_test(&self) -> bool {
         self.self_tests.has_news() && !self.has_motion()
     }

@@ -6,10 +6,10 @@
 //! switches. Then all power is cut and the machine is halted as after any other fault. Heaters are off from the first
 //! moment on.
 //!
-//! It needs to know where the tool is: all axes are homed, and nothing is being homed, measured, trimmed or run round.
-//! It ends at once, with all power cut, in four cases: another driver fails, any other fault comes, M112 or M410
-//! arrives, or [`MOST_MS`] passes. A dip of the whole supply resets all drivers, so all others are checked before
-//! anything but braking happens. Limp mode runs at most once per boot.
+//! It needs the tool's position: all axes are homed, and no homing, measurement, trim or circulation is under way. It
+//! ends at once, with all power cut, in four cases: another driver fails, any other fault comes, M112 or M410 arrives,
+//! or [`MOST_MS`] passes. A dip of the whole supply resets all drivers, so all others are checked before anything but
+//! braking happens. Limp mode runs at most once per boot.
 //!
 //! `park` has the place and the lift, `halted` the words. `boards/sim/tests/belt/limp.rs` tests both,
 //! `emulator/tests/drivers.rs` the lift and the words. docs/explanation/belt.md (*Limp*) describes the place and the
@@ -26,16 +26,16 @@ use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 
-/// Speed of the tool on its way to its place. There is no hurry once z is raised. A motor at a turn a second of a
+/// Speed of the tool on its path to its place. There is no hurry once z is raised. A motor at a turn a second of a
 /// pulley of 40 mm has all its torque (docs/research/twin.md, torque at speed).
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
 
-/// Acceleration on that way: a tenth of what four motors are run with. On a diagonal a single motor drives a tool of
-/// 0.6 kg and four rotors of 0.134 kg each. That takes 1 N of its 63 (docs/research/twin.md).
+/// Acceleration on that path: a tenth of the value with four motors. On a diagonal a single motor drives a tool of 0.6
+/// kg and four rotors of 0.134 kg each. That takes 1 N of its 63 (docs/research/twin.md).
 const ACCELERATION: MmPerSec2 = MmPerSec2::const_from_int(500);
 
-/// It is over after so many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings of
-/// the prototype.
+/// It is over after this many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings
+/// of the prototype.
 const MOST_MS: u32 = 60_000;
 
 /// The tool rings at 57 Hz, and with one motor less more softly, before it is let go.
@@ -78,7 +78,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             && self.has_power(needed)
     }
 
-    /// Parks the tool, if nothing comes in between. All power is to be cut then.
+    /// Parks the tool, if no other fault comes. Afterwards all power is to be cut.
     pub async fn limp(&mut self) {
         self.limping.go();
         let parked = self.park().await;
@@ -121,8 +121,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         (endstop.position - endstop.towards(homing.back_off)).clamp(Mm::ZERO, length)
     }
 
-    /// Goes to a place with what three motors hold without effort. The motor that has failed has no power, so none is
-    /// asked for.
+    /// Goes to a place with a speed and acceleration that three motors hold easily. The motor that has failed has no
+    /// power, so none is asked for.
     async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         while !self.planner.prepare() {
             self.poll_again().await?;

@@ -85,12 +85,12 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     comes_again: bool,
     /// When the present turn began. A turn takes some tens of us, and the clock is not read for each part of it.
     turn_began: Instant,
-    /// How far the present answer has been written.
+    /// The progress of the present answer.
     progress: Progress,
     settings: Kept<Settings>,
     /// The settings that the machine was made with.
     defaults: Kept<Settings>,
-    /// When they are looked at next.
+    /// When the next scrub is due.
     scrub_due: Instant,
     commanded: Commanded,
     homed: Homed,
@@ -103,7 +103,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     drivers: Drivers,
     idle_timeout: IdleTimeout,
     pauses: Pauses,
-    /// Whether a print is under way, and the state that a pause keeps of it.
+    /// The state of the print.
     job: Job,
     advance_in_use: AdvanceInUse,
     /// M999 came after M112.
@@ -115,7 +115,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     self_tests: SelfTests,
     /// When heaters were last used.
     heaters_used: Instant,
-    /// When heat is looked after next, and when the filament in the look-ahead is told next.
+    /// When the heat work, and the filament report to the heater control, are due next.
     heat_due: Instant,
     ahead_due: Instant,
 }

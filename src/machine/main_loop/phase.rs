@@ -1,19 +1,18 @@
-//! Phase: the motors of one belt are aligned as they get power, by where their drivers stand in their sine tables.
+//! Phase: the motors of one belt are aligned as they get power, by the places of their drivers in their sine tables.
 //!
 //! A rotor rests where the sine table of its driver says, up to whole electrical turns of four full steps. So the sum
 //! of a residual over the places in these tables (MSCNT; TMC2209 datasheet rev 1.09, section 5.4) is constant while no
 //! motor strains the belt. It depends neither on the tool's place nor on the belt's circulation. It is a mark of the
-//! machine: it tells how rotors and pulleys sit on their shafts and on the belt. M915 finds it by load; it is kept as a
-//! setting (`belt.phases`).
+//! machine: it depends on how rotors and pulleys sit on their shafts and on the belt. M915 finds it by load; it is kept
+//! as a setting (`belt.phases`).
 //!
 //! ```text
 //!   power for 1, 4, 8, in turn ──▶ read all four places ──▶ step 11 until the sum is right ──▶ power for 11 ──▶ read
 //!                                                           (its rotor is free, the belt slack)                 again
 //! ```
 //!
-//! A rotor without power strains nothing, so its field is brought to where it rests, and not the rotor to where its
-//! field is. If a driver does not count steps without power the sum is still wrong then, and the motor is trimmed with
-//! power.
+//! A rotor without power strains nothing. So its field is brought to the rotor's rest, and not the rotor to the field.
+//! If a driver does not count steps without power the sum is still wrong then, and the motor is trimmed with power.
 
 use super::trim::{preload_of, trimmed};
 use crate::driver::Job;
@@ -55,7 +54,7 @@ fn only_one(residual: &Residual, motors: MotorSet) -> Option<(Motor, i32)> {
 }
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// The sum of a residual over the places in the sine tables; `None` if a driver does not tell.
+    /// The sum of a residual over the places in the sine tables; `None` if a driver does not answer.
     async fn phase_sum(&mut self, residual: &Residual) -> Result<Option<i32>, Interrupt> {
         let mut sum = 0;
         for (motor, times) in Motor::ALL.into_iter().zip(*residual).filter(|(_, times)| *times != 0) {
@@ -120,7 +119,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok([found, left])
     }
 
-    /// After motors have power: they are aligned if their phases are known, or the host is told that they are not.
+    /// After motors have power: they are aligned if their phases are known, or the host gets a message that they are
+    /// not.
     pub(super) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
         let is_known = residuals.iter().enumerate().all(|(number, _)| self.known_phase(number).is_some());
         if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.has_power(residuals.motors()) {
@@ -146,7 +146,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(left.is_some_and(|left| left / times == 0))
     }
 
-    /// Notes by how many steps fields would strain a residual, or have strained it.
+    /// Notes the steps by which fields would strain a residual, or have strained it.
     fn note_strain(&mut self, number: usize, steps: i32) {
         let was = self.belt_length(i64::from(steps) * 1000);
         self.trimming.note(number, Found { was, within: self.belt_length(WITHIN), readings_per_mm: None, phase: None });

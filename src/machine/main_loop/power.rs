@@ -34,12 +34,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.drivers.watch_closely(residuals.motors());
         let before = self.drivers.powered();
         let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
-        // A phase tells nothing of a skip: it speaks of rotors that have just come to rest.
+        // A phase does not show a skip: it applies to rotors that have just come to rest.
         if result.is_ok() && !residuals.motors().without(before).is_empty() {
             result = self.align_by_phases(&residuals).await;
         }
         if result.is_err() {
-            // A part of a belt is worse than nothing.
+            // Power for a part of a belt is worse than none.
             self.unpower(self.drivers.powered().without(before));
         }
         result
@@ -55,7 +55,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
                 let proof = self.ask_driver(Job::Verify, motor).await?;
                 let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
                 if let Err(error) = proof {
-                    // Before the host is told, which may take its time to listen.
+                    // Before the message to the host, which may be slow.
                     self.unpower(self.drivers.powered().without(before));
                     self.reply(Answer::NoPower(Fault { motor, error })).await?;
                     return Err(Interrupt::NoPower);
@@ -73,7 +73,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             if residuals.motors().intersects(next) {
                 self.settle(now.after_ms(self.settings.belt.settling_ms.into())).await?;
             } else if !self.has_power(motors) {
-                // Other microsteps are on their way to motors that have power.
+                // Other microsteps are being sent to motors that have power.
                 self.poll().await?;
             }
         }
@@ -102,7 +102,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Takes power from all motors when nothing has moved for long enough. Asked for with the heaters, every 5 ms.
+    /// Takes power from all motors when nothing has moved for long enough. Called with the heat work, every 5 ms.
     pub(super) fn watch_idleness(&mut self, now: Instant) {
         let is_waiting = self.job.is_paused() || !self.pauses.waiting().is_idle_for_motors();
         if is_waiting || self.has_motion() || self.trimming.is_measuring() {
@@ -131,7 +131,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.limping.end();
     }
 
-    /// Goes on with the drivers. A fault ends the motion here and now.
+    /// Continues the work of the drivers. A fault ends the motion at once.
     pub(super) fn tend_drivers(&mut self, now: Instant) -> Result<(), Interrupt> {
         match self.drivers.step(&mut self.ports.drivers, now) {
             Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
@@ -143,7 +143,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             }
             None => {}
         }
-        // Asked at every turn: a command in the middle of a transfer may miss it once. Without a fault nothing limps.
+        // Asked at every turn: a command in the middle of a transfer may miss it once. Limp mode needs a fault.
         if self.drivers.fault().is_none() {
             return Ok(());
         }

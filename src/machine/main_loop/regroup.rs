@@ -1,7 +1,7 @@
-//! Regrouping: a belt that runs round, or one motor of it, has the place of z in the planner, the generator and the
-//! step pins.
+//! Regrouping: a circulating belt, or one motor of it, takes the place of z in the planner, the generator and the step
+//! pins.
 //!
-//! Motors are regrouped at rest. `belt` says what for.
+//! Motors are regrouped at rest. `belt` gives the reason.
 
 use super::MainLoop;
 use crate::fault::{Cause, Fault};
@@ -40,7 +40,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.real.grouping()
     }
 
-    /// How far the belt has run round.
+    /// The circulation of the belt.
     pub const fn circulation(&self) -> &Circulation {
         &self.circulation
     }
@@ -99,7 +99,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.couple(grouping, &coupling, position).await
     }
 
-    /// The same with a coupling of its own.
+    /// The same with a given coupling.
     pub(super) async fn couple(
         &mut self,
         grouping: Grouping,

@@ -32,7 +32,7 @@ use crate::storage;
 use crate::units::{Celsius, Instant};
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
-    /// Tells the host being served, as soon as there is room for it.
+    /// Sends an answer to the host being served, as soon as there is room for it.
     pub async fn reply(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
         self.progress = Progress::default();
         while !self.write(&answer) {
@@ -41,7 +41,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         Ok(())
     }
 
-    /// Tells the host which values were clamped.
+    /// Reports the clamped values to the host.
     pub async fn reply_clamps(&mut self, clamps: &mut Clamps) -> Result<(), Interrupt> {
         let mut place = 0;
         while let Some(clamp) = clamps.get(place) {

@@ -24,8 +24,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Whether the groups in use are as they are when they are made once more. Others are looked at when they come into
-    /// use.
+    /// Whether the groups in use equal groups computed again. Others are checked when they come into use.
     pub(super) fn are_groups_whole(&self) -> bool {
         *self.real.groups() == Groups::new(&self.real.grouping().rows_of(&self.settings.mechanism))
     }

@@ -38,7 +38,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
     }
 
-    /// Turns one motor by so many steps, and no other, when motion rests. All motors of the belt have power.
+    /// Turns one motor by `by` steps, and no other, when motion rests. All motors of the belt have power.
     pub async fn trim(&mut self, motor: Motor, by: i32) -> Result<(), Interrupt> {
         // A stroke may still be moving if its driver did not answer.
         self.finish().await?;

@@ -1,6 +1,6 @@
 //! Slowing down for a host that cannot keep up, instead of stopping and going.
 //!
-//! A stream that has run dry and goes on is slower than the print wants it. From then on the feed is a share of the
+//! A stream that has run dry and continues is slower than the print needs. From then on the feed is a share of the
 //! commanded one, in proportion to the time of the waiting moves at their commanded speed: all of it with 200 ms, half
 //! of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first the share is
 //! no less than a half; every time the stream runs dry again that least share is halved.
@@ -12,13 +12,13 @@
 use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;
 
-/// With moves for so long nothing is slowed down; less than what motion begins with.
+/// With moves for this time nothing is slowed down; it is less than the motion needed to begin.
 const FULL_FEED_TICKS: u64 = 200 * TICKS_PER_MS as u64;
 
 /// The least share at first, and at all.
 const LEAST_SHARES: (u8, u8) = (WHOLE / 2, WHOLE / 8);
 
-/// How much of the feed the stream allows.
+/// The share of the feed that the stream allows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct FeedThrottle {
     /// The least share; [`WHOLE`] while nothing is slowed down.
@@ -42,7 +42,7 @@ impl FeedThrottle {
         self.least == WHOLE && self.share == WHOLE
     }
 
-    /// The stream has run dry and goes on.
+    /// The stream has run dry and continues.
     pub fn slow_down(&mut self) {
         let (at_first, at_all) = LEAST_SHARES;
         self.least = (self.least / 2).clamp(at_all, at_first);

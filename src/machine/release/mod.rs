@@ -1,4 +1,4 @@
-//! Release: when moves leave the look-ahead, and how much of the feed a slow host gets.
+//! Release: when moves leave the look-ahead, and the share of the feed for a slow host.
 //!
 //! Both files decide from times and counts alone and touch nothing; `main_loop::stream` asks them and moves the moves.
 //!

@@ -17,7 +17,7 @@ pub(in crate::machine) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 /// second block (BLOCK_DELAY_FOR_1ST_MOVE).
 const PAUSE_MS: u32 = 100;
 
-/// A host that sends nothing for this long after the motion has come to rest was not too slow: it paused, or somebody
+/// A host that sends nothing for this long after the motion has come to rest was not too slow: it paused, or the user
 /// jogs. Ten times the pause after which motion begins.
 const LONG_REST_MS: u32 = 1000;
 
@@ -54,9 +54,9 @@ pub(in crate::machine) struct ReleasePolicy {
     added: Instant,
     /// When motion came to rest by itself, if it does rest.
     rested: Option<Instant>,
-    /// A move left before it was final, and nothing has been added since.
+    /// A move left before it was final, and none was added since.
     is_dry: bool,
-    /// A command has waited for the end of the motion, and nothing has been added since.
+    /// A command has waited for the end of the motion, and no move was added since.
     has_waited: bool,
     /// Whether the present underrun was counted.
     is_counted: bool,
@@ -84,7 +84,7 @@ impl ReleasePolicy {
         }
     }
 
-    /// A move is about to be added; true if that makes an underrun of a dry stream, and it is not counted yet.
+    /// A move is about to be added; true if that makes an underrun of a dry stream, the first since the last count.
     pub fn add(&mut self, now: Instant) -> bool {
         (self.added, self.has_waited) = (now, false);
         if !core::mem::replace(&mut self.is_dry, false) {
@@ -129,7 +129,7 @@ impl ReleasePolicy {
         self.throttle.reset();
     }
 
-    /// Whether a command has waited for the end of the motion, and nothing was added since.
+    /// Whether a command has waited for the end of the motion, and no move was added since.
     pub const fn has_waited(&self) -> bool {
         self.has_waited
     }
@@ -188,7 +188,7 @@ impl ReleasePolicy {
         }
     }
 
-    /// A move left before it was final. If nothing follows, that was the end of the stream.
+    /// A move left before it was final. If no move follows, that was the end of the stream.
     pub const fn note_dry(&mut self) {
         self.is_dry = true;
     }

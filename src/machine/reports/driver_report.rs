@@ -12,7 +12,7 @@ use core::fmt;
 /// Full steps of a turn of almost every stepper motor (1.8 degrees).
 const FULL_STEPS: u64 = 200;
 
-/// What M122 says of a driver that answers.
+/// The state of a driver that answers, for M122.
 struct State<'r> {
     reading: &'r Reading,
     held: Option<Config>,
@@ -72,7 +72,7 @@ pub(in crate::machine) fn report_driver(
     to.say(format_args!("  {}", Health(&reading, problem, failures)));
 }
 
-/// How far a turn of a motor of 200 full steps goes, which shows whether microsteps and steps/mm agree.
+/// The distance for a turn of a motor of 200 full steps, which shows whether microsteps and steps/mm agree.
 fn turn_of(steps_per_mm: StepsPerMm, microsteps: u32) -> Hundredths {
     let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
     Hundredths(Mm::from_bits((steps / u64::from(steps_per_mm.to_bits().max(1))) as i64))

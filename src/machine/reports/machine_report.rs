@@ -4,7 +4,7 @@ use crate::machine::answers::machine_answer::MachineAnswer;
 use crate::machine::answers::speaker::Speaker;
 use core::fmt;
 
-/// Says what there is to tell of it.
+/// Reports a machine answer.
 pub(in crate::machine) fn report_machine(to: &mut Speaker<'_>, answer: &MachineAnswer<'_>) {
     match answer {
         MachineAnswer::Piece(at, piece) => to.say(format_args!("machine AT={at} HEX={}", Hex(piece))),

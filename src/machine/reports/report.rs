@@ -87,7 +87,7 @@ pub(in crate::machine) struct Position<'m> {
     at: [Mm; 4],
     counts: [i32; MOST_GROUPS],
     groups: &'m Groups,
-    /// How far the belt has run round, if it can.
+    /// The circulation of the belt, if it can circulate.
     circulation: Option<Mm>,
 }
 

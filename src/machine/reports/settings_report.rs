@@ -12,7 +12,7 @@ use crate::motion::advance_window;
 use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
 
-/// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
+/// M503: every setting that G-code can set, and as a comment the reach of the look-ahead.
 pub(in crate::machine) fn report_settings(
     to: &mut Speaker<'_>,
     s: &Settings,
@@ -180,7 +180,7 @@ pub(in crate::machine) fn report_recovery(to: &mut Speaker<'_>, settings: &Retra
     to.setting(format_args!("M208 S{extra} F{feed}"));
 }
 
-/// What M593 calls a kind of shaper, if it is one.
+/// The name of a kind of shaper in M593, if it has one.
 const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
     match kind {
         ShaperKind::None => None,

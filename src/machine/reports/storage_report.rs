@@ -4,7 +4,7 @@ use crate::machine::answers::speaker::Speaker;
 use crate::machine::answers::storage_news::{Slots, StorageNews};
 use crate::storage::Rejected;
 
-/// Says what there is to tell of the storage.
+/// Reports news of the storage.
 pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNews) {
     match *news {
         StorageNews::Saved(receipt) => to.say(format_args!("echo:Settings Stored {receipt}")),

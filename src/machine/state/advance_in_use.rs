@@ -28,7 +28,7 @@ impl AdvanceInUse {
         self.0
     }
 
-    /// The window that the generator is to follow from now on with these settings, if any.
+    /// The window that the generator follows from now on with these settings, if any.
     pub fn follow(&mut self, settings: &Settings) -> Option<Seconds> {
         if self.0.is_some() || settings.advance.time > Seconds::ZERO {
             self.0 = Some(advance_window(settings));

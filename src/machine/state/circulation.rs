@@ -1,8 +1,8 @@
-//! Circulation: how far a closed belt has run round, and where z stands while it does.
+//! Circulation: the distance by which a closed belt has circulated, and the place of z during it.
 
 use crate::units::{Mm, Steps, StepsPerMm};
 
-/// The belt's third way to go, besides those that move the tool.
+/// The belt's third degree of freedom, besides the two that move the tool.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Circulation {
     /// Where the program has sent it.
@@ -19,7 +19,7 @@ impl Circulation {
         Self { commanded: Mm::ZERO, steps: 0, z: (Steps::ZERO, Mm::ZERO) }
     }
 
-    /// How far it has run round.
+    /// The distance by which it has circulated.
     pub fn length(&self, resolution: StepsPerMm) -> Mm {
         let bits = i128::from(self.steps) << (StepsPerMm::FRAC_NBITS + Mm::FRAC_NBITS);
         Mm::from_bits((bits / i128::from(resolution.to_bits().max(1))) as i64)
@@ -35,7 +35,7 @@ impl Circulation {
         self.z = z;
     }
 
-    /// It has run on by so many steps.
+    /// It has circulated by `steps` more.
     pub const fn add(&mut self, steps: i64) {
         self.steps = self.steps.wrapping_add(steps);
     }

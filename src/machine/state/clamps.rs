@@ -1,4 +1,4 @@
-//! Values out of range: the old value stays and the host is told, or the value is brought to the edge of its range.
+//! Values out of range: the old value stays and the host gets a message, or the value is set to the edge of its range.
 //!
 //! A line sets all of its values or none: with one out of range nothing of the line is done. A value from another
 //! firmware has another unit or another meaning there. So the nearest legal value would be as wrong, and the old one is
@@ -54,7 +54,7 @@ const fn hinted(code: &'static str, hint: &'static str) -> Rule {
 /// 1.5.
 const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
 
-/// All words that are treated in another way than by keeping the old value, or that have a hint.
+/// All words with a rule other than keeping the old value, or with a hint.
 const RULES: [Rule; 15] = [
     // F: axes have limits anyway, so the fastest speed fulfils a faster F, the slowest a slower F. F0 and less ask for
     // no motion at all, so the feed stays (`feed`).
@@ -137,7 +137,7 @@ pub(in crate::machine) struct Clamps {
     refuses: bool,
 }
 
-/// A value of a line, and how it is told.
+/// A value of a line, and its form in messages.
 struct Asked<T> {
     word: Word,
     number: Number,
@@ -152,32 +152,32 @@ impl Clamps {
         Self { list: Vec::new(), refuses: false }
     }
 
-    /// A value was out of range. Inlined, it would stand in every function for a type.
+    /// A value was out of range. Inlined, it would be repeated in every function for a type.
     #[inline(never)]
     fn note(&mut self, word: Word, asked: Number, legal: [Number; 2], outcome: Outcome) {
         self.refuses |= matches!(outcome, Outcome::Refused(_));
         let _ = self.list.push(Clamp { word, asked, legal, outcome });
     }
 
-    /// Whether the line is to be left alone, because a value of it was refused.
+    /// Whether the line has no effect, because one of its values was refused.
     pub const fn refuses_line(&self) -> bool {
         self.refuses
     }
 
-    /// Nothing was out of range after all.
+    /// Starts a line without clamps.
     pub fn clear(&mut self) {
         self.list.clear();
         self.refuses = false;
     }
 
-    /// What there is to tell at this place, counted from 0: of a line that was refused only why.
+    /// The clamp at this place, counted from 0: for a refused line only the reason.
     pub fn get(&self, place: usize) -> Option<Clamp> {
         let is_told = |clamp: &&Clamp| !self.refuses || matches!(clamp.outcome, Outcome::Refused(_));
         self.list.iter().filter(is_told).nth(place).copied()
     }
 
     /// The value if it is legal, or its fate. If the type holds a value far from the number, the type has cut it off.
-    /// The host is told all values as `scale` converts them; `old` is the present one.
+    /// Messages show all values as `scale` converts them; `old` is the present one.
     fn judge<T: Fixed + Into<I32F32>>(
         &mut self,
         asked: &Asked<T>,
@@ -207,7 +207,7 @@ impl Clamps {
         }
     }
 
-    /// A length, or so many of them a second. `None` if it is refused.
+    /// A length, or a length per second. `None` if it is refused.
     pub fn length_of<T: Fixed + Into<I32F32>>(
         &mut self,
         modal: &Modal,

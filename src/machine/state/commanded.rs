@@ -20,9 +20,9 @@ pub(in crate::machine) struct Commanded {
     origin: [Mm; 3],
     /// E as the program counts it.
     extrusion: Mm,
-    /// How far the machine is away from it.
+    /// The distance of the machine from it.
     retraction: Retraction,
-    /// And how far a pause has taken it away besides, where no line has sent it elsewhere since.
+    /// The distance by which a pause has moved it away in addition, where no line has moved it since.
     parked: [Mm; 4],
     /// A host has pulled filament back in the pause: it does all by itself that the pause has done already.
     has_taken_over: bool,
@@ -105,7 +105,7 @@ impl Commanded {
         self.parked = [mx.saturating_sub(x), my.saturating_sub(y), mz.saturating_sub(z), me.wrapping_sub(e)];
     }
 
-    /// How far a pause has taken the machine away.
+    /// The distance by which a pause has moved the machine away.
     pub const fn parked(&self) -> [Mm; 4] {
         self.parked
     }
@@ -116,7 +116,7 @@ impl Commanded {
     }
 
     /// A line is about to send the program to `to` in a pause. An axis that the line names goes to its place,
-    /// independent of where it is parked. A host that pulls filament back has a pause script of its own: the pause's
+    /// independent of where it is parked. A host that pulls filament back has its own pause script: the pause's
     /// retraction and lift already count for it.
     pub fn leave_park(&mut self, to: [Mm; 4], words: &AxisWords, modal: &Modal) {
         let ([.., from_z, from_e], [.., to_z, to_e]) = (self.position, to);
@@ -160,7 +160,7 @@ impl Commanded {
         self.retraction = Retraction::new();
     }
 
-    /// How far a retraction has lifted the tool, and how much filament it has pulled back.
+    /// The lift of the tool and the length of filament of a retraction.
     pub fn retracted(&self) -> [Mm; 2] {
         self.retraction.away()
     }
@@ -188,7 +188,7 @@ impl Commanded {
         self.retraction.moves_away(settings, z_speed)
     }
 
-    /// The moves of G11; `None` if there is nothing to take back.
+    /// The moves of G11; `None` without a retraction.
     pub fn moves_back(&self, settings: &RetractionSettings, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
         self.retraction.moves_back(settings, z_speed)
     }
@@ -276,7 +276,7 @@ impl Commanded {
     pub fn named(&self, position: [Mm; 4]) -> [Mm; 4] {
         let [x, y, z, e] = position;
         let [ox, oy, oz] = self.origin;
-        // Filament that was commanded and not yet moved, as the program counts it.
+        // Filament that was commanded but not moved, as the program counts it.
         let missing = self.position[3].wrapping_sub(e);
         [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(missing)]
     }

@@ -17,9 +17,9 @@ const MOST: usize = 64;
 /// When a speed comes to hold.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum After {
-    /// So many moves were planned before it, wrapping.
+    /// The number of moves planned before it, wrapping.
     Move(u32),
-    /// So many entries were put into the MoveQueue before it, wrapping.
+    /// The number of entries put into the MoveQueue before it, wrapping.
     Entry(u32),
 }
 
@@ -59,7 +59,7 @@ impl FanSchedule {
         !self.queue.is_full()
     }
 
-    /// A fan is to run at `speed` when so many moves are done. Without room, it takes the place of the last speed.
+    /// Sets a fan to `speed` after `moves` moves. Without room, it takes the place of the last speed.
     pub fn add(&mut self, moves: u32, fan: u8, speed: u16) {
         let after = After::Move(moves);
         if let Some(last) = self.queue.back_mut()
@@ -74,7 +74,8 @@ impl FanSchedule {
         let _ = self.queue.push_back(Waiting { after, fan, speed });
     }
 
-    /// So many moves have left the look-ahead, and so many entries were put into the MoveQueue: called after each.
+    /// Takes the number of moves that have left the look-ahead, and of entries put into the MoveQueue: called after
+    /// each.
     pub fn note_left(&mut self, moves: u32, entries: u32) {
         for waiting in &mut self.queue {
             match waiting.after {
@@ -85,7 +86,7 @@ impl FanSchedule {
         }
     }
 
-    /// The next fan and its speed that come to hold when so many entries are done.
+    /// The next fan and its speed that are due after `done` entries.
     pub fn take(&mut self, done: u32) -> Option<(u8, u16)> {
         let Waiting { after: After::Entry(after), fan, speed } = *self.queue.front()? else { return None };
         if !is_past(after, done) {

@@ -12,12 +12,12 @@ use crate::units::Celsius;
 /// Control periods after which an order that left has been taken for certain.
 const TAKEN: u32 = 2;
 
-/// A target on its way.
+/// A target in transfer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Target {
     /// The thermal context knows it.
     Known,
-    /// It is yet to leave.
+    /// It has not left.
     Waits(Celsius),
     /// It left in this control period.
     Left(Celsius, u32),
@@ -59,12 +59,12 @@ impl HeatOrders {
         }
     }
 
-    /// A heater is to be kept at `target`; 0 is off.
+    /// Sets the target of a heater; 0 is off.
     pub fn heat(&mut self, heater: Heater, target: Celsius) {
         self.targets[heater as usize] = Target::Waits(target);
     }
 
-    /// A fan is to run at `speed`, of 65,535.
+    /// Sets a fan to `speed`, of 65,535.
     pub fn set_fan(&mut self, fan: u8, speed: u16) {
         if let Some(place) = self.fans.get_mut(usize::from(fan)) {
             *place = Some(speed);
@@ -83,7 +83,7 @@ impl HeatOrders {
         self.is_test_waiting = true;
     }
 
-    /// Whether that order is yet to leave.
+    /// Whether that order has not left.
     pub const fn is_test_waiting(&self) -> bool {
         self.is_test_waiting
     }
@@ -93,7 +93,7 @@ impl HeatOrders {
         self.tuning = Some((heater, target, cycles));
     }
 
-    /// Whether any motor has power; told when it changes.
+    /// Whether any motor has power; sent when it changes.
     pub const fn note_motors(&mut self, are_on: bool) {
         if self.are_motors_on != are_on {
             self.are_motors_on = are_on;

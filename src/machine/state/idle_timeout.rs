@@ -10,7 +10,7 @@ const IDLE_TIMEOUT_S: u32 = 600;
 /// idle_timeout while a print is paused. After that the print counts as abandoned.
 const PRINT_TIMEOUT_S: u32 = 12 * 3600;
 
-/// How long motors keep their power without motion.
+/// The time for which motors keep their power without motion.
 #[derive(Debug)]
 pub(in crate::machine) struct IdleTimeout {
     /// 0 is for ever.

@@ -1,6 +1,6 @@
 //! The job: whether a print is under way, is paused or was ended, and its state during a pause.
 //!
-//! **In a print** is said in one place, here. Three events begin a print: the first move that extrudes while x or y
+//! **In a print** is defined in one place, here. Three events begin a print: the first move that extrudes while x or y
 //! move (a jog moves one or the other), M75, or an unknown command name (`START_PRINT ...`). It ends with M77, M524,
 //! M104 S0 or M81 outside of a pause, M84 for x, y or z, M110 of its host, or an end by the firmware. Unlike numbered
 //! lines, all hosts and files have that in common.
@@ -12,7 +12,7 @@
 //! - Printing: see above. Motors hold. Heaters go off when idle and come back before filament moves. A line has its
 //!   effect; a line for a cold hotend or a lost position is kept, and the print is paused.
 //! - Paused: by M25, M0, M1, M600, M601, M125, or a line that is kept. Motors hold. Heaters go off after a time and
-//!   come back before the print goes on. A line has its effect: it jogs or heats.
+//!   come back before the print continues. A line has its effect: it jogs or heats.
 //! - Ended: by `Interrupt::EndJob`. Motors lose power when idle, heaters are off. A line moves and heats nothing until
 //!   G28, M108 or M110.
 //!
@@ -38,13 +38,13 @@ enum Phase {
 pub(in crate::machine) enum Kept {
     /// It waits for the user, or until then.
     User(Option<Instant>),
-    /// It is to be carried out when the hotend is warm enough.
+    /// Carry it out when the hotend is warm enough.
     Cold,
-    /// It is to be carried out when these axes are homed again.
+    /// Carry it out when these axes are homed again.
     Lost([bool; 3]),
 }
 
-/// How a line that is kept goes on.
+/// How a kept line continues.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Answered {
     /// M108, or its time has passed: continue in any case.
@@ -53,11 +53,11 @@ pub(in crate::machine) enum Answered {
     Resume,
 }
 
-/// Why a job ends although the machine stays as it is: nothing is broken that a reset would mend.
+/// Why a job ends although the machine stays as it is: there is no damage that a reset would repair.
 ///
 /// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, at any depth of calls.
-/// The dispatch handles all of them in one place (`commands::job`). Hosts are told to cancel, with words that make none
-/// of them disconnect. Heaters go off, the program's state becomes a new one, and the old stream has no effect any
+/// The dispatch handles all of them in one place (`commands::job`). Hosts are asked to cancel, with words that make
+/// none of them disconnect. Heaters go off, the program's state becomes a new one, and the old stream has no effect any
 /// more.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum JobEnd {
@@ -95,7 +95,7 @@ pub(in crate::machine) struct Break {
     pub program: Program,
     /// Which axes were homed.
     pub homed: [bool; 3],
-    /// Filament that is pushed in before the print goes on (M600 L).
+    /// Filament that is pushed in before the print continues (M600 L).
     pub load: Mm,
 }
 
@@ -183,7 +183,7 @@ impl Job {
         matches!(self.phase, Phase::Ended { .. })
     }
 
-    /// Whether the host is still to be told so.
+    /// Whether the host needs the message of it.
     pub const fn tell_of_end(&mut self) -> bool {
         let is_new = matches!(self.phase, Phase::Ended { is_told: false });
         if is_new {
@@ -243,7 +243,7 @@ impl Job {
         self.paused
     }
 
-    /// How much filament is to be pushed in, which is asked for once.
+    /// The length of filament to push in, once.
     pub const fn take_load(&mut self) -> Mm {
         match &mut self.paused {
             Some(paused) => core::mem::replace(&mut paused.load, Mm::ZERO),
@@ -251,7 +251,7 @@ impl Job {
         }
     }
 
-    /// It goes on.
+    /// The print continues.
     pub const fn go_on(&mut self) {
         if let Phase::Paused { was_printing } = self.phase {
             self.phase = if was_printing { Phase::Printing } else { Phase::None };
@@ -316,7 +316,7 @@ impl Job {
         }
     }
 
-    /// How the line that is kept goes on, as far as is known by now.
+    /// How the kept line continues, if that is known by now.
     pub fn take_answer(&mut self, now: Instant) -> Option<Answered> {
         match self.kept? {
             Kept::User(Some(until)) if now >= until => Some(Answered::GoOn),

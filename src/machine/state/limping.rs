@@ -18,7 +18,7 @@ enum Stage {
     Over,
 }
 
-/// How far it has come.
+/// Its stage.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Limping {
     stage: Stage,
@@ -26,7 +26,7 @@ pub(in crate::machine) struct Limping {
     until: Instant,
     /// Faults that were known when it began.
     faults: u32,
-    /// How far z was raised before the tool was parked; none if it was not parked.
+    /// The lift of z before the tool was parked; none if it was not parked.
     parked: Option<Mm>,
 }
 
@@ -35,12 +35,12 @@ impl Limping {
         Self { stage: Stage::No, until: Instant(0), faults: 0, parked: None }
     }
 
-    /// A driver has failed; this is to be over at `until`, and so many faults are known besides.
+    /// A driver has failed; limp mode has to be over at `until`, and `faults` other faults are known.
     pub const fn begin(&mut self, until: Instant, faults: u32) {
         *self = Self { stage: Stage::Wanted, until, faults, parked: None };
     }
 
-    /// Whether every command is to end for it.
+    /// Whether every command has to end for it.
     pub const fn is_wanted(&self) -> bool {
         matches!(self.stage, Stage::Wanted)
     }
@@ -55,7 +55,7 @@ impl Limping {
         matches!(self.stage, Stage::Wanted | Stage::UnderWay) && self.faults == faults
     }
 
-    /// Whether it goes on.
+    /// Whether it is under way.
     pub const fn is_under_way(&self) -> bool {
         matches!(self.stage, Stage::Wanted | Stage::UnderWay)
     }

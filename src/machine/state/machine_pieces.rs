@@ -1,4 +1,4 @@
-//! A record of a machine on its way over a serial line, in pieces.
+//! A record of a machine in transfer over a serial line, in pieces.
 
 use crate::storage::LONGEST;
 

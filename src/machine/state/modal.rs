@@ -21,20 +21,20 @@ const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 /// because a print can show that much.
 const ROUNDING: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::lit("0.01") };
 
-/// Whether two places are so far apart that a program can mean it: relative moves, G92 and inches leave less between
+/// Whether two places are far enough apart for a program to mean it: relative moves, G92 and inches leave less between
 /// them.
 pub(in crate::machine) fn are_apart(one: Mm, other: Mm) -> bool {
     one.saturating_sub(other).saturating_abs() >= ROUNDING.least
 }
 
-/// The last of so many decimals.
+/// The last decimal, by the number of decimals.
 const LAST_DECIMALS: [Mm; 6] =
     [Mm::ONE, Mm::lit("0.1"), Mm::lit("0.01"), Mm::lit("0.001"), Mm::lit("0.0001"), Mm::lit("0.00001")];
 
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
 const INCH: (u64, u64) = (127, 5);
 
-/// What still holds.
+/// The modes.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Modal {
     /// G90; cleared by G91.
@@ -70,7 +70,7 @@ impl Modal {
         }
     }
 
-    /// The modes of a program that goes on where it was `before`, with the overrides that hold now.
+    /// The modes of a program that continues where it was `before`, with the present overrides.
     pub const fn restored(&self, before: &Self) -> Self {
         let Self { kept_feed_percent, flow_percent, dry_run, .. } = *self;
         Self { kept_feed_percent, flow_percent, dry_run, ..*before }
@@ -86,7 +86,7 @@ impl Modal {
         if self.inches { Mm::from_bits(part_of(value.to_bits(), INCH.0, INCH.1)) } else { value }
     }
 
-    /// How far places are apart at the most that coordinates with so many decimals mean as one.
+    /// The largest distance of places that coordinates with this many decimals mean as one.
     pub fn rounding(&self, decimals: u8) -> Mm {
         let last = LAST_DECIMALS.get(usize::from(decimals)).copied().unwrap_or(Mm::ZERO);
         ROUNDING.clamp(self.unit(last))

@@ -42,7 +42,7 @@ pub(in crate::machine) struct Notices {
 }
 
 impl Notices {
-    /// Nothing was said yet.
+    /// No notice was sent yet.
     pub const fn new() -> Self {
         Self {
             edge: false,
@@ -75,7 +75,7 @@ impl Notices {
         !core::mem::replace(self.given(notice), true)
     }
 
-    /// Whether a word for a part that is not there is still to be told; from now on it counts as told. After
+    /// Whether a word for a missing part has not been reported yet; from now on it counts as reported. After
     /// [`MOST_ABSENT`] of them no more are reported.
     pub fn give_absent(&mut self, key: u32) -> bool {
         !self.absent.contains(&key) && self.absent.push(key).is_ok()

@@ -63,7 +63,7 @@ impl Homed {
         }
     }
 
-    /// How much longer the path is since x and y met their endstops, of those that are homed.
+    /// The path length since x and y met their endstops, for those that are homed.
     pub fn since_met(&self, path_mm: u32) -> [Option<u32>; 2] {
         let [x, y, _] = self.axes;
         let [met_x, met_y] = self.met.map(|met| met.map(|met| path_mm.wrapping_sub(met)));
@@ -127,7 +127,7 @@ impl<'m> RealPosition<'m> {
         (self.grouping, self.has_regrouped) = (grouping, true);
     }
 
-    /// Whether they were ever grouped otherwise than at the start, so that the generator has to be told how.
+    /// Whether they were ever grouped otherwise than at the start, so that the generator has to get the grouping.
     pub const fn has_regrouped(&self) -> bool {
         self.has_regrouped
     }

@@ -34,11 +34,11 @@ impl RetractionSettings {
 /// Whether the filament is retracted.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Retraction {
-    /// How far the tool is lifted above the commanded position, and the filament pulled back from it.
+    /// The lift of the tool above the commanded position, and the length of filament pulled back from it.
     away: Option<[Mm; 2]>,
 }
 
-/// A move of the machine alone: how far the machine is away from the commanded position at its end, and its speed.
+/// A move of the machine alone: its distance from the commanded position at its end, and its speed.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct RetractionMove {
     away: [Mm; 2],
@@ -99,7 +99,7 @@ impl Retraction {
         Some(-length)
     }
 
-    /// How far the tool is lifted, and how much filament is pulled back.
+    /// The lift of the tool, and the length of filament pulled back.
     pub fn away(&self) -> [Mm; 2] {
         self.away.unwrap_or_default()
     }

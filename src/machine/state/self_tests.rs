@@ -21,7 +21,7 @@ pub(in crate::machine) struct SelfTests {
     /// The subject of the last passed test.
     passed: Option<u32>,
     under_way: Option<UnderWay>,
-    /// It is yet to be noted for starts to come.
+    /// It is not stored yet.
     has_news: bool,
     /// The user knows that a test was put off.
     is_put_off: bool,
@@ -52,7 +52,7 @@ impl SelfTests {
         self.under_way.is_some()
     }
 
-    /// Looks how far the test has come; how it ended, once.
+    /// Follows the test; returns how it ended, once.
     pub fn follow(&mut self, has_left: bool, period: u32, state: SelfTest) -> Option<SelfTest> {
         let under_way = self.under_way.as_mut()?;
         if !has_left {
@@ -76,7 +76,7 @@ impl SelfTests {
         core::mem::take(&mut self.has_news).then_some(self.passed).flatten()
     }
 
-    /// Whether something is to be noted.
+    /// Whether a passed test is to be stored.
     pub const fn has_news(&self) -> bool {
         self.has_news
     }

@@ -14,13 +14,13 @@ pub(in crate::machine) struct Found {
     pub was: Mm,
     /// The largest error that may remain, in mm of belt.
     pub within: Mm,
-    /// How much the load that drivers measure (SG_RESULT) falls for a mm of strain, if they measured it.
+    /// The fall of the load that drivers measure (SG_RESULT) for a mm of strain, if they measured it.
     pub readings_per_mm: Option<u16>,
     /// The phase at which nothing strains the belt (`main_loop::phase`), if it was looked for.
     pub phase: Option<u16>,
 }
 
-/// What there is to know of motors that can pull against each other.
+/// The known state of motors that can pull against each other.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Trimming {
     /// Where the tool stands, in steps of x, y, z and e.

@@ -1,8 +1,8 @@
 //! The Console's waits, and the timers that each of them stops.
 //!
-//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`, and the user is waited for
-//! by the [`job`](super::job), not by a command. Every timer has an exhaustive match on it: a new state forces a
-//! decision whether heaters may stay on in it.
+//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`. The [`job`](super::job)
+//! waits for the user, not a command. Every timer has an exhaustive match on it: a new state forces a decision whether
+//! heaters may stay on in it.
 
 /// The wait of the present command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -29,8 +29,8 @@ impl Waiting {
         }
     }
 
-    /// Whether the time counts after which unused motors lose their power, and the axes their homes: not while somebody
-    /// is going to go on.
+    /// Whether the time counts after which unused motors lose their power, and the axes their homes: not while the user
+    /// is expected to continue.
     pub const fn is_idle_for_motors(self) -> bool {
         match self {
             Self::Nothing => true,

@@ -27,7 +27,7 @@ pub(in crate::motion) struct Geometry {
     pub extrusion: f32,
 }
 
-/// How much of a way each axis, and the belt motor that has most of it, must go; without signs.
+/// The part of a move that each axis, and the belt motor with the most of it, must make; without signs.
 #[derive(Clone, Copy)]
 pub(in crate::motion) struct Shares {
     axes: [f32; 4],
@@ -48,7 +48,7 @@ impl Shares {
         Self { axes: [x.abs(), y.abs(), z.abs(), extrusion.abs()], belt: belts.most_of([x, y, z]) }
     }
 
-    /// The greatest value along the way that neither axes nor motors forbid, at most `wanted`.
+    /// The greatest value along the move that neither axes nor motors forbid, at most `wanted`.
     #[inline(always)]
     pub fn bound(&self, wanted: f32, limits: &Limits) -> f32 {
         // Written out: firmware is made for size, which leaves loops as they are.
@@ -84,7 +84,7 @@ impl Limits {
     }
 }
 
-/// The belt motors' coordinates: how much of a way of x, y and z each of them makes. One group is the extruder's.
+/// The belt motors' coordinates: the part of a move of x, y and z that each of them makes. One group is the extruder's.
 #[derive(Clone, PartialEq, Debug)]
 pub(in crate::motion) struct Belts(Vec<[f32; 3], { MOST_GROUPS - 1 }>);
 
@@ -102,7 +102,7 @@ impl Belts {
         )
     }
 
-    /// The way of the motor that goes farthest.
+    /// The distance of the motor that goes farthest.
     #[inline(always)]
     fn most_of(&self, [x, y, z]: [f32; 3]) -> f32 {
         let mut most = 0.0;
@@ -117,7 +117,7 @@ impl Belts {
 }
 
 impl Geometry {
-    /// No way.
+    /// No move.
     pub const NONE: Self = Self { length: 0, size: 0.0, unit: [0; 3], direction: [0.0; 3], extrusion: 0.0 };
 
     /// The vector `delta` (x, y, z, e in raw `Mm` bits).

@@ -8,8 +8,8 @@
 //! # Which chords are one line
 //!
 //! - Line and chord are short: see [`BRAKING_PART`].
-//! - They have the same feed, and filament goes the same way in both, or in neither.
-//! - The chord leads on along the **main axis**, on which the first chord has most of its way.
+//! - They have the same feed, and filament goes in the same direction in both, or in neither.
+//! - The chord leads on along the **main axis**, along which the first chord is longest.
 //! - Every point that is left out lies within a tolerance of the line along each axis, filament included. The line here
 //!   moves in proportion to the main axis.
 //!
@@ -57,20 +57,21 @@ const EXACT: f32 = 0.000_1;
 /// ends are rounded by half a bit, and offsets are added to them.
 const THOUSANDTHS_SLACK: u32 = 4096;
 
-/// The line grows by at least so many mm along its main axis with each chord: less is no move
+/// The line grows by at least this many mm along its main axis with each chord: less is no move
 /// ([`LEAST_LENGTH`](super::LEAST_LENGTH)).
 const LEAST_GROWTH: f32 = 0.0005;
 
-/// A line is long, and closed, when it has this part of the way in which it brakes from its feed to rest. The
-/// look-ahead sees 128 moves at least, so eight times that way: longer moves need no joining, and keep their corners
-/// to the last bit.
+/// A line is long, and closed, when it has this part of the distance in which it brakes from its feed to rest. The
+/// look-ahead sees 128 moves at least, so eight times that distance: longer moves need no joining, and keep their
+/// corners to the last bit.
 const BRAKING_PART: f32 = 1.0 / 16.0;
 
 /// So is a line that takes this long, in seconds at its feed: no more is held back than the stream may have left when
 /// it counts as dry (`QUEUE_LOW` of the release policy).
 const LONGEST_SECONDS: f32 = 0.02;
 
-/// And one of so many mm along its main axis: 128 of them are half a metre, more than machines of this kind are long.
+/// And a line of this many mm along its main axis: 128 of them are half a metre, more than machines of this kind are
+/// long.
 const LONGEST: f32 = 4.0;
 
 /// Slopes that points leave to the line, along one axis.
@@ -131,20 +132,20 @@ pub(in crate::motion) struct OpenLine {
     asked: [Mm; 4],
     feed: MmPerSec,
     has_overrides: bool,
-    /// Which way the filament goes.
+    /// The direction of the filament.
     filament: Ordering,
     main: Main,
-    /// Its way along the main axis, in mm.
+    /// Its length along the main axis, in mm.
     reached: f32,
-    /// From so many mm along the main axis on it is closed.
+    /// The length in mm along the main axis at which it is closed.
     longest: f32,
     /// The ranges of slopes that its points leave for the two other axes and the filament.
     slopes: [Slopes; 3],
-    /// Whether it is more than one chord. If not, its way is [`Planner::vector`].
+    /// Whether it is more than one chord. If not, its vector is [`Planner::vector`].
     is_joined: bool,
 }
 
-/// A way in mm, as slopes are made of it.
+/// A vector in mm, as slopes are made of it.
 struct Way {
     main: f32,
     others: [f32; 2],
@@ -177,13 +178,13 @@ impl OpenLine {
         self.begin
     }
 
-    /// Whether it is so long that it is closed.
+    /// Whether it is long enough to be closed.
     #[inline(always)]
     fn is_long(&self) -> bool {
         self.reached.abs() >= self.longest
     }
 
-    /// Nothing is to be continued.
+    /// No move continues the line.
     pub const fn forget(&mut self) {
         self.state = State::None;
     }
@@ -259,7 +260,7 @@ impl OpenLine {
         self.reached = way.main;
     }
 
-    /// The way from its begin to `position`, if it is a short one.
+    /// The vector from its begin to `position`, if it is a short one.
     #[inline(always)]
     fn way_to(&self, [x, y, z, e]: [Mm; 4]) -> Option<Way> {
         let [from_x, from_y, from_z, from_e] = self.asked;
@@ -273,7 +274,7 @@ impl OpenLine {
     }
 }
 
-/// From so many mm on a line is closed that accelerates no faster than its main axis does.
+/// The length in mm at which a line is closed that accelerates no faster than its main axis does.
 #[inline(always)]
 fn longest(feed: MmPerSec, most: MmPerSec2) -> f32 {
     let speed = speed(feed);
@@ -282,21 +283,21 @@ fn longest(feed: MmPerSec, most: MmPerSec2) -> f32 {
     if longest < LONGEST { longest } else { LONGEST }
 }
 
-/// Which way the filament goes that was asked for `from` before.
+/// The direction of the filament from `from`.
 #[inline(always)]
 fn filament_way(target: &Target, from: Mm) -> Ordering {
     let [.., to] = target.position;
     to.wrapping_sub(from).cmp(&Mm::ZERO)
 }
 
-/// A way of less than 16 mm, in mm.
+/// A length of less than 16 mm, in mm.
 #[inline(always)]
 fn short(to: Mm, from: Mm) -> Option<f32> {
     let bits = to.to_bits().wrapping_sub(from.to_bits()) >> 5;
     i32::try_from(bits).ok().map(|bits| bits as f32 * const { 1.0 / (1 << 27) as f32 })
 }
 
-/// Whether the tool's way is one of whole thousandths of a millimetre along each axis.
+/// Whether the tool's move has whole thousandths of a millimetre along each axis.
 #[inline(always)]
 fn is_thousandths([x, y, z, _]: [Mm; 4], [from_x, from_y, from_z, _]: [Mm; 4]) -> bool {
     let is_whole = |to: Mm, from: Mm| {
@@ -338,8 +339,8 @@ impl Planner<'_> {
         self.line.state == State::Cut && self.line.takes(target, from, filament_step)
     }
 
-    /// Gives the open line its place in the window, with the settings with which it was begun; nothing continues it
-    /// then. False if there is none.
+    /// Gives the open line its place in the window, with the settings at its begin; afterwards no chord continues it.
+    /// False if there is none.
     #[inline(always)]
     pub fn close_line(&mut self, settings: &Settings) -> bool {
         let is_open = self.line.is_open();

@@ -29,7 +29,7 @@
 //! `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law may need another bound there.
 //!
 //! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number,
-//! as a jerk of each axis, needs a `corner` and laws for bends of its own.
+//! as a jerk of each axis, needs its own `corner` and laws for bends.
 
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
@@ -191,7 +191,7 @@ fn square([x, y, z]: [f32; 3]) -> f32 {
     x * x + y * y + z * z
 }
 
-/// Two retractions in a row are one if they go the same way.
+/// Two retractions in a row are one if they go in the same direction.
 fn extruder_only(before: &Geometry, after: &Geometry) -> SpeedSq {
     if (before.extrusion < 0.0) == (after.extrusion < 0.0) { SpeedSq::MAX } else { SpeedSq::ZERO }
 }
@@ -224,7 +224,7 @@ mod tests {
         Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
     }
 
-    /// After a long way that led to `before`.
+    /// After a long move that led to `before`.
     fn corner(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
         at_corner(before, after, &mut PathCurvature::default(), a, s)
     }

@@ -22,7 +22,7 @@
 //! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed
 //!   now,
 //!   because its move had to leave early (**forced**).
-//! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
+//! - **gain**: the possible growth of the square of the speed over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
 //! - **chord**: a move that is a part of a curve, or of a straight line. **bend**: where several of them turn the path.
 //!   **open line**: see [`joining`]. **pressure**: the extra motion of the extruder for pressure advance, see
@@ -80,7 +80,7 @@ pub struct Target {
 /// belt, and its time would be lost between two ticks.
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
-/// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
+/// From this many ticks on, 27 s, the 30 bits of a length are too few for its time.
 const LONG_TICKS: u32 = LONG_TIME.whole_ticks() as u32;
 
 /// Between millimetres and steps of x, y, z and e.
@@ -97,8 +97,8 @@ pub struct Planner<'m> {
     pub(in crate::motion) end: [Steps; 4],
     /// The last target: an axis that is asked for the same again stays where it is.
     pub(in crate::motion) asked: [Mm; 4],
-    /// The way of the move that is planned; while a line is open, its first chord. It is made here, because a copy of
-    /// it takes as long as making it.
+    /// The vector of the planned move; while a line is open, its first chord. It is made here, because a copy of it
+    /// takes as long as making it.
     vector: Geometry,
     /// The last move, needed for the next corner.
     last: Geometry,
@@ -112,7 +112,7 @@ pub struct Planner<'m> {
     pressure: Pressure,
     /// Nominal time of the moves in the window, in ticks.
     pub(in crate::motion) waiting: u64,
-    /// How much of the feed is wanted.
+    /// The wanted share of the feed.
     pub(in crate::motion) wanted: Override,
     /// Filament where the last move ends that has left.
     pub(in crate::motion) released_filament: Steps,
@@ -156,7 +156,7 @@ impl<'m> Planner<'m> {
         self.step_scale = step_scales(settings);
     }
 
-    /// Takes over another grouping of motors with its settings; the machine stands, and is told where.
+    /// Takes over another grouping of motors with its settings; the machine is at rest, and its position follows.
     pub fn regroup(&mut self, settings: &Settings, groups: &Groups) {
         self.set_resolution(settings);
         self.belts = Belts::new(groups);
@@ -197,7 +197,7 @@ impl<'m> Planner<'m> {
         [x, y, z, e.mm_near(se, asked)]
     }
 
-    /// The way between two positions.
+    /// The vector between two positions.
     #[inline(never)]
     fn geometry_between(&self, from: [Steps; 4], [x, y, z, e]: [Steps; 4]) -> Geometry {
         let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, from);
@@ -250,8 +250,8 @@ impl<'m> Planner<'m> {
         self.count += 1;
     }
 
-    /// Goes to `position`, which is the end of the last move then, and finds its way. False if that is too short to be
-    /// a move.
+    /// Goes to `position`, which then is the end of the last move, and finds the vector. False if that is too short to
+    /// be a move.
     #[inline(always)]
     fn go_to(&mut self, position: [Mm; 4]) -> bool {
         let path = self.path_to(position);
@@ -264,8 +264,8 @@ impl<'m> Planner<'m> {
         true
     }
 
-    /// Gives the move from `begin` to the end of the last move its place in the window. Its way is known
-    /// (`vector`), and so much of its length may be for ramps.
+    /// Gives the move from `begin` to the end of the last move its place in the window. Its vector is known (`vector`),
+    /// and this part of its length may be for ramps.
     #[inline(never)]
     fn place(&mut self, target: &Target, begin: [Steps; 4], max_ramp_length: u64, settings: &Settings) {
         let vector = &self.vector;
@@ -349,7 +349,7 @@ impl<'m> Planner<'m> {
         self.path = self.path.wrapping_sub(self.geometry_between(self.end, position).path());
     }
 
-    /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
+    /// The end and the vector of the move to `position`; `None` if it is too short to be one.
     #[inline(always)]
     fn path_to(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
         // Written out: firmware is made for size, which leaves loops and arrays as they are.
@@ -443,8 +443,8 @@ impl<'m> Planner<'m> {
         (self.path >> 32) as u32
     }
 
-    /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in
-    /// ticks, and whether that is all of them.
+    /// Checks a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks,
+    /// and whether that is all of them.
     pub fn final_time(&mut self) -> (u64, bool) {
         if self.replan() { self.window.count_final() } else { (0, false) }
     }
@@ -479,7 +479,7 @@ impl<'m> Planner<'m> {
     }
 }
 
-/// How much of a move's length may be for ramps, in raw `Mm` bits.
+/// The part of a move's length that may be for ramps, in raw `Mm` bits.
 #[inline(always)]
 fn max_ramps(vector: &Geometry, settings: &Settings) -> u64 {
     if vector.is_extruder_only() {

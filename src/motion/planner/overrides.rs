@@ -9,7 +9,7 @@ use crate::units::MmPerSec;
 /// All of the feed, as a share of it.
 pub const WHOLE_SHARE: u8 = 16;
 
-/// How much of the commanded feed is wanted.
+/// The wanted share of the commanded feed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::motion) struct Override {
     /// By M220.

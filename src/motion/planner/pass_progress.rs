@@ -1,8 +1,8 @@
-//! How far the passes over the look-ahead have come; see [`passes`](super::passes).
+//! The progress of the passes over the look-ahead; see [`passes`](super::passes).
 
 use crate::units::SpeedSq;
 
-/// How far the passes have come.
+/// The progress of the passes.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Passes {
     /// The index of the next move to plan again, and the limit of the exit speed squared of the move before it.
@@ -40,7 +40,7 @@ impl Cursor {
 }
 
 impl FinalCount {
-    /// None; motion goes on with that speed squared.
+    /// None; motion continues with that speed squared.
     pub const fn new(front_sq: SpeedSq) -> Self {
         Self { next: Cursor { index: 0, entry_sq: front_sq }, ticks: 0, is_done: false }
     }

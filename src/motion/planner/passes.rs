@@ -18,7 +18,7 @@ use crate::units::SpeedSq;
 const PART: usize = 5;
 
 impl Window<'_> {
-    /// All moves are to be planned again. No exit speed is frozen any more, and no move is made to leave.
+    /// Starts to plan all moves again. No exit speed is frozen any more, and no move is made to leave.
     pub fn begin_replan(&mut self) {
         (self.forced, self.is_stuck, self.passes) = (0, false, Passes::NONE);
         self.passes.replan = (self.len > 0).then_some((0, SpeedSq::MAX));

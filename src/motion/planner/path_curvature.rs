@@ -26,8 +26,8 @@ const REACH: f32 = 1.28;
 /// Distances: the shortest is 0.08 mm; [`ROUNDING`] is less than a hundredth of it. A turn within less shows as a lead.
 const SCALES: usize = 5;
 
-/// By how much coordinates are off, in mm: thousandths of a millimetre put a point up to 0.0007 mm off, and a mean
-/// knows several points.
+/// The error of coordinates, in mm: thousandths of a millimetre put a point up to 0.0007 mm off, and a mean covers
+/// several points.
 const ROUNDING: f32 = 0.0006;
 
 /// How the path has turned up to its last corner, that one included.
@@ -37,14 +37,14 @@ pub(in crate::motion) struct PathCurvature {
     means: [[f32; 3]; SCALES],
     /// The lead.
     lead: [f32; 3],
-    /// The length of the greatest lead of late.
+    /// The length of the greatest recent lead.
     greatest_lead: f32,
 }
 
 /// How the path bends where it bends most.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::motion) struct Bend {
-    /// Which way: the difference of two directions.
+    /// Its direction: the difference of two directions.
     pub turn: [f32; 3],
     /// The length of that.
     pub size: f32,
@@ -60,7 +60,7 @@ impl PathCurvature {
         [x + lead_x, y + lead_y, z + lead_z]
     }
 
-    /// The length of the greatest lead of late, from which time takes away as much as from the lead.
+    /// The length of the greatest recent lead, which time reduces as much as the lead.
     #[inline(always)]
     pub const fn greatest_lead(&self) -> f32 {
         self.greatest_lead
@@ -75,11 +75,11 @@ impl PathCurvature {
         self.greatest_lead = if greatest > most { greatest - most } else { 0.0 };
     }
 
-    /// The path turns by `turn` and goes on straight for `length` mm: how it bends there.
+    /// The path turns by `turn` and goes on straight for `length` mm: returns its bend there.
     #[inline(always)]
     pub fn advance(&mut self, [turn_x, turn_y, turn_z]: [f32; 3], length: f32) -> Bend {
         let x = length * const { 1.0 / REACH };
-        // e to the power of -x, so far as it matters. Over half the distance it is the square of that.
+        // e to the power of -x, as far as it matters. Over half the distance it is the square of that.
         let mut left = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x * (const { 1.0 / 6.0 } + x * const { 1.0 / 24.0 }))));
         let (mut reach, mut inverse) = (REACH, const { 1.0 / REACH });
         let mut bend = Bend::default();
@@ -120,7 +120,7 @@ mod tests {
         // Those that are smaller are a matter of the lead.
         for radius in [1.0, 3.0, 10.0, 30.0] {
             for chord in [0.002, 0.01, 0.05, 0.1, 0.3, 0.7] {
-                // Coarser ones are corners of their own.
+                // Coarser ones are separate corners.
                 if chord > 0.3 * radius {
                     continue;
                 }

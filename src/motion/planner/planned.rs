@@ -5,8 +5,8 @@ use crate::motion::number::{from_bits, speed};
 use crate::motion::ramps::gain_sq;
 use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
-/// Moves that stay in the window when a forced batch has left it: so many the look-ahead sees at least, when the stream
-/// is fast enough.
+/// Moves that stay in the window when a forced batch has left it: the look-ahead sees at least this many, when the
+/// stream is fast enough.
 const LEAST_LOOKAHEAD: usize = 128;
 
 /// Moves that leave when the window is full and the first is not final: several at a time, so that the MoveQueue has
@@ -42,7 +42,7 @@ pub(in crate::motion) struct Planned {
     pub junction_sq: SpeedSq,
     /// Greatest entry speed squared: limited by the junction and by the nominal speeds of the two moves.
     pub max_entry_sq: SpeedSq,
-    /// What all moves before it could gain, G of the [window](super::window)'s formula; wraps.
+    /// The possible gain of all moves before it, G of the [window](super::window)'s formula; wraps.
     pub cumulative_gain_sq: SpeedSq,
     /// Exit speed squared, if that was frozen when the move was made to leave, else [`NOT_FROZEN`].
     pub frozen_exit_sq: SpeedSq,
@@ -94,7 +94,7 @@ impl Planned {
     /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
     #[inline(always)]
     pub fn set_nominal(&mut self, wanted: MmPerSec) {
-        // Nothing stands still that was asked to move.
+        // A move that was requested does not stand still.
         self.spec.nominal = wanted.min(self.max_speed).max(MmPerSec::DELTA);
         let seconds = from_bits(self.spec.length) / speed(self.spec.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;

@@ -97,7 +97,7 @@ pub(in crate::motion) struct Pressure {
     /// The needs of the last window, and of the present one. So at least the last window is known, at most two.
     before: Asked,
     now: Asked,
-    /// How long the one under way has lasted at least.
+    /// The least duration of the one under way.
     elapsed: f32,
 }
 

@@ -31,7 +31,7 @@ fn cruise_time(level: u64, nominal: u32) -> SubTicks {
     SubTicks(guess.saturating_add_signed(i64::from((remainder / nominal as f32) as i32)))
 }
 
-/// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
+/// The part of a length that only ramps may take up, in raw `Mm` bits, given the part of it that is to be a cruise.
 #[must_use]
 pub(in crate::motion) fn max_ramp_length(length: u64, cruise: Ratio) -> u64 {
     const WIDTH: u32 = Ratio::FRAC_NBITS;
@@ -44,7 +44,7 @@ pub(in crate::motion) fn max_ramp_length(length: u64, cruise: Ratio) -> u64 {
 pub(in crate::motion) struct MoveSpec {
     /// Its length in raw `Mm` bits.
     pub length: u64,
-    /// So much of that is for accelerating and braking, if entry and exit allow it.
+    /// The part of it for accelerating and braking, if entry and exit allow it.
     pub max_ramp_length: u64,
     /// Acceleration of the ramps.
     pub acceleration: MmPerSec2,
@@ -100,7 +100,7 @@ pub(in crate::motion) fn profile(
     let scale = const { WHOLE as f32 } / size;
     let accelerated = ((rise.length * scale) as u32).min(WHOLE);
     let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
-    // What rounding leaves of a move that only ramps fill is no cruise: it would have time, but no way.
+    // The rounding remainder of a move that only ramps fill is no cruise: it would have time, but no length.
     let cruise = match level {
         _ if cruised == accelerated => SubTicks::ZERO,
         _ if peak_sq == nominal_sq => cruise_time(level, nominal.to_bits()),
@@ -134,7 +134,7 @@ pub(in crate::motion) fn profile(
 #[cold]
 #[inline(never)]
 fn evened([rise, cruise, fall]: [SubTicks; 3], (accelerated, decelerated): (f32, f32)) -> [SubTicks; 3] {
-    // A fraction of one takes so long at the speed of the cruise, in ticks times 2^16.
+    // The time of a fraction of one at the speed of the cruise, in ticks times 2^16.
     let ramps = u64::from(accelerated as u32) + u64::from(decelerated as u32);
     let level = u64::from(WHOLE).saturating_sub(ramps).max(1);
     let one = u32::try_from(cruise.0 / level).unwrap_or(u32::MAX) as f32;

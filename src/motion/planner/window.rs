@@ -64,7 +64,7 @@ pub(in crate::motion) struct Window<'m> {
     pub(in crate::motion) len: usize,
     /// G at the end of the last move.
     total_gain_sq: SpeedSq,
-    /// So many moves leave though they may not be final.
+    /// The number of moves that leave though they may not be final.
     pub(in crate::motion) forced: usize,
     /// The first move may not leave, until it is made to or something else changes.
     pub(in crate::motion) is_stuck: bool,

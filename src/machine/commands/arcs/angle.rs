@@ -79,7 +79,7 @@ pub(in crate::machine) fn direction(x: i64, y: i64) -> i64 {
 /// Cosine and sine of an angle, scaled by 2^60.
 pub(in crate::machine) fn cos_sin(angle: i64) -> (i64, i64) {
     let angle = (angle + TURN / 2).rem_euclid(TURN) - TURN / 2;
-    // The rotations below reach a little more than a quarter turn either way.
+    // The rotations below reach a little more than a quarter turn in both directions.
     let (mut left, flip) = if angle > TURN / 4 {
         (angle - TURN / 2, true)
     } else if angle < -TURN / 4 {

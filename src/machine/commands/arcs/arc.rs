@@ -28,7 +28,7 @@ pub(in crate::machine) enum ArcError {
 }
 
 impl ArcError {
-    /// What to tell the host.
+    /// The message to the host.
     pub const fn text(self) -> &'static str {
         match self {
             Self::MissingCentre => "echo:arc ignored: give I and J, or R",
@@ -133,7 +133,7 @@ impl Arc {
         self.sweep
     }
 
-    /// How many chords it takes.
+    /// The number of its chords.
     pub const fn chords(&self) -> u32 {
         self.chords
     }
@@ -153,7 +153,7 @@ impl Arc {
     }
 }
 
-/// Which way round an arc goes, and how often.
+/// The direction of an arc, and its number of turns.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Way {
     pub clockwise: bool,

@@ -208,8 +208,8 @@ pub(in crate::machine) fn set_corners(
     Answer::Line("echo:M205: one value for X and Y, the lesser, or J instead; Z and B are not used")
 }
 
-/// SET_VELOCITY_LIMIT, always in mm, even after G20. Klipper has one acceleration, and braking had a word of its own
-/// before there was the ratio (klippy/toolhead.py).
+/// SET_VELOCITY_LIMIT, always in mm, even after G20. Klipper has one acceleration, and braking had its own word before
+/// there was the ratio (klippy/toolhead.py).
 pub(in crate::machine) fn set_velocity_limit<'a>(
     words: &VelocityWords<'a>,
     s: &mut Settings,

@@ -11,8 +11,7 @@ use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
 use crate::storage::{self, Receipt, SaveError, Survey};
 
-/// The storage, with the world going round once after every transfer, so that M112 is heard while settings
-/// are being saved.
+/// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
 struct Paced<'c, 'm, P: PortSet, W: Pend> {
     main_loop: &'c mut MainLoop<'m, P, W>,
     interrupt: Option<Interrupt>,
@@ -34,7 +33,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
         }
     }
 
-    /// What ended the transfers before their time, if something did.
+    /// The interrupt that ended the transfers early, if there was one.
     fn into_result(self) -> Result<(), Interrupt> {
         match self.interrupt {
             Some(interrupt) => Err(interrupt),
@@ -77,9 +76,8 @@ pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
     Ok(survey.map(|survey| survey.on(&main_loop.defaults().mechanism)))
 }
 
-/// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a host
-/// listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored
-/// counts.
+/// Loads the stored settings, before the first `start`, and returns the news to send after it: a host listens only
+/// then. A machine without storage has no news, and on a board without a machine no stored settings count.
 pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {

@@ -24,7 +24,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             }
             return;
         }
-        // One move a turn, so that bytes and emergencies are looked at in between. The next turn follows at once.
+        // One move a turn, so that bytes and emergencies are handled in between. The next turn follows at once.
         if self.hand_on(queued, left, now) {
             self.come_again();
         }
@@ -51,7 +51,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         if let Some(released) = self.planner.pop() {
             self.link.send(Work::Move(released));
-            // It may be over before idleness is looked at next.
+            // It may be over before the next check for idleness.
             self.idle_timeout.note_motion(now);
             return true;
         }

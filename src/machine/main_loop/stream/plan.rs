@@ -3,9 +3,9 @@
 //! The amount of motion planned before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`
 //! (default in `Settings::prototype`). Without room the look-ahead counts as full to `release` (`note_full`): motion
 //! begins, and a slow host's share ends. `main_loop::heat_door` (`set_fan`) waits by the same exemption;
-//! `main_loop::tell` (P of `advanced_ok`) asks `has_room`. `boards/sim/tests/lookahead_time.rs` holds it; it is told in
+//! `main_loop::tell` (P of `advanced_ok`) asks `has_room`. `boards/sim/tests/lookahead_time.rs` tests it.
 //! docs/explanation/flow.md, docs/reference/host-protocol.md, README.md, its row in `settings` and
-//! `examples/machines/prototype.toml`. M220 is here too.
+//! `examples/machines/prototype.toml` describe it. M220 is here too.
 
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -67,7 +67,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
     }
 
-    /// Slows down for a stream that has run dry and goes on. How long the moves last is known when all of them are
+    /// Slows down for a stream that has run dry and continues. The duration of the moves is known when all of them are
     /// planned.
     pub(in crate::machine::main_loop) fn follow_stream(&mut self) {
         if !self.policy.is_steady() && self.planner.is_planned() {
@@ -100,7 +100,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         is_closed
     }
 
-    /// Tells the other contexts how much was planned.
+    /// Gives the other contexts the planned path.
     pub(in crate::machine::main_loop) fn note_path(&self) {
         let (moves, path) = self.planner.planned();
         self.link.status().set_planned(moves, path);

@@ -57,7 +57,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         self.link.brake();
         while !self.link.has_stopped() {
-            // The path may lead on into moves that have not left the planner, so they go on leaving it.
+            // The path may lead on into moves that are still in the planner, so they keep leaving it.
             if let Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) = self.poll().await {
                 return Err(interrupt);
             }
@@ -65,8 +65,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Moves that are planned go on to their end while a command waits for something else. False if nothing moves any
-    /// more.
+    /// Planned moves are made to their end while a command waits for something else. False once nothing moves.
     pub fn let_motion_end(&mut self) -> bool {
         self.release_all();
         let has_motion = self.has_motion();
