@@ -71,7 +71,7 @@ impl MotorSet {
 
     /// Whether `motor` is in the set.
     #[must_use]
-    // Asked for every motor in every event, also in builds that inline nothing else.
+    // Called for every motor in every event, also in builds that inline nothing else.
     #[inline(always)]
     pub const fn has(self, motor: Motor) -> bool {
         self.0 & (1 << motor as u8) != 0

@@ -72,9 +72,9 @@ pub trait StepClock {
     #[must_use]
     fn alarm(&mut self, at: Tick) -> bool;
 
-    /// The same from within the step interrupt that an alarm has brought about. It may also be false for an `at` that
-    /// is too near or too far away to be finished at once; then [`alarm`](Self::alarm) or [`silence`](Self::silence)
-    /// has to follow.
+    /// The same from within the step interrupt that an alarm has triggered. It may also be false for an `at` that is
+    /// too near or too far away to be finished at once; then [`alarm`](Self::alarm) or [`silence`](Self::silence) has
+    /// to follow.
     #[must_use]
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
@@ -124,7 +124,7 @@ pub trait Serial {
     /// The next thing received, if any.
     fn recv(&mut self) -> Option<Received>;
 
-    /// Takes as many of `bytes` as fit and says how many; replies must leave at once, not wait for more.
+    /// Takes as many of `bytes` as fit and returns their number; replies must leave at once, not wait for more.
     fn send(&mut self, bytes: &[u8]) -> usize;
 }
 
@@ -145,12 +145,11 @@ pub trait DriverBus {
         MotorSet::NONE
     }
 
-    /// Sends the request on the line of a motor that is in [`lines`](Self::lines), and then listens for
-    /// `reply` bytes. An exchange that goes on is given up.
+    /// Sends the request on the line of a motor that is in [`lines`](Self::lines), and then listens for `reply` bytes.
+    /// An exchange under way is dropped.
     fn begin(&mut self, _motor: Motor, _request: &Frame, _reply: usize) {}
 
-    /// What became of the exchange, said once; `None` while it goes on. Every exchange ends by itself in
-    /// bounded time.
+    /// The outcome of the exchange, once; `None` while it is under way. Every exchange ends by itself in bounded time.
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         Some(Err(BusError::Silent))
     }
@@ -165,7 +164,7 @@ pub trait DriverBus {
         None
     }
 
-    /// What M122 has to say of how this board keeps its outputs safe, if something is amiss.
+    /// A warning for M122 about this board's protection of its outputs, if it does not work.
     fn warning(&self) -> Option<&'static str> {
         None
     }
@@ -179,7 +178,7 @@ pub type Frame = heapless::Vec<u8, 8>;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BusError {
-    /// It says nothing, or stopped in the middle: no motor supply, no driver, no wire.
+    /// No answer, or one that stopped in the middle: no motor supply, no driver, no wire.
     Silent,
     /// The received signal is no byte: a stop bit is low.
     Garbled,
@@ -289,7 +288,7 @@ pub trait ThermalPort {
         0
     }
 
-    /// Has a fan run at this part of full speed, in units of 1/65,535, until told otherwise.
+    /// Runs a fan at this part of full speed, in units of 1/65,535, until the next call.
     fn set_fan(&mut self, _fan: usize, _duty: u16) {}
 
     /// The pulses that a fan's tachometer has given, wrapping; `None` where there is no tachometer.
@@ -306,7 +305,7 @@ pub trait ThermalPort {
     /// cut or a user has asked twice (M999).
     fn switch_supply(&mut self, _on: bool) {}
 
-    /// Everybody has been heard of: the watchdog may wait for another while.
+    /// Every context has sent its heartbeat: restarts the watchdog's time.
     fn feed_watchdog(&mut self) {}
 }
 

@@ -93,7 +93,7 @@ impl SpeedSq {
         Self(self.0.wrapping_sub(other.0))
     }
 
-    /// By how much the two differ.
+    /// The absolute difference.
     #[must_use]
     #[inline(always)]
     pub const fn abs_diff(self, other: Self) -> Self {
@@ -113,7 +113,7 @@ impl SubTicks {
     /// Never.
     pub const MAX: Self = Self(u64::MAX);
 
-    /// So many whole ticks.
+    /// This many whole ticks.
     #[must_use]
     #[inline(always)]
     pub const fn of_ticks(ticks: u64) -> Self {
@@ -217,7 +217,7 @@ pub const fn part_per_period(lag: Seconds, rate: u32) -> I0F32 {
     if part < ONE / 2 { I0F32::from_bits(part as i32) } else { I0F32::MAX }
 }
 
-/// Periods, `rate` of them a second, in so many lags; cut off.
+/// Periods, `rate` of them a second, in this many lags; cut off.
 #[must_use]
 pub const fn periods_in(lags: u32, lag: Seconds, rate: u32) -> u32 {
     // 32 bits are enough for half an hour at a rate of 100,000.

@@ -291,7 +291,7 @@ fn custom_code_of_real_profiles() {
     }
 }
 
-/// Codes after which any text may stand, by reason; the last two reasons are looked at.
+/// Codes that accept any text after them, by reason; the last two reasons are checked.
 const ANY_TEXT: [&[&str]; 5] = [
     // They must act in any case.
     &["M81", "M108", "M110", "M112", "M410", "M524", "M999"],
@@ -308,7 +308,7 @@ const ANY_TEXT: [&[&str]; 5] = [
     ],
 ];
 
-/// Every code of G0 to G999 and M0 to M999 that stands for a command.
+/// Every code of G0 to G999 and M0 to M999 that is a command.
 fn known_codes() -> impl Iterator<Item = String> {
     let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
     codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)))

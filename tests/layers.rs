@@ -153,7 +153,7 @@ fn the_parts_of_the_machine_use_only_those_above_them() {
     assert!(wrong.is_empty(), "arrows that the table does not hold:\n{}", wrong.join("\n"));
 }
 
-/// Whether a name stands in code, not as a part of another.
+/// Whether a name occurs in code, not as a part of another.
 fn names(code: &str, name: &str) -> bool {
     let is_other = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(name).any(|(at, found)| {

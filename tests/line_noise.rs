@@ -71,7 +71,7 @@ fn harmed(line: &str, harm: &Harm) -> Vec<u8> {
     bytes
 }
 
-/// Whether the sum of a piece between two line ends is right, told without the code under test.
+/// Whether the sum of a piece between two line ends is right, computed without the code under test.
 fn is_in_order(piece: &[u8]) -> bool {
     let piece: Vec<u8> = piece.iter().copied().filter(|byte| *byte != 0).collect();
     let star = piece.iter().rposition(|byte| *byte == b'*');
@@ -85,8 +85,8 @@ const fn is_end(byte: &u8) -> bool {
     matches!(byte, b'\n' | b'\r')
 }
 
-/// Whether there is a line with the right sum that is not `line`, or one with neither number nor sum after nothing that
-/// is refused.
+/// Whether the bytes hold another line than `line` with the right sum, or one with neither number nor sum that does not
+/// follow a refused piece.
 fn has_other_line(bytes: &[u8], line: &str) -> bool {
     let has_neither = |piece: &[u8]| !piece.is_empty() && !piece.contains(&b'*') && piece.first() != Some(&b'N');
     let pieces: Vec<_> = bytes.split(is_end).collect();
@@ -100,7 +100,7 @@ fn has_other_line(bytes: &[u8], line: &str) -> bool {
 /// The line from the host to the machine.
 struct Wire {
     harms: std::vec::IntoIter<Harm>,
-    /// What arrived since the last line end.
+    /// The bytes since the last line end.
     begun: Vec<u8>,
 }
 
@@ -129,7 +129,7 @@ fn print(host: &mut impl Host, harms: Vec<Harm>, deaf: &[bool], last: i32, packe
     let mut under_way = Vec::new();
     let mut replies = 0;
     let mut end = None;
-    // An hour, or until all that is under way at the end has arrived.
+    // An hour, or until everything still in transfer at the end has arrived.
     while machine.ms < end.unwrap_or(3_600_000) {
         end = if host.is_done() { end.or(Some(machine.ms + 8000)) } else { None };
         while let Some(line) = host.speak(machine.ms) {

@@ -56,7 +56,7 @@ fn noise() -> impl Strategy<Value = Vec<Received>> {
 /// The bytes that terminals send for the key that erases a character: backspace, or delete.
 const ERASING: [u8; 2] = [0x08, 0x7F];
 
-/// The same without what those keys send.
+/// The same without the bytes of those keys.
 fn without_erasing_keys(noise: Vec<Received>) -> Vec<Received> {
     let is_key = |received: &Received| matches!(received, Received::Byte(byte) if ERASING.contains(byte));
     noise.into_iter().filter(|received| !is_key(received)).collect()
@@ -64,7 +64,7 @@ fn without_erasing_keys(noise: Vec<Received>) -> Vec<Received> {
 
 /// Characters typed by mistake, with the key by which each is erased again.
 fn typing_slips() -> impl Strategy<Value = Vec<(String, u8)>> {
-    // No N: where a line begins with it nothing is erased, a host sent it.
+    // No N: if a line begins with it nothing is erased, because a host sent it.
     let slip = ("[A-MO-Z0-9*;\"()]{0,5}", proptest::sample::select(ERASING.to_vec()));
     proptest::collection::vec(slip, 1..5)
 }

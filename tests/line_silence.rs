@@ -1,4 +1,4 @@
-//! Lines that are lost whole or lose their end, and fragments that nothing vouches for.
+//! Lines that are lost whole or lose their end, and fragments without a checksum.
 
 mod support;
 
@@ -39,7 +39,7 @@ fn streaming_badly(last: i32) -> Machine {
 const QUESTION: &str = "Resend: 8\nok\n";
 const MISMATCH: &str = "Error:checksum mismatch, Last Line: 7\nResend: 8\nok\n";
 
-/// The host hears an `ok`, goes on with the line after the lost one, and so shows that there was one.
+/// The host gets an `ok`, continues with the line after the lost one, and so shows that there was one.
 #[test]
 fn a_line_that_is_lost_whole_is_missed() {
     let mut machine = streaming(7);
@@ -70,7 +70,7 @@ fn a_line_that_is_lost_whole_on_a_bad_line_is_asked_for() {
     assert_eq!(machine.commands, ["G1 X8"]);
 }
 
-/// Pronsole says nothing when it pauses, so it cannot be told from a host that waits. It does not show an `ok`.
+/// Pronsole sends nothing when it pauses, so it looks like a host that waits. It does not show an `ok`.
 #[test]
 fn whoever_pauses_on_a_good_line_is_asked_for_nothing() {
     for activity in [Activity::Moving, Activity::Resting] {
@@ -81,7 +81,7 @@ fn whoever_pauses_on_a_good_line_is_asked_for_nothing() {
     }
 }
 
-/// OctoPrint has the printer wait for its motion, and then tell where it is.
+/// OctoPrint makes the printer wait for its motion, and then report its position.
 #[test]
 fn whoever_has_waited_for_the_motion_hears_nothing() {
     for mut machine in [streaming(5), streaming_badly(5)] {
@@ -116,11 +116,11 @@ fn eight_prompts_and_the_stream_is_over() {
     assert_eq!(machine.say("M1"), "");
     assert_eq!(wait(&mut machine, 10_000), "");
     assert_eq!(machine.say("05\n"), "ok\n");
-    // The stream goes on where it paused, and may lose lines again.
+    // The stream continues where it paused, and may lose lines again.
     assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
     assert_eq!(wait(&mut machine, 600_000), "Resend: 10\nok\n".repeat(2) + &"ok\n".repeat(6));
     assert_eq!(machine.commands, ["M105", "G1 X8", "G1 X9"]);
-    // The eighth prompt may be the one that is heard, and the very next line be lost.
+    // The eighth prompt may be the one that arrives, and the very next line be lost.
     assert_eq!(machine.say(numbered(10, "G1 X10")), "ok\n");
     assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 11\nok\n");
 }
@@ -144,7 +144,7 @@ fn nobody_else_is_asked() {
     assert_eq!(wait(&mut machine, 60_000), "");
 }
 
-/// What OctoPrint 1.11.8 says when it connects, and from then on.
+/// The lines of OctoPrint 1.11.8 when it connects, and afterwards.
 #[test]
 fn an_octoprint_that_does_not_print_is_left_in_peace() {
     let mut machine = Machine::new();
@@ -187,7 +187,7 @@ fn the_first_line_of_a_print_may_be_lost_as_well() {
 
 #[test]
 fn a_host_that_was_only_slow_hears_no_more_than_oks() {
-    // The `ok` and line 8 cross, so line 9 follows at once; then two lines are under way, and nothing is out of step.
+    // The `ok` and line 8 cross, so line 9 follows at once; then two lines are under way, and both sides stay in step.
     let mut machine = streaming(7);
     assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
     assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
@@ -242,7 +242,7 @@ fn a_piece_between_two_false_line_ends_is_not_carried_out() {
     assert_eq!(machine.say("N8\nG28\nX8 Y9*55\n"), missing);
     // A false line end and a star that came through as something else.
     assert_eq!(machine.say("N8\nM110 N2.34\n"), missing);
-    // Was that a line that somebody meant? Then its host is waiting now.
+    // It may have been an intended line. Then its host is waiting now.
     assert_eq!(wait(&mut machine, PATIENCE_MS + 1), QUESTION);
     assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
     assert_eq!(machine.say("M105\n"), "ok\n", "all is well again");

@@ -47,7 +47,7 @@ fn all_targets(line: &str) -> BTreeSet<&str> {
     whole.filter(|target| !target.contains('`') && !target.contains(' ')).chain(targets(line)).collect()
 }
 
-/// What GitHub makes of a heading: small letters, digits, `-` and `_`; blanks become `-`.
+/// GitHub's anchor for a heading: small letters, digits, `-` and `_`; blanks become `-`.
 fn anchor(heading: &str) -> String {
     // A link in a heading counts as its text.
     let mut text = String::new();

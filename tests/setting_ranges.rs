@@ -77,7 +77,7 @@ fn check_all(s: &Settings) {
     assert_eq!(s.check_machine(), Ok(()));
     let mut paths = Vec::new();
     numbers(&serde_json::to_value(s).unwrap(), "", &mut paths);
-    // The mechanism has checks, and tests, of its own.
+    // The mechanism has its own checks and tests.
     paths.retain(|path| !path.starts_with("/mechanism"));
     assert!(paths.len() > 60, "{}", paths.len());
     for path in &paths {

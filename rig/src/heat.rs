@@ -22,7 +22,7 @@ pub struct Heat {
     duties: [u16; OUTPUTS],
     fans: [u16; FANS],
     is_supplied: bool,
-    /// The extruder's steps when last looked at.
+    /// The extruder's steps at the last advance.
     extruded: i32,
 }
 
@@ -48,7 +48,7 @@ impl Heat {
         }
     }
 
-    /// The same on a plant that stands already, if there is one: a reset of the firmware cools nothing.
+    /// The same on a plant that exists already, if there is one: a reset of the firmware cools nothing.
     #[must_use]
     pub fn standing_on(self, plant: Option<Plant>) -> Self {
         Self { plant: plant.filter(|_| self.plant.is_some()).or(self.plant), ..self }
@@ -66,7 +66,7 @@ impl Heat {
         Self { plant: settings.thermal.has_heater().then(|| plant(&settings.thermal)), ..Self::new(settings) }
     }
 
-    /// Time passes: the extruder has made so many steps since the start.
+    /// Time passes: the extruder has made `extruded` steps since the start.
     pub fn advance(&mut self, extruded: i32, seconds: f64) {
         let steps = extruded.wrapping_sub(core::mem::replace(&mut self.extruded, extruded));
         let part = |bits: u16| f64::from(bits) / 65_535.0;
@@ -91,7 +91,7 @@ impl Heat {
         }
     }
 
-    /// The plant, if there are heaters: to look at, and to break.
+    /// The plant, if there are heaters: to read, and to break.
     pub const fn plant(&mut self) -> Option<&mut Plant> {
         self.plant.as_mut()
     }

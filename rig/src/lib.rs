@@ -23,7 +23,7 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
     counts: [i32; Motor::ALL.len()],
-    /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt. Sums grow
+    /// The tool's position from the motors: x, y and z as sums of their counts, ready for the step interrupt. Sums grow
     /// away from the switches.
     weights: [[i32; Motor::ALL.len()]; 3],
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
@@ -82,7 +82,7 @@ impl Rig {
         self.step_often(steps, forward, 1);
     }
 
-    /// So many of them.
+    /// Several steps, `times` of them.
     pub fn step_often(&mut self, steps: MotorSet, forward: MotorSet, times: i32) {
         for (motor, count) in Motor::ALL.into_iter().zip(&mut self.counts) {
             if steps.has(motor) {

@@ -19,7 +19,7 @@ pub struct StepPorts<P: StepPort, C: StepClock> {
     pub clock: C,
 }
 
-/// A kit for each handle, and what everybody may look at.
+/// A kit for each handle, and the shared status.
 pub struct Kits<'m, W: Pend> {
     /// To be made first: the generator asks which of its groups are slow.
     pub stepper: StepperKit<'m>,
@@ -29,7 +29,7 @@ pub struct Kits<'m, W: Pend> {
     pub thermal: ThermalKit<'m>,
     /// For the Console's task.
     pub console: ConsoleKit<'m, W>,
-    /// For everybody, to look at.
+    /// For all contexts, to read.
     pub status: &'m Status,
     /// The step counts of the motors.
     pub counts: StepCounts<'m>,

@@ -33,7 +33,7 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: P
     pub thermal: ThermalControl<'m, H, W>,
     /// For the Console's task.
     pub console: Console<'m, Q, W>,
-    /// For everybody, to look at.
+    /// For all contexts, to read.
     pub status: &'m Status,
     /// The step counts of the motors.
     pub counts: StepCounts<'m>,

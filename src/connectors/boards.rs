@@ -14,7 +14,7 @@ pub struct BoardConnectors {
     pub sockets: &'static [ConnectorName],
     /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype, then others.
     pub endstops: &'static [ConnectorName],
-    /// Sockets with a line of the debug port: while a machine uses one, no probe can talk to the processor.
+    /// Sockets with a line of the debug port: while a machine uses one, no debug probe can connect to the processor.
     pub debug_sockets: &'static [ConnectorName],
     /// Heater outputs that may heat.
     pub outputs: OutputSet,
@@ -26,7 +26,7 @@ pub struct BoardConnectors {
     pub probes: &'static [ConnectorName],
     /// A bench rig: motors that it has no socket for are counted, and do not turn.
     pub is_bench: bool,
-    /// Nothing is plugged in anywhere, so every name will do.
+    /// There are no real plugs, so every name is legal.
     pub is_simulated: bool,
 }
 

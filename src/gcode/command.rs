@@ -25,11 +25,11 @@ pub enum Command<'a> {
         /// F, per minute.
         feed: Option<Number>,
     },
-    /// G0, G1 with C: straight move in which a closed belt runs round.
+    /// G0, G1 with C: straight move in which a closed belt circulates.
     Circulate {
         /// The target.
         to: AxisWords,
-        /// C: where the belt is to be, in mm of belt.
+        /// C: the target of the belt, in mm of belt.
         belt: Number,
         /// F, per minute.
         feed: Option<Number>,
@@ -59,7 +59,7 @@ pub enum Command<'a> {
     Retract,
     /// G11: undo G10.
     Recover,
-    /// M207: what G10 does, or report.
+    /// M207: settings of G10, or report.
     RetractSettings {
         /// S: length of filament.
         length: Option<Number>,
@@ -91,7 +91,7 @@ pub enum Command<'a> {
     SetPosition(AxisWords),
     /// M0, M1, M600, M601: pause the print and wait for the user.
     AwaitUser {
-        /// S and P summed, in ms, after which it goes on by itself; 0 is never.
+        /// S and P summed, in ms, after which it continues by itself; 0 is never.
         ms: u32,
         /// Whether the filament is to be changed in the pause (M600).
         filament: bool,
@@ -105,7 +105,7 @@ pub enum Command<'a> {
         /// Where the tool waits.
         park: ParkWords,
     },
-    /// M24, M602: the print goes on. A wait for the user is ended on the receive path.
+    /// M24, M602: continue the print. A wait for the user is ended on the receive path.
     Resume,
     /// M75: a print begins.
     BeginJob,
@@ -119,14 +119,14 @@ pub enum Command<'a> {
     BeginUpload(&'a [u8]),
     /// M29: that was all of it.
     EndUpload,
-    /// M73: how much of the print is done, in percent, and the minutes that are left.
+    /// M73: progress of the print, in percent, and the remaining minutes.
     Progress {
         /// P.
         percent: Option<Number>,
         /// R.
         minutes: Option<Number>,
     },
-    /// M111: what to debug; bit 3 is a dry run, in which no filament moves.
+    /// M111: debug flags; bit 3 is a dry run, in which no filament moves.
     Debug(Option<Number>),
     /// M17: power the motors of the named axes, all if none is named.
     EnableMotors(AxisFlags),
@@ -164,7 +164,7 @@ pub enum Command<'a> {
     Message,
     /// M118: a message for the host.
     Tell {
-        /// How it is dressed.
+        /// Its form.
         form: Form,
         /// The receivers.
         to: Audience,
@@ -175,9 +175,9 @@ pub enum Command<'a> {
     ReportEndstops,
     /// M122: report the state of the machine's parts.
     Diagnose,
-    /// M154: report the real position every so many seconds.
+    /// M154: report the real position every given number of seconds.
     AutoPosition(Option<Number>),
-    /// M155: report temperatures every so many seconds.
+    /// M155: report temperatures every given number of seconds.
     AutoReport(Option<Number>),
     /// M201: acceleration limits, units/s2.
     MaxAcceleration(AxisWords),
@@ -233,7 +233,7 @@ pub enum Command<'a> {
     DefaultSettings,
     /// M503: report the settings as G-code.
     ReportSettings {
-        /// S0: as lines that can be sent back as they are, and nothing else.
+        /// S0: as lines that can be sent back unchanged, and nothing else.
         for_replay: bool,
     },
     /// M504: look whether the settings in storage are whole.
@@ -247,7 +247,7 @@ pub enum Command<'a> {
     },
     /// M906: run current in mA, or report.
     DriverCurrent(AxisWords),
-    /// M913: speed above which stealthChop gives way to spreadCycle, units/s, or report.
+    /// M913: speed above which spreadCycle replaces stealthChop, units/s, or report.
     HybridThreshold(AxisWords),
     /// M914: StallGuard threshold, or report.
     StallThreshold(AxisWords),
@@ -273,7 +273,7 @@ pub enum Command<'a> {
     Advance {
         /// K or S, in s.
         time: Option<Number>,
-        /// W: over how long the speed is averaged, in s.
+        /// W: the time over which the speed is averaged, in s.
         window: Option<Number>,
     },
     /// SET_VELOCITY_LIMIT: acceleration, corner speed and the part of a move over which its speed holds at least, or
@@ -288,7 +288,7 @@ pub enum Command<'a> {
         /// S or R, in degrees Celsius.
         target: Option<Number>,
     },
-    /// M109, M190, M191: the same, and wait until it is so; nothing without S or R.
+    /// M109, M190, M191: the same, and wait for the target; no effect without S or R.
     HeaterWait {
         /// Which heater.
         heater: Heater,
@@ -299,7 +299,7 @@ pub enum Command<'a> {
     },
     /// M116: wait for all heaters that are on.
     AwaitHeaters,
-    /// M106, M107: how fast a fan is to run, in its turn among the moves.
+    /// M106, M107: set the speed of a fan, in its turn among the moves.
     FanSpeed {
         /// P: which fan; 255 for one that no machine has.
         fan: u8,
@@ -348,7 +348,7 @@ pub enum Command<'a> {
     ControllerFan {
         /// S, of 255.
         speed: Option<Number>,
-        /// D: s for which it goes on.
+        /// D: the run-on time in s.
         run_on: Option<Number>,
         /// R: as the machine was made.
         resets: bool,

@@ -119,7 +119,7 @@ fn number_length(text: &[u8]) -> usize {
     Number::read(text).map_or(0, |(_, after)| text.len() - after.len())
 }
 
-/// What `text` begins with, as far as the next blank or comment. Comments and texts in quotes before it are left out.
+/// The begin of `text`, up to the next blank or comment. Comments and texts in quotes before it are left out.
 fn shown(mut text: &[u8]) -> &[u8] {
     loop {
         text = skip_blanks(text);

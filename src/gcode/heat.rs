@@ -33,7 +33,7 @@ pub(super) fn pid(heater: Heater, text: &[u8]) -> Command<'static> {
     Command::Pid { heater, gains: [b'P', b'I', b'D'].map(|letter| number(text, letter)) }
 }
 
-/// The heater that E stands for.
+/// The heater of E.
 fn heater(text: &[u8]) -> Option<Heater> {
     match number(text, b'E').map_or(0, Number::to_int) {
         0 => Some(Heater::Hotend),

@@ -4,7 +4,7 @@
 //! [`index_words`] is the table, read against Marlin 2.1 (`get_target_extruder_from_command` and the `I`, `E` and `D`
 //! of its commands), RepRapFirmware 3 and Prusa-Firmware-Buddy. Left out with a reason:
 //!
-//! - P of M106 and M107: how many fans there are is the machine's to say (`machine::commands::fans`).
+//! - P of M106 and M107: the machine knows its number of fans (`machine::commands::fans`).
 //! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`heat::heater`). T of M306 asks for a tuning, T of
 //!   M204 and M205 is for travel.
 //! - Reports (M105 T, M114, M122 P): their result does not depend on their words.

@@ -32,7 +32,7 @@ impl<'a> Words<'a> {
         Self { remaining: text, has_skipped: false }
     }
 
-    /// Whether something among the words so far was neither a word nor a comment.
+    /// Whether the text so far held a part that was neither a word nor a comment.
     pub(super) const fn has_skipped(&self) -> bool {
         self.has_skipped
     }

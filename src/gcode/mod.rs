@@ -1,10 +1,10 @@
 //! G-code: one line of text in, one [`Command`] out.
 //!
-//! The dialect is the one that slicers and hosts write for Marlin 2, with the commands of Klipper, RepRapFirmware and
-//! Prusa that stand in sliced files. This room knows the words of each command: its letters, its names in other
-//! firmwares, its illegal numbers, and the meaning of a missing number. It also knows which commands need nothing but
-//! `ok`. Room `machine` carries the command out; room `protocol` has already removed a line's number and checksum. No
-//! state is kept: a line gives the same command after any other lines.
+//! The dialect is that which slicers and hosts write for Marlin 2, plus the commands of Klipper, RepRapFirmware and
+//! Prusa in sliced files. This room knows the words of each command: its letters, its names in other firmwares, its
+//! illegal numbers, and the meaning of a missing number. It also knows which commands need nothing but `ok`. Room
+//! `machine` carries the command out; room `protocol` has already removed a line's number and checksum. No state is
+//! kept: a line gives the same command after any other lines.
 //!
 //! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
 //! people), `heat` or `shaping`. `grammar` finds invalid lines, and `index` finds words for missing parts. `quiet`

@@ -36,7 +36,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     NAMES.into_iter().map(|(name, _)| name)
 }
 
-/// The command that a name stands for, or `None` if it is not known. `text` is the whole line.
+/// The command of a name, or `None` if it is not known. `text` is the whole line.
 pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     let text = skip_blanks(text);
     // A condition that a slicer should have worked out. The subroutines and loops of LinuxCNC (`O100`) are unknown: a

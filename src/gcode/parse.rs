@@ -79,7 +79,7 @@ fn parse_g(code: Code, text: &[u8]) -> Option<Command<'static>> {
     })
 }
 
-/// G0 and G1. Only a line with anything unusual is looked at again.
+/// G0 and G1. Only a line with unusual parts is parsed again.
 fn line(code: Code, text: &[u8]) -> Command<'_> {
     let mut to = AxisWords::default();
     let mut feed = None;
@@ -100,7 +100,7 @@ fn line(code: Code, text: &[u8]) -> Command<'_> {
     if is_usual && !words.has_skipped() { command } else { in_order(with_belt(command, text), code, text) }
 }
 
-/// A move in which the belt runs round too, if the line has a C.
+/// A move in which the belt circulates too, if the line has a C.
 #[cold]
 #[inline(never)]
 fn with_belt<'a>(command: Command<'a>, text: &[u8]) -> Command<'a> {
@@ -184,7 +184,7 @@ fn position(text: &[u8]) -> AxisWords {
     words
 }
 
-/// The line from its code on, if nothing but a byte order mark and `( )` comments stand before it.
+/// The line from its code on, if only a byte order mark and `( )` comments precede it.
 fn skip_comments(mut line: &[u8]) -> &[u8] {
     line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
     while let [b'(', inside @ ..] = skip_blanks(line) {

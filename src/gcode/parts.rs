@@ -122,16 +122,16 @@ pub struct ParkWords {
     pub x: Option<Number>,
     /// Y: the same.
     pub y: Option<Number>,
-    /// Z: how far the tool is lifted.
+    /// Z: the lift of the tool.
     pub z: Option<Number>,
-    /// E, or L of M125: how much filament is pulled back.
+    /// E, or L of M125: the length of filament to pull back.
     pub e: Option<Number>,
-    /// R: the hotend's target when the print goes on.
+    /// R: the hotend's target when the print continues.
     pub target: Option<Number>,
-    /// U of M600: how much filament is pulled out then.
+    /// U of M600: the length of filament to pull out then.
     pub unload: Option<Number>,
-    /// L of M600: how much is pushed in before the print goes on; less than 0, it is Prusa's word for how much is
-    /// pulled out.
+    /// L of M600: the length to push in before the print continues; less than 0, it is Prusa's word for the length to
+    /// pull out.
     pub load: Option<Number>,
     /// The letter of another word with a number, as of Marlin's M125 U.
     pub other: Option<u8>,

@@ -151,13 +151,13 @@ pub(super) fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
 /// `number` times a power of ten, to the nearest (a tie away from zero).
 fn times_ten_to(number: Number, exponent: Number) -> Number {
     let (bits, exponent) = (number.value().to_bits(), exponent.to_int());
-    // Beyond 10^18 nothing is left, or it is beyond all limits.
+    // Beyond 10^18 no digit is left, or it is beyond all limits.
     let power = 10i64.pow(exponent.unsigned_abs().min(18));
     let bits = if exponent < 0 { (bits + bits.signum() * (power / 2)) / power } else { bits.saturating_mul(power) };
     Number::saturating(I32F32::from_bits(bits))
 }
 
-/// A number that may have an exponent, and nothing after it.
+/// A number that may have an exponent, up to the end of the text.
 fn scientific(text: &[u8]) -> Option<Number> {
     let (number, after) = Number::read(text)?;
     let (exponent, after) = match after {

@@ -6,7 +6,7 @@ use super::number::Number;
 use super::parts::{Audience, Form, ParkWords};
 use crate::text::trim_end;
 
-/// M118: the message after A1, E1 and P, which stand in front of it (Marlin M118.cpp).
+/// M118: the message after A1, E1 and P, which precede it (Marlin M118.cpp).
 pub(super) fn tell(text: &[u8]) -> Command<'_> {
     let (mut form, mut to) = (Form::Plain, Audience::Sender);
     let mut after = skip_blanks(text);

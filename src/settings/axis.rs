@@ -99,7 +99,7 @@ pub struct Homing {
     pub fast: MmPerSec,
     /// Speed of the second approach, which decides the position.
     pub slow: MmPerSec,
-    /// How far the axis backs off between the two.
+    /// Back-off distance of the axis between the two.
     pub back_off: Mm,
 }
 

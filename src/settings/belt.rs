@@ -5,7 +5,7 @@ use super::{Settings, ranges};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 use serde::{Deserialize, Serialize};
 
-/// What there is to know of it besides the motors' rows.
+/// The settings of the belt besides the motors' rows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Belt {
     /// One closed belt runs over all motors that move x or y, and forward is the same way round for each of them. So it
@@ -20,7 +20,7 @@ pub struct Belt {
     /// Distance that the belt circulates after x and y are homed, so that it does not always bend at the same teeth; 0
     /// switches this off.
     pub homing_advance: Mm,
-    /// What there is to do about motors that pull against each other and were not aligned since they got power.
+    /// The reaction to motors that pull against each other and were not aligned since they got power.
     pub alignment: Alignment,
     /// The strain of the belt after alignment: the sum of the motors' residual, in mm of belt.
     pub preload: Mm,
@@ -36,12 +36,12 @@ pub struct Belt {
 /// Residuals that a machine may have phases of: an AWD CoreXY has two.
 pub const PHASES: usize = 2;
 
-/// What there is to do about motors that pull against each other and were not aligned since they got power.
+/// The reaction to motors that pull against each other and were not aligned since they got power.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum Alignment {
-    /// Nothing; M915 aligns them.
+    /// None; M915 aligns them.
     Off,
-    /// The host is told of the first printing move.
+    /// The host gets a warning at the first printing move.
     Warning,
     /// Printing moves are refused.
     Required,

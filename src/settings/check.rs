@@ -38,7 +38,7 @@ pub enum SettingsError {
     SharedHeater(&'static str),
     /// G28 would leave out an axis.
     HomingOrder,
-    /// The belt is said to be closed, and its motors cannot turn it round while the tool stands.
+    /// The belt is set as closed, but its motors cannot circulate it while the tool stands.
     Circulation,
 }
 

@@ -17,7 +17,7 @@ pub struct DriverSettings {
     pub microsteps: u16,
     /// stealthChop instead of spreadCycle (M569).
     pub stealth: bool,
-    /// Speed above which stealthChop gives way to spreadCycle, 0 for never (M913).
+    /// Speed above which spreadCycle replaces stealthChop, 0 for never (M913).
     pub hybrid_threshold: MmPerSec,
     /// StallGuard threshold SGTHRS: the higher, the sooner a load counts as a stall; 0 for never (M914).
     pub stall_threshold: u8,
@@ -49,8 +49,8 @@ impl DriverGroups {
 
     /// 800 mA, and half of it at rest, are Marlin's defaults (Configuration_adv.h: X_CURRENT, HOLD_MULTIPLIER), which
     /// suit any NEMA 17 motor of 1.2 A or more. The ball screws hold with the full current: they are not self-locking.
-    /// spreadCycle, because Klipper's TMC_Drivers.md advises it where position counts, and because stealthChop has to
-    /// learn at standstill first. 16 microsteps are 80 steps/mm on a pulley of 40 mm, 800 on a lead of 4 mm.
+    /// The mode is spreadCycle. Klipper's TMC_Drivers.md advises it where position counts, and stealthChop has to learn
+    /// at standstill first. There are 16 microsteps: 80 steps/mm on a pulley of 40 mm, 800 on a lead of 4 mm.
     pub(super) const fn prototype() -> Self {
         let belt = DriverSettings {
             current_ma: 800,

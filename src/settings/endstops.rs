@@ -81,7 +81,7 @@ impl Endstop {
         depth.max(Mm::ZERO)
     }
 
-    /// How far the switch is from the other end of an axis of this length.
+    /// The distance of the switch from the other end of an axis of this length.
     #[must_use]
     pub fn longest_way(self, length: Mm) -> Mm {
         match self.end {

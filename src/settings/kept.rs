@@ -1,5 +1,5 @@
-//! Kept: a value in RAM that changes only when somebody changes it. A bit that flips by itself must not raise a limit,
-//! or stretch a millimetre.
+//! Kept: a value in RAM with a checksum that shows changes by itself. A bit that flips by itself must not raise a
+//! limit, or stretch a millimetre.
 
 use core::hash::{Hash, Hasher};
 use core::ops::{Deref, DerefMut};
@@ -56,9 +56,9 @@ impl Hasher for Sum {
 pub struct Kept<T> {
     value: T,
     sum: u32,
-    /// It was changed, and is not summed up yet.
+    /// It was changed, and its sum is not computed yet.
     is_new: bool,
-    /// It had changed by itself when somebody wanted to change it.
+    /// It had changed by itself before an intended change.
     was_damaged: bool,
 }
 
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(sum(&()), 0x811C_9DC5);
     }
 
-    /// How many of these words, each a bit flipped in `whole`, have another sum than that.
+    /// The number of these words, each a bit flipped in `whole`, that have another sum.
     fn noticed<T: Hash>(whole: &T, flipped: impl Iterator<Item = T>) -> usize {
         flipped.filter(|word| sum(word) != sum(whole)).count()
     }

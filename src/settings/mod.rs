@@ -68,7 +68,7 @@ use serde::{Deserialize, Serialize};
 /// (`machine/commands/settings/set.rs`). A new one comes last, as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {
-    /// Junction deviation: how far an arc that rounds the corner may leave it.
+    /// Junction deviation: the largest distance between the corner and an arc that rounds it.
     JunctionDeviation(Mm),
     /// Square-corner velocity: the speed through a corner of 90 degrees.
     SquareCorner(MmPerSec),
@@ -121,12 +121,11 @@ pub struct Settings {
     pub homing: Cartesian<Homing>,
     /// Whether moves are kept inside the reachable space (M211).
     pub soft_endstops: bool,
-    /// How far the chords of an arc may lie inside it.
+    /// The largest distance by which the chords of an arc may lie inside it.
     pub arc_tolerance: Mm,
     /// Seconds between two busy messages, 0 for none (M113).
     pub keepalive_s: u8,
-    /// Milliseconds of silence in the middle of numbered lines after which the host is prompted to go on; 0 for
-    /// never.
+    /// Milliseconds of silence in the middle of numbered lines after which the host gets a prompt; 0 for never.
     pub patience_ms: u16,
     /// The look-ahead takes another move while the moves before it last for less than this at their nominal speeds.
     pub lookahead_time: Seconds,
@@ -137,7 +136,7 @@ pub struct Settings {
     /// The part of a move over which its speed holds at least, if it does not accelerate or brake all along
     /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
     pub minimum_cruise_ratio: Ratio,
-    /// How far each motor turns for a step of each axis. A machine keeps it from start to end.
+    /// The turn of each motor for a step of each axis. A machine keeps it from start to end.
     pub mechanism: Mechanism,
     /// Whether moves of an axis that was not homed are refused.
     pub require_homing: bool,
@@ -151,7 +150,7 @@ pub struct Settings {
     pub homing_order: [HomedAxis; 3],
     /// Rate of the serial lines on headers, in baud. USB has none.
     pub baud: u32,
-    /// Where it can print. Told to people (M503, `corehbot config`); no move is held to it.
+    /// Where it can print. It is reported (M503, `corehbot config`); no move is limited by it.
     pub bed: Bed,
     /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does: without
     /// `is_normally_open` it has triggered when its input is high. Nothing probes by it.
@@ -169,7 +168,7 @@ impl Settings {
     /// motors at 16 microsteps (80 steps/mm), two M12x4 ball screws (800 steps/mm), and a geared extruder. The
     /// reachable space is W - e = 470 - 80 mm by the y range of equation 20.
     ///
-    /// Decimals stand in `const` blocks: read at run time they would take 14 kB of flash.
+    /// Decimals are in `const` blocks: read at run time they would take 14 kB of flash.
     #[must_use]
     pub const fn prototype() -> Self {
         let axes = Axes {
@@ -225,7 +224,7 @@ impl Settings {
         }
     }
 
-    /// Whether both are put together alike: motors, plugs and serial lines, which a board looks at when it starts.
+    /// Whether both have the same motors, plugs and serial lines, which a board reads when it starts.
     #[must_use]
     pub fn is_built_as(&self, other: &Self) -> bool {
         // All of them by name: a new setting needs a decision here whether a board reads it only when it starts.
@@ -402,7 +401,7 @@ mod tests {
     use super::*;
     use serde::de::DeserializeOwned;
 
-    /// Whether a type has so many variants: decoders know each of them by its number. Zeros decode to any type.
+    /// Whether a type has `count` variants: decoders know each of them by its number. Zeros decode to any type.
     fn has_variants<T: DeserializeOwned>(count: usize) -> bool {
         let decodes = |number: usize| {
             let mut bytes = [0; 64];
@@ -439,7 +438,7 @@ mod tests {
         assert!(made.is_built_as(&made));
     }
 
-    /// Tests that go through `all` look at every variant.
+    /// Tests that go through `all` cover every variant.
     #[test]
     fn no_variant_is_left_out() {
         assert!(has_variants::<CornerRule>(CornerRule::all().count()), "CornerRule::next");

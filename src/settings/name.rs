@@ -45,7 +45,7 @@ impl MachineName {
         Some(Self(name))
     }
 
-    /// A name that stands in the source: one that is none does not compile in a `const`.
+    /// A name in the source: an illegal one does not compile in a `const`.
     #[must_use]
     pub(super) const fn lit(text: &str) -> Self {
         let name = Self::new(text);

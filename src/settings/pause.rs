@@ -5,7 +5,7 @@ use super::{Settings, ranges};
 use crate::units::{Mm, MmPerSec};
 use serde::{Deserialize, Serialize};
 
-/// Where the tool waits while a print is paused, and how it gets there and back.
+/// Where the tool waits while a print is paused, and its path there and back.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Pause {
     /// Filament that is pulled back before the tool leaves the part.
@@ -14,7 +14,7 @@ pub struct Pause {
     pub retract_speed: MmPerSec,
     /// Speed at which it is pushed forward again.
     pub unretract_speed: MmPerSec,
-    /// How far the tool is lifted off the part.
+    /// The lift of the tool off the part.
     pub lift: Mm,
     /// Whether the tool goes to its parking place.
     pub park: bool,
@@ -22,7 +22,7 @@ pub struct Pause {
     pub x: Mm,
     /// The same.
     pub y: Mm,
-    /// Speed of the way to the parking place and back.
+    /// Speed of the move to the parking place and back.
     pub travel_speed: MmPerSec,
     /// Minutes after which heaters go off; they go off after [`idle_min`](super::ThermalSettings::idle_min) at the
     /// latest.

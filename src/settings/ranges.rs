@@ -23,9 +23,9 @@ pub const AXIS_LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: M
 pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
 /// Silence of a host, in ms: no less than its USB adapter, its garbage collector and its disk may make any day.
 pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
-/// How far an axis backs off after the first approach to an endstop.
+/// Back-off distance of an axis after the first approach to an endstop.
 pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
-/// How far outside the reachable space an endstop may sit: as far as an axis may back off.
+/// The largest distance of an endstop outside the reachable space: the largest back-off.
 pub(super) const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
 /// Where an endstop of any axis may sit.
 pub const ENDSTOP_POSITION: Range<Mm> =
@@ -41,15 +41,15 @@ pub const NO_PHASE: u16 = 1024;
 pub const PHASE: Range<u16> = Range { least: 0, most: NO_PHASE };
 /// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/explanation/belt.md).
 pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
-/// How far z is raised when a motor of the belt has failed.
+/// Lift of z after a motor of the belt has failed.
 pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 /// Filament that a pause pulls back: bowden tubes ask for less than a tenth of it.
 pub const PAUSE_RETRACT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
-/// How far a pause lifts the tool.
+/// Lift of the tool in a pause.
 pub const PAUSE_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(200) };
 /// Minutes of a pause until heaters go off.
 pub const PAUSE_HEAT_MIN: Range<u8> = Range { least: 1, most: 240 };
-/// How far a belt runs on after homing.
+/// Distance that a belt circulates after homing.
 pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 /// Rate of a serial line, in baud: from a rate of every adapter to the highest that a USART at 45 MHz and its adapters
 /// can keep.
@@ -80,9 +80,9 @@ pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds:
 /// delay of any shaper. Delays hold 1.67 s.
 pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
 /// Motion that waits in the look-ahead. With less than 0.5 s a host that pauses for a moment makes the tool stop; a
-/// cancelled print goes on for as long. Klipper's `buffer_time_high` is 2 s.
+/// cancelled print continues for as long. Klipper's `buffer_time_high` is 2 s.
 pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), most: Seconds::const_from_int(60) };
-/// Highest target of a hotend: up to what platinum sensors and all-metal hotends are sold for.
+/// Highest target of a hotend: up to the rating of platinum sensors and all-metal hotends.
 pub const HOTEND: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(500) };
 /// Highest target of a bed or a chamber: adhesives of mats and magnets end at 150 C.
 pub const BED: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(150) };
@@ -121,7 +121,7 @@ pub const BETA: Range<u16> = Range { least: 2000, most: 6000 };
 pub const MIN_EXTRUDE: Range<Celsius> = Range { least: Celsius::ZERO, most: Celsius::const_from_int(400) };
 /// From here on a hotend's cold end needs air: PLA softens at 55 to 60 C.
 pub const COLD_END: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(60) };
-/// How long a controller's fan runs on, in s.
+/// Run-on time of a controller's fan, in s.
 pub const RUN_ON_S: Range<u16> = Range { least: 0, most: 3600 };
 /// Idle minutes until heaters go off.
 pub const IDLE_MIN: Range<u8> = Range { least: 1, most: 240 };

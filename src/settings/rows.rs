@@ -43,7 +43,7 @@ pub trait Field {
     /// Its value.
     fn get(&self) -> Value;
 
-    /// Takes a value, and says whether it is one of its type; otherwise nothing changes. Ranges are asked elsewhere.
+    /// Takes a value, and returns whether it fits the type; otherwise nothing changes. Ranges are asked elsewhere.
     #[must_use]
     fn set(&mut self, value: &Value) -> bool;
 }
@@ -54,10 +54,10 @@ pub trait Choice: Copy + PartialEq + 'static {
     const ALL: &'static [(Self, &'static str)];
 }
 
-/// What kind of value a setting has: how it is written in a machine file.
+/// The kind of value of a setting: its form in a machine file.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A number with so many bits after the point.
+    /// A number with this many bits after the point.
     Fixed(u32),
     /// A whole number.
     Whole,
@@ -101,7 +101,7 @@ impl Legal {
 pub struct Spec {
     /// Which numbers are legal.
     pub legal: Legal,
-    /// What kind of value it is.
+    /// Its kind of value.
     pub kind: Kind,
 }
 
@@ -119,12 +119,12 @@ impl Spec {
         Self::new(0, T::ALL.len() as i64 - 1, Kind::Choice(name_of::<T>))
     }
 
-    /// A text of so many characters at most.
+    /// A text of `longest` characters at most.
     pub(super) const fn text(longest: usize, kind: Kind) -> Self {
         Self::new(0, longest as i64, kind)
     }
 
-    /// A number that its field packs and reads by itself, of so many bits and a sign.
+    /// A number that its field packs and reads by itself, of `bits` bits and a sign.
     pub(super) const fn packed(bits: u32, kind: Kind) -> Self {
         Self::new(-(1 << bits), (1 << bits) - 1, kind)
     }
@@ -240,7 +240,7 @@ pub struct Text {
     pub unit: &'static str,
     /// Its meaning, in lines of a comment.
     pub meaning: &'static [&'static str],
-    /// What kind of value it is.
+    /// Its kind of value.
     pub kind: Kind,
 }
 
@@ -390,7 +390,7 @@ impl<T: Choice> Field for Chosen<'_, T> {
 /// A text as a value.
 pub(super) fn text(parts: [&str; 2]) -> Value {
     let mut text = Text24::new();
-    // A name that is too long is none, so nothing is cut off.
+    // A name that is too long is refused, so nothing is cut off.
     let _ = parts.into_iter().try_for_each(|part| text.push_str(part));
     Value::Text(text)
 }

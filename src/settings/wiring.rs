@@ -22,7 +22,7 @@ pub struct Wiring {
 pub struct MotorPlug {
     /// The socket of its driver.
     pub connector: ConnectorName,
-    /// It turns the other way round: its direction line is low for forward.
+    /// It turns in the other direction: its direction line is low for forward.
     pub is_reversed: bool,
 }
 

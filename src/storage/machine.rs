@@ -22,7 +22,7 @@ pub fn machine_in(record: &[u8]) -> Result<Settings, Rejected> {
     Ok(settings)
 }
 
-/// Writes the record of a machine, and says how long it is; `None` if it does not fit, which a compile-time check
+/// Writes the record of a machine, and returns its length; `None` if it does not fit, which a compile-time check
 /// excludes.
 pub fn record_of(machine: &Settings, into: &mut [u8; LONGEST]) -> Option<usize> {
     let record = encode(machine, &Unknown::NONE, 0)?;

@@ -78,7 +78,7 @@ pub fn machine_of(block: &[u8; BLOCK]) -> Result<Settings, Rejected> {
 }
 
 /// The key of the board that the image of a block is on, if it is one of those that it may be on.
-// The mark is not looked at: that would put it into images a second time.
+// The mark is not checked: that would put it into images a second time.
 #[must_use]
 pub fn board_of(block: &[u8; BLOCK]) -> Option<&str> {
     let key = block.get(MARK.len()..MARK.len() + KEY)?.split(|byte| *byte == 0).next()?;

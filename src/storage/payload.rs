@@ -130,7 +130,7 @@ impl Writer<'_> {
         self.put(number as u8);
     }
 
-    /// Says how long the element is that has been written.
+    /// Writes the length of the finished element.
     fn close(&mut self) {
         if let Some((at, _)) = self.open.take() {
             let length = self.at - at - 1;
@@ -223,7 +223,7 @@ fn take_text(bytes: &mut &[u8]) -> Option<Value> {
     Some(Value::Text(Text24::try_from(core::str::from_utf8(text).ok()?).ok()?))
 }
 
-/// Writes settings and unknown elements; says how many bytes they take, or `None` if they do not fit.
+/// Writes settings and unknown elements; returns their bytes, or `None` if they do not fit.
 pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> Option<usize> {
     let mut writer = Writer { bytes: into, at: 0, open: None, is_full: false };
     // Visitors may change values; this one does not.

@@ -144,7 +144,7 @@ pub fn is_present(storage: &impl Storage) -> bool {
     storage.capacity() >= NEEDED
 }
 
-/// Looks at both slots.
+/// Reads both slots.
 ///
 /// # Errors
 /// The storage's, and [`StorageError::Absent`] if it is too small.
@@ -170,7 +170,7 @@ async fn look_at(
     Ok(length.and_then(|()| take_newer(newest, slot, &record)))
 }
 
-/// Takes a slot's content as the newest, if it is. A function of its own, because settings are large. Otherwise their
+/// Takes a slot's content as the newest, if it is. A separate function, because settings are large. Otherwise their
 /// copies would be on the stack during the wait for the storage, below all other work.
 #[inline(never)]
 fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {

@@ -18,7 +18,7 @@ pub struct Bus {
     pub lost: Option<usize>,
     /// Motors with drivers that do not answer.
     pub silent: MotorSet,
-    /// An exchange takes so many steps.
+    /// An exchange takes this many steps.
     pub slowness: usize,
     /// The result of the exchange under way, and the steps until then.
     pub outcome: Option<(usize, Result<Frame, BusError>)>,
@@ -107,7 +107,7 @@ pub struct Bench {
     pub drivers: Drivers,
     pub ms: u32,
     pub news: Vec<News>,
-    /// After a fault the other motors go on.
+    /// After a fault the other motors continue.
     pub is_limping: bool,
 }
 

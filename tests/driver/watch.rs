@@ -79,14 +79,14 @@ fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
     let of = |wanted| bench.bus.requests.iter().filter(|(motor, _)| *motor == wanted).count();
     let (looks, reads) = (of(Motor::Z1), of(Motor::Z2));
     assert!(reads == 6 * 30 && looks.abs_diff(reads) <= 30, "{looks} {reads}");
-    // However often somebody asks, motors with power are looked at.
+    // Even with continuous requests, motors with power are polled.
     bench.bus.requests.clear();
     for _ in 0..1000 {
         bench.drivers.ask(Job::Read, Motor::Z2);
         bench.run(1);
     }
     assert!(bench.bus.requests.iter().filter(|(motor, bytes)| *motor == Motor::Z1 && bytes[2] == 1).count() > 5);
-    // And a change gets its turn: every second exchange, after the six of a report that is under way. It has eighteen.
+    // And a change gets its turn: every second exchange, after the six of a report under way. It has eighteen.
     let mut settings = Settings::prototype();
     settings.drivers.z.current_ma = 500;
     bench.drivers.want(&settings);
@@ -195,7 +195,7 @@ fn after_a_fault_the_others_go_on_and_are_looked_at_at_once() {
     assert!(bench.bus.requests.iter().all(|(motor, bytes)| bytes.len() == 4 && *motor != Motor::M8));
     assert_eq!(bench.power(others.with(MotorSet::of(Motor::M8))), Err(Motor::M8));
     assert_eq!(bench.bus.powered, others);
-    // A second fault is told, and the first one stays the reason.
+    // A second fault is reported, and the first one stays the reason.
     bench.bus.silent = MotorSet::of(Motor::M8).with(MotorSet::of(Motor::M1));
     bench.is_limping = false;
     bench.run(100);
@@ -219,7 +219,7 @@ fn a_motor_that_pulls_against_nobody_is_noticed_no_later_than_it_was() {
         assert_eq!(bench.news, [News::Stopped(Fault { motor, error: DriverError::Silent })]);
         worst = worst.max(bench.ms - begin);
     }
-    // A look at it at least every 175 ms, and four tries.
+    // A poll at least every 175 ms, and four tries.
     assert!(worst <= 175 + 4 * 8, "{worst} ms");
     println!("noticed after {worst} ms at most");
 }

@@ -8,7 +8,7 @@ use corehbot::settings::ThermalSettings;
 use corehbot::units::{JoulesPerKelvin, Watts};
 use corehbot_rig::plant::{HeaterFault, PlantConstants};
 
-/// A bed of 500 W and so many times the mass that its model has.
+/// A bed of 500 W with `times` the mass of its model.
 fn heavy(times: f64) -> (PlantConstants, ThermalSettings) {
     let (mut constants, mut settings) = (constants(), settings());
     constants.bed.heater.nominal_watt = 500.0;
@@ -105,7 +105,8 @@ fn an_open_heater_under_a_cold_plate_is_found() {
     }
 }
 
-/// A machine with its bed at 110 C and its hotend off, which the bed warms: 0.05 W/K, and a block of so many J/K.
+/// A machine with its bed at 110 C and its hotend off. The bed warms the hotend: 0.05 W/K, and a block of the given
+/// J/K.
 fn beside_a_hot_bed(watts: f64, joule_per_kelvin: f64) -> Printer {
     let (mut constants, mut settings) = heavy(1.0);
     constants.couplings.hotend_bed = 0.05;

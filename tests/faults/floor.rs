@@ -29,7 +29,7 @@ fn with(heater: Heater, model: (f64, f64, f64, f64), control: Control) -> Therma
     settings
 }
 
-/// Reproducer: a heater that was all but open (1 W), and M306 E0 P40 C200, M109 S200: nothing was found in 900 s.
+/// Reproducer: a heater that was almost open (1 W), and M306 E0 P40 C200, M109 S200: no fault was found in 900 s.
 #[test]
 fn a_heater_that_gives_nothing_is_found_whatever_its_model() {
     for model in NONSENSE {
@@ -39,14 +39,14 @@ fn a_heater_that_gives_nothing_is_found_whatever_its_model() {
         printer.run(1.0);
         printer.set(Heater::Hotend, 200.0);
         let found = printer.run_until(900.0, |printer| printer.fault().is_some());
-        // With a duty of nothing at all there is nothing to be found, and nothing to be afraid of.
+        // Without any duty there is no fault to find, and no danger.
         let duty = printer.duty(Output::He0);
         println!("1 W as {model:?}: {:?} after {found:?} s, duty {duty:.3}", printer.fault().map(|fault| fault.cause));
         assert!(found.is_some_and(|time| time < 25.0) || duty < 0.1, "{model:?}");
     }
 }
 
-/// A sensor that has slipped: from cold, on the way up, at its target, and switched off and on.
+/// A sensor that has slipped: from cold, while heating, at its target, and switched off and on.
 #[test]
 fn a_sensor_that_has_slipped_is_found_whatever_the_model() {
     let mut slowest = [0.0_f64; 2];
@@ -94,7 +94,7 @@ fn a_sensor_that_has_slipped_is_found_whatever_the_model() {
     );
 }
 
-/// Off and on again, and another target all the time, hold up nothing.
+/// Off and on again, and another target all the time, do not delay the fault.
 #[test]
 fn a_heater_that_is_switched_off_and_on_is_found_too() {
     for (on, off) in [(3.0, 3.0), (10.0, 10.0), (15.0, 5.0), (15.0, 30.0)] {
@@ -115,7 +115,7 @@ fn a_heater_that_is_switched_off_and_on_is_found_too() {
     }
 }
 
-/// A plant that is slow: so many J/K and W/K, and a supply of so many V.
+/// A slow plant: with the given J/K and W/K, and a supply of the given V.
 fn slow(heater: Heater, [watts, capacity, loss, volts]: [f64; 4]) -> PlantConstants {
     let mut constants = constants();
     constants.supply_volts = volts;
@@ -131,7 +131,7 @@ fn slow(heater: Heater, [watts, capacity, loss, volts]: [f64; 4]) -> PlantConsta
     constants
 }
 
-/// The floor alone, below a model that finds nothing: heaters that get to 3 C above their target at full power.
+/// The floor alone, with a model that finds no fault: heaters that get to 3 C above their target at full power.
 #[test]
 fn a_heater_that_can_reach_its_target_never_trips() {
     let mut slowest = 0.0_f64;

@@ -273,8 +273,8 @@ fn f18_a_hotend_fan_with_a_tachometer_that_stands_still_switches_off() {
     assert!(printer.hotend() < 150.0, "{}", printer.hotend());
 }
 
-/// Reproducer: the hotend's open sensor was told first, in every period, so a bed that could not be switched off kept
-/// its supply.
+/// Reproducer: the hotend's open sensor was reported first, in every period, so a bed that could not be switched off
+/// kept its supply.
 #[test]
 fn an_open_hotend_sensor_masks_no_stuck_bed_switch() {
     for opens_after in [0.0, 70.0] {

@@ -1,5 +1,5 @@
-//! Lives of machines that are used: heated, cancelled, heated again. Nothing is broken, so nothing may be found; and
-//! where something is broken in such a life, it is.
+//! Lives of machines that are used: heated, cancelled, heated again. Without a defect no fault may be found; with a
+//! defect in such a life, it is found.
 
 use crate::constants;
 use crate::printer::{Printer, settings};
@@ -42,7 +42,7 @@ fn machine(random: &mut Random) -> (PlantConstants, ThermalSettings) {
     (constants, settings)
 }
 
-/// A target, 0 included, and how long it lasts: a moment, or minutes.
+/// A target, including 0, and its duration: a moment, or minutes.
 fn step(printer: &mut Printer, random: &mut Random, watts: f64) {
     let is_bed = random.next(3) == 0;
     let hotter = if watts < 30.0 { 190.0 } else { 260.0 };
@@ -56,10 +56,10 @@ fn step(printer: &mut Printer, random: &mut Random, watts: f64) {
     printer.run(seconds * (0.5 + f64::from(random.next(100)) / 100.0));
 }
 
-/// How many lives; a soak has more of them. Of the first 120, 56 had a false alarm before guards were episodes.
+/// The number of lives; a soak has more of them. Of the first 120, 56 had a false alarm before guards were episodes.
 const LIVES: u64 = 60;
 
-/// The property: any sequence of targets, 0 included, on a healthy plant raises nothing.
+/// The property: any sequence of targets, including 0, on a healthy plant causes no fault.
 #[test]
 fn any_sequence_of_targets_raises_nothing() {
     let lives = crate::soak_hours().map_or(LIVES, |hours| u64::from(hours) * 20);

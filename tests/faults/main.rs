@@ -81,7 +81,7 @@ fn until_refused(printer: &mut Printer, heater: Heater, mend: impl FnOnce(&mut P
     (cause, time)
 }
 
-/// How long it takes until the fault is latched and all heaters are off, and they stay off.
+/// The time until the fault is latched and all heaters are off, and they stay off.
 fn until_off(printer: &mut Printer, most: f64) -> (Cause, f64) {
     let time = printer.run_until(most, |printer| printer.fault().is_some() && is_off(printer));
     let time = time.unwrap_or_else(|| {

@@ -8,7 +8,7 @@ use corehbot::settings::Thermistor;
 use corehbot::units::Celsius;
 use corehbot_rig::plant::{Plant, SensorFault};
 
-/// A printer in each of the states in which a sensor may fail while it heats: on its way up, at its target.
+/// A printer in each of the states in which a sensor may fail while it heats: on the ramp, at its target.
 fn states() -> [(&'static str, Printer); 2] {
     let mut heating = cold();
     heating.set(Heater::Hotend, 215.0);
@@ -77,7 +77,7 @@ fn f04_a_reading_that_stands_still_is_found_when_the_power_changes() {
     println!("frozen: {time:.2} s");
     assert_eq!(printer.fault().unwrap().cause, Cause::SensorFrozen);
     assert!(time <= 36.0 && printer.hotend() < 320.0, "{time} s, {} C", printer.hotend());
-    // On its way up it is at full power.
+    // On the ramp it is at full power.
     let mut printer = cold();
     printer.set(Heater::Hotend, 215.0);
     printer.run(5.0);

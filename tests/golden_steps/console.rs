@@ -15,7 +15,7 @@ use corehbot::units::{Steps, SubTicks};
 use std::cell::Cell;
 use std::hash::Hash;
 
-/// What other contexts are asked for.
+/// The requests to other contexts.
 #[derive(Default)]
 struct Pended {
     generator: Cell<bool>,
@@ -130,7 +130,7 @@ impl Machine<'_> {
         self.seen.add(&(5u8, link.counts(), self.stepper.tick() as u32, self.status.triggered().0));
     }
 
-    /// Queues it and runs until all is done, or for so many rounds.
+    /// Queues it and runs until all is done, or for `rounds` rounds.
     fn play(&mut self, work: impl IntoIterator<Item = Work>, rounds: usize) {
         let mut left = work.into_iter().peekable();
         for _ in 0..rounds {
@@ -183,7 +183,7 @@ fn work(moves: &[Move]) -> impl Iterator<Item = Work> + '_ {
     moves.iter().map(|m| Work::Move(*m))
 }
 
-/// How much is seen, and a sum of all.
+/// The number of observed values, and a sum of all.
 pub fn run(seed: u64) -> (usize, u32) {
     let settings = shaped([ShaperKind::Mzv, ShaperKind::Zvd], [0, 700]);
     let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
@@ -229,7 +229,7 @@ pub fn run(seed: u64) -> (usize, u32) {
         machine.play(work(&shaped_circle).chain(work(&shaped_corners)), rounds);
         machine.brake();
     }
-    // So many short moves that they take longer.
+    // So many short moves that they take more rounds.
     machine.play(work(&plan(&super::fine_circle(), &settings)[..300]), MOST_ROUNDS);
     assert!(machine.status.overload().spans.count > 0, "{:?}", machine.status.overload());
     machine.stop();
@@ -243,7 +243,7 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.link.send(Work::Dwell(SubTicks::of_ticks(300_000)));
     machine.generator.run(&machine.pended);
     machine.brake();
-    // The belt runs round.
+    // The belt circulates.
     for grouping in [Grouping::Circulation, Grouping::Trim, Grouping::Tool] {
         machine.play([Work::Regroup(grouping), Work::Position([Steps::ZERO; 4])], 100);
         machine.stepper.recouple(|pins| pins.table = table(grouping));

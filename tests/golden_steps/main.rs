@@ -23,10 +23,10 @@ use dice::Dice;
 use line::{Step, generate, generate_on, generate_shaped, plan};
 use std::f64::consts::TAU;
 
-/// A place in mm (x, y, z, filament), and the speed on the way there in mm/s.
+/// A place in mm (x, y, z, filament), and the speed of the move to it in mm/s.
 type Path = Vec<([f64; 4], f64)>;
 
-/// How many events, the tick of the last, and a sum of all.
+/// The number of events, the tick of the last, and a sum of all.
 type Kept = (usize, u64, u32);
 
 fn kept(steps: &[Step]) -> Kept {
@@ -233,7 +233,7 @@ fn shaped(kinds: [ShaperKind; 2], spans: [u16; 2]) -> Settings {
     settings
 }
 
-/// The prototype with so many steps a mm of x and y, of z, and of filament.
+/// The prototype with these steps a mm of x and y, of z, and of filament.
 fn of_resolution(steps_per_mm: [u16; 3]) -> Settings {
     let mut settings = Settings::prototype();
     let [xy, z, e] = steps_per_mm.map(StepsPerMm::from_num);

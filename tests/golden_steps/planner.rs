@@ -24,7 +24,7 @@ impl Seen {
         self.sum = sum(&(self.sum, what));
     }
 
-    /// So many of the moves that leave.
+    /// Takes up to `most` of the moves that leave.
     fn take(&mut self, planner: &mut Planner<'_>, most: usize) {
         let moves: Vec<_> = std::iter::from_fn(|| planner.pop()).take(most).collect();
         self.moves += moves.len();
@@ -45,7 +45,7 @@ impl Seen {
     }
 }
 
-/// How many moves leave it, and a sum of all that is seen of it. One that fills lets nothing leave before.
+/// The number of moves that leave it, and a sum of all its outputs. With `fills` no move leaves before it is full.
 pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     let mut memory = MoveMemory::new();
     let mut planner = Planner::new(&mut memory, settings, [Mm::ZERO; 4]);
@@ -91,7 +91,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
                 assert!((0..MOST_PARTS).any(|_| planner.prepare()));
                 seen.take(&mut planner, usize::MAX);
             }
-            // It came not quite as far, and goes on with motors in other groups, or as before.
+            // It stopped a little short, and continues with motors in other groups, or as before.
             let [x, y, z, e] = planner.end();
             let short = [x.wrapping_sub(Steps::from_num(9)), y, z, e];
             planner.fall_short(short);

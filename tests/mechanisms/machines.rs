@@ -16,7 +16,7 @@ pub const MACHINES: [(&str, Mechanism); 10] = [
     ("corexz", Mechanism { rows: [[0, 1, 0, 0], NONE, [1, 0, -1, 0], [1, 0, 1, 0], NONE, NONE, E] }),
     ("cartesian", Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], NONE, NONE, Z, Z, E] }),
     ("dual y", Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], [0, -1, 0, 0], NONE, Z, NONE, E] }),
-    // No belt goes this way, but the way back is over three.
+    // No belt runs like this, but its inverse is over three.
     ("skew", Mechanism { rows: [NONE, [1, 1, 1, 0], [-1, 1, 0, 0], [-1, 0, 1, 0], NONE, NONE, E] }),
     ("awd corexy", Mechanism { rows: [[1, -1, 0, 0], [1, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] }),
     ("corehbot, two drivers", Mechanism { rows: [[-1, 1, 0, 0], [-1, -1, 0, 0], NONE, NONE, Z, Z, E] }),

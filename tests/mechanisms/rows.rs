@@ -48,7 +48,7 @@ proptest! {
         }
     }
 
-    /// Null spaces. Of the CoreH-bot: the belt runs round and the tool stands. For both machines with four motors:
+    /// Null spaces. Of the CoreH-bot: the belt circulates and the tool stands. For both machines with four motors:
     /// their forbidden motion moves nothing either, and no position needs it.
     #[test]
     fn what_moves_no_tool(at in prop::array::uniform3(-10_000i64..10_000), c in -1000i64..1000, strain in -1000i64..1000) {
@@ -77,7 +77,7 @@ fn the_only_constraint_is_that_of_four_coordinates() {
     for (name, mechanism) in all() {
         let expected = (name == "corexyz").then_some([1, -1, 1, -1, 0]);
         let found = Groups::new(&mechanism).constraint();
-        // The sign says nothing.
+        // The sign does not matter.
         assert!(found == expected || found.map(|c| c.map(|times| -times)) == expected, "{name}: {found:?}");
         assert_eq!(Groups::new(&mechanism).is_redundant(), expected.is_some(), "{name}");
     }

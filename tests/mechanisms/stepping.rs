@@ -63,7 +63,7 @@ fn motors_of_different_pulleys_keep_their_places() {
     };
     assert_eq!(counted(&[([10.0, 0.0, 0.0, 0.0], 100.0)])[2..4], [1000, 800]);
     assert_eq!(counted(&[([0.0, 10.0, 0.0, 0.0], 100.0)])[2..4], [-1000, 800]);
-    // Nothing in this has a finite number of binary places.
+    // None of these numbers has a finite number of binary places.
     let mut targets: Vec<_> =
         (0..3000).map(|n| ([0.1 * f64::from(n % 7), 0.3 * f64::from(n % 11), 0.0, 0.0], 150.0)).collect();
     targets.push(([0.1, 0.3, 0.0, 0.0], 150.0));

@@ -1,4 +1,4 @@
-//! Zig-zag: what stepping motors one after the other would do to the path, and that the generator does not.
+//! Zig-zag: the path if motors stepped one after the other, and proof that the generator does not do that.
 
 use super::line::{generate_on, plan};
 use super::machines::{COREXYZ, COREXYZ_THREE, MACHINES, settings, strain};
@@ -6,8 +6,7 @@ use super::stepping::add;
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::Motor;
 
-/// The tool's distance from the line of an axis move, in steps: how far the motors bring it to the side between begin
-/// and end.
+/// The tool's distance from the line of an axis move, in steps: the largest sideways motion between begin and end.
 fn lateral(way: &[f64; 3], axis: usize) -> f64 {
     way.iter().enumerate().filter(|(i, _)| *i != axis).map(|(_, w)| w * w).sum::<f64>().sqrt()
 }

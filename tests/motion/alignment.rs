@@ -14,7 +14,7 @@ fn at(x: f64, y: f64, speed: f64) -> ([f64; 4], f64) {
     ([x, y, 0.0, 0.0], speed)
 }
 
-/// The events between two ticks in which belt motors step, and how many of them lack some.
+/// The events between two ticks in which belt motors step, and the number of them that lack some.
 fn lone(steps: &[Step], from: f64, to: f64) -> (usize, usize) {
     let is_within = |s: &&Step| (s.tick as f64) > from && (s.tick as f64) < to && s.steps.0 & 0x0F != 0;
     let events: Vec<&Step> = steps.iter().filter(is_within).collect();
@@ -121,7 +121,7 @@ fn a_short_move_before_makes_no_difference() {
     assert!(last.iter().all(|step| step.steps.0 & 0x0F == 0x0F));
 }
 
-/// A place is missed by half a step at most, at the end of every move, and by nothing where no axis move led.
+/// A place is missed by half a step at most, at the end of every move, and met exactly after an axis move.
 #[test]
 fn no_end_is_missed_by_more_than_half_a_step() {
     let s = Settings::prototype();

@@ -1,4 +1,4 @@
-//! Circles of chords, as slicers write them: the tool runs round them at one speed.
+//! Circles of chords, as slicers write them: the tool follows them at one speed.
 
 use super::line::plan;
 use super::speeds::speeds;

@@ -160,7 +160,7 @@ fn corners_in_space_are_passed_at_the_speed_of_the_geometry() {
         let [before, after] = moves.as_slice() else { panic!("{} moves", moves.len()) };
         let (p, q) = (way([Steps::ZERO; 4], before, &s), way(before.end, after, &s));
         let ([real, ..], exact) = (speeds(after, q.length), reference(&p, &q, feed, &s));
-        // Of a way straight back the directions, which have 30 bits, say that it is one.
+        // For a move straight back the directions, which have 30 bits, show that it is one.
         if exact < 0.05 {
             assert!(real < 0.06, "{real} mm/s, {exact}");
             continue;

@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 /// Seconds.
 const BEND_TIME: f64 = 0.004;
 
-/// By how much the acceleration may be exceeded: the tool may brake in a curve.
+/// The factor by which the acceleration may be exceeded: the tool may brake in a curve.
 const MOST: f64 = 1.3;
 
 type Points = Vec<[f64; 2]>;

@@ -25,7 +25,7 @@ fn pitch(s: &Settings) -> [f64; 4] {
     s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array()
 }
 
-/// A line from the origin in chords, with filament, in text of so many decimals.
+/// A line from the origin in chords, with filament, in text with `decimals` decimals.
 fn line([x, y, z]: [f64; 3], chords: u32, decimals: i32, feed: f64) -> Path {
     let length = (x * x + y * y + z * z).sqrt();
     let point = |i: u32| {
@@ -49,7 +49,7 @@ fn left_out(path: &Path, moves: &[Move], s: &Settings) -> usize {
         assert!(last.is_some(), "move {number} ends at {end:?}, where nothing was commanded after point {next}");
         let Some(last) = last else { break };
         let (first, _) = path[next];
-        // Along which axis the line has most of its way is the first chord's to say; with 45 degrees it may be either.
+        // The first chord decides along which axis the line is longest; with 45 degrees it may be either.
         let most = (0..3).map(|i| (first[i] - from[i]).abs()).fold(0.0, f64::max);
         let mains = (0..3).filter(|i| (first[*i] - from[*i]).abs() > 0.999 * most);
         let mut before = from;
@@ -316,7 +316,7 @@ fn nothing_takes_longer() {
     assert!(after < before);
 }
 
-/// A stream that ran dry in a line is told if a chord comes that would have continued it, and only then.
+/// A stream that ran dry in a line is reported if a chord comes that would have continued it, and only then.
 #[test]
 fn a_line_that_was_cut_is_remembered() {
     let s = Settings::prototype();

@@ -143,7 +143,7 @@ pub fn shaping(settings: &Settings) -> impl Iterator<Item = Work> {
     stiffen.chain(follow)
 }
 
-/// The Stepper is called so many times at most without a step.
+/// The largest number of Stepper calls without a step.
 const MOST_CALLS: usize = 100_000;
 
 fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {

@@ -1,7 +1,7 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
-//! It shares no code with the planner. It follows the firmware's documentation: moves of at least 1 mm along x or y go
-//! along the line on which the belt motors stand, the junction-deviation law, the trend of the path, the minimum cruise
+//! It shares no code with the planner. It follows the firmware's documentation: the line of moves of at least 1 mm
+//! along x or y, on which the belt motors stand, the junction-deviation law, the trend of the path, the minimum cruise
 //! ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
@@ -50,7 +50,7 @@ impl Trapezoid {
         std::array::from_fn(|i| self.from[i] + f * (self.to[i] - self.from[i]))
     }
 
-    /// When the fraction `f` of the way is behind, in s.
+    /// The time in s at the fraction `f` of the length.
     pub fn when(&self, f: f64) -> f64 {
         let s = f * self.length;
         if s <= self.rise() {
@@ -170,7 +170,8 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
     };
     let axes = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
     let bears = |turn| along(q.a, turn, axes, s.motor_max_acceleration.to_num());
-    // By what two neighbouring means differ, less what rounding makes of it, the path turns over the shorter distance.
+    // The difference of two neighbouring means, less its rounding error, is the turn of the path over the shorter
+    // distance.
     let mut curve = f64::INFINITY;
     let x = q.length / 1.28;
     let wide = 1.0 + x + x.powi(2) / 2.0 + x.powi(3) / 6.0 + x.powi(4) / 24.0;

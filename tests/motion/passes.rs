@@ -42,7 +42,7 @@ fn a_changed_feed_is_planned_a_few_moves_at_a_time() {
         parts += 1;
         let is_planned = planner.is_planned();
         assert_eq!(planner.has_ready(), is_planned, "part {parts}");
-        // Nothing leaves before its time.
+        // No move leaves before its time.
         assert!(is_planned || planner.pop().is_none());
     }
     assert!(parts >= planner.len() / 10, "{parts} parts");

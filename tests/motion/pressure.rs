@@ -1,4 +1,4 @@
-//! Pressure advance within the extruder's limits: what released moves ask of the extruder, in floating point.
+//! Pressure advance within the extruder's limits: the extruder's motion for released moves, in floating point.
 //!
 //! The extruder moves at `v + (q(t + h/2) - q(t - h/2)) / h`, with v as the filament's speed and q as the pressure of
 //! the moves. Both are straight lines between ends of phases, so the greatest values stand at these ends, and half a
@@ -10,7 +10,7 @@ use corehbot::motion::{Move, MoveMemory, Planner, WHOLE, advance_window};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds};
 
-/// The filament in a phase: when it begins and ends, its speed there, and how much pressure a speed asks for, in s.
+/// The filament in a phase: its begin and end, its speed there, and the pressure for a speed, in s.
 struct Piece {
     time: [f64; 2],
     speed: [f64; 2],
@@ -135,7 +135,7 @@ fn a_long_advance_stays_within_the_speed_of_the_extruder() {
     }
 }
 
-/// A direct drive is not slowed down: nothing changes but where the extruder would be asked for too much.
+/// A direct drive is not slowed down: moves change only where the extruder would be beyond its limits.
 #[test]
 fn an_advance_that_the_extruder_bears_changes_no_move() {
     let mut s = Settings::prototype();

@@ -67,7 +67,7 @@ fn period(shaper: &Shaper, length: f64, at: f64) -> f64 {
     ((soft(there) + soft(motor)) / soft(whole)).sqrt()
 }
 
-/// What every motor group follows: taps of each axis, and the window of the advance.
+/// The functions of every motor group: taps of each axis, and the window of the advance.
 struct Follow {
     x: Vec<(f64, f64)>,
     y: Vec<(f64, f64)>,
@@ -111,7 +111,7 @@ impl Follow {
     }
 }
 
-/// How many steps there are, and by how much the worst is off, in ticks.
+/// The number of steps, and the largest error, in ticks.
 fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
     let moves = plan(targets, s);
     let model = trapezoids(targets, s);
@@ -142,7 +142,7 @@ fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
             at += i64::from(way);
             let t = tick as f64 / 1e7;
             let speed = (value(t + 5e-7) - value(t - 5e-7)).abs() / 10.0;
-            // What single precision leaves of a position is 2^-24 of the way of a span, a ten-thousandth of a step.
+            // Single precision leaves a position error of 2^-24 of the length of a span, a ten-thousandth of a step.
             let off = ((value(t) - edge).abs() - 2e-4).max(0.0) / speed.max(1e-6);
             // Where a move starts next to the end of the one before, the coordinate jumps across the edge.
             let leaps = (value(t - 1e-7) - edge) * (value(t + 1e-7) - edge) <= 0.0;
@@ -173,7 +173,7 @@ fn every_shaped_step_is_within_a_tick_of_the_model() {
         println!("{x:?} {y:?} {advance}: {count} steps, worst {worst:.3} ticks");
         assert!(count > 50_000 && worst <= 1.0, "{x:?} {y:?} {advance}: {worst} ticks");
     }
-    // These are known to five digits: times to half a tick, weights to 5e-6 of the way on which an impulse acts.
+    // These are known to five digits: times to half a tick, weights to 5e-6 of the length on which an impulse acts.
     for (x, y) in ShaperKind::all().map(|kind| (kind, None)).chain([(Ei, TwoHumpEi)]) {
         let most = if matches!((x, y), (Ei | TwoHumpEi, None)) { 2.0 } else { 1.0 };
         let (_, worst) = errors(&wander(100, 0x1234_5678_9ABC_DEF1), &settings(x, y, 0.0));

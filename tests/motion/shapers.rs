@@ -1,11 +1,11 @@
-//! Shapers: impulses and what vibration they leave, against figures from the literature.
+//! Shapers: impulses and the remaining vibration, against figures from the literature.
 
 use corehbot::motion::taps;
 use corehbot::settings::{Shaper, ShaperKind, Shapers};
 use corehbot::units::{Hertz, Ratio, Seconds};
 use std::f64::consts::PI;
 
-/// The impulses of a shaper: when, in s, and how much.
+/// The impulses of a shaper: times, in s, and weights.
 fn impulses(kind: ShaperKind, frequency: f64, damping: f64) -> Vec<(f64, f64)> {
     let shaper = |kind| Shaper::new(kind, Hertz::from_num(frequency), Ratio::from_num(damping));
     let [x, ..] = taps(&Shapers { x: shaper(kind), y: shaper(ShaperKind::None) }, None);
@@ -13,7 +13,7 @@ fn impulses(kind: ShaperKind, frequency: f64, damping: f64) -> Vec<(f64, f64)> {
     x.iter().map(|tap| (f64::from(tap.delay - first) / 256.0 / 1e7, f64::from(tap.weight))).collect()
 }
 
-/// At 60 Hz and a damping of 0.05: how much, and when, in ms.
+/// At 60 Hz and a damping of 0.05: weights, and times, in ms.
 const KNOWN: [(ShaperKind, &[f64], &[f64]); 5] = [
     (ShaperKind::Zv, &[0.53924, 0.46076], &[0.0, 8.3438]),
     (ShaperKind::Zvd, &[0.29078, 0.49692, 0.21230], &[0.0, 8.3438, 16.6875]),

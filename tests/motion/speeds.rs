@@ -2,7 +2,7 @@
 
 use corehbot::motion::{Move, WHOLE};
 
-/// At its begin, the greatest, and at its end: `length`s a second. The longest of its phases tells the greatest best.
+/// At its begin, the greatest, and at its end: `length`s a second. The longest of its phases shows the greatest best.
 pub fn speeds(m: &Move, length: f64) -> [f64; 3] {
     let mean = |way: f64, time: u64| way * length / (time as f64 / 65536.0 / 1e7);
     let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);

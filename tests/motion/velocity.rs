@@ -1,4 +1,4 @@
-//! The tool's velocity over time, read from released moves, and how much it varies within a window.
+//! The tool's velocity over time, read from released moves, and its variation within a window.
 
 use super::speeds::speeds;
 use corehbot::motion::Move;

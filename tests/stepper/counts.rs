@@ -48,7 +48,7 @@ impl StepPort for Pins<'_> {
     }
 }
 
-/// Plays up to so many alarms and compares the counts after each; the generator comes every `turns`-th time.
+/// Plays up to `alarms` alarms and compares the counts after each; the generator comes every `turns`-th time.
 fn play(
     bench: &Bench,
     (stepper, generator): (&mut Stepper<'_, Pins<'_>, Timer<'_>, NullPend>, &mut StepGenerator<'_>),
@@ -89,7 +89,7 @@ proptest! {
         let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NullPend);
         let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groupings);
         for round in 0..2 {
-            // A new name for the place, which moves nothing.
+            // A new name for the place, without motion.
             let begin = [Mm::from_num(round), Mm::ZERO, Mm::ZERO, Mm::ZERO];
             let mut planner = Planner::new(&mut memory, &settings, begin);
             link.send(Work::Position(planner.steps(begin)));

@@ -1,4 +1,4 @@
-//! The end of motion: the Stepper comes to rest, and misses nothing.
+//! The end of motion: the Stepper comes to rest, and misses no event.
 
 use super::clock::{Clock, NullPend, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
@@ -111,7 +111,7 @@ fn an_end_on_a_step_is_no_lack_of_steps() {
     }
 }
 
-/// Moves that lead on without a rest, each so far, at so many mm/s.
+/// Moves that lead on without a rest, each of `length` mm, at `speed` mm/s.
 fn chords(count: u32, length: f64, speed: f64) -> Vec<([f64; 2], f64)> {
     (1..=count).map(|i| ([length * f64::from(i), 0.0], speed)).collect()
 }

@@ -74,7 +74,7 @@ fn a_printer_starts_as_the_machine_that_was_saved_last_if_it_is_one() {
         now(storage::save(&mut eeprom, &variant(n))).unwrap();
         assert_eq!(now(storage::stored_machine(&mut eeprom)), Some(variant(n)));
     }
-    // No motor turns anything; a save looks at the other settings alone.
+    // No motor turns an axis; a save checks the other settings alone.
     let mut loose = variant(3);
     loose.mechanism.rows = Default::default();
     now(storage::save(&mut eeprom, &loose)).unwrap();

@@ -72,8 +72,8 @@ pub type Torn = fn(old: u8, new: u8) -> u8;
 pub const TORN: [Torn; 6] =
     [|old, _| old, |_, new| new, |_, _| 0xFF, |_, _| 0, |old, new| old ^ new, |old, new| old & new];
 
-/// Cuts the power after so many bytes; the next one is torn. With `whole_page`, the page is programmed at
-/// once, so the cut tears all of its bytes from there on.
+/// Cuts the power after a number of bytes; the next one is torn. With `whole_page`, the page is programmed at once, so
+/// the cut tears all of its bytes from there on.
 pub struct Cut<'e> {
     pub eeprom: &'e mut Eeprom,
     pub left: usize,
@@ -131,7 +131,7 @@ impl Storage for Stuck {
     }
 }
 
-/// A memory that stops answering after so many reads.
+/// A memory that stops answering after a number of reads.
 pub struct Silent(pub Eeprom, pub usize);
 
 impl Storage for Silent {

@@ -34,7 +34,7 @@ pub fn octoprint(line: &str) -> Option<Deed> {
     }
 }
 
-/// Printrun 2.2.0, pronsole.py and pronterface.py, `recvcb_actions`: a cancel pauses. Other actions mean nothing to it.
+/// Printrun 2.2.0, pronsole.py and pronterface.py, `recvcb_actions`: a cancel pauses. It ignores other actions.
 pub fn printrun(line: &str) -> Option<Deed> {
     let (_, command) = line.starts_with("//").then(|| line.split_once(' '))??;
     match command.split(':').collect::<Vec<_>>().as_slice() {
@@ -44,8 +44,8 @@ pub fn printrun(line: &str) -> Option<Deed> {
 }
 
 /// BIGTREETECH's TouchScreenFirmware, Mainboard_AckHandler.c, `parseAck` and `hostActionCommands`: the first of these
-/// texts that stands anywhere in the line counts. Its texts have 30 and 20 bytes, line end and zero included, and
-/// nothing looks whether they fit.
+/// texts that stands anywhere in the line counts. Its texts have 30 and 20 bytes, line end and zero included, without a
+/// check whether they fit.
 pub fn btt_tft(line: &str) -> Option<Deed> {
     if !line.starts_with("//action:") {
         return None;

@@ -8,9 +8,9 @@
 //! n1 = c - x + y      n4 = c - x - y      n8 = c + x - y      n11 = c + x + y
 //! ```
 //!
-//! `c` is the circulation: all four motors turn alike, the belt runs round and the head stands still. A belt cannot
+//! `c` is the circulation: all four motors turn alike, the belt circulates and the head stands still. A belt cannot
 //! follow the fourth combination, the residual `n1 - n4 + n8 - n11`: it must stay 0 at every instant, or the motors
-//! strain the belt against each other. The four rows are orthogonal and of equal length, so the way back is the
+//! strain the belt against each other. The four rows are orthogonal and of equal length, so the inverse is the
 //! transpose over four.
 //!
 //! With c held at 0 the motors move in two exact pairs, `n1 = -n8` and `n4 = -n11`. There v = x - y drives 8 (forward)

@@ -17,8 +17,8 @@ fn drain(machine: &mut Machine) -> String {
     all
 }
 
-/// Bytes arrive, with losses (FF), openings (FE) and pauses (FD and 8 times so many ms). Whether they are looked at one
-/// by one or only when FC says so makes no difference.
+/// Bytes arrive, with losses (FF), openings (FE) and pauses (FD and 8 times the next byte, in ms). The result is the
+/// same for a poll after each byte and for polls only at FC.
 pub fn protocol(data: &[u8]) {
     let (mut prompt, mut lazy) = (Machine::new(), Machine::new());
     let (mut said, mut said_late) = (String::new(), String::new());

@@ -1,4 +1,4 @@
-//! A BTT TFT as its source has it, as far as it makes out what machine it hangs on: BIGTREETECH's TouchScreenFirmware,
+//! A BTT TFT as in its source, as far as it detects its machine: BIGTREETECH's TouchScreenFirmware,
 //! Mainboard_AckHandler.c (`parseAck`, `processKnownEcho`), Settings.c (`initMachineSettings`, `setupMachine`),
 //! SerialConnection.c (`Serial_Get`, which drops the blanks in front of a line), MPC.c.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test uses a part, and fails by panicking")]
@@ -159,7 +159,7 @@ impl BttTft {
             if let Some((_, after)) = line.split_once('E') {
                 let index = value(line, "E").unwrap();
                 for letter in ["P", "H"].iter().filter(|letter| after.contains(**letter)) {
-                    // Nothing asks whether there is such a place.
+                    // It does not check whether there is such a place.
                     assert!((0.0..MODELS).contains(&index), "writes beside its memory: {line}");
                     self.parameters.insert(format!("M306E{index}{letter}"), value(after, letter).unwrap());
                 }

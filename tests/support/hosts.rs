@@ -4,7 +4,7 @@ use super::machine::numbered;
 
 /// A host that prints a program.
 pub trait Host {
-    /// Hears one line.
+    /// Takes one line.
     fn hear(&mut self, line: &str);
     /// The line that it sends now, if it does.
     fn speak(&mut self, ms: u32) -> Option<String>;
@@ -21,7 +21,7 @@ pub fn requested(line: &str) -> Option<i32> {
     line.strip_prefix("Resend: ").and_then(|number| number.parse().ok())
 }
 
-/// How long a host takes before each new line of its program.
+/// The time that a host takes before each new line of its program.
 pub struct Pauses(pub Vec<u32>);
 
 impl Pauses {

@@ -1,4 +1,4 @@
-//! A machine that speaks the protocol and carries nothing out.
+//! A machine that uses the protocol and carries nothing out.
 
 use corehbot::port::Received;
 use corehbot::protocol::{Activity, Emergency, Incoming, Receiver, Replies};

@@ -1,4 +1,4 @@
-//! What several tests of the protocol stand on.
+//! Shared parts of the protocol's tests.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test uses a part, and fails by panicking")]
 
 pub mod bodies;

@@ -4,10 +4,10 @@ use super::hosts::{Host, Pauses, requested};
 use super::machine::numbered;
 use std::collections::VecDeque;
 
-/// How long it waits for an `ok` (`timeouts.communication`).
+/// Its timeout for an `ok` (`timeouts.communication`).
 const TIMEOUT_MS: u32 = 30_000;
 
-/// How long it waits for the `ok` of a request (`timeouts.resendOk`).
+/// Its timeout for the `ok` of a request (`timeouts.resendOk`).
 const RESEND_OK_MS: u32 = 500;
 
 /// OctoPrint 1.11.8, util/comm.py: `_monitor`, `_send_loop`, `_handle_ok`, `_handle_resend_request` and
@@ -25,7 +25,7 @@ pub struct OctoPrint {
     comm_error: Option<String>,
     send_queue: VecDeque<String>,
     resend_queue: VecDeque<(i32, String)>,
-    /// Nothing but repetitions leaves.
+    /// Only repetitions leave.
     resend_active: bool,
     /// A request is being met, and the `ok` after that has not come.
     is_resending: bool,
@@ -124,7 +124,7 @@ impl OctoPrint {
         (self.resend_active, self.is_resending) = (true, true);
     }
 
-    /// Nothing more than a repetition, or a poll.
+    /// Only a repetition, or a poll.
     fn handle_timeout(&mut self, ms: u32) {
         self.has_lost_patience = true;
         self.ok_timeout = ms + TIMEOUT_MS;
@@ -137,7 +137,7 @@ impl OctoPrint {
         self.clear_to_send = 1;
     }
 
-    /// `SendQueue._get` and what `_send_loop` makes of it.
+    /// `SendQueue._get` and its use in `_send_loop`.
     fn next_in_queue(&mut self) -> Option<String> {
         if let Some((number, text)) = self.resend_queue.pop_front() {
             return Some(numbered(number, &text));

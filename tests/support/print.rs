@@ -8,7 +8,7 @@ use corehbot::gcode::{
     Part, Plane, VelocityWords,
 };
 
-/// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line
+/// A command to be printed. One that represents a whole family is printed as one of it: M74 for silent ones. A line
 /// that is not in order is printed as one with the same flaw. In a text, `?` stands for every byte that is neither
 /// printable ASCII nor a tab.
 pub struct Printed<'c>(pub Command<'c>);
@@ -245,7 +245,7 @@ impl Display for Printed<'_> {
     }
 }
 
-/// The E that stands for a heater.
+/// The number of a heater in E.
 const fn index(heater: Option<Heater>) -> &'static str {
     match heater {
         Some(Heater::Hotend) => "E0",
@@ -391,7 +391,7 @@ fn decimals_of(word: &str) -> usize {
     word.split_once('.').map_or(0, |(_, decimals)| decimals.len())
 }
 
-/// A word with so many decimals.
+/// A word with a number of decimals.
 fn padded(word: &str, decimals: usize) -> String {
     let point = if word.contains('.') { "" } else { "." };
     format!("{word}{point}{}", "0".repeat(decimals - decimals_of(word)))

@@ -11,7 +11,7 @@ use corehbot::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerK
 use std::cell::Cell;
 use std::rc::Rc;
 
-/// Periods after which a sensor that says nothing has cost its heater the power: 0.4 s, and one.
+/// Periods after which a sensor without a reading has cost its heater the power: 0.4 s, and one.
 const SILENT: u32 = 21;
 
 /// A port with given readings.
@@ -152,7 +152,7 @@ impl Bytes<'_> {
 /// The values watched from outside.
 struct Watch {
     machine: ThermalSettings,
-    /// Periods for which each sensor has said nothing.
+    /// Periods without a reading of each sensor.
     silent: [u32; 3],
     /// Which heaters had a target in the period before. A tuning that is over ends with its period.
     had_target: [bool; HEATERS],
@@ -175,7 +175,7 @@ impl Watch {
             if !settings.is_fitted {
                 continue;
             }
-            // A self-test has pulses of its own.
+            // A self-test has its own pulses.
             let has_target = target > Celsius::ZERO || status.heat().self_test() == SelfTest::Testing;
             if std::mem::replace(&mut self.had_target[heater as usize], has_target) || has_target {
                 powered = powered.with(output);
@@ -189,7 +189,7 @@ impl Watch {
         for (place, duty) in duties.into_iter().enumerate() {
             assert!(duty == 0 || powered.0 & 1 << place != 0, "output {place} has {duty} without a target");
         }
-        // The first fault stays, and nothing heats after it.
+        // The first fault stays, and no heater gets power after it.
         let fault = status.fault().fault();
         assert!(self.cause.is_none() || fault.map(|fault| fault.cause) == self.cause);
         self.cause = fault.map(|fault| fault.cause);
@@ -198,7 +198,7 @@ impl Watch {
 }
 
 /// Orders and readings out of `data` for a machine with a hotend and a bed. Each order is followed by readings and by
-/// up to 63 control periods, in which some contexts may stand still.
+/// up to 63 control periods, in which some contexts may stop.
 pub fn heat_orders(data: &[u8]) {
     let mut machine = ThermalSettings::prototype();
     machine.heater_mut(Heater::Hotend).is_fitted = true;

@@ -1,4 +1,4 @@
-//! Control of heat, held against a plant and against what other firmwares do with the same plant.
+//! Control of heat, tested on a plant and compared with other firmwares on the same plant.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod figures;

@@ -1,4 +1,4 @@
-//! What other firmwares do: bang-bang, and PID with parameters from a relay.
+//! The control of other firmwares: bang-bang, and PID with parameters from a relay.
 //!
 //! Both as Klipper's documentation describes them (Config_Reference, `control: watermark` and `control: pid`;
 //! Config_checks, *Calibrate PID settings*), in words and code of our own. It measures every 0.3 s. The relay is Astrom
@@ -12,7 +12,7 @@ use crate::runs::{Controller, Loop};
 
 /// How often it measures, s.
 const MEASURED_EVERY: f64 = 0.3;
-/// Over how long PID's derivative is smoothed, s (`smooth_time`).
+/// The smoothing time of PID's derivative, s (`smooth_time`).
 const SMOOTH_TIME: f64 = 1.0;
 /// The most that bang-bang lets the temperature be off, K (`max_delta`).
 const MAX_DELTA: f64 = 2.0;
@@ -38,7 +38,7 @@ struct Seldom<C> {
     output: Output,
     since: f64,
     duty: f64,
-    /// Sent, but not yet in effect.
+    /// Sent, but not in effect.
     sent: f64,
     /// Since that was sent, s.
     sent_since: f64,

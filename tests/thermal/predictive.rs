@@ -89,7 +89,7 @@ fn the_part_fan_is_no_surprise_whichever_output_it_hangs_on() {
     assert!(dip_of_fan(elsewhere, 0) < 0.2);
 }
 
-/// What bang-bang at full power needs to get within 0.5 C of 215 and 250 C (`figures.rs` prints it).
+/// The time that bang-bang at full power needs to get within 0.5 C of 215 and 250 C (`figures.rs` prints it).
 const FASTEST: [(f64, f64); 2] = [(215.0, 65.1), (250.0, 80.9)];
 
 #[test]

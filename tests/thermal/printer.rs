@@ -1,4 +1,4 @@
-//! A printer: the firmware's thermal control on the plant, with nothing in between but its port.
+//! A printer: the firmware's thermal control on the plant, through its port alone.
 
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::fault::Fault;
@@ -197,14 +197,14 @@ impl Printer {
         self.period_with(|_| 0.0);
     }
 
-    /// So many seconds without filament.
+    /// Runs for `seconds` without filament.
     pub fn run(&mut self, seconds: f64) {
         for _ in 0..(seconds / PERIOD).round() as u64 {
             self.period();
         }
     }
 
-    /// Runs until `done`, for so many seconds at the most; how long it took.
+    /// Runs until `done`, for `most` seconds at the most; returns the time.
     pub fn run_until(&mut self, most: f64, done: impl Fn(&Self) -> bool) -> Option<f64> {
         let begun = self.seconds;
         while self.seconds - begun < most {

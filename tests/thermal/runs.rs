@@ -1,14 +1,14 @@
 //! Runs: a controller heats the hotend of a plant, and the figures say how well.
 //!
-//! A controller is asked every 20 ms and hears the reading of the converter in C. One that measures more seldom counts
-//! the time by itself.
+//! A controller is called every 20 ms with the reading of the converter in C. One that measures more seldom counts the
+//! time by itself.
 
 use corehbot::port::Sensor;
 use corehbot_rig::plant::{Drive, Plant, PlantConstants, Thermistor};
 
 /// How often a controller is asked, s.
 const PERIOD: f64 = 0.02;
-/// How long a heat-up is watched, s.
+/// Duration of a heat-up run, s.
 const WATCHED: f64 = 300.0;
 /// Within this of the target a temperature has settled, K.
 const BAND: f64 = 0.5;
@@ -45,9 +45,9 @@ pub struct HeatUp {
 /// The effect of a filament flow on the block, in K from the target.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowStep {
-    /// How far it falls below while there is flow.
+    /// The largest drop while there is flow.
     pub dip: f64,
-    /// How far it rises above after the flow has ended.
+    /// The largest rise after the flow has ended.
     pub rise: f64,
 }
 

@@ -11,7 +11,7 @@ pub struct PlantConstants {
     pub bed: BedConstants,
     /// The chamber, if it has a heater.
     pub chamber: Option<ChamberConstants>,
-    /// What heat flows between them.
+    /// The heat flows between them.
     pub couplings: Couplings,
     /// The converter that reads the thermistors.
     pub converter: ConverterConstants,

@@ -76,9 +76,9 @@ pub struct PlantFaults {
     pub chamber_heater: HeaterFault,
     /// Each heater of hotend and bed is plugged into the other's output.
     pub swapped_heaters: bool,
-    /// The part fan stands still.
+    /// The part fan is blocked.
     pub part_fan_broken: bool,
-    /// The hotend fan stands still.
+    /// The hotend fan is blocked.
     pub hotend_fan_broken: bool,
     /// No more readings come.
     pub converter_stopped: bool,

@@ -162,7 +162,7 @@ impl Plant {
         self.chamber.air
     }
 
-    /// A plate of so many C, with this part of the bed's heat capacity, is laid on the bed.
+    /// A plate of `celsius` C, with this part of the bed's heat capacity, is laid on the bed.
     pub fn lay_plate(&mut self, celsius: f64, part: f64) {
         self.bed.plate += (celsius - self.bed.plate) * unit(part) / (1.0 + unit(part));
     }
@@ -223,7 +223,7 @@ fn couple(c: &PlantConstants, block: &mut f64, plate: &mut f64, air: &mut f64, s
         [joule(hotend_bed, *block, *plate), joule(hotend_chamber, *block, *air), joule(bed_chamber, *plate, *air)];
     *block -= (to_plate + to_air) / c.hotend.block_joule_per_kelvin;
     *plate += (to_plate - up) / c.bed.plate_joule_per_kelvin;
-    // Without a chamber there is a room, which nothing warms.
+    // Without a chamber there is a room at a constant temperature.
     if let Some(chamber) = &c.chamber {
         *air += (to_air + up) / chamber.air_joule_per_kelvin;
     }

@@ -30,7 +30,7 @@ pub enum Thermistor {
 }
 
 impl Thermistor {
-    /// NTC 100K B3950, what most heated beds have. Its sellers give R25 = 100 kOhm and B25/50 = 3950 K and nothing
+    /// NTC 100K B3950, the sensor of most heated beds. Its sellers give R25 = 100 kOhm and B25/50 = 3950 K and nothing
     /// else, so the law is Beta. Real ones bend away from it: Klipper's "Generic 3950" has 1770 Ohm at 150 C, Beta 1997
     /// Ohm, which is 5 C.
     pub const NTC_100K_B3950: Self = Self::Beta { ohm_at_25: 100e3, beta: 3950.0 };

@@ -19,8 +19,8 @@ use crate::port::{EndstopSet, Motor};
 use crate::protocol::{Action, ResendReason};
 use crate::status::Tuned;
 
-/// An answer. Numbers that everybody knows are looked up when they are written; those that a command keeps for itself
-/// are part of the answer.
+/// An answer. Public numbers are read when the answer is written; numbers that a command keeps for itself are part of
+/// the answer.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum Answer<'a> {
     /// Nothing except the `ok`.

@@ -6,7 +6,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
-/// Sends a message to other hosts, and returns the reply to the sender. A line number that does not exist stands for
+/// Sends a message to other hosts, and returns the reply to the sender. A serial line that does not exist stands for
 /// the sender's, as in Marlin (M118.cpp).
 pub(super) fn send_message<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,

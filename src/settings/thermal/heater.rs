@@ -51,7 +51,7 @@ impl Thermistor {
     }
 }
 
-/// How a heater behaves: what M303 finds out and M306 sets.
+/// The model of a heater: M303 measures it and M306 sets it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct HeaterModel {
     /// Heat that it takes to warm it.
@@ -99,13 +99,13 @@ pub enum Control {
 pub struct Guards {
     /// It has to warm up by at least this part of its model's prediction.
     pub heating: Ratio,
-    /// So far from its target, once reached, ...
+    /// This far from its target, once reached, ...
     pub lost: Celsius,
     /// ... for so long, in s.
     pub lost_s: u8,
     /// Rise while it is off.
     pub off_rise: Celsius,
-    /// So far above its target without power.
+    /// This far above its target without power.
     pub overshoot: Celsius,
 }
 
@@ -130,7 +130,7 @@ pub struct HeaterSettings {
     pub period_ms: u16,
     /// How the power is found.
     pub control: Control,
-    /// How it behaves.
+    /// Its model.
     pub model: HeaterModel,
     /// The gains for PID control.
     pub pid: Pid,
@@ -210,8 +210,8 @@ impl HeaterSettings {
         }
     }
 
-    /// The highest legal reading: so far above the highest target that a heater which overshoots a little is no fault
-    /// (Marlin's HOTEND_OVERSHOOT is 15 C).
+    /// The highest legal reading: far enough above the highest target that a small overshoot is no fault (Marlin's
+    /// HOTEND_OVERSHOOT is 15 C).
     #[must_use]
     pub const fn too_hot(&self) -> Celsius {
         self.most.saturating_add(Celsius::const_from_int(15))

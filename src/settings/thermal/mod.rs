@@ -45,7 +45,7 @@ pub struct ThermalSettings {
     pub min_extrude: Celsius,
     /// The hotend's fan runs above this temperature.
     pub hotend_fan_above: Celsius,
-    /// The controller's fan goes on for so many seconds after the last motor or heater went off.
+    /// Run-on time in s of the controller's fan after the last motor or heater went off.
     pub fan_run_on_s: u16,
     /// Minutes without motion, print or command after which heaters go off.
     pub idle_min: u8,
@@ -54,9 +54,9 @@ pub struct ThermalSettings {
 }
 
 impl ThermalSettings {
-    /// The usual set of a machine of this size: a hotend of 40 W with a Semitec 104GT-2, a bed of 500 W with a
-    /// thermistor of B 3950, one fan for the part, one for the hotend and one for the controller. Nothing is fitted
-    /// before a machine file or M-code says so.
+    /// The usual set of a machine of this size: a hotend of 40 W with a Semitec 104GT-2, and a bed of 500 W with a
+    /// thermistor of B 3950. It has three fans: for the part, for the hotend and for the controller. Nothing is fitted
+    /// before a machine file or M-code sets it.
     #[must_use]
     pub const fn prototype() -> Self {
         let fan = FanSettings::new(FanRole::Commanded);

@@ -153,7 +153,7 @@ fn what_later_firmware_has_stored_is_kept_and_known_by_its_ids() {
     let again = &again.bytes[..again.receipt.bytes];
     assert!(again.ends_with(&[&first[..], &second].concat()));
     assert_eq!(decode(again).unwrap().unknown, decoded.unknown);
-    // What there is no room for is lost, and the rest is kept.
+    // Elements without room are lost, and the rest is kept.
     let mut long = payload(&Settings::prototype());
     long.extend([0xFF, 0x03, 62]);
     long.extend([1; 62]);
@@ -416,7 +416,7 @@ fn rows_longest_legal() -> usize {
                 Value::Text(_) => Value::Text(std::iter::repeat_n('M', legal.most as usize).collect()),
                 _ => Value::Number(if -legal.least > legal.most { legal.least } else { legal.most }),
             };
-            // A number of a field that packs several may be none of its own: then it is as long as another one.
+            // A number of a field that packs several may be no legal one: then it is as long as another one.
             let _ = field.set(&longest);
         }
     }
@@ -495,7 +495,7 @@ fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
     for element in [&[11, 1, 4][..], &[58, 1, 40], &[1, 3, 2, b'a', b':'], &[2, 6, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1]] {
         damaged(element);
     }
-    // An empty one says nothing.
+    // An empty one has no value.
     let empty = [&[2, 0][..], &whole].concat();
     assert!(decode(&forge(FORMAT, &empty)).is_ok());
 }

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-/// The choices of a run: which was taken, of how many.
+/// The choices of a run: the one taken, and their number.
 #[derive(Default)]
 struct Path {
     taken: Vec<(usize, usize)>,
@@ -26,7 +26,7 @@ pub fn choose(options: usize) -> usize {
     })
 }
 
-/// Does `run` once for every sequence of choices, and says how many there are.
+/// Does `run` once for every sequence of choices, and returns the number of sequences.
 pub fn explore(mut run: impl FnMut()) -> u32 {
     PATH.set(Path::default());
     let mut runs = 0;

@@ -55,7 +55,7 @@ impl Interrupt {
         let (interval, word) = self.events.advance();
         (self.next, self.due) = (word, self.due.wrapping_add(interval));
         if interval == 0 && word == PackedEvent::NONE {
-            // Due at once, so the same interrupt finds that there is nothing.
+            // Due at once, so the same interrupt finds no event.
             self.next = PackedEvent::RESTING;
         }
         true

@@ -18,7 +18,7 @@ struct Bench {
     events: StepsIn<'static>,
     played: Played,
     epoch: Rc<Cell<u8>>,
-    /// What two marks and a taking back gave.
+    /// The results of two marks and a withdrawal.
     marks: [bool; 2],
     taken_back: [i32; MOST_GROUPS],
 }

@@ -1,4 +1,4 @@
-//! The plant against physics by hand: energy, steady states, an inversion of its own, and each thing that may break.
+//! The plant against physics by hand: energy, steady states, an independent inversion, and each kind of fault.
 
 // For the checks' own logarithms.
 extern crate std;

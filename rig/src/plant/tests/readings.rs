@@ -136,7 +136,7 @@ fn the_same_seed_gives_the_same_readings_and_another_one_others() {
     };
     assert_eq!(readings(1, false), readings(1, false));
     assert_ne!(readings(1, false), readings(2, false));
-    // How often one sensor is read is nothing to another.
+    // The readings of one sensor do not affect another.
     assert_eq!(readings(1, false), readings(1, true));
 }
 
