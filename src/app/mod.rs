@@ -1,6 +1,6 @@
 //! The app: puts the rooms together and gives a board its four handles.
 //!
-//! | handle | context on a board | what it does |
+//! | handle | context on a board | task |
 //! |---|---|---|
 //! | [`Stepper`] | step-timer interrupt, highest priority, never masked | plays step events on the pins |
 //! | [`StepGenerator`] | software-pended interrupt, low priority | turns moves into step events |

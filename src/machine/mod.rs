@@ -18,8 +18,8 @@
 //! |---|---|
 //! | `console` | the loop: take a line, carry it out, answer it |
 //! | `commands` | the effect of each command |
-//! | `belt` | a closed belt runs round, and its motors are aligned |
-//! | `main_loop` | the work during every wait, and the services for commands: plan, finish, power, tell |
+//! | `belt` | circulation of a closed belt, and alignment of its motors |
+//! | `main_loop` | the work during every wait, and the services for commands: plan, finish, power, reply |
 //! | `reports` | the wording of answers |
 //! | `answers` | results of commands, as values |
 //! | `state` | values that earlier lines set, the machine's position, notices |
@@ -27,8 +27,8 @@
 //! | `release` | when moves leave the look-ahead |
 //! | `ports`, `interrupt`, `numbers` | the needs from a board; why a command ends early; numbers of lines |
 //!
-//! Each uses only those below it (`WITHIN_MACHINE` in `tests/layers.rs` has the arrows, and holds that no command names
-//! the Console).
+//! Each uses only those below it (`WITHIN_MACHINE` in `tests/layers.rs` has the arrows, and no command may name the
+//! Console).
 //!
 //! | word | means |
 //! |---|---|
@@ -36,7 +36,7 @@
 //! | main loop | all work that continues during every wait of a command |
 //! | interrupt | why a command ends before it is done: M112, M410, no power |
 //! | rest | nothing moves |
-//! | tell, say | see `reports`, `answers` |
+//! | reply, send | see `reports`, `answers` |
 //! | waiting, queued, dry, underrun | see `main_loop::stream`, `release` |
 //! | served, urgent, forgotten | see `hosts` |
 

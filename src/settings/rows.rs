@@ -4,13 +4,13 @@
 //!
 //! A file of this room ends with its rows ([`rows!`]). A row has
 //!
-//! | what | for |
+//! | part | for |
 //! |---|---|
 //! | an id | records: it stays for ever, and is never used again for another setting |
 //! | a key | machine files and errors; behind the table of each part of the machine that has such a setting |
 //! | the field | getting and setting it |
-//! | a unit, and a comment that says what it means | people; not in an image, where nothing refers to [`Text`] |
-//! | a [`Spec`]: its range and kind | everybody |
+//! | a unit, and a comment with its meaning | people; not in an image, because nothing there refers to [`Text`] |
+//! | a [`Spec`]: its range and kind | all users |
 //!
 //! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)).
 

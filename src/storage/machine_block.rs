@@ -3,7 +3,7 @@
 //!
 //! Boards that differ in pins alone share an image, so the block also says on which of them it is.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0..16 | [`MARK`], which stands nowhere else in an image |
 //! | 16..32 | the key of the board that the image is on, with zeros behind it |

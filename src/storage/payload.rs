@@ -1,6 +1,6 @@
 //! Payload: the settings of a record as elements, one for each row of `settings::rows`.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 1 or 2 | the id of the row, seven bits a byte, low ones first; the top bit says that more follow |
 //! | 1 | bytes of the values |

@@ -1,13 +1,13 @@
 //! Records: settings as bytes that prove to be whole.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0..4 | `CHBS` |
 //! | 4..6 | format of the payload |
 //! | 6..8 | length of the payload |
 //! | 8..12 | sequence number |
 //! | 12..16 | CRC-32 of all other bytes |
-//! | 16.. | the settings: elements of an id, a length, and so many bytes of values (`payload`) |
+//! | 16.. | the settings: elements of an id, a length, and as many bytes of values (`payload`) |
 //!
 //! Numbers are little-endian. CRC-32 finds every burst of up to 32 bits; of anything worse it misses one
 //! in 2^32.

@@ -1,8 +1,8 @@
 //! The note of the last self-test that was passed, in the last page: heaters need none before the next update.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
-//! | 0..4 | what was tested, as one number |
+//! | 0..4 | the tested heaters, as one number |
 //! | 4..8 | CRC-32 of `CHBT` and these bytes |
 
 use super::slots::SELF_TEST;

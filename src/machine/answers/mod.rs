@@ -5,17 +5,17 @@
 //!
 //! | file | is for |
 //! |---|---|
-//! | [`answer`] | **what** there is to say: one variant a reply |
-//! | [`setting`], [`driver_value`] | names for what a line sets and shows |
-//! | [`machine_answer`] | what there is to say of a machine that comes or goes over the line |
-//! | [`belt_answer`] | what there is to say of motors that can pull against each other |
-//! | [`storage_news`] | what M500 to M504 and the start have found |
-//! | [`speaker`] | says each part once and in order, whatever room there is |
+//! | [`answer`] | the **content**: one variant a reply |
+//! | [`setting`], [`driver_value`] | names for the values that a line sets and reports |
+//! | [`machine_answer`] | answers about a machine record on a serial line |
+//! | [`belt_answer`] | answers about motors that can pull against each other |
+//! | [`storage_news`] | results of M500 to M504 and of the start |
+//! | [`speaker`] | sends each part once and in order, for any free room |
 //!
 //! | word | means |
 //! |---|---|
 //! | part | a line, or lines that must not be separated |
-//! | say | write a part, if there is room for it |
+//! | send | write a part, if there is room for it |
 
 pub(in crate::machine) mod answer;
 pub(in crate::machine) mod belt_answer;

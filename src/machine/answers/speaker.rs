@@ -1,7 +1,7 @@
 //! The speaker: sends the parts of one answer to the host being served, each once and in order.
 //!
 //! A part is a line, or lines that must not be separated. Nothing waits between parts. If a part finds no room,
-//! `main_loop::tell` polls the main loop and runs the whole report again; parts that were already sent are skipped. So
+//! `main_loop::reply` polls the main loop and runs the whole report again; parts that were already sent are skipped. So
 //! a report is a plain function, and has no place to wait in.
 
 use crate::machine::hosts::serving::Hosts;

@@ -19,7 +19,7 @@
 //! | M915 | [`belt`], [`proof`] |
 //! | G4 | [`waits`] |
 //! | M0, M24, M25, M125, M600 | [`pause`] |
-//! | M75, M77, M524, what ends a print | [`job`] |
+//! | M75, M77, M524, the end of a print | [`job`] |
 //! | M104, M109, M116, M140, M141, M190, M191, M81 | [`heating`] |
 //! | M302 | [`cold_extrusion`] |
 //! | M303 | [`tuning`] |
@@ -30,7 +30,7 @@
 //! | M593, M900, M572 | [`shaping`] |
 //! | M569, M906, M913, M914 | [`drivers`] |
 //! | M92, M201 to M205, M500 to M504 | [`settings`] |
-//! | what is kept from line to line | [`states`] |
+//! | state kept from line to line | [`states`] |
 //! | anything else | its arm in [`immediate`] or [`blocking`] |
 //!
 //! | word | means |

@@ -1,7 +1,7 @@
 //! The main loop: all work that continues during every wait of a command.
 //!
 //! ```text
-//!   a command ── plan, finish, power, tell, ... ──▶ door ──▶ owners
+//!   a command ── plan, finish, power, reply, ... ─▶ door ──▶ owners
 //!        └────── waits: turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves ▶ settings ▶ heat ▶ replies out
 //! ```
 //!
@@ -13,13 +13,13 @@
 //! |---|---|
 //! | this one | a turn, and its shared state |
 //! | [`door`] | the parts that commands may read and change at once |
-//! | [`hear`] | lines of hosts in |
-//! | [`tell`] | answers out, as soon as there is room for them |
+//! | [`hear`] | input of lines from hosts |
+//! | [`reply`] | output of answers, as soon as there is room for them |
 //! | [`stream`] | moves into the look-ahead and out of it, and the machine to rest |
 //! | [`take_over`] | settings with effects beyond the next plan |
-//! | [`regroup`] | a belt, or one motor of it, has the place of z |
-//! | [`trim`], [`phase`] | one motor of a belt is turned alone; its motors are aligned as they get power |
-//! | [`power`] | power for the motors, and talks with their drivers |
+//! | [`regroup`] | a belt, or one motor of it, takes the place of z |
+//! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
+//! | [`power`] | power for the motors, and exchanges with their drivers |
 //! | [`heat`] | queued orders for heaters and fans, and checks while they are on |
 //! | [`heat_door`] | heater and fan orders of commands |
 //! | [`scrub`] | whether settings in RAM are unchanged |
@@ -226,7 +226,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 }
 
-/// Gives everybody else a turn; has itself woken if it wants the next one at once.
+/// Gives all other contexts a turn; wakes itself if it wants the next one at once.
 async fn yield_once(comes_again: bool) {
     let mut yielded = false;
     poll_fn(|context| {

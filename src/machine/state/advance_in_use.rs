@@ -1,20 +1,20 @@
-//! Which pressure advance is in use, which decides how late all axes are.
+//! The pressure advance in use, which decides the delay of all axes.
 
 use crate::motion::advance_window;
 use crate::settings::Settings;
 use crate::units::Seconds;
 
 /// The window of the pressure advance that the generator follows, if it follows one. Once it does, that stays so: all
-/// axes are as late as its window needs, and an advance of 0 is one like any other.
+/// axes are delayed as its window needs, and an advance of 0 is treated as any other.
 ///
-/// | settings change | motion that is under way |
+/// | change of settings | motion under way |
 /// |---|---|
-/// | the first advance above 0 | rests, for all axes are later from then on |
-/// | another window is asked for, or "auto" instead of a window | rests |
+/// | the first advance above 0 | rests, because all axes are delayed from then on |
+/// | another window, or "auto" instead of a window | rests |
 /// | "auto" needs a longer window, as the advance is greater | rests |
-/// | "auto" could do with a shorter one | goes on; it is shorter from the next rest on at which taps are set |
+/// | a shorter window is enough for "auto" | continues; the window is shorter from the next rest that sets taps |
 ///
-/// So an advance that goes up and down from line to line stops the motion only when it has never been as great.
+/// So an advance that rises and falls from line to line stops the motion only when it reaches a new maximum.
 #[derive(Debug)]
 pub(in crate::machine) struct AdvanceInUse(Option<Seconds>);
 

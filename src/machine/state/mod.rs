@@ -10,12 +10,12 @@
 //! | where the program has sent the tool, G92 | [`commanded`] |
 //! | G10, G11 | [`retraction`] |
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
-//! | a belt that runs round, motors of one belt that agree | [`circulation`], [`trimming`] |
+//! | circulation of a belt, alignment of its motors | [`circulation`], [`trimming`] |
 //! | a belt that has lost a motor | [`limping`] |
 //! | the wait of a command | [`pauses`], [`waiting`] |
 //! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`] |
-//! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
-//! | a machine on its way over the line | [`machine_pieces`] |
+//! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
+//! | a machine record in transfer | [`machine_pieces`] |
 //! | the pressure advance that the motion follows | [`advance_in_use`] |
 //! | when motors lose their power at rest | [`idle_timeout`] |
 //! | values out of range | [`clamps`] |
