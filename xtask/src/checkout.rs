@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What the boards' processors run.
+/// The target of the boards' processors.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// What browsers run.
@@ -16,7 +16,7 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// Where cargo puts what it builds: this program lies in `<target>/debug`.
+/// Cargo's build folder: this program lies in `<target>/debug`.
 pub fn target_dir() -> Result<PathBuf> {
     let program = std::env::current_exe().context("cannot find this program's own path")?;
     let dir = program.ancestors().nth(2).context("this program lies in no target folder")?;
@@ -76,9 +76,9 @@ pub fn for_boards(task: &str) -> Result<Command> {
 /// The variable that hands flags on to the compiler; paths in them may have spaces.
 pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
 
-/// Flags, as [`FLAGS`] takes them, by which nothing that is built says where it was built: the same source gives the
-/// same bytes in every folder, and images are tested as they are released. Paths of our own files are relative to the
-/// root by themselves.
+/// Flags, in the form of [`FLAGS`], that remove the build folder from all binaries. The same source then gives the same
+/// bytes in every folder, and images are tested as they are released. Paths of our own files are relative to the root
+/// by themselves.
 pub fn path_flags() -> Result<String> {
     let home = cargo_home()?;
     let places =
@@ -87,7 +87,7 @@ pub fn path_flags() -> Result<String> {
     Ok(flags.join("\x1f"))
 }
 
-/// Where cargo keeps what it has fetched.
+/// Cargo's folder for downloads.
 pub fn cargo_home() -> Result<PathBuf> {
     let set = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     set.or_else(|| std::env::home_dir().map(|home| home.join(".cargo"))).context("cannot find cargo's folder")
@@ -125,7 +125,7 @@ pub fn run(mut command: Command) -> Result<()> {
     Ok(())
 }
 
-/// What a command that has to succeed says.
+/// The output of a command that has to succeed.
 pub fn command_output(mut command: Command) -> Result<String> {
     let output = command.output().with_context(|| format!("cannot run {}", words(&command)))?;
     if !output.status.success() {

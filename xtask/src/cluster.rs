@@ -1,4 +1,5 @@
-//! The step `cluster` of the test: `examples/cluster` computes a study on two worker processes, one of which is killed.
+//! The step `cluster` of the test: `examples/cluster` computes a study on two worker processes, and one of them is
+//! killed.
 
 use crate::checkout::{self, root};
 use crate::clients::venv::Venv;

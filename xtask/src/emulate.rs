@@ -13,7 +13,7 @@ use std::process::Command;
 pub struct Args {
     /// The board.
     board: Board,
-    /// G-code file; it has to home, for the image does not believe in a position. The Nucleo homes no Z.
+    /// G-code file; it has to home, because the image starts without a position. The Nucleo homes no Z.
     file: PathBuf,
     /// The machine, which is put into the Octopus's EEPROM or the Nucleo's image.
     #[arg(long, value_name = "M.toml")]
@@ -31,7 +31,7 @@ pub struct Args {
 /// The machine that the image drives, as `corehbot run` has it.
 #[derive(clap::Args, Default)]
 struct PlantArgs {
-    /// What the motors turn: `belt`; without it, a rigid machine.
+    /// The plant that the motors turn: `belt`; without it, a rigid machine.
     #[arg(long, value_name = "PLANT")]
     plant: Option<String>,
     /// Draws phases and noise.
@@ -46,7 +46,7 @@ struct PlantArgs {
 }
 
 impl PlantArgs {
-    /// The options that were given, for the emulator to judge.
+    /// The options that were given, for the emulator to check.
     fn given(&self) -> impl Iterator<Item = (&'static str, &String)> {
         let one = [("--plant", &self.plant), ("--seed", &self.seed)];
         let many = [("--hit", &self.hit), ("--brake", &self.brake)];

@@ -31,18 +31,18 @@ struct Way {
     /// with the heaters unplugged.
     #[arg(long)]
     dfu: bool,
-    /// By an SD card whose folder this is; the board's bootloader takes the image at the next reset.
+    /// Flashes by the SD card in this folder; the board's bootloader takes the image at the next reset.
     #[arg(long, value_name = "DIR")]
     sd: Option<PathBuf>,
 }
 
-/// What has to be so before the chip's own bootloader runs. It looks for hosts on USART3 too, whose pins it pulls up:
-/// on the Octopus these are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
+/// Conditions before the chip's own bootloader runs. It looks for hosts on USART3 too, and pulls up these pins: on the
+/// Octopus they are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
 const BEFORE_DFU: &str = "\
 before you set the BOOT0 jumper: unplug HE2 and HE3, for the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground";
 
-/// The same for the Spider, of which only the pins are known.
+/// The same for the Spider; only its pins are known.
 const BEFORE_DFU_SPIDER: &str = "\
 before you set the BT0 jumper: unplug the bed and all heaters, for nobody has looked what the chip's bootloader does to
 their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground";
@@ -130,8 +130,8 @@ fn dfu_command(image: &Image) -> Command {
     command
 }
 
-/// Runs dfu-util and goes by what it says: after a download it may end with an error because the board, which starts
-/// the image at once, does not answer any more.
+/// Runs dfu-util and decides by its output. After a download it may end with an error, because the board starts the
+/// image at once and does not answer any more.
 fn by_dfu(mut command: Command) -> Result<()> {
     let mut child = command.stdout(Stdio::piped()).spawn().context("cannot run dfu-util")?;
     let mut output = child.stdout.take().context("dfu-util has no output")?;

@@ -33,8 +33,7 @@ enum Task {
     Build(build::Args),
     /// Has Printrun and OctoPrint print on the firmware, on clean lines and bad ones.
     Clients,
-    /// Builds what is released: the command, the images of all boards, examples, licences and checksums, as one
-    /// archive.
+    /// Builds a release: the command, the images of all boards, examples, licences and checksums, as one archive.
     Dist(dist::Args),
     /// Prints a G-code file on the image of a controller board, in an emulator of its processor.
     Emulate(emulate::Args),

@@ -1,6 +1,6 @@
-//! `cargo xtask soak`: hours of simulated printing and weeks of machines that are used, in which no guard may alarm, no
-//! switch may burn anything, and no step may be lost, power cuts while a machine is stored, and machines whose belt
-//! motors are to be aligned. `cargo xtask test` runs the same tests for a short time.
+//! `cargo xtask soak`: hours of simulated printing, and weeks of machine use. No guard may alarm, no switch may burn
+//! anything, and no step may be lost. It also cuts the power while a machine is stored, and aligns belt motors. `cargo
+//! xtask test` runs the same tests for a short time.
 
 use crate::checkout::{build_image, cargo, run};
 use crate::emulate;
@@ -10,7 +10,7 @@ use clap::ValueEnum;
 /// How long.
 #[derive(clap::Args)]
 pub struct Args {
-    /// What is run; everything if none is named.
+    /// The parts to run; without them, everything.
     #[arg(value_enum)]
     parts: Vec<Part>,
     /// Simulated hours of prints with heat, each on a machine of its own.
@@ -28,7 +28,7 @@ pub struct Args {
     /// Power cuts while a machine is stored on the emulated Octopus.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
     cuts: u32,
-    /// Machines whose belt motors are aligned, and as many on which motors are held until they skip.
+    /// Number of machines with belt motors to align, and of machines with motors held until they skip.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
 }

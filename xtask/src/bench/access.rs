@@ -1,9 +1,10 @@
 //! Accesses: what an instruction loads or stores, and which values it leaves in which registers (ARM DDI 0403E, A5 and
 //! A7.7).
 //!
-//! As far as a straight line needs it: what is not decoded here accesses nothing, and what it computes is unknown.
+//! Only as far as a straight line needs it: an instruction that is not decoded here accesses nothing, and its result is
+//! unknown.
 
-/// Registers, r0 to r15; those whose content is known have it.
+/// Registers, r0 to r15; `Some` if the content is known.
 pub type Registers = [Option<u32>; 16];
 
 /// The program counter and the stack pointer.
@@ -44,7 +45,7 @@ impl Access {
 /// What an instruction does.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Effect {
-    /// What it loads or stores.
+    /// The load or store.
     pub access: Option<Access>,
     /// The registers that it writes, a bit each.
     pub written: u16,
@@ -77,7 +78,7 @@ impl Effect {
     }
 }
 
-/// What the instruction whose first and next half word are given does; `before` is what registers hold.
+/// The effect of the instruction with these first and next half words; `before` holds the registers.
 pub fn effect(first: u16, second: u16, before: &Registers) -> Effect {
     if first >> 11 < 0b11101 { narrow(first, before) } else { wide(first, second, before) }
 }
@@ -167,7 +168,7 @@ fn wide(first: u16, second: u16, before: &Registers) -> Effect {
         _ if first & 0xFBEF == 0xF04F => Effect::known(result, expanded(first, second)),
         // Products of 64 bits.
         _ if first & 0xFF80 == 0xFB80 => Effect { written: 1 << target | 1 << result, ..Effect::NONE },
-        // Branches, and comparisons, whose result is nowhere.
+        // Branches, and comparisons, which have no result register.
         _ if first & 0xF800 == 0xF000 && second & 0x8000 != 0 || result == PC as u16 => Effect::NONE,
         _ => Effect::writes(result),
     }

@@ -5,10 +5,10 @@ use anyhow::{Context as _, Result, bail};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What was committed; `cargo xtask bench --json` writes it anew.
+/// The committed figures; `cargo xtask bench --json` writes them again.
 pub const BASELINE: &str = "xtask/src/bench/baseline.json";
 
-/// The compiler whose code was measured; another one makes other code.
+/// The compiler of the measured code; another one generates other code.
 pub const COMPILER: &str = "rustc 1.95.";
 
 /// A change for the worse by this part is noise, or somebody's good reason.

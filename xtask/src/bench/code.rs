@@ -1,4 +1,4 @@
-//! The code of the image: its instructions, and whose each of them is.
+//! The code of the image: its instructions, and the author of each.
 
 use super::rooms::Room;
 use crate::checkout;
@@ -8,9 +8,9 @@ use object::{File, Object as _, ObjectSection as _, SectionKind, SymbolMap, Symb
 
 type Reader<'d> = EndianSlice<'d, LittleEndian>;
 
-/// Who wrote an instruction.
+/// The author of an instruction.
 pub struct Author {
-    /// The room of the innermost function that has one, what was inlined included.
+    /// The room of the innermost function that has one, inlined functions included.
     pub room: Option<Room>,
     /// That function; if no room, the outermost one.
     pub function: String,
@@ -72,7 +72,7 @@ impl<'d> Code<'d> {
         })
     }
 
-    /// Whose the instruction at an address is.
+    /// The author of the instruction at an address.
     pub fn author(&self, address: u64) -> Result<Author> {
         let mut frames = self.lines.find_frames(address).skip_all_loads()?;
         let mut function = None;
@@ -89,7 +89,7 @@ impl<'d> Code<'d> {
         Ok(Author { room: None, function: function.unwrap_or_else(|| self.symbol(address)) })
     }
 
-    /// The symbol, for what came without lines; the lowest bit says that it is Thumb code.
+    /// The symbol, for code without line information; the lowest bit marks Thumb code.
     fn symbol(&self, address: u64) -> String {
         self.symbols.get(address | 1).map_or_else(|| format!("{address:#x}"), |symbol| symbol.name().to_owned())
     }

@@ -1,4 +1,4 @@
-//! Contexts: who runs on the board, by the vector that starts it (boards/qemu, an386/vectors.rs).
+//! Contexts that run on the board, by the vector that starts each (boards/qemu, an386/vectors.rs).
 
 use std::fmt;
 

@@ -1,9 +1,9 @@
-//! Cycles: what a Cortex-M4 takes for an instruction out of memory without wait states (ARM 100166, section 3.3).
+//! Cycles of a Cortex-M4 for an instruction from memory without wait states (ARM 100166, section 3.3).
 //!
 //! An estimate. What depends on data (division) or on neighbours (the pipeline's refill) is a typical value.
 
-/// Cycles that an exception takes from its request to the handler's first instruction, and from the instruction that
-/// returns to the code behind: 12 and 10 (ARM 100166, 3.9, and ARM's article 103489845).
+/// Cycles of an exception from its request to the handler's first instruction, and from the return instruction to the
+/// interrupted code: 12 and 10 (ARM 100166, 3.9, and ARM's article 103489845).
 pub const EXCEPTION: u64 = 22;
 
 /// Cycles for which the pipeline refills where an instruction leads elsewhere.
@@ -26,7 +26,7 @@ pub struct Cost {
     pub length: u64,
 }
 
-/// Costs of the instruction whose first and next half word are given.
+/// Costs of the instruction with these first and next half words.
 pub const fn cost(first: u16, second: u16) -> Cost {
     if first >> 11 < 0b11101 { narrow(first) } else { wide(first, second) }
 }
@@ -62,7 +62,7 @@ const fn wide(first: u16, second: u16) -> Cost {
     match first {
         // LDM, STM, PUSH, POP.
         _ if first & 0xFE40 == 0xE800 => Cost::wide(1 + second.count_ones() as u64),
-        // TBB and TBH; what is exclusive; LDRD and STRD.
+        // TBB and TBH; exclusive loads and stores; LDRD and STRD.
         _ if first & 0xFFF0 == 0xE8D0 && second & 0xFFE0 == 0xF000 => Cost::wide(2),
         _ if first & 0xFFE0 == 0xE840 || first & 0xFFE0 == 0xE8C0 => Cost::wide(2),
         _ if first & 0xFE40 == 0xE840 => Cost::wide(3),

@@ -1,4 +1,4 @@
-//! The figures: what the jobs' counts come down to, beside what we aim at and what others take.
+//! The figures: results of the jobs' counts, next to our goals and to other firmware.
 
 use super::contexts::Context;
 use super::cycles::EXCEPTION;
@@ -16,11 +16,11 @@ const INSTRUCTIONS_PER_SECOND: f64 = 125e6;
 /// Its clock.
 const CYCLES_PER_SECOND: f64 = 180e6;
 
-/// The Stepper looks closely at one of so many events (`src/motion/queue/steps_in.rs`, REGULAR), and at that with which
-/// it asks the generator for more, once for each of the generator's entries.
+/// The Stepper checks closely one event in this many (`src/motion/queue/steps_in.rs`, REGULAR). It also checks the
+/// event with which it asks the generator for more, once for each of the generator's entries.
 const REGULAR: u64 = 256;
 
-/// Such an event takes about so many cycles more: 0.3 us, by which it comes later in the emulator
+/// Such an event takes about this many cycles more: 0.3 us, by which it comes later in the emulator
 /// (docs/explanation/performance.md, *Lateness*).
 const CLOSE_LOOK: u64 = 54;
 
@@ -28,7 +28,7 @@ const CLOSE_LOOK: u64 = 54;
 pub struct Figure {
     /// Its name, which never changes.
     pub name: &'static str,
-    /// What was measured.
+    /// The measured value.
     pub value: f64,
     /// Whether more is better.
     pub is_rate: bool,
@@ -51,7 +51,7 @@ const fn figure(name: &'static str, value: f64, goal: Option<f64>, peers: &'stat
     Figure { name, value, is_rate: false, is_steady: true, goal, peers }
 }
 
-/// So many of something in a second of the STM32F446's, given how many there are in a cycle.
+/// A rate per second on the STM32F446, from a rate per cycle.
 fn rate(name: &'static str, per_cycle: f64, goal: Option<f64>, peers: &'static str) -> Figure {
     let value = (CYCLES_PER_SECOND * per_cycle).round();
     Figure { name, value, is_rate: true, is_steady: true, goal, peers }
@@ -100,8 +100,8 @@ fn of_octopus(step: &PlainStep, s: &Profile, axis: &Profile) -> Vec<Figure> {
     ]
 }
 
-/// Instructions from the entry of a fault's handler to heaters that are low, in the Octopus's image: as many as there
-/// can be, and as many as QEMU executes; and to drivers that are off.
+/// Instructions from the entry of a fault's handler in the Octopus's image. Until heaters are low: the upper bound, and
+/// the number that QEMU executes. And until drivers are off.
 pub fn of_last_resort(most: usize, counted: Counts) -> [Figure; 3] {
     let figure = |name, instructions| figure(name, instructions as f64, Some(50.0), "");
     [
@@ -151,7 +151,7 @@ fn of_rates(octopus: &PlainStep, dense: &Profile, axis: &Profile) -> Vec<Figure>
         let cycles = job.cycles(contexts, |spot| with_rig || spot.room != Some(Room::Rig));
         rate(name, job.motor_steps as f64 / cycles as f64, goal, peers)
     };
-    // All but the step interrupt, and that of the Octopus instead, with what all of them wait for.
+    // All except the step interrupt, which is replaced by the Octopus's, with its waits.
     let on_octopus = |name, job: &Profile, goal| {
         let others = job.cycles(&Context::BUSY, |spot| spot.context != Context::Steps);
         let exceptions = EXCEPTION * job.entries(Context::Steps);
@@ -190,7 +190,7 @@ fn of_planner(planner: &Profile, gathered: &Profile) -> Vec<Figure> {
         // It depends a little on how the bytes fall.
         Figure { is_steady: false, ..per_move },
         figure("planner_gathered_insn_per_move", at_rest, Some(1000.0), PEERS),
-        // A stream that is slow for a moment has all moves planned anew.
+        // A short slowdown of the stream replans all moves.
         Figure { is_steady: false, ..figure("planner_insn_worst", worst, Some(2000.0), "") },
     ]
 }
@@ -199,7 +199,7 @@ fn of_planner(planner: &Profile, gathered: &Profile) -> Vec<Figure> {
 fn of_lines(parse: &Profile, plain: &Profile) -> Vec<Figure> {
     let lines = f64::from(Job::Parse.moves());
     let bytes = |profile: &Profile| profile.entries(Context::Received) as f64;
-    // The host takes its time between two lines; what is done meanwhile is not theirs.
+    // The host pauses between two lines; work in the pauses does not belong to the lines.
     let in_room = |profile: &Profile, room| {
         profile.work(|spot| spot.context == Context::Console && spot.room == Some(room)).instructions as f64
     };
@@ -225,6 +225,6 @@ fn of_heat(heat: &Profile) -> Vec<Figure> {
     let periods = heat.entries(Context::Thermal) as f64;
     let work =
         heat.work(|spot| spot.context == Context::Thermal && spot.room == Some(Room::Thermal)).instructions as f64;
-    // Most of a period's work depends on what was measured.
+    // Most of a period's work depends on the measured values.
     vec![Figure { is_steady: false, ..figure("thermal_insn_per_period", work / periods, Some(3000.0), "") }]
 }

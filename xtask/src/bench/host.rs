@@ -4,7 +4,7 @@ use corehbot_sim::world::Host;
 
 /// Sends a file.
 pub struct PlainHost {
-    /// What is still to be sent, the last line first.
+    /// Lines still to be sent, the last line first.
     lines: Vec<String>,
     is_awaiting_ok: bool,
 }

@@ -1,4 +1,4 @@
-//! The jobs: what is printed to be measured.
+//! The jobs: the prints to measure.
 
 use corehbot::connectors::Heater;
 use corehbot::motion::LOOKAHEAD_MOVES;
@@ -43,7 +43,7 @@ pub enum Job {
     Parse,
     /// The same circle without numbers.
     Plain,
-    /// The circle on a machine with hotend and bed, which are heated meanwhile.
+    /// The circle on a machine with hotend and bed, which are heated during the print.
     Heat,
 }
 
@@ -61,7 +61,7 @@ impl Job {
         Self::Heat,
     ];
 
-    /// What the host sends.
+    /// The host's lines.
     pub fn gcode(self) -> String {
         match self {
             Self::S | Self::Shaped => "G1 X70 Y35 E6 F6000\n".to_owned(),

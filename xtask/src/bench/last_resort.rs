@@ -1,10 +1,10 @@
 //! The last resort, measured: how many instructions the image of the Octopus executes from a fault to pins that are
 //! safe. No heater is on here; the stores are the same that take a pin from its timer.
 //!
-//! QEMU has a board with an STM32F405 (`netduinoplus2`), whose flash, RAM and ports lie where the F446's do. It runs
-//! the image's own vector table and handlers; a few instructions in the place of the bootloader bring the fault about.
-//! QEMU logs every instruction, and every access to a port, which it does not model. The image ends each fault with a
-//! reset, after which QEMU goes.
+//! QEMU has a board with an STM32F405 (`netduinoplus2`), with flash, RAM and ports where the F446 has them. It runs the
+//! image's own vector table and handlers; a few instructions in place of the bootloader cause the fault. QEMU logs
+//! every instruction, and every access to a port, which it does not model. The image ends each fault with a reset, and
+//! QEMU exits at that.
 
 use crate::build::{Elf, binary};
 use crate::qemu::PROGRAM;
@@ -30,7 +30,7 @@ const PORTS: usize = 7;
 const MODER: &str = "0x000";
 const BSRR: &str = "0x018";
 
-/// So long QEMU may take: a hundred times what it takes.
+/// Longest time for QEMU: a hundred times its usual time.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Instructions from the entry of a fault's handler.
@@ -44,11 +44,11 @@ pub struct Counts {
 
 /// What brings a fault about.
 enum Fault {
-    /// An instruction that there is none of, at once (HardFault).
+    /// An undefined instruction, at once (HardFault).
     Undefined,
     /// Stores to the system's registers, as address and value.
     Stores(Vec<[u32; 2]>),
-    /// A jump, for what no register brings about (a panic).
+    /// A jump, for a case that no register can cause (a panic).
     Jump(u32),
 }
 
@@ -62,7 +62,7 @@ impl Fault {
         let (pairs, act) = match self {
             Self::Undefined => return 0xDE00_u16.to_le_bytes().to_vec(),
             Self::Stores(stores) => (stores.clone(), STORE),
-            // What a panic tells is looked for in RAM, which is zero.
+            // A panic looks for its message in RAM, which is zero.
             Self::Jump(to) => (vec![[0x2001_0000, to | 1]], JUMP),
         };
         let words = (pairs.len() * 3 + 2) / 2 * 4;

@@ -1,7 +1,7 @@
-//! `cargo xtask bench`: what the firmware takes, instruction by instruction.
+//! `cargo xtask bench`: the cost of the firmware, instruction by instruction.
 //!
-//! The firmware prints a few jobs in QEMU while a plugin counts every instruction, where it was and who was running.
-//! What the counts come down to, and what they are worth, is in docs/explanation/performance.md.
+//! The firmware prints a few jobs in QEMU while a plugin counts every instruction, with its place and its context.
+//! docs/explanation/performance.md describes the results and their accuracy.
 
 mod access;
 mod check;
@@ -33,7 +33,7 @@ use profile::Profile;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The board whose step interrupt is counted too.
+/// The board with the step interrupt that is counted too.
 const OCTOPUS: &str = "corehbot-octopus";
 
 /// What to measure.
@@ -79,7 +79,7 @@ pub fn check() -> Result<Verdict> {
     let (bench, baseline) = (Bench::prepare()?, checkout::root().join(check::BASELINE));
     let mut figures = bench.figures()?;
     if let Err(complaint) = check::compare(&figures, &baseline) {
-        // What has to do with the host falls differently where other programs take its time; what is worse is so twice.
+        // Figures that depend on the host change when other programs take its time; a real loss shows twice.
         println!("{complaint}; measured once more");
         figures = bench.figures()?;
         check::compare(&figures, &baseline)?;
@@ -87,7 +87,7 @@ pub fn check() -> Result<Verdict> {
     Ok(Verdict::Passed(format!("{} figures", figures.iter().filter(|figure| figure.is_steady).count())))
 }
 
-/// What is needed to measure.
+/// The inputs of a measurement.
 struct Bench {
     image: PathBuf,
     elf: Vec<u8>,

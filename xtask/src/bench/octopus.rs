@@ -1,7 +1,7 @@
 //! A step on the Octopus: the way of a plain event through the step interrupt of the image that is flashed.
 //!
-//! QEMU has no such board, so nothing runs here. The handler plays a plain event in a straight line, all of whose
-//! branches lead elsewhere; the instructions up to its return are counted in the image, with what they wait for.
+//! QEMU has no such board, so nothing runs here. The handler plays a plain event in a straight line, and all branches
+//! of that line lead elsewhere. The instructions up to its return are counted in the image, with their waits.
 
 use super::access::{Registers, effect};
 use super::code::Code;
@@ -18,8 +18,8 @@ const VECTOR: usize = 15;
 /// More than this is no straight line.
 const LONGEST: usize = 200;
 
-/// A port's register that sets and resets pins (RM0390 rev 6, 7.4.7). The ports are found in RAM, so what is stored
-/// there through an unknown pointer is taken for a port.
+/// A port's register that sets and resets pins (RM0390 rev 6, 7.4.7). The ports are found in RAM, so a store there
+/// through an unknown pointer counts as a port access.
 const BSRR: i32 = 0x18;
 
 /// Ports that a plain event raises, and lowers again (`chips/stm32f446`, words.rs, QUICK).
@@ -31,13 +31,14 @@ const PULSE: u64 = (STEP_PULSE_NS as u64 * 180).div_ceil(1000);
 /// Cycles that a handler's first instruction comes after the exception's request.
 const ENTRY: u64 = 12;
 
-/// The cycle counter, and what sets the timer going (ARM DDI 0403E, C1.8.8 and B3.3.5), which rings so many cycles
-/// after its tick less those of [`ENTRY`] if it is set at once (`chips/stm32f446`, step_timer.rs, EARLY).
+/// The cycle counter, and the register that starts the timer (ARM DDI 0403E, C1.8.8 and B3.3.5). If it is set at once,
+/// the timer fires this many cycles after its tick, less the cycles of [`ENTRY`] (`chips/stm32f446`, step_timer.rs,
+/// EARLY).
 const COUNTER: u32 = 0xE000_1004;
 const START: u32 = 0xE000_E018;
 const SET_BY: u64 = 5;
 
-/// What a plain event takes.
+/// The cost of a plain event.
 #[derive(Default)]
 pub struct PlainStep {
     /// Instructions from the handler's first to its return.
@@ -127,10 +128,10 @@ struct Line {
 struct Passed {
     at: u64,
     bytes: u64,
-    /// What it takes of itself, and what it waits.
+    /// Its own cycles, and its wait cycles.
     cycles: u64,
     waits: u64,
-    /// What it accessed, if that is known.
+    /// The accessed address, if it is known.
     address: Option<u32>,
     bus: Option<Bus>,
     /// Where its constant is.
@@ -152,15 +153,15 @@ impl Line {
         let needs = access.is_some_and(|access| uses(access.base) || access.index.is_some_and(uses));
         let is_one = access.is_some_and(|access| access.words == 1 && !access.is_store);
         let mut cycles = cost.cycles;
-        // Loads overlap unless the second one needs what the first one brings; an address that was only just computed
-        // is a cycle late (ARM 100166, 3.3.2).
+        // Loads overlap unless the second one needs the result of the first; an address that was only just computed is
+        // a cycle late (ARM 100166, 3.3.2).
         cycles -= u64::from(is_one && cost.is_load && has_loaded && !needs);
         cycles += u64::from(needs && !has_loaded && written != 0);
         let is_port = access.is_some_and(|access| access.is_store && access.offset == BSRR && access.words == 1)
             && address.is_none_or(|address| bus(address) == Bus::Ahb);
         let bus = address.map(bus).or(is_port.then_some(Bus::Ahb));
-        // A store goes on beside the program, up to the next load or store (ARM 100166, 3.3.2); but not one to the
-        // core's own registers.
+        // A store runs in parallel with the program, up to the next load or store (ARM 100166, 3.3.2), except a store
+        // to the core's own registers.
         let wait = bus.map_or(0, wait) * access.map_or(0, |access| access.words);
         let is_beside = access.is_some_and(|access| access.is_store) && bus != Some(Bus::Core);
         let mut waits = if access.is_some() { std::mem::take(&mut self.stored) } else { 0 };

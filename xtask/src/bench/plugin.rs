@@ -29,11 +29,11 @@ pub struct Plugin {
     lines: [BTreeSet<u64>; 2],
 }
 
-/// What was executed at an address, in a context and for a room.
+/// Executions at an address, in a context and for a room.
 pub struct Spot {
-    /// Who ran.
+    /// The running context.
     pub context: Context,
-    /// For whom; none in a context that no room is in.
+    /// The room it worked for; `None` in a context outside of all rooms.
     pub room: Option<Room>,
     /// Where.
     pub address: u64,
@@ -43,7 +43,7 @@ pub struct Spot {
     pub taken: u64,
 }
 
-/// What the plugin has counted, from the first byte of the host on.
+/// The plugin's counts, from the first byte of the host on.
 #[derive(Default)]
 pub struct Counts {
     /// Every address that was executed.
@@ -124,7 +124,7 @@ fn compile(folder: &Path) -> Result<PathBuf> {
 }
 
 impl Counts {
-    /// Reads what the plugin has left.
+    /// Reads the plugin's file.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).context("the plugin left no counts")?;
         let mut counts = Self::default();

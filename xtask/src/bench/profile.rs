@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::AddAssign;
 use std::path::Path;
 
-/// What a job amounts to.
+/// The totals of a job.
 pub struct Profile {
     /// Step events.
     pub events: u64,
@@ -34,7 +34,7 @@ pub struct Profile {
 pub struct Work {
     /// Instructions, exactly.
     pub instructions: u64,
-    /// Cycles, estimated, without those of exceptions.
+    /// Cycles, estimated, without exception entry and return.
     pub cycles: u64,
 }
 
@@ -45,15 +45,15 @@ impl AddAssign for Work {
     }
 }
 
-/// The work of one function, with what is inlined from libraries, in one context.
+/// The work of one function, with inlined library code, in one context.
 pub struct Function {
-    /// Who ran.
+    /// The running context.
     pub context: Context,
-    /// For whom.
+    /// The room it worked for.
     pub room: Option<Room>,
     /// Its name.
     pub name: String,
-    /// What it did.
+    /// Its work.
     pub work: Work,
 }
 

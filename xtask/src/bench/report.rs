@@ -14,7 +14,7 @@ const SHOWN: usize = 40;
 /// Characters of a function's name.
 const NAME: usize = 76;
 
-/// Prints the figures beside the goals and the others'.
+/// Prints the figures next to the goals and to other firmware.
 pub fn print_figures(figures: &[Figure]) {
     println!("{:<42} {:>12} {:>11}  others", "", "ours", "goal");
     for figure in figures {

@@ -24,7 +24,7 @@ pub enum Room {
     Rest,
     /// The board: interrupts, queues of bytes, clocks.
     Board,
-    /// What stands for step pins and endstops in QEMU: the trace, and a machine of numbers.
+    /// QEMU's stand-in for step pins and endstops: the trace, and a machine of numbers.
     Rig,
 }
 
@@ -48,8 +48,8 @@ impl Room {
         Self::ALL.into_iter().find(|room| u64::from(*room as u8) == number)
     }
 
-    /// Whose a source file is, by its path below the root. Files that serve everybody are nobody's: units, status,
-    /// motor sets and kinematics count for whoever uses them, and so do the libraries.
+    /// The room of a source file, by its path below the root. Shared files belong to no room: units, status, motor sets
+    /// and kinematics count for their caller, and so do the libraries.
     pub fn of(path: &str) -> Option<Self> {
         let below = |folder: &str| path.strip_prefix(folder);
         if let Some(file) = below("src/motion/") {
@@ -57,7 +57,7 @@ impl Room {
                 "stepper.rs" => Self::Stepper,
                 // Numbers, formulas and comparisons count for whoever uses them.
                 "number.rs" | "ramps.rs" | "ticks.rs" => return None,
-                // What the planner finds out of a move, and the generator takes up.
+                // Values that the planner derives from a move, for the generator.
                 "trajectory/phase.rs" | "trajectory/shaper.rs" => Self::Planner,
                 _ if ["stepgen/", "trajectory/", "queue/"].iter().any(|begin| file.starts_with(begin)) => Self::Stepgen,
                 "link.rs" | "step_counts.rs" => Self::Machine,

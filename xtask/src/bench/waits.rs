@@ -1,7 +1,7 @@
-//! Waits: what the STM32F446 adds to the cycles that the core itself takes.
+//! Waits: cycles that the STM32F446 adds to the core's own.
 //!
-//! Everything here is on the safe side: the bridges keep no store of their own, as they may, and what the prefetch
-//! buffer does is left out.
+//! Everything here is on the safe side: the bridges have no write buffer, although they may have one, and the prefetch
+//! buffer's gain is left out.
 
 /// A flash line that is in no cache: 5 wait states at 180 MHz (RM0390 rev 6, table 5).
 pub const FLASH: u64 = 5;

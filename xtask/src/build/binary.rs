@@ -11,7 +11,8 @@ const ERASED: u8 = 0xFF;
 /// Gaps larger than any alignment are a mistake in the memory map.
 pub const LARGEST_GAP: u32 = 64;
 
-/// The loaded segments in the order of their addresses, with gaps of so many bytes at the most, and where they begin.
+/// The loaded segments in the order of their addresses, with gaps of at most `largest_gap` bytes, and their first
+/// address.
 pub fn extract(elf: &Elf<'_>, largest_gap: u32) -> Result<(u32, Vec<u8>)> {
     let endian = elf.endian();
     let mut parts = Vec::new();

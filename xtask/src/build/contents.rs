@@ -1,4 +1,4 @@
-//! The contents of an image: how large they are, and what must not be among them.
+//! The contents of an image: their sizes, and symbols that it must not have.
 
 use super::Elf;
 use anyhow::{Result, bail};
@@ -13,7 +13,7 @@ struct Budget {
     of: &'static str,
 }
 
-/// Code, constants and initial values. What is left is for probing, a card and a page.
+/// Code, constants and initial values. The rest is for probing, a card and a page.
 const FLASH: Budget = Budget { name: "flash", bytes: 440 * 1024, of: "480 KiB after the bootloader" };
 
 /// Variables without the stack, which takes the 32 KiB that are left (memory.x).
@@ -22,7 +22,7 @@ const RAM: Budget = Budget { name: "static RAM", bytes: 96 * 1024, of: "128 KiB 
 /// Why an image has no doubles.
 const DOUBLES: &str = "the processor has no double precision, and steps are integers";
 
-/// Why a symbol must not be in an image, if so. The names are those of the Rust allocator and of the runtime
+/// Why a symbol must not be in an image, if it must not. The names belong to the Rust allocator and to the runtime
 /// library's floating point (ARM RTABI, section 4.1.2; libgcc's names end in the mode of their operands).
 fn objection(name: &str) -> Option<&'static str> {
     if ["__rust_alloc", "__rustc_alloc", "__rg_alloc"].iter().any(|part| name.contains(part)) {
@@ -65,8 +65,8 @@ pub fn weigh(elf: &Elf<'_>) -> Result<Vec<String>> {
     Ok(complaints)
 }
 
-/// What is in the image and must not be. QEMU's image `has_plant`: the heat that stands for a machine is computed in
-/// doubles, as in the simulator.
+/// Forbidden symbols in the image. QEMU's image `has_plant`: the heat plant in place of a machine computes in doubles,
+/// as in the simulator.
 pub fn forbidden(elf: &Elf<'_>, has_plant: bool) -> Vec<String> {
     let mut complaints = Vec::new();
     for name in elf.symbols().filter_map(|symbol| symbol.name().ok()) {

@@ -5,7 +5,7 @@
 pub enum Kind {
     /// Calls, or jumps to, a place this far from the instruction's address plus 4.
     Branch(i32),
-    /// Calls what a register says.
+    /// A call through a register.
     Indirect,
     /// UDIV or SDIV.
     Division,
@@ -20,7 +20,7 @@ pub enum Kind {
 pub struct Instruction {
     /// Its length in bytes.
     pub length: usize,
-    /// What it does.
+    /// Its kind.
     pub kind: Kind,
 }
 

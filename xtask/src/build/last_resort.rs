@@ -1,9 +1,9 @@
 //! The last resort: how many instructions lead from the entry of a fault's handler to heaters that are low.
 //!
-//! The promise: fifty at the most, without a loop. Every way of a fault begins with the same function, which lowers the
-//! heaters' pins. Counted is from the handler's first instruction, along calls and long jumps, to the last one of that
-//! function. What is not executed (a branch that is not taken) counts too, so the number is an upper bound, as long as
-//! nothing on the way branches back.
+//! The limit is fifty instructions, without a loop. Every path of a fault begins with the same function, which lowers
+//! the heaters' pins. The count runs from the handler's first instruction, along calls and long jumps, to the last one
+//! of that function. Skipped code (behind a branch that is not taken) counts too, so the number is an upper bound, as
+//! long as nothing on the path branches back.
 
 use super::Elf;
 use super::instruction::{Kind, decode};
@@ -14,14 +14,14 @@ use object::{Object as _, ObjectSection as _};
 /// The function that lowers them.
 const LOWER: &str = "lower_heaters";
 
-/// Handlers, by a part of their symbols: panics, HardFault with the overflow of the stack, NMI, interrupts that nobody
-/// enabled, the supply's detector.
+/// Handlers, by a part of their symbols: panics, HardFault with the overflow of the stack, NMI, interrupts that were
+/// never enabled, the supply's detector.
 const HANDLERS: [&str; 5] = ["rust_begin_unwind", "HardFault", "NonMaskableInt", "DefaultHandler", "PVD"];
 
 /// Instructions that may lead there.
 const MOST: usize = 50;
 
-/// Says how many instructions the longest way has, and what is wrong with the ways.
+/// The length of the longest path as text, and the problems of the paths.
 pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
     let (longest, complaints) = longest_way(elf)?;
     let report =
@@ -29,7 +29,7 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
     Ok((report, complaints))
 }
 
-/// How many instructions the longest way has, and what is wrong with the ways.
+/// The length of the longest path in instructions, and the problems of the paths.
 pub fn longest_way(elf: &Elf<'_>) -> Result<(usize, Vec<String>)> {
     let functions = functions(elf);
     let text = elf.section_by_name(".text").context("the image has no code")?;

@@ -167,7 +167,7 @@ pub fn last_resort(image: &[u8]) -> Result<usize> {
     Ok(longest)
 }
 
-/// Fails if an image is too large or holds what it must not; with `and_step_path` also if the step interrupt does.
+/// Fails if an image is too large or has forbidden contents; with `and_step_path` also if the step interrupt has.
 fn examine(elf: &Elf<'_>, and_step_path: bool) -> Result<()> {
     let mut complaints = contents::weigh(elf)?;
     complaints.extend(contents::forbidden(elf, !and_step_path));

@@ -1,4 +1,4 @@
-//! The step path: the code that the step interrupt can reach, and what must not be in it.
+//! The step path: the code that the step interrupt can reach, and its forbidden contents.
 //!
 //! The handler and all functions that it calls are decoded. What leads to a panic ends the run and does not count.
 
@@ -11,15 +11,15 @@ use std::collections::BTreeMap;
 /// The handler of the step timer, which is the core's own.
 const HANDLER: &str = "SysTick";
 
-/// Bytes that the handler itself may have, which plays the plain events, nineteen of twenty: 11 of the 64 lines of 16
-/// bytes that the flash's cache holds (RM0390, 3.4.2), so that the generator's loops leave it there.
+/// Most bytes of the handler itself, which plays the plain events, nineteen of twenty. They are 11 of the 64 lines of
+/// 16 bytes in the flash's cache (RM0390, 3.4.2), so that the generator's loops leave it there.
 const LARGEST_HANDLER: u64 = 176;
 
-/// Bytes that all of it may have: an eighth more than the cache holds, for what looks closely at an event does not go
+/// Most bytes of the whole path: an eighth more than the cache holds, because a closely checked event does not go
 /// through all of it.
 const LARGEST: u64 = 1184;
 
-/// Says how large the path is, and what is wrong with it.
+/// The size of the path as text, and its problems.
 pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
     let functions = functions(elf);
     let text = elf.section_by_name(".text").context("the image has no code")?;

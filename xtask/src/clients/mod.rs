@@ -12,8 +12,8 @@ use std::path::Path;
 use std::process::Command;
 use venv::Venv;
 
-/// Printrun without the libraries of its window, which printcore does not need, nor pronsole if it is told so
-/// (`pronsole_uploads.py`). pyserial is all that they do.
+/// Printrun without its window's libraries, which printcore does not need; pronsole can do without them too
+/// (`pronsole_uploads.py`). Both need only pyserial.
 const PRINTRUN: Venv<'static> =
     Venv { name: "printrun", packages: &["pyserial==3.5", "printrun==2.2.0"], options: &["--no-deps"] };
 
@@ -23,10 +23,10 @@ const OCTOPRINT: Venv<'static> = Venv { name: "octoprint", packages: &["OctoPrin
 /// Where the programs are.
 const PROGRAMS: &str = "xtask/clients";
 
-/// A print that heats, with its machine beside it.
+/// A print that heats; its machine file is next to it.
 const HEAT: &str = "xtask/clients/heat.gcode";
 
-/// A print that is paused until its heat is off, with its machine beside it.
+/// A print that is paused until its heat is off; its machine file is next to it.
 const PAUSE: &str = "xtask/clients/pause.gcode";
 
 /// The example that is most like a sliced file.
@@ -43,7 +43,7 @@ enum Board {
     Qemu,
 }
 
-/// What is printed.
+/// The print.
 #[derive(Clone, Copy)]
 enum Print {
     /// A sliced file if there is one.
@@ -164,7 +164,7 @@ impl Trial {
     }
 }
 
-/// What was run.
+/// The versions of the clients that ran.
 fn versions() -> String {
     [PRINTRUN, OCTOPRINT].iter().flat_map(|client| client.packages).copied().collect::<Vec<_>>().join(", ")
 }

@@ -5,7 +5,7 @@ use anyhow::{Context as _, Result, bail};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// A file in an environment that is complete, with what it was made for.
+/// A file in a complete environment, with the list of its packages.
 const COMPLETE: &str = "complete";
 
 /// Packages from PyPI, in a folder of their own.
@@ -36,8 +36,8 @@ impl Venv<'_> {
         let mut python = Command::new("python3");
         quietly(python.args(["-m", "venv", "--clear"]).arg(&folder))?;
         let mut pip = Command::new(self.python()?);
-        // A network that is not there should show soon. Of what is installed little is used, which Python compiles
-        // then.
+        // A missing network should show soon. Only a few of the installed files are used, and Python compiles these on
+        // use.
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]);
         pip.args(["--timeout=20", "--retries=1"]);
         quietly(pip.args(self.options).args(self.packages))?;
@@ -45,7 +45,7 @@ impl Venv<'_> {
     }
 }
 
-/// Runs a command whose words matter only if it fails, and then the last ones.
+/// Runs a command; shows the end of its output only if it fails.
 fn quietly(command: &mut Command) -> Result<()> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.output().with_context(|| format!("cannot run {name}"))?;

@@ -19,7 +19,7 @@ pub(super) fn archive(folder: &str, time: u64, files: &[File]) -> Result<Vec<u8>
     files.sort_by(|a, b| a.path.cmp(&b.path));
     let sums = File { path: "SHA256SUMS".to_owned(), bytes: checksums(&files).into_bytes(), is_program: false };
     files.push(&sums);
-    // A time in gzip's own header would be that of today.
+    // A time in gzip's own header would be the current time.
     let compressed = GzBuilder::new().mtime(0).write(Vec::new(), Compression::best());
     let mut archive = tar::Builder::new(compressed);
     for file in files {

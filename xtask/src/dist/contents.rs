@@ -1,4 +1,4 @@
-//! What is in the archive.
+//! The contents of the archive.
 
 use super::archive::File;
 use super::git;
@@ -11,11 +11,11 @@ use std::path::Path;
 /// The profile of the command: as in `release`, without what only a debugger reads.
 const PROFILE: &str = "dist";
 
-/// What comes from the checkout as it is: for who prints, not for who builds.
+/// Files taken from the checkout unchanged: for people who print, not for people who build.
 const PLAIN: [&str; 7] =
     ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "docs", "examples", "boards/*/README.md"];
 
-/// Builds what has to be built, and gathers all files.
+/// Builds the binaries, and gathers all files.
 pub(super) fn contents() -> Result<Vec<File>> {
     let mut files = plain()?;
     let command = command()?;
@@ -54,7 +54,7 @@ fn command() -> Result<std::path::PathBuf> {
     Ok(folder.join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
 }
 
-/// What is built must not say where it was built: it would be another elsewhere.
+/// A binary must not contain its build folder: it would differ elsewhere.
 fn ensure_nothing_of_here(file: &File) -> Result<()> {
     for path in [checkout::root().to_owned(), checkout::cargo_home()?] {
         let path = path.to_string_lossy();

@@ -1,8 +1,8 @@
-//! `cargo xtask dist`: what is released, as one archive: the command for this computer, the images of all boards,
-//! examples, documents, licences, and a checksum of each file. Who has it needs no compiler.
+//! `cargo xtask dist`: a release as one archive: the command for this computer, the images of all boards, examples,
+//! documents, licences, and a checksum of each file. Its users need no compiler.
 //!
-//! The same commit gives the same bytes, whatever the folder and the day: files are in order and of the commit's time,
-//! and no path of this computer is in what is built. `--twice` shows it.
+//! The same commit gives the same bytes, whatever the folder and the day. Files are in order and have the commit's
+//! time, and no binary contains a path of this computer. `--twice` shows it.
 
 mod archive;
 mod contents;

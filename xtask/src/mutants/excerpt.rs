@@ -1,8 +1,8 @@
 //! An excerpt of the core: a room, the rooms that it uses, and nothing else.
 //!
-//! For each mutant the core is built anew, and most of that time went into rooms that cannot notice it: a room uses
-//! only rooms of the lines above its own (CONTRIBUTING.md, *The layer rule*), so the machine and what it heats need not
-//! be there when a fault lies in a driver.
+//! The core is rebuilt for each mutant, and most of that time went into rooms that cannot notice it. A room uses only
+//! rooms of the lines above its own (CONTRIBUTING.md, *The layer rule*). So a fault in a driver can be tested without
+//! the machine and the heaters.
 
 use crate::checkout::root;
 use anyhow::{Context as _, Result};
@@ -10,12 +10,11 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Lines of the manifest that speak of crates beside the core. The rig is what controllers heat; it uses all of the
-/// core.
+/// Lines of the manifest about crates besides the core. Controllers heat the rig, which uses all of the core.
 const OTHER_CRATES: [&str; 4] = ["members", "exclude", "default-members", "corehbot-rig."];
 
-/// Writes the excerpt to a folder: of the core the room, and what it and these tests use; of the tests all, but the
-/// others cannot be built.
+/// Writes the excerpt to a folder. From the core it takes the room, and the rooms that it and these tests use. It takes
+/// all tests, but the others cannot be built.
 pub fn write(folder: &Path, room: &str, tests: &[&str]) -> Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).with_context(|| format!("cannot remove {}", folder.display()))?;
@@ -61,7 +60,7 @@ fn rooms(room: &str, tests: &[&str]) -> Result<BTreeSet<String>> {
     Ok(rooms)
 }
 
-/// What is named behind `root` in a text. Comments do not count: they may point to rooms that are not used.
+/// Names behind `root` in a text. Comments do not count: they may point to rooms that are not used.
 fn names(text: &str, root: &str) -> BTreeSet<String> {
     let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
     let behind = code.flat_map(|line| line.split(root).skip(1));

@@ -23,7 +23,7 @@ const GOAL: f64 = 0.9;
 /// A room, and the tests that look at it. The simulator's tests look at all rooms but take too long.
 struct Room {
     name: &'static str,
-    /// Those that notice most within a second or two, beside the unit tests.
+    /// Tests that notice most within a second or two, in addition to the unit tests.
     quick: &'static [&'static str],
     tests: &'static [&'static str],
 }
@@ -50,12 +50,12 @@ pub struct Args {
     /// Only a part: 0/20 is the first, the 21st and so on.
     #[arg(long, value_name = "K/N")]
     shard: Option<String>,
-    /// So many at a time.
+    /// Number of parallel jobs.
     #[arg(long, value_name = "N", default_value_t = 1)]
     jobs: u32,
 }
 
-/// Puts the faults in and tells what was noticed.
+/// Inserts the faults and reports which were noticed.
 pub fn main(args: &Args) -> Result<()> {
     install()?;
     let _alone = alone()?;
@@ -80,8 +80,8 @@ pub fn main(args: &Args) -> Result<()> {
     if is_reached { Ok(()) } else { bail!("less than {} % were noticed", 100.0 * GOAL) }
 }
 
-/// Makes sure that nobody else tries mutants here, as long as the file is held. Cargo takes excerpts for the same crate
-/// wherever they lie, so tests would be run that are built of another one.
+/// Makes sure that no other process tries mutants here, as long as the file is held. Cargo takes excerpts for the same
+/// crate wherever they lie, so tests built from another excerpt would run.
 fn alone() -> Result<File> {
     let folder = target_dir()?.join("mutants");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
@@ -110,7 +110,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
     }
-    // What is built takes a second unoptimised, and as long to run.
+    // The tests take a second to build without optimisation, and a second to run.
     unit.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     let first = outcome(unit, &unit_folder)?;
     if first.missed.is_empty() {
@@ -131,22 +131,22 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     Ok(Outcome { noticed, missed, unviable: first.unviable })
 }
 
-/// cargo-mutants, for a room in an excerpt of the core. What is to be built and run is told by `--cargo-arg`: what
-/// stands after `--` would count when tests are run only, and all of them would be built for each mutant.
+/// cargo-mutants, for a room in an excerpt of the core. `--cargo-arg` selects the tests to build and run: arguments
+/// after `--` count only when tests run, and all tests would be built for each mutant.
 fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Command> {
     let core = folder.join("core");
     excerpt::write(&core, room.name, tests)?;
     let mut command = cargo(["mutants"]);
     command.arg("--dir").arg(core).arg("--output").arg(folder);
     if args.jobs == 1 {
-        // The excerpt is a copy already. What it depends on is built once for all rooms.
+        // The excerpt is a copy already. Its dependencies are built once for all rooms.
         command.arg("--in-place").env("CARGO_TARGET_DIR", target_dir()?.join("mutants").join("target"));
     } else {
-        // Git does not know the folder for what is built.
+        // Git does not know the build folder.
         command.arg("--gitignore=false").arg(format!("--jobs={}", args.jobs));
     }
-    // Nobody looks at these programs with a debugger. Of so many codegen units, the most that the compiler makes of
-    // itself, only the one with the fault is built anew: 1 s instead of 2.
+    // These programs need no debugger. With this many codegen units, the most that the compiler makes of itself, only
+    // the unit with the fault is rebuilt: 1 s instead of 2.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.arg("--cargo-arg=--config=profile.dev.package.corehbot.codegen-units=256");
     Ok(command)
@@ -174,7 +174,7 @@ fn only(mutants: &[String]) -> Result<String> {
     Ok(format!("examine_re = {patterns}\n"))
 }
 
-/// Runs cargo-mutants and reads what it found.
+/// Runs cargo-mutants and reads its result.
 fn outcome(mut command: Command, output: &Path) -> Result<Outcome> {
     std::fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
     let status = command.status().context("cannot run cargo mutants")?;

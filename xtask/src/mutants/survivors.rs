@@ -2,14 +2,14 @@
 
 use anyhow::{Context as _, Result};
 
-/// A line each: file, what was changed, and the reason, with tabs in between.
+/// One survivor a line: file, change, and reason, with tabs in between.
 const LIST: &str = include_str!("survivors.tsv");
 
 /// Survivors that are known.
 pub struct Survivors(Vec<[&'static str; 3]>);
 
 impl Survivors {
-    /// The list that stands beside this file.
+    /// The list next to this file.
     pub fn known() -> Result<Self> {
         Self::read(LIST)
     }

@@ -18,9 +18,9 @@ pub fn talk(stream: &mut TcpStream, port: &mut Port, stop: &Stop) -> Result<()> 
     let mut sent = Vec::new();
     while !stop.is_set() {
         port.read(&mut sent)?;
-        // The end of the run is ours to bring about, and nobody else's.
+        // Only this program may end the run.
         sent.retain(|byte| *byte != END_OF_TRANSMISSION);
-        // The emulator takes what the board has not read yet, so this waits for nobody for long.
+        // The emulator buffers bytes that the board has not read yet, so this never waits for long.
         stream.set_nonblocking(false)?;
         stream.write_all(&sent).context("the board hung up")?;
         sent.clear();

@@ -13,7 +13,7 @@ const RECORD: usize = 8;
 
 /// The trace, and the tick of its last event.
 pub struct Dumped {
-    /// What was written.
+    /// The written trace.
     pub trace: Finished,
     /// The last tick.
     pub ticks: u64,

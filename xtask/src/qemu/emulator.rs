@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// The program.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// How long the emulator may take to open its serial line, and to end when it is told to.
+/// Longest time for the emulator to open its serial line, and to end on request.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A running emulator.
@@ -48,7 +48,7 @@ impl Emulator {
         if let Some(plugin) = plugin {
             command.args(["-plugin", plugin]);
         }
-        // Ctrl-C is for us, who then ask the board to end.
+        // Ctrl-C goes to this program, which then asks the board to end.
         #[cfg(unix)]
         command.process_group(0);
         let process = command.spawn().with_context(|| format!("cannot run {PROGRAM}"))?;

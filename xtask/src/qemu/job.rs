@@ -25,8 +25,8 @@ pub struct Job {
     pub settings: Settings,
     /// Where the tool is at start, as if homed.
     pub start: Option<[Mm; 3]>,
-    /// How patient the board is with a silent host, in ms of its own time, which does not wait for us: half a second of
-    /// it may pass while we fetch a line.
+    /// The board's patience with a silent host, in ms of its own time, which runs on without us: half a second of it
+    /// may pass while we fetch a line.
     pub patience_ms: u16,
 }
 
@@ -35,13 +35,13 @@ pub const SCALED_PATIENCE_MS: u16 = 50;
 
 /// A plugin of the emulator that watches.
 pub struct Watcher {
-    /// What the emulator is told to load it.
+    /// The emulator's option that loads it.
     pub plugin: String,
     /// Where it calls before the emulator starts, to tell of every byte that the board has heard.
     pub listener: TcpListener,
 }
 
-/// What a print amounts to.
+/// The result of a print.
 pub struct Outcome {
     /// Step events.
     pub events: u64,
@@ -49,9 +49,9 @@ pub struct Outcome {
     pub ticks: u64,
     /// Digest of the trace.
     pub sha256: String,
-    /// What the board logged.
+    /// The board's log.
     pub log: Vec<String>,
-    /// What the printer found odd.
+    /// Warnings of the printer.
     pub warnings: Vec<String>,
     /// How long it took on this computer.
     pub wall: Duration,
@@ -148,7 +148,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What is left over lies among temporary files, where somebody else will see to it.
+        // A remaining folder lies among temporary files, where the system removes it.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

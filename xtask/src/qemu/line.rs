@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 /// ASCII end of transmission: the board is to end once all motion is done.
 pub const END_OF_TRANSMISSION: u8 = 0x04;
 
-/// A board that says nothing for so long has stopped: one that is busy says so every two seconds of its
-/// time, and its time passes slower than ours only while it steps as fast as it can.
+/// A board that is silent for this long has stopped. A busy board reports that every two seconds of its time, and its
+/// time passes slower than ours only while it steps as fast as it can.
 const SILENCE: Duration = Duration::from_secs(120);
 
 /// A host that waits for something else than the board has a turn so often.
@@ -52,7 +52,7 @@ struct Line<'s> {
     stream: &'s mut TcpStream,
     /// Where a byte comes for every byte that the board has heard, if anywhere.
     heard: Option<TcpStream>,
-    /// What the board has said of a line that is not complete.
+    /// The board's output of an incomplete line.
     spoken: Vec<u8>,
 }
 
@@ -69,7 +69,7 @@ impl Line<'_> {
         Ok(())
     }
 
-    /// Hands what the board says to `host`; false if it says nothing for `patience`.
+    /// Hands the board's output to `host`; returns false if it is silent for `patience`.
     fn hear(&mut self, host: &mut dyn Host, patience: Duration) -> Result<bool> {
         self.stream.set_read_timeout(Some(patience))?;
         let mut bytes = [0; 256];

@@ -1,4 +1,4 @@
-//! The board's log: defmt frames, whose texts are in the image.
+//! The board's log: defmt frames; their texts are in the image.
 
 use anyhow::{Context as _, Result};
 use defmt_decoder::{DecodeError, Table};

@@ -1,7 +1,7 @@
 //! `cargo xtask qemu`: a print on the firmware in QEMU.
 //!
-//! The emulator runs in a folder of its own with the job in it, gets the G-code over its serial line as a
-//! printer would, and leaves the step events in a file. With `--serve`, the line is there for any host.
+//! The emulator runs in a folder of its own with the job in it, gets the G-code over its serial line as a printer
+//! would, and leaves the step events in a file. With `--serve`, any host can use the line.
 
 #[cfg(unix)]
 mod bridge;
@@ -92,7 +92,7 @@ fn serve(_job: &Job, _image: &Path, _args: &Args) -> Result<Outcome> {
     anyhow::bail!("there are no pseudo-terminals here")
 }
 
-/// The text of a G-code file; what is no UTF-8 can only stand in comments.
+/// The text of a G-code file; bytes that are not UTF-8 can only stand in comments.
 pub fn read_gcode(path: &Path) -> Result<String> {
     input::read(path)
 }

@@ -19,7 +19,7 @@ pub fn lint() -> Result<Verdict> {
     Ok(Verdict::Passed(String::new()))
 }
 
-/// What has neither threads nor a clock, and so runs in a browser too.
+/// Crates with neither threads nor a clock, which run in a browser too.
 const BELOW_THE_COMMAND: [&str; 5] =
     ["corehbot-rig", "corehbot-twin", "corehbot-machine-file", "corehbot-sim", "corehbot-report"];
 
@@ -39,7 +39,7 @@ pub fn document() -> Result<Verdict> {
     Ok(Verdict::Passed(String::new()))
 }
 
-/// Core and boards, linted and built. A board that needed an allocator would not link, for there is none.
+/// Core and boards, linted and built. A board that needed an allocator would not link, because there is none.
 pub fn build_boards() -> Result<Verdict> {
     let boards = checkout::boards()?;
     let mut lint = checkout::for_boards("clippy")?;
@@ -79,9 +79,9 @@ fn build_emulator_tests() -> Command {
     emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"])
 }
 
-/// The emulator's lints, with the dependencies that are built for its tests: `cargo clippy` would have the compiler
-/// look through its code generator once more, for a minute and a half. So this does what `cargo clippy` does, but in a
-/// build (its `CLIPPY_ARGS`, each ended by that word); what it makes is thrown away, so it is not optimised.
+/// The emulator's lints, with the dependencies that are built for its tests. `cargo clippy` would check its code
+/// generator once more, for a minute and a half. So this does the work of `cargo clippy`, but in a build (its
+/// `CLIPPY_ARGS`, each ended by that word). The result is thrown away, so it is not optimised.
 fn lint_emulator() -> Command {
     let config = "profile.release.package.corehbot-emulator.opt-level=0";
     let mut lint = build_emulator_tests();

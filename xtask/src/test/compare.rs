@@ -9,13 +9,13 @@ use corehbot_machine_file as machine_file;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// A folder with sliced files, which may lie beside the checkout.
+/// A folder with sliced files, which may lie next to the checkout.
 const SLICED: &str = "../shared/gcode";
 
 /// The sliced file that prints quickest.
 const QUICKEST: &str = "prusaslicer292_cubehelix_small.gcode";
 
-/// So many lines of it are printed: a quarter, which takes as long as all examples. `cargo xtask equal` prints a file
+/// Number of lines that are printed: a quarter, which takes as long as all examples. `cargo xtask equal` prints a file
 /// whole.
 const LINES: usize = 2000;
 

@@ -1,4 +1,4 @@
-//! What a print asks for at most, on the board in QEMU: more lines in a second than any sliced file had in its busiest.
+//! The highest demand of a print, on the board in QEMU: more lines in a second than any sliced file had in its busiest.
 
 use crate::qemu::Job;
 use anyhow::{Context as _, Result, ensure};

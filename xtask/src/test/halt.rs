@@ -10,7 +10,7 @@ use corehbot::units::{Mm, TICKS_PER_SECOND};
 use corehbot_sim::world::Host;
 use std::path::Path;
 
-/// What the last step may come after the last byte.
+/// Longest time from the last byte to the last step.
 const LIMIT_US: f64 = 1000.0;
 
 /// Lines that are answered before M112 comes, so that it comes at different places of the planning.
@@ -32,7 +32,7 @@ pub fn check() -> Result<Verdict> {
     Ok(Verdict::Passed(format!("the last step comes at most {worst:.1} us after the last byte")))
 }
 
-/// Sends M112 after so many answers; returns how long the board stepped after its last byte, in us.
+/// Sends M112 after `moment` answers; returns how long the board stepped after its last byte, in us.
 fn stop(image: &Path, moment: usize) -> Result<f64> {
     let job = Job { gcode: String::new(), settings: Settings::prototype(), start: Some([Mm::ZERO; 3]), patience_ms: 0 };
     let mut host = Stopper { moment, answers: 0, sent: 0 };

@@ -1,9 +1,9 @@
-//! Lanes: two rows of steps side by side, because much of what each does keeps one processor busy: links, the longest
-//! of some tests, a client that waits.
+//! Lanes: two rows of steps side by side, because much of the work keeps one processor busy: linking, the longest of
+//! some tests, a waiting client.
 //!
-//! What both need is built before the lanes begin, and the emulator has a folder of its own to be built in, so none
-//! waits for the other's cargo for long. It is a process of its own, whose words are kept in a file until the first
-//! lane has ended, and shown as they come from then on.
+//! Shared dependencies are built before the lanes begin, and the emulator has a build folder of its own, so neither
+//! lane waits for the other's cargo for long. The second lane is a process of its own. Its output is kept in a file
+//! until the first lane has ended, and then shown as it comes.
 
 use crate::checkout::target_dir;
 use anyhow::{Context as _, Result};
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// Between two looks at what the second lane says.
+/// Time between two reads of the second lane's output.
 const LOOK: Duration = Duration::from_millis(200);
 
 /// The second lane under way.
@@ -28,7 +28,7 @@ pub fn begin() -> Result<Images> {
     let folder = target_dir()?.join("test");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let (words, results) = (folder.join("images.log"), folder.join("images.results"));
-    // Those of an earlier run say nothing of this one.
+    // Results of an earlier run do not count for this one.
     if results.exists() {
         std::fs::remove_file(&results).with_context(|| format!("cannot remove {}", results.display()))?;
     }
@@ -41,7 +41,7 @@ pub fn begin() -> Result<Images> {
 }
 
 impl Images {
-    /// Shows what the steps say until they have ended, and gives their results.
+    /// Shows the output of the steps until they have ended, and returns their results.
     pub fn end(mut self) -> Result<String> {
         let mut words = File::open(&self.words).with_context(|| format!("cannot open {}", self.words.display()))?;
         loop {

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in; CI runs the same.
 //!
-//! The steps share what they build: programs of this computer are built once, in the dev profile, in which
-//! `cargo xtask` itself is built. Two lanes of steps go on side by side (see [`lane`]).
+//! The steps share their builds: programs for this computer are built once, in the dev profile, like `cargo xtask`
+//! itself. Two lanes of steps go on side by side (see [`lane`]).
 
 mod cargo;
 mod compare;
@@ -49,15 +49,15 @@ enum Lane {
     First,
     /// On this computer's own code, and what real hosts make of it.
     Host,
-    /// On images; beside those of [`Lane::Host`].
+    /// Steps on images; they run in parallel with [`Lane::Host`].
     Images,
 }
 
-/// What a step found. A step that cannot even be carried out is an error, which counts as one failure.
+/// The result of a step. A step that cannot even be carried out is an error, which counts as one failure.
 pub enum Verdict {
     /// All is well.
     Passed(String),
-    /// So many tests passed and failed.
+    /// Numbers of passed and failed tests.
     Tested { passed: u32, failed: u32, remark: String },
     /// It could not be done here, and why.
     Skipped(String),

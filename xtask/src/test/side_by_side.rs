@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 const PARALLEL: usize = 2;
 
-/// Does all `work`, the last of it first, and names what failed. `each` does one piece and has its name, for what is
-/// said of a failure.
+/// Does all `work`, the last of it first, and names the failures. `each` does one piece and returns its name, for the
+/// message about a failure.
 pub fn all<T: Send>(
     work: Vec<T>,
     name: impl Fn(&T) -> String + Sync,

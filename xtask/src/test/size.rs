@@ -1,5 +1,4 @@
-//! Holds the images to the budgets of `build/contents.rs` and `build/step_path.rs`, and looks for what must not be in
-//! them.
+//! Checks the images against the budgets of `build/contents.rs` and `build/step_path.rs`, and for forbidden contents.
 
 use super::Verdict;
 use crate::build;

@@ -1,4 +1,4 @@
-//! The tools: what a fresh machine lacks is fetched.
+//! The tools: downloads those that a fresh machine lacks.
 
 use super::Verdict;
 use crate::checkout::{BROWSER, TARGET, cargo, run};
@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 /// The package that holds the emulator.
 const PACKAGE: &str = "qemu-system-arm";
 
-/// Fetches what is missing.
+/// Downloads missing tools.
 pub fn ensure() -> Result<Verdict> {
     for component in ["rustfmt", "clippy"] {
         let subcommand = component.trim_start_matches("rust");
