@@ -23,6 +23,14 @@
 //!
 //! **The paper** describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an 80 mm head:
 //! [`settings::Settings::prototype`]. Each room explains its other words at its head.
+//!
+//! # Example
+//!
+//! A program that embeds the core, `examples/embed.rs`:
+//!
+//! ```
+#![doc = include_str!("../examples/embed.rs")]
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
