@@ -68,7 +68,7 @@ pub trait StepClock {
         self.now().since(at) <= ticks
     }
 
-    /// Asks for the step interrupt at `at`; false if that has passed already, and then none need come.
+    /// Requests the step interrupt at `at`; false if that has passed already, and then none need come.
     #[must_use]
     fn alarm(&mut self, at: Tick) -> bool;
 
@@ -207,8 +207,8 @@ impl core::error::Error for StorageError {}
 
 /// Byte-addressed memory that keeps its content without power.
 ///
-/// Every call ends by itself in bounded time, with [`StorageError::Failed`] if need be. A future that is
-/// dropped half-way is like a power cut: the page that was being written may hold anything.
+/// Every call ends in bounded time, with [`StorageError::Failed`] if necessary. A future that is dropped half-way is
+/// like a power cut: the page that was being written may hold anything.
 #[expect(async_fn_in_trait, reason = "the Console polls them in its own context; nobody needs Send")]
 pub trait Storage {
     /// Size in bytes; 0 if there is none.
@@ -220,14 +220,14 @@ pub trait Storage {
     /// [`StorageError`]; then `into` may hold anything.
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
 
-    /// Hands over `bytes` for address `at`; they are stored for good as soon as the storage
-    /// [is done](Self::is_done). The core never writes across a page of [`crate::storage::PAGE`] bytes.
+    /// Takes `bytes` for address `at`; they are stored permanently as soon as the storage [is done](Self::is_done). The
+    /// core never writes across a page of [`crate::storage::PAGE`] bytes.
     ///
     /// # Errors
     /// [`StorageError`]; then some of the bytes may have been written.
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
 
-    /// Whether everything written is stored for good. Ask until it is true before the next transfer: a transfer that
+    /// Whether all written bytes are stored permanently. Ask until it is true before the next transfer: a transfer that
     /// comes too early blocks until then, and no other context runs.
     ///
     /// # Errors
@@ -279,8 +279,8 @@ pub trait ThermalPort {
         OutputSet::NONE
     }
 
-    /// Has each output on for this part of the coming control period, in units of 1/65,535; then it goes off by itself.
-    /// Called once a period.
+    /// Switches each output on for this part of the coming control period, in units of 1/65,535; then it goes off by
+    /// itself. Called once a period.
     fn heat(&mut self, _duties: &[u16; OUTPUTS]) {}
 
     /// Fans that there are, FAN0 and so on.

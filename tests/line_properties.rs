@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use support::bodies;
 use support::machine::{Machine, numbered};
 
-/// Whether a line asks for an answer, worked out from the whole line.
+/// Whether a line needs an answer, found from the whole line.
 fn asks_for_an_answer(line: &[Received]) -> bool {
     let text: Vec<u8> = line
         .iter()

@@ -132,7 +132,7 @@ fn nobody_else_is_asked() {
         machine.say(text);
         assert_eq!(wait(&mut machine, 60_000), "", "{text:?}");
     }
-    // One numbered line is no stream, be it the only one or between others that have no number.
+    // One numbered line is no stream, alone or between lines without numbers.
     for text in ["N1 G90*17\nM105\nN2 G91*19\nM105\n", "N0 M110 N0*125\nM21\n", "N0 M110 N0*125\nN1 M115*39\nM21\n"] {
         let mut machine = Machine::new();
         machine.say(text);
@@ -324,7 +324,7 @@ fn a_host_that_hears_answers_is_not_in_silence() {
     assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
 }
 
-/// It asks by itself after a while.
+/// It sends the question by itself after a while.
 #[test]
 fn an_octoprint_that_has_waited_for_the_motion_hears_nothing() {
     let mut machine = Machine::new();

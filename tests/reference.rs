@@ -1,4 +1,4 @@
-//! The tables of docs/reference, held to the code: every code of the parser and every fault has a row.
+//! The tables of docs/reference against the code: every code of the parser and every fault has a row.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::fault::{Cause, Fault};

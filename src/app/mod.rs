@@ -39,8 +39,8 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: P
     pub counts: StepCounts<'m>,
 }
 
-/// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its
-/// storage stand over `settings`, but for the mechanism, which a machine keeps.
+/// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its storage
+/// override `settings`, except the mechanism, which a machine keeps.
 pub fn assemble<
     'm,
     P: StepPort,

@@ -1,8 +1,7 @@
 //! Connectors: a board's motors, switches, heaters, temperature sensors and fans, by the names printed next to them.
 //!
-//! A [`Heater`] is a thing that is kept at a temperature; settings say at which output it hangs and which sensor
-//! watches it. [`BoardConnectors`] lists a board's connectors. Which pin is behind a name is in `wiring.rs` of the
-//! board.
+//! A [`Heater`] is a part with a temperature target; settings give its output and its sensor. [`BoardConnectors`] lists
+//! a board's connectors. Which pin is behind a name is in `wiring.rs` of the board.
 
 mod boards;
 mod name;

@@ -18,7 +18,7 @@ impl ConnectorName {
     /// Not plugged in.
     pub const NONE: Self = Self([0; Self::LONGEST]);
 
-    /// The name, or `None` if `text` is none.
+    /// The name, or `None` if `text` is not a legal one.
     #[must_use]
     pub const fn new(text: &str) -> Option<Self> {
         let mut from = text.as_bytes();

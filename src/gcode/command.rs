@@ -153,7 +153,7 @@ pub enum Command<'a> {
     EmergencyStop,
     /// M113: seconds between busy messages, or report them.
     Keepalive(Option<Number>),
-    /// M114: report the position; R asks for the real one, counted from emitted steps.
+    /// M114: report the position; with R the real one, counted from emitted steps.
     ReportPosition {
         /// Whether R was given.
         real: bool,

@@ -5,10 +5,10 @@
 //! of its commands), RepRapFirmware 3 and Prusa-Firmware-Buddy. Left out with a reason:
 //!
 //! - P of M106 and M107: the machine knows its number of fans (`machine::commands::fans`).
-//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`heat::heater`). T of M306 asks for a tuning, T of
+//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`heat::heater`). T of M306 requests a tuning, T of
 //!   M204 and M205 is for travel.
 //! - Reports (M105 T, M114, M122 P): their result does not depend on their words.
-//! - Pauses (M600 T): a print that asks for its user waits, whichever tool it means.
+//! - Pauses (M600 T): a print that needs its user waits, for any tool.
 //! - M104 T0, M106 P0, M200 D0, `G10 P0`, M141: slicers write them for machines with one extruder and no chamber.
 
 use super::code::Code;

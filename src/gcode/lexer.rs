@@ -1,4 +1,4 @@
-//! Words: a letter, perhaps with a number, and everything that people write round it.
+//! Words: a letter, perhaps with a number, and the characters allowed around it.
 //!
 //! Spaces are optional everywhere, also between a letter and its number. A word keeps the characters of
 //! numbers that are glued to it (`U6.2.6+8948` is U6.2), other glued characters are skipped up to the next
@@ -58,7 +58,7 @@ pub(super) fn skip_blanks(text: &[u8]) -> &[u8] {
     text::trim_start(text, is_blank)
 }
 
-/// `text` from the first byte on that `is_end` likes; empty if there is none.
+/// The suffix of `text` from the first byte for which `is_end` is true; empty if there is none.
 fn skip_until(text: &[u8], is_end: impl Fn(u8) -> bool) -> &[u8] {
     let end = text.iter().position(|&byte| is_end(byte));
     end.and_then(|end| text.get(end..)).unwrap_or_default()

@@ -134,8 +134,8 @@ fn release_motors(text: &[u8]) -> Command<'static> {
     }
 }
 
-/// Whether M200 asks for volumetric extrusion, which would print wrongly if it were ignored: a diameter
-/// or S1. `M200 D0` and `M200 S0` are how slicers make sure that it is off.
+/// Whether M200 requests volumetric extrusion, which would print wrongly if it were ignored: a diameter or S1.
+/// `M200 D0` and `M200 S0` are how slicers make sure that it is off.
 fn is_volumetric(text: &[u8]) -> bool {
     let is_set = |number: Option<Number>| number.is_some_and(|number| number != Number::ZERO);
     match number(text, b'S') {

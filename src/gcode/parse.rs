@@ -55,7 +55,7 @@ fn parse_code(code: Code, text: &[u8]) -> Option<Command<'_>> {
     }
 }
 
-/// G-codes without a subcode, but for G0 and G1.
+/// G-codes without a subcode, except G0 and G1.
 fn parse_g(code: Code, text: &[u8]) -> Option<Command<'static>> {
     Some(match code.number {
         2 => arc(true, text),
@@ -193,7 +193,7 @@ fn skip_comments(mut line: &[u8]) -> &[u8] {
     line
 }
 
-/// The line without blanks and line ends round it.
+/// The line without blanks and line ends around it.
 fn trim(line: &[u8]) -> &[u8] {
     trim_end(trim_start(line, is_outside), is_outside)
 }

@@ -142,7 +142,7 @@ impl Settings {
         self.check()
     }
 
-    /// Checks every value against its range, but for the mechanism.
+    /// Checks every value against its range, except the mechanism.
     ///
     /// # Errors
     /// The first setting found to be illegal.
@@ -184,9 +184,9 @@ impl Settings {
         thermal(&self.thermal)
     }
 
-    /// Checks that motors which move an axis together go equally far in a full step, as far as their drivers have a
-    /// say. With the same microsteps their rows may differ, for pulleys may; with others, rows must be in the same
-    /// ratio.
+    /// Checks that motors which move an axis together go equally far in a full step, by their rows and their drivers'
+    /// microsteps. With the same microsteps their rows may differ, because pulleys may; with others, rows must be in
+    /// the same ratio.
     fn check_microsteps(&self) -> Result<(), SettingsError> {
         let rows = || Motor::ALL.into_iter().zip(self.mechanism.rows);
         for (a, row) in rows() {

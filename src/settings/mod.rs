@@ -107,7 +107,7 @@ pub struct Settings {
     pub travel_acceleration: MmPerSec2,
     /// Speed limit in corners (M205 J or X, Y).
     pub corner: CornerRule,
-    /// The jump in the extruder's speed that a corner may ask for (M205 E).
+    /// The largest jump in the extruder's speed at a corner (M205 E).
     pub extruder_jerk: MmPerSec,
     /// Least commanded speed of a printing move (M205 S).
     pub min_feed: MmPerSec,
@@ -152,7 +152,7 @@ pub struct Settings {
     pub baud: u32,
     /// Where it can print. It is reported (M503, `corehbot config`); no move is limited by it.
     pub bed: Bed,
-    /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does: without
+    /// The connector of the Z probe; without a connector there is none. It reads as a switch does: without
     /// `is_normally_open` it has triggered when its input is high. Nothing probes by it.
     pub probe: EndstopPlug,
     /// The belt of x and y.

@@ -10,8 +10,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 const NAMELESS: &str = "3D Printer";
 
 /// The name of a machine: up to [`LONGEST`](Self::LONGEST) letters, digits, blanks and [`MARKS`](Self::MARKS), a blank
-/// neither first nor last. So it cannot be taken for a key of M115 or for a word that hosts act on. The empty name is
-/// none.
+/// neither first nor last. So it cannot be taken for a key of M115 or for a word that hosts act on. The empty name
+/// means no name.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct MachineName([u8; Self::LONGEST]);
 
@@ -25,7 +25,7 @@ impl MachineName {
     /// No name.
     pub const NONE: Self = Self([0; Self::LONGEST]);
 
-    /// The name, or `None` if `text` is none.
+    /// The name, or `None` if `text` is not a legal one.
     #[must_use]
     pub const fn new(text: &str) -> Option<Self> {
         let mut from = text.as_bytes();

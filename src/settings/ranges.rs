@@ -43,7 +43,7 @@ pub const PHASE: Range<u16> = Range { least: 0, most: NO_PHASE };
 pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
 /// Lift of z after a motor of the belt has failed.
 pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
-/// Filament that a pause pulls back: bowden tubes ask for less than a tenth of it.
+/// Filament that a pause pulls back: bowden tubes need less than a tenth of it.
 pub const PAUSE_RETRACT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 /// Lift of the tool in a pause.
 pub const PAUSE_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(200) };

@@ -55,8 +55,9 @@ pub struct Shaper {
     /// Length of the belts that pull along the axis, both sides together. The frequency is then the one in the middle
     /// of the axis, and rises away from it. 0 if it is the same everywhere.
     pub span: Mm,
-    /// The part of the frequency that comes from compliant motors: the frequency at which the axis would ring if its
-    /// belts were stiff and pulled evenly, best fitted (docs/explanation/shaping.md). 0 if only its belts are soft.
+    /// The part of the frequency that comes from compliant motors. It is the frequency at which the axis would ring if
+    /// its belts were stiff and pulled evenly, best fitted (docs/explanation/shaping.md). It is 0 if only its belts are
+    /// soft.
     pub motor_frequency: Hertz,
 }
 

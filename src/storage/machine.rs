@@ -15,7 +15,7 @@ pub async fn stored_machine(storage: &mut impl Storage) -> Option<Settings> {
 /// The machine in a record.
 ///
 /// # Errors
-/// Why there is none.
+/// Why there is no machine.
 pub fn machine_in(record: &[u8]) -> Result<Settings, Rejected> {
     let settings = decode(record)?.settings;
     settings.check_machine().map_err(Rejected::Illegal)?;

@@ -71,7 +71,7 @@ const fn put_text<'p>(place: &'p mut [u8], text: &str) -> &'p mut [u8] {
 /// The machine in a block.
 ///
 /// # Errors
-/// Why there is none.
+/// Why there is no machine.
 pub fn machine_of(block: &[u8; BLOCK]) -> Result<Settings, Rejected> {
     let (_, record) = block.split_at(HEAD);
     machine_in(record)

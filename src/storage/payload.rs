@@ -24,7 +24,7 @@ pub(super) const LONGEST_PAYLOAD: usize = table::LONGEST + MOST_UNKNOWN;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Damaged;
 
-/// Elements that this firmware does not know, as they are.
+/// Elements that this firmware does not know, unchanged.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Unknown {
     bytes: [u8; MOST_UNKNOWN],
@@ -173,7 +173,7 @@ struct Reader<'a> {
     next: Elements<'a>,
     /// The unread part of a row's element.
     open: Option<(u16, &'a [u8])>,
-    /// A value is none of its type.
+    /// A value does not fit its type.
     is_damaged: bool,
 }
 
@@ -236,7 +236,7 @@ pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> 
 /// The settings in a payload, and the elements that are unknown.
 ///
 /// # Errors
-/// [`Damaged`] if it is no payload, or if a value is none of its type.
+/// [`Damaged`] if it is no payload, or if a value does not fit its type.
 pub(super) fn read(payload: &[u8]) -> Result<(Settings, Unknown), Damaged> {
     let mut unknown = Unknown::NONE;
     for element in Elements(payload) {

@@ -217,7 +217,7 @@ fn pages(record: &Record, slot: Slot) -> impl DoubleEndedIterator<Item = (u32, &
     used.chunks(PAGE).enumerate().map(move |(i, page)| (slot.address() + (i * PAGE) as u32, page))
 }
 
-/// Reads the record at an address, as far as it says that it is one.
+/// Reads the record at an address, with the length in its header.
 async fn read_record(
     storage: &mut impl Storage,
     address: u32,

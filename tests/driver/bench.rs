@@ -127,7 +127,7 @@ impl Bench {
         bench
     }
 
-    /// How often a register was asked for or written, a write being the register plus 0x80.
+    /// The number of reads or writes of a register; a write is the register plus 0x80.
     pub fn count(&self, register: u8) -> usize {
         self.bus.requests.iter().filter(|(_, bytes)| bytes[2] == register).count()
     }

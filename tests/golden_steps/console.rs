@@ -83,7 +83,7 @@ impl StepPort for Pins<'_> {
 /// Where the counter of the step timer begins: 2 s before it wraps.
 const BEGIN: u32 = u32::MAX - 20_000_000;
 
-/// Rounds in which anything is done that ends by itself.
+/// The most rounds for work that ends by itself.
 const MOST_ROUNDS: usize = 4_000;
 
 /// A machine with contexts that run at random.
@@ -153,7 +153,7 @@ impl Machine<'_> {
         self.stop();
     }
 
-    /// Comes to rest in mid path, as fast as it may, and stops.
+    /// Brakes to rest in the middle of the path, as fast as allowed, and stops.
     fn brake(&mut self) {
         assert!(!self.link.is_idle());
         self.link.brake();

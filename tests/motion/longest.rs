@@ -1,5 +1,4 @@
-//! Moves that are far longer than any axis, as a machine without soft endstops may be asked for, with the greatest
-//! acceleration.
+//! Moves that are far longer than any axis, as a machine without soft endstops may get, with the greatest acceleration.
 
 use super::line::plan;
 use super::speeds::speeds;

@@ -1,4 +1,4 @@
-//! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
+//! Motion against an independent model: steps on time, limits kept, every move able to stop.
 
 mod alignment;
 #[path = "../support/belt_equations.rs"]

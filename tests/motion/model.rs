@@ -1,8 +1,8 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
-//! It shares no code with the planner. It follows the firmware's documentation: the line of moves of at least 1 mm
-//! along x or y, on which the belt motors stand, the junction-deviation law, the trend of the path, the minimum cruise
-//! ratio, and the limits.
+//! It shares no code with the planner. It follows the firmware's documentation. This covers the line of moves of at
+//! least 1 mm along x or y, on which the belt motors stand. It also covers the junction-deviation law, the trend of the
+//! path, the minimum cruise ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
 
@@ -81,7 +81,7 @@ fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
 
 fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settings) -> Option<Way> {
     let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
-    // An axis that is asked for the same again stays where it is.
+    // An axis with the same target again stays where it is.
     let mut to: [f64; 4] = std::array::from_fn(|i| if target[i] == asked[i] { from[i] } else { target[i] * pitch[i] });
     let mm = |to: [f64; 4]| -> [f64; 4] { std::array::from_fn(|i| (to[i] - from[i]) / pitch[i]) };
     let mut d = mm(to);
@@ -210,7 +210,7 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
         let fastest = along(f64::INFINITY, q.unit, speeds, s.motor_max_speed.to_num()).min(speeds[3] / q.ratio.abs());
         let gain = a * q.length;
         let slow = bend.min(jump(greatest)).min(fastest.powi(2));
-        // Corners more than 4 ms apart are none of one bend.
+        // Corners more than 4 ms apart belong to different bends.
         let is_over = q.length >= 0.004 * slow.sqrt() + 0.5 * q.a * 0.004f64.powi(2);
         let made_up = if is_over { f64::INFINITY } else { 1.15 * gain / slow.max(gain) };
         path.lead = lead.map(|v| v * (1.0 - made_up / size(lead).max(1e-30)).max(0.0));
@@ -288,7 +288,7 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
 }
 
 /// The instants in s at which a coordinate crosses from one step to the next within a trapezoid, counted from its
-/// begin; `row` gives the coordinate as a sum of x, y, z and e.
+/// begin. `row` gives the coordinate as a sum of x, y, z and e.
 pub fn crossings(t: &Trapezoid, row: [f64; 4]) -> Vec<(f64, i8)> {
     let value = |p: &[f64; 4]| -> f64 { p.iter().zip(row).map(|(p, r)| p * r).sum() };
     let (from, to) = (value(&t.from), value(&t.to));

@@ -42,7 +42,7 @@ fn pieces(moves: &[Move], steps_per_mm: f64) -> Vec<Piece> {
     pieces
 }
 
-/// The speed of the filament, and the pressure that it asks for.
+/// The speed of the filament, and its pressure.
 fn at(pieces: &[Piece], time: f64) -> [f64; 2] {
     let found = pieces.partition_point(|piece| piece.time[1] <= time);
     let Some(piece) = pieces.get(found).filter(|piece| piece.time[0] <= time) else { return [0.0; 2] };

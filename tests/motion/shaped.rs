@@ -37,7 +37,7 @@ fn mean(impulses: &[(f64, f64)]) -> f64 {
 struct Motion {
     moves: Vec<Trapezoid>,
     begins: Vec<f64>,
-    /// Pressure that has been asked for at the begin of each move, in steps times s.
+    /// Pressure commanded at the begin of each move, in steps times s.
     pressure: Vec<f64>,
     advance: f64,
 }

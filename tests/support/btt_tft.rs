@@ -107,7 +107,7 @@ impl BttTft {
         Some(line)
     }
 
-    /// Whether it knows all that it asks for.
+    /// Whether it knows all the values that it requests.
     pub fn is_done(&self) -> bool {
         self.is_connected && self.queue.is_empty() && !self.awaits_ok
     }

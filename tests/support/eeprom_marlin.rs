@@ -1,5 +1,5 @@
-//! OctoPrint's plugin EEPROM-Marlin (cp2004, 3.x) as its source has it: `__init__.py` asks for M503 where the
-//! firmware's name has Marlin in it, and `parser.py` reads the lines of the answer by regular expressions.
+//! OctoPrint's plugin EEPROM-Marlin (cp2004, 3.x) as its source has it: `__init__.py` requests M503 if the firmware's
+//! name contains Marlin, and `parser.py` reads the lines of the answer by regular expressions.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use std::collections::BTreeMap;

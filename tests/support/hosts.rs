@@ -1,4 +1,4 @@
-//! Hosts as their sources have them, as far as the line protocol goes.
+//! Hosts as in their sources, within the line protocol.
 
 use super::machine::numbered;
 

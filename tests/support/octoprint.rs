@@ -1,4 +1,4 @@
-//! OctoPrint as its source has it, as far as the line protocol goes.
+//! OctoPrint as in its source, within the line protocol.
 
 use super::hosts::{Host, Pauses, requested};
 use super::machine::numbered;
@@ -34,11 +34,11 @@ pub struct OctoPrint {
     /// When it gives up waiting for an `ok`, and whether it has just done so.
     ok_timeout: u32,
     has_lost_patience: bool,
-    /// It has sent the wrong line, as it does when it is asked for one that is still to come while it repeats others.
+    /// It has sent the wrong line, as it does at a request for a future line while it repeats others.
     pub has_erred: bool,
     clear_to_send: i32,
     inbox: VecDeque<String>,
-    /// The monitor hangs in a plugin, and then puts this into the queue.
+    /// The monitor waits in a plugin, and then puts this into the queue.
     hanging: Option<(u32, String)>,
 }
 
@@ -198,7 +198,7 @@ impl Host for OctoPrint {
                 self.resend_ok_timer = None;
                 self.handle_ok(ms);
             }
-            // The loop that sends is quicker than the one that reads: the worse order of the two.
+            // The loop that sends is faster than the one that reads: the worse order of the two.
             if self.clear_to_send > 0
                 && let Some(line) = self.next_in_queue()
             {

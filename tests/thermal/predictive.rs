@@ -83,7 +83,7 @@ fn the_part_fan_is_no_surprise_whichever_output_it_hangs_on() {
         println!("part fan on FAN{place} ({role:?}): {dip:.2} K down, {usual:.2} on FAN0");
         assert!((dip - usual).abs() < 0.05, "{dip} {usual}");
     }
-    // A fan that blows elsewhere is none of the hotend's.
+    // A fan that blows elsewhere does not cool the hotend.
     let mut elsewhere = settings();
     elsewhere.fans[4].role = FanRole::Part;
     assert!(dip_of_fan(elsewhere, 0) < 0.2);

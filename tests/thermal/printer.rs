@@ -141,7 +141,7 @@ impl Printer {
         Self { bench, status, orders, control, settings, extruded: 0.0, silent: [false; 3], seconds: 0.0 }
     }
 
-    /// Asks for something.
+    /// Sends an order.
     pub fn order(&mut self, order: Order) {
         self.orders.enqueue(order).unwrap();
     }

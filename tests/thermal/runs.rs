@@ -1,7 +1,7 @@
 //! Runs: a controller heats the hotend of a plant, and the figures say how well.
 //!
-//! A controller is called every 20 ms with the reading of the converter in C. One that measures more seldom counts the
-//! time by itself.
+//! A controller is called every 20 ms with the reading of the converter in C. A controller that measures less often
+//! counts the time by itself.
 
 use corehbot::port::Sensor;
 use corehbot_rig::plant::{Drive, Plant, PlantConstants, Thermistor};

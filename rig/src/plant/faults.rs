@@ -84,7 +84,8 @@ pub struct PlantFaults {
     pub converter_stopped: bool,
     /// The readings are off by one place in the order bed, hotend, VREFINT: each place shows the following one's.
     pub channels_slipped: bool,
-    /// Supply and reference of the converter, V. Thermistors hang on it too, so their readings do not change with it.
+    /// Supply and reference of the converter, V. Thermistors are supplied by it too, so their readings do not change
+    /// with it.
     pub vdda_volts: f64,
     /// Supply of the heaters while it is on, V.
     pub supply_volts: f64,

@@ -185,7 +185,7 @@ impl Plant {
         match sensor {
             Sensor::Bed => self.read(Place::Bed),
             Sensor::Hotend0 => self.read(Place::Hotend),
-            // Where a chamber's sensor hangs on the prototype.
+            // The connector of a chamber's sensor on the prototype.
             Sensor::Hotend1 if self.constants.chamber.is_some() => self.read(Place::Chamber),
             Sensor::Hotend1 | Sensor::Hotend2 | Sensor::Hotend3 => None,
         }

@@ -27,7 +27,7 @@ pub(in crate::machine) enum Answer<'a> {
     Nothing,
     /// The `ok` that ends an answer, unless it stands in the answer itself (`has_ok`).
     Ok,
-    /// M110, with the number that it asked for.
+    /// M110, with the line number that it requested.
     LineNumber(Option<i32>),
     TooLong,
     /// Nothing, and no `ok` for now: the line is kept.

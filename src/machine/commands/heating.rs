@@ -47,7 +47,7 @@ const UNREAD_MS: u32 = 2000;
 /// Interval of temperature lines in every wait.
 pub(super) const LINE_MS: u32 = 1000;
 
-/// The heater and the temperature that a line asks for.
+/// The heater and the temperature of a line.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct TargetWords {
     pub heater: Heater,

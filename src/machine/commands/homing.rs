@@ -20,9 +20,8 @@
 //! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
 //! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
 //! - README.md (limits), the row of G29 and G30 in docs/reference/host-protocol.md, the head of `src/motors.rs`;
-//! - after `approach`, the real position for planner and program, as `stand_at_switch` sets it after homing, because
-//!   the planner is at the end of the move; and its own wording where `HomingFailed` speaks of homing
-//!   (`main_loop/reply.rs`);
+//! - after `approach`, the real position for planner and program, as `stand_at_switch` sets it after homing (the
+//!   planner is at the end of the move); and its own wording for `HomingFailed` (`main_loop/reply.rs`);
 //! - another word than "Probing" in the list of missing parts in boards/*/README.md.
 //!
 //! To home Z by the probe instead, moreover:

@@ -60,7 +60,7 @@ async fn report_pieces<P: PortSet, W: Pend>(
     Ok(MachineAnswer::End(length))
 }
 
-/// The machine that was put together from pieces, if this board can be it.
+/// The machine assembled from pieces, if it fits this board.
 fn machine_that_came<P: PortSet, W: Pend>(
     main_loop: &MainLoop<'_, P, W>,
     pieces: &MachinePieces,

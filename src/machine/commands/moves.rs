@@ -124,9 +124,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
     }
 
-    /// In a print, a line waits for heat that has gone off by itself. A line that cannot be carried out, because the
-    /// hotend is too cold for it or an axis has lost its place, is kept. The answer says so. A line that prints begins
-    /// a print, and ends a pause.
+    /// In a print, a line waits for a heater that has switched off by itself. A line that cannot be carried out,
+    /// because the hotend is too cold for it or an axis has lost its place, is kept. The answer says so. A line that
+    /// prints begins a print, and ends a pause.
     async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
         if asked.prints() && !self.main_loop.job().is_printing() {

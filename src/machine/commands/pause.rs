@@ -200,8 +200,8 @@ async fn save_and_park<P: PortSet, W: Pend>(
     change(main_loop, modal, cold, unload.saturating_neg(), UNLOAD_SPEED).await
 }
 
-/// Filament comes out or goes in, as if a line had asked for it in the pause. The length is limited to one line's
-/// maximum; with a cold hotend it is zero.
+/// Filament comes out or goes in, as by a line in the pause. The length is limited to one line's maximum; with a cold
+/// hotend it is zero.
 async fn change<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,

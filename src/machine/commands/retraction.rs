@@ -8,10 +8,10 @@ use crate::machine::state::retraction::RetractionSettings;
 use crate::settings::Range;
 use crate::units::Mm;
 
-/// The longest retraction and the highest lift: bowden tubes ask for less than a tenth of it.
+/// The longest retraction and the highest lift: bowden tubes need less than a tenth of it.
 const RETRACTION: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 
-/// M207. A filament that is retracted is recovered as far as it was retracted.
+/// M207. Retracted filament is recovered by the length of its retraction.
 pub(in crate::machine) fn set_retraction(
     [length, feed, lift]: [Option<Number>; 3],
     settings: &mut RetractionSettings,

@@ -96,7 +96,7 @@ impl ShaperWords {
 const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
 
-/// M900 K and M572 W, as far as they are in range; W0 is the window that suits the shapers.
+/// M900 K and M572 W, if they are in range; W0 is the window that suits the shapers.
 fn set_advance(time: Option<Number>, window: Option<Number>, wanted: &mut Settings, clamps: &mut Clamps) {
     if let Some(time) = time {
         clamps.near(["M900", "K"], time, ranges::ADVANCE, &mut wanted.advance.time);

@@ -13,7 +13,7 @@ pub(in crate::machine) enum Asked {
     LineNumber(Option<i32>),
     /// Too much.
     TooLong,
-    /// To be asked for again.
+    /// The line is requested again.
     Resend(ResendReason, i32),
     /// Nothing: the host is silent, and gets the question for the line after this one.
     Question(i32),

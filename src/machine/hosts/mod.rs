@@ -5,8 +5,8 @@
 //!   serial line ◀── replies  ◀── the command's answer, and periodic reports
 //! ```
 //!
-//! The main loop calls [`serving::Hosts`] at every turn; the Console has it ask for the next line when the last one is
-//! answered. Nothing here knows the Console; `main_loop::halted` has the replies after a stop.
+//! The main loop calls [`serving::Hosts`] at every turn; the Console makes it request the next line when the last one
+//! is answered. Nothing here knows the Console; `main_loop::halted` has the replies after a stop.
 //!
 //! | word | means |
 //! |---|---|

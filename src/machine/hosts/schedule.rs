@@ -1,4 +1,4 @@
-//! When reports come by themselves: M154 and M155, to the host that asked for them and as often as it asked.
+//! When reports come by themselves: M154 and M155, to the host that requested them and at its interval.
 //!
 //! A report is a whole line, and it is put in only where everything said before has left. So it stands neither inside
 //! a line nor between the lines of one answer, and a host that does not read is not filled with it.
@@ -19,7 +19,7 @@ pub(in crate::machine) enum Report {
 }
 
 impl Report {
-    /// The command that asks for it.
+    /// Its command.
     pub const fn code(self) -> &'static str {
         match self {
             Self::Position => "M154",

@@ -3,9 +3,8 @@
 //! Commands are carried out one at a time, in turn from the hosts that have one. The replies to a command go to the
 //! host that sent it.
 //!
-//! A host that waits gets `busy` (`keep_alive`): its text is in `protocol::reply`, its interval
-//! `Settings::keepalive_s` (M113). Waits for heat say temperatures besides, every second (`LINE_MS` in
-//! `commands::heating`).
+//! A host that waits gets `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s`
+//! (M113). Waits for heat also report temperatures, every second (`LINE_MS` in `commands::heating`).
 
 use super::asked::Asked;
 use super::host::{Host, Text, Urgent};

@@ -1,8 +1,8 @@
 //! Uploads: the lines that a host sends between M28 and M29 are a file for a card. There is no card, and the lines are
 //! not commands, so they are answered and not carried out: Pronsole sends them without waiting for the answer to M28.
 //!
-//! A host that never says M29 must not be without a printer for good. Besides M29, these end an upload, and the host
-//! gets a message:
+//! A host that never sends M29 must not block the printer for ever. Besides M29, these end an upload, and the host gets
+//! a message:
 //!
 //! - The line is opened again (USB knows when), which the host sees as a reset.
 //! - M110, the first word of a print. Pronsole says it once within an upload too, directly behind M28, because it sends

@@ -55,7 +55,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         &mut self.ports.storage
     }
 
-    /// Why this board is no machine, if it is none.
+    /// Why this board has no machine, if it has none.
     pub fn refusal(&self) -> Option<&'static str> {
         self.ports.drivers.refusal()
     }

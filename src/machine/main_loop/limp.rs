@@ -1,4 +1,4 @@
-//! Limp: a motor of the belt has failed in mid-print, and the others take the nozzle off the print.
+//! Limp: a motor of the belt has failed during a print, and the others take the nozzle off the print.
 //!
 //! Motors that can pull against each other are more than it takes to hold x and y: without one of them the others still
 //! do. So if one driver fails, its motor alone loses its power, at once, because a driver that was reset makes other
@@ -122,7 +122,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 
     /// Goes to a place with a speed and acceleration that three motors hold easily. The motor that has failed has no
-    /// power, so none is asked for.
+    /// power, so the move does not require it.
     async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         while !self.planner.prepare() {
             self.poll_again().await?;

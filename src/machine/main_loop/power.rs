@@ -9,7 +9,7 @@ use crate::machine::ports::PortSet;
 use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
 use crate::units::Instant;
 
-/// Proofs asked for until motors have power. Usually seven configurations and seven quick proofs suffice. If the first
+/// Proofs requested until motors have power. Usually seven configurations and seven quick proofs suffice. If the first
 /// proofs expire before the last ones arrive, the wire is too bad to print with.
 const MOST_PROOFS: usize = 6 * Motor::ALL.len();
 
@@ -65,7 +65,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             let residuals = self.residuals();
             let next = residuals.first_of(missing);
             self.meet_phases(&residuals, next).await?;
-            // All of them have proved their settings; proofs that are too old are asked for again.
+            // All of them have proved their settings; proofs that are too old are requested again.
             let now = self.ports.clock.now();
             let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
             // The idle timeout must not take it away before the move that it is for.

@@ -55,7 +55,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.end_trim().await
     }
 
-    /// The motor has turned as far as it should, or was stopped: z has its place again. Motion rests.
+    /// The motor has finished its turn, or was stopped: z has its place again. Motion rests.
     pub async fn end_trim(&mut self) -> Result<(), Interrupt> {
         if self.real.grouping() != Grouping::Trim {
             return Ok(());

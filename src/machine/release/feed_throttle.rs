@@ -1,9 +1,9 @@
 //! Slowing down for a host that cannot keep up, instead of stopping and going.
 //!
 //! A stream that has run dry and continues is slower than the print needs. From then on the feed is a share of the
-//! commanded one, in proportion to the time of the waiting moves at their commanded speed: all of it with 200 ms, half
-//! of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first the share is
-//! no less than a half; every time the stream runs dry again that least share is halved.
+//! commanded one. It is in proportion to the time of the waiting moves at their commanded speed: all of the feed with
+//! 200 ms, half of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first
+//! the share is no less than a half; every time the stream runs dry again that least share is halved.
 //!
 //! Before the stream has run dry none of this happens, because it depends on when lines arrive. It ends when the
 //! look-ahead is full, because the host is then known to be faster. It also ends when a command waits for the motion,
@@ -15,7 +15,7 @@ use crate::units::TICKS_PER_MS;
 /// With moves for this time nothing is slowed down; it is less than the motion needed to begin.
 const FULL_FEED_TICKS: u64 = 200 * TICKS_PER_MS as u64;
 
-/// The least share at first, and at all.
+/// The least share at first, and the absolute least share.
 const LEAST_SHARES: (u8, u8) = (WHOLE / 2, WHOLE / 8);
 
 /// The share of the feed that the stream allows.

@@ -1,6 +1,6 @@
 //! When moves leave the look-ahead.
 //!
-//! Moves leave for good: their speeds never change after. Which speeds they leave with must not depend on when the
+//! Moves leave for ever: their speeds never change after. Which speeds they leave with must not depend on when the
 //! host's bytes arrived, so only final moves leave by themselves (see `motion::planner`). Time matters in two cases
 //! only: when motion begins, which changes no speed, and when the stream is dry. A dry stream is an underrun if another
 //! move follows before a command waits for the motion. Otherwise it was the end of the stream, where the tool rests in

@@ -157,7 +157,7 @@ fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
 /// M503, the part of the drivers.
 fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     let groups = s.drivers;
-    // Marlin's heading, by which a BTT TFT asks for M569.
+    // Marlin's heading; with it a BTT TFT requests M569.
     to.remark(format_args!("Driver stepping mode:"));
     for (group, axes) in [(groups.belt, "X Y"), (groups.z, "Z"), (groups.e, "E")] {
         to.setting(format_args!("M569 S{} {axes}", u8::from(group.stealth)));

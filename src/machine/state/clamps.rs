@@ -56,8 +56,8 @@ const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linea
 
 /// All words with a rule other than keeping the old value, or with a hint.
 const RULES: [Rule; 15] = [
-    // F: axes have limits anyway, so the fastest speed fulfils a faster F, the slowest a slower F. F0 and less ask for
-    // no motion at all, so the feed stays (`feed`).
+    // F: axes have limits anyway, so the fastest speed fulfils a faster F, the slowest a slower F. F0 and less mean no
+    // motion at all, so the feed stays (`feed`).
     edge(""),
     // A fan runs between still and full speed, and slicers round to 256 or count in other units.
     edge("M106"),

@@ -7,14 +7,14 @@ use crate::gcode::{AxisWords, Number};
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, part_of};
 
-/// Filament that a program can ask for: half of the fifth decimal, the last that slicers write. Sums of relative moves
-/// are off by less.
+/// The least length of filament that a program can command: half of the fifth decimal, the last that slicers write.
+/// Sums of relative moves are off by less.
 pub(in crate::machine) const LEAST_FILAMENT: Mm = Mm::lit("0.000005");
 
 /// Where the program is.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Commanded {
-    /// Where the machine is commanded to: x, y, z as machine coordinates, e as filament really asked for.
+    /// The commanded position of the machine: x, y, z as machine coordinates, e as filament that is really wanted.
     position: [Mm; 4],
     /// The program's origin, in machine coordinates (G92).
     origin: [Mm; 3],
@@ -24,7 +24,7 @@ pub(in crate::machine) struct Commanded {
     retraction: Retraction,
     /// The distance by which a pause has moved it away in addition, where no line has moved it since.
     parked: [Mm; 4],
-    /// A host has pulled filament back in the pause: it does all by itself that the pause has done already.
+    /// A host has pulled filament back in the pause: its own script repeats the steps of the pause.
     has_taken_over: bool,
 }
 
@@ -35,9 +35,9 @@ pub(in crate::machine) struct Wanted {
     pub position: [Mm; 4],
     /// E as the program will count it then.
     pub extrusion: Mm,
-    /// Whether filament was asked for that must not move.
+    /// Whether filament was commanded that must not move.
     pub is_held_back: bool,
-    /// Whether the filament asked for in one move was more than there may be; it is left out then.
+    /// Whether the filament commanded in one move was above its limit; it is then left out.
     pub too_much: bool,
     /// Whether the target was farther away than any machine reaches, and lies at the farthest place now.
     pub is_too_far: bool,
@@ -110,7 +110,7 @@ impl Commanded {
         self.parked
     }
 
-    /// The machine is back where the print is, but for filament that is still pulled back.
+    /// The machine is back where the print is, except for filament that is still pulled back.
     pub const fn unpark(&mut self, filament: Mm) {
         (self.parked, self.has_taken_over) = ([Mm::ZERO, Mm::ZERO, Mm::ZERO, filament], false);
     }
@@ -176,7 +176,7 @@ impl Commanded {
         self.position = self.of_program(machine);
     }
 
-    /// The machine was stopped there: filament that did not move was not asked for.
+    /// The machine was stopped there: filament that did not move does not count as commanded.
     pub fn fall_short(&mut self, machine: [Mm; 4]) {
         let real = self.of_program(machine);
         let [.., extrusion] = self.named(real);
@@ -203,7 +203,7 @@ impl Commanded {
         self.retraction.note_planned(step);
     }
 
-    /// Filament that was recovered in addition counts as asked for.
+    /// Filament that was recovered in addition counts as commanded.
     pub fn take_extra(&mut self) {
         if let Some(extra) = self.retraction.take_extra() {
             let [_, _, _, e] = &mut self.position;

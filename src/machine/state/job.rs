@@ -197,7 +197,7 @@ impl Job {
         matches!(self.phase, Phase::Printing)
     }
 
-    /// Something is paused, be it a print or not.
+    /// A pause is active, in a print or not.
     pub const fn is_paused(&self) -> bool {
         matches!(self.phase, Phase::Paused { .. })
     }

@@ -19,7 +19,7 @@ pub(in crate::machine) struct MachinePieces {
 pub(in crate::machine) enum PieceError {
     /// A gap: this many bytes are there.
     Gap(usize),
-    /// It is no hexadecimal number of whole bytes, or none at all.
+    /// It is no hexadecimal number of whole bytes, or it is empty.
     NoHex,
     /// No record is so long.
     TooLong,
@@ -50,7 +50,7 @@ impl MachinePieces {
         Ok(())
     }
 
-    /// The record, as far as it was put together.
+    /// The assembled part of the record.
     pub fn record(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or_default()
     }

@@ -2,8 +2,8 @@
 //!
 //! A pause saves it and restores it. Every other interruption of the program does the same.
 //!
-//! Overrides (M220, M221, M111) are no part of it: the user sets them to tune a print, and does so in a pause too.
-//! Klipper's `RESTORE_GCODE_STATE` puts speed and flow back, Marlin's M24 does not.
+//! Overrides (M220, M221, M111) are no part of it: the user sets them to tune a print, also in a pause. Klipper's
+//! `RESTORE_GCODE_STATE` puts speed and flow back, Marlin's M24 does not.
 
 use super::commanded::Commanded;
 use super::modal::Modal;

@@ -4,7 +4,7 @@
 //! lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep the values of M207 and M208.
 //!
 //! Four events end a retraction: G28, M84 of the extruder, the end of a print and the next print forget it. The
-//! filament stays where it is then, and counts as asked for.
+//! filament then stays where it is, and counts as commanded.
 
 use crate::units::{Mm, MmPerSec};
 
@@ -92,7 +92,7 @@ impl Retraction {
         self.away = Some(step.away);
     }
 
-    /// The filament that was recovered in addition, which counts as asked for. `None` if some is still retracted.
+    /// The filament that was recovered in addition, which counts as commanded. `None` if some is still retracted.
     pub fn take_extra(&mut self) -> Option<Mm> {
         let [lift, length] = self.away.filter(|[_, length]| *length <= Mm::ZERO)?;
         self.away = (lift > Mm::ZERO).then_some([lift, Mm::ZERO]);

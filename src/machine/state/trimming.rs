@@ -58,7 +58,7 @@ impl Trimming {
         self.held
     }
 
-    /// Whether the motors agree, as far as is known.
+    /// Whether the motors are known to agree.
     pub const fn is_aligned(&self) -> bool {
         self.is_aligned
     }

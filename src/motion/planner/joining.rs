@@ -189,7 +189,8 @@ impl OpenLine {
         self.state = State::None;
     }
 
-    /// Begins a line with a move from `begin`, where `asked` was asked for; false if the move is too long for it.
+    /// Begins a line with a move from `begin`, with `asked` as the commanded position there; false if the move is too
+    /// long for it.
     #[inline(always)]
     fn start(
         &mut self,
@@ -223,8 +224,8 @@ impl OpenLine {
         true
     }
 
-    /// Takes up a chord that continues the line; false if it does not. The chord begins with filament where `from` was
-    /// asked for, and filament may be off by half of `filament_step` mm.
+    /// Takes up a chord that continues the line; false if it does not. The chord begins with filament commanded at
+    /// `from`, and filament may be off by half of `filament_step` mm.
     #[inline(always)]
     fn takes(&mut self, target: &Target, from: Mm, filament_step: f32) -> bool {
         if target.speed != self.feed
@@ -308,8 +309,8 @@ fn is_thousandths([x, y, z, _]: [Mm; 4], [from_x, from_y, from_z, _]: [Mm; 4]) -
 }
 
 impl Planner<'_> {
-    /// Plans a move to `target` as a part of a stream: it continues the open line, or begins one, or gets its place
-    /// at once. False if it has no length and is none. The caller has asked [`has_room`](Self::has_room).
+    /// Plans a move to `target` as a part of a stream: it continues the open line, or begins one, or gets its place at
+    /// once. False if it has no length and so is no move. The caller has asked [`has_room`](Self::has_room).
     pub fn add(&mut self, target: &Target, settings: &Settings) -> bool {
         let ([.., from], filament_step) = (self.asked, self.filament_step());
         if self.line.is_open() && self.line.takes(target, from, filament_step) {

@@ -9,18 +9,18 @@
 //! A slicer cuts a curve into chords. Each corner between two chords is harmless by itself, and together they are a
 //! turn, so three more rules limit the speed on curves:
 //!
-//! - **Long chords**, of a millimetre or more: a chord of the length L with such a corner at both ends is a part of a
+//! - **Long chords**, of a millimetre or more. A chord of the length L with such a corner at both ends is a part of a
 //!   circle of the radius `L/2 tan(t/2)`, so `v^2 = a L/2 tan(t/2)`. One corner is enough to find it.
 //! - **Shorter chords in a long curve**: the radius r comes from the path over some distance
 //!   ([`path_curvature`](super::path_curvature)), and `v^2 = a r`.
-//! - **Shorter chords in a short bend**, over before the curvature is known: at a corner with a small change of
+//! - **Shorter chords in a short bend**, over before the curvature is known. At a corner with a small change of
 //!   direction p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may
 //!   change the velocity by no more than that, plus the change that the acceleration allows in the time between them.
 //!   The sum of the jumps, less the second part, is the lead of `path_curvature`. Corners that are more than
 //!   [`BEND_TIME`] apart are of different bends.
 //!
-//! The acceleration on that arc points along the change of direction, so it is limited by the limits of the axes in
-//! that direction: a corner between the bed plane and Z is as slow as Z.
+//! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
+//! between the bed plane and Z is as slow as Z.
 //!
 //! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion`
 //! (`corners`, `model`, `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of
@@ -41,8 +41,8 @@ use core::f32::consts::SQRT_2;
 /// Where the sine of half the angle is less than this, the second move goes straight back: directions have 30 bits.
 const LEAST_SINE: f32 = 1e-7;
 
-/// A turn with a smaller square is none. That is a turn of a millionth: the last digits of coordinates turn a move of a
-/// metre by as much. At 1 m/s the tool's speed jumps by a thousandth of a mm/s.
+/// A turn with a smaller square counts as straight. That is a turn of a millionth: the last digits of coordinates turn
+/// a move of a metre by as much. At 1 m/s the tool's speed jumps by a thousandth of a mm/s.
 const LEAST_TURN_SQ: f32 = 1e-12;
 
 /// Chords of at least this length, in mm, are rated corner by corner. Shorter ones are rated by the
@@ -168,7 +168,7 @@ fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, bas
     if size < LONG_CHORD { corner } else { least(corner, size * max_accel * sine / root(turn_sq)) }
 }
 
-/// The lesser of two limits; one that was divided by 0 is infinite, which is none.
+/// The lesser of two limits; a value divided by 0 is infinite, and so is no limit.
 fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }

@@ -95,7 +95,7 @@ pub struct Planner<'m> {
     pub(in crate::motion) belts: Belts,
     /// Where the last move ends.
     pub(in crate::motion) end: [Steps; 4],
-    /// The last target: an axis that is asked for the same again stays where it is.
+    /// The last target: an axis with the same target again stays where it is.
     pub(in crate::motion) asked: [Mm; 4],
     /// The vector of the planned move; while a line is open, its first chord. It is made here, because a copy of it
     /// takes as long as making it.
@@ -117,7 +117,7 @@ pub struct Planner<'m> {
     /// Filament where the last move ends that has left.
     pub(in crate::motion) released_filament: Steps,
     moves: u32,
-    /// Moves that wait: the moves of the window, and the open line. Each turn of the Console asks for it.
+    /// Moves that wait: the moves of the window, and the open line. Each turn of the Console reads it.
     count: usize,
     /// Path of the tool, raw `Mm` bits.
     path: u64,
@@ -151,7 +151,7 @@ impl<'m> Planner<'m> {
         planner
     }
 
-    /// Takes over new resolutions (M92); the machine stands.
+    /// Takes over new resolutions (M92) at rest.
     pub fn set_resolution(&mut self, settings: &Settings) {
         self.step_scale = step_scales(settings);
     }
@@ -229,7 +229,7 @@ impl<'m> Planner<'m> {
         self.end
     }
 
-    /// Plans a move to `target` by itself; false if it has no length and is none. The caller has asked
+    /// Plans a single move to `target`; false if it has no length and so is no move. The caller has asked
     /// [`has_room`](Self::has_room).
     pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
         self.close_line(settings);
@@ -243,7 +243,7 @@ impl<'m> Planner<'m> {
         true
     }
 
-    /// There is another move, be it in the window or the open line.
+    /// There is another move, in the window or the open line.
     #[inline(always)]
     const fn count_move(&mut self) {
         self.moves = self.moves.wrapping_add(1);
@@ -403,8 +403,8 @@ impl<'m> Planner<'m> {
         self.window.is_planned() && self.window.has_ready()
     }
 
-    /// Whether the first move waits for more moves, or there is none; as far as is known, it is not so while moves are
-    /// [planned again](Self::replan).
+    /// Whether the first move waits for more moves, or there is none. While moves are [planned again](Self::replan)
+    /// this counts as false.
     #[must_use]
     pub fn lacks_moves(&self) -> bool {
         self.window.is_planned() && !self.window.has_ready()

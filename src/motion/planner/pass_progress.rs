@@ -18,7 +18,7 @@ pub(in crate::motion) struct Cursor {
     pub entry_sq: SpeedSq,
 }
 
-/// The moves that are final, as far as is known.
+/// The moves known to be final.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct FinalCount {
     pub next: Cursor,

@@ -85,13 +85,13 @@ impl Planned {
         SpeedSq::of(self.spec.nominal)
     }
 
-    /// The greatest exit speed squared as far as this move is concerned; 0 for a move that an endstop may end.
+    /// The greatest exit speed squared that this move allows; 0 for a move that an endstop may end.
     #[inline(always)]
     pub fn exit_limit_sq(&self) -> SpeedSq {
         if self.spec.watch.is_empty() { self.nominal_sq() } else { SpeedSq::ZERO }
     }
 
-    /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
+    /// Takes `wanted` as its nominal speed, within the limits of the axes and the motors.
     #[inline(always)]
     pub fn set_nominal(&mut self, wanted: MmPerSec) {
         // A move that was requested does not stand still.

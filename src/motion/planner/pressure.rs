@@ -49,7 +49,7 @@ pub(in crate::motion) struct Flow<'a> {
     pub geometry: &'a Geometry,
     /// K if it prints, else 0, in s.
     pub advance: f32,
-    /// The speed that is asked for, in mm/s.
+    /// The commanded speed, in mm/s.
     pub feed: f32,
 }
 
@@ -180,7 +180,7 @@ impl Pressure {
         greatest((last.extrusion - flow.geometry.extrusion).abs(), jump)
     }
 
-    /// The jump at the corner to a move of that q, given all that is asked for in the window and the share of jumps.
+    /// The jump at the corner to a move of that q, given the needs in the window and the share of jumps.
     #[inline(always)]
     fn jump(&self, asked: &Asked, q: f32, room: f32, s: &Settings) -> f32 {
         let jump = (q - self.q).abs() * self.rate;
@@ -190,7 +190,7 @@ impl Pressure {
         if jump > all * NOISE && room * jump < jerk * all { jerk * all / room } else { jump }
     }
 
-    /// A move that asks for that follows, and takes at least so long, in s.
+    /// A move with these needs follows, and takes at least this long, in s.
     #[inline(always)]
     fn go_on(&mut self, asked: &Asked, time: f32) {
         self.now = self.now.with(asked);

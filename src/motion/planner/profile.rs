@@ -223,7 +223,7 @@ mod tests {
             let m = run(100.0, 757.0, 300.0, 300.0, 300.0 - change);
             let part = 1.0 - f64::from(m.exit_share) / f64::from(WHOLE);
             let found = 2.0 * part * (300.0 - change / 2.0) / seconds(m.decelerate);
-            // But for the last of the share's 31 bits.
+            // Except for the last of the share's 31 bits.
             let tolerance = 1e-5 + 1.0 / (part * f64::from(WHOLE));
             assert!((found / 757.0 - 1.0).abs() < tolerance, "{change} mm/s: {found}");
         }

@@ -33,8 +33,8 @@ impl StepScale {
         self.mantissa as f32 * f32::from_bits((127 - 32 - u32::from(self.shift & 31)) << 23)
     }
 
-    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its distance.
-    /// An axis that is asked for the same again stays where it is.
+    /// The end position in steps of a move that begins at `from`, with `asked` as the commanded position there, and its
+    /// distance. An axis with the same target again stays where it is.
     #[inline(always)]
     pub fn end_and_distance(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, i64) {
         if to == asked {
@@ -44,7 +44,7 @@ impl StepScale {
         (end, self.distance(end.wrapping_sub(from)))
     }
 
-    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for.
+    /// The end position in steps of a move that begins at `from`, with `asked` as the commanded position there.
     #[inline(always)]
     pub fn end(&self, to: Mm, asked: Mm, from: Steps) -> Steps {
         if to == asked { from } else { self.steps(to) }

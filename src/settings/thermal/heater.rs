@@ -114,7 +114,7 @@ pub struct Guards {
 pub struct HeaterSettings {
     /// Whether there is one.
     pub is_fitted: bool,
-    /// Where it hangs.
+    /// Its output.
     pub output: Output,
     /// Its sensor.
     pub sensor: Sensor,

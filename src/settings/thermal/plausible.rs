@@ -4,7 +4,7 @@
 //! real heater but is a typing error, and guards that believe the model would miss a fault. (The floor,
 //! `thermal::guard::Floor`, holds in any case.)
 //!
-//! The numbers by kind are those of [`Bounds`].
+//! [`Bounds`] has the numbers by kind.
 
 use super::{Bounds, HeaterModel};
 use crate::connectors::Heater;
@@ -55,7 +55,7 @@ impl Plausible {
         Range { least: loss, most: ranges::LOSS.clamp(self.loss.most.saturating_mul_int(4)) }
     }
 
-    /// The keys of a model, as machine files name them, that are none a heater of this kind and power has.
+    /// The keys, as in machine files, of a model's values that no heater of this kind and power has.
     pub fn beyond(&self, power: Watts, model: &HeaterModel) -> impl Iterator<Item = &'static str> + use<> {
         let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = *model;
         [

@@ -491,7 +491,7 @@ fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
     let damaged = |bytes: &[u8]| assert_eq!(decode(&forge(FORMAT, bytes)), Err(Rejected::Damaged), "{bytes:?}");
     damaged(&whole[..whole.len() - 1]);
     damaged(&[whole.clone(), [0xFF].to_vec()].concat());
-    // A switch that is 2, a choice that there is none of, a name that is none, a speed of 64 bits.
+    // A switch that is 2, an unknown choice, an illegal name, a speed of 64 bits.
     for element in [&[11, 1, 4][..], &[58, 1, 40], &[1, 3, 2, b'a', b':'], &[2, 6, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1]] {
         damaged(element);
     }

@@ -149,7 +149,7 @@ fn no_time_and_no_number_change_nothing() {
         plant.step(&heat, seconds);
     }
     assert_eq!((plant.hotend_celsius(), plant.hottest_celsius()), (100.0, hot(100.0).hottest_celsius()));
-    // A duty that is no number is none, and one above 1 is 1.
+    // A duty that is NaN counts as 0, and one above 1 as 1.
     let (mut nan, mut off) = (hot(100.0), hot(100.0));
     run(&mut nan, &Drive { hotend: f64::NAN, ..Drive::IDLE }, 1);
     run(&mut off, &Drive::IDLE, 1);

@@ -5,7 +5,7 @@
 //!                                  └─ angle: direction of a vector, cosine and sine by CORDIC
 //! ```
 //!
-//! Pure: nothing here knows the Console. `commands::moves` asks for one point after the other.
+//! Pure: nothing here knows the Console. `commands::moves` requests one point after the other.
 //!
 //! | word | means |
 //! |---|---|

@@ -231,7 +231,7 @@ pub(in crate::machine) fn set_velocity_limit<'a>(
     if let Some(number) = words.cruise_ratio {
         clamps.near([NAME, "MINIMUM_CRUISE_RATIO="], number, ranges::CRUISE_RATIO, &mut cruise_ratio);
     } else if let Some(number) = words.to_deceleration {
-        // As an acceleration the ratio is the part of ACCEL that is missing; more than all of ACCEL is none at all.
+        // As an acceleration the ratio is the missing part of ACCEL; more than all of ACCEL gives 0.
         let one = u64::from(Ratio::ONE.to_bits());
         let whole = u64::from(acceleration.to_bits());
         let missing = |ratio: Ratio| mul_div(whole, one.saturating_sub(u64::from(ratio.to_bits())), one) as u32;

@@ -22,7 +22,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
         Self { main_loop, interrupt: None }
     }
 
-    /// An interrupt ends the transfers, but for an M410 that finds no motion to stop.
+    /// An interrupt ends the transfers, except an M410 without a motion to stop.
     async fn go_round(&mut self) -> Result<(), StorageError> {
         match self.main_loop.poll().await {
             Err(interrupt) if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.main_loop.has_motion() => {
