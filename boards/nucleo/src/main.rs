@@ -1,6 +1,6 @@
 //! The firmware for the bench rig: a Nucleo-F446RE with a CNC shield v3.
 //!
-//! `cargo xtask build nucleo` makes the image, and README.md says how to wire and flash it.
+//! `cargo xtask build nucleo` makes the image, and README.md describes wiring and flashing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 mod wiring;

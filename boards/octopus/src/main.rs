@@ -1,8 +1,8 @@
 //! The firmware for the BTT Octopus V1.0 and V1.1, and for boards that differ from it in pins alone: the Octopus Pro
 //! V1.0 and the Fysetc Spider. One image serves all of them; its machine block says on which it is.
 //!
-//! `cargo xtask build octopus` (or `octopus-pro`, `spider`) makes the image, and the README.md of each board says how
-//! to wire and flash it.
+//! `cargo xtask build octopus` (or `octopus-pro`, `spider`) makes the image, and the README.md of each board describes
+//! wiring and flashing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO, SPIDER};

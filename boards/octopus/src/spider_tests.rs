@@ -40,7 +40,7 @@ fn each_pair_steps_by_one_store_and_nothing_of_the_prototype_is_slow() {
     }
 }
 
-/// What heats and blows is off, whichever version it is.
+/// Heaters and fans are off, on either version.
 #[test]
 fn heaters_are_low_and_not_offered() {
     assert_eq!(BOARD.outputs(), OutputSet::NONE);

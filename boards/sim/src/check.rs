@@ -56,7 +56,7 @@ const EPISODE: u32 = SAMPLES_PER_SECOND / 10;
 pub struct Violation {
     /// When, in motion time.
     pub tick: u64,
-    /// What, in words.
+    /// The violation in words.
     pub text: String,
 }
 
@@ -91,11 +91,11 @@ pub struct Checker {
     gauge: Gauge,
     changes: Changes,
     last_tick: u64,
-    /// What [`Groups::constraint`] says.
+    /// The constraint from [`Groups::constraint`].
     constraint: Option<[i32; MOST_GROUPS]>,
     /// Tick of each motor's last pulse.
     last_pulse: [Option<u64>; Motor::ALL.len()],
-    /// What strains a belt that may run round.
+    /// The strain of a closed belt.
     residuals: Option<Residuals>,
     /// Motors that may be trimmed, and how far each was trimmed: a motor that steps alone in an instant.
     trims: MotorSet,
@@ -105,7 +105,7 @@ pub struct Checker {
 }
 
 impl Checker {
-    /// A checker for a machine with these settings and limits, which stands still.
+    /// A checker for a machine at rest with these settings and limits.
     #[must_use]
     pub fn new(s: &Settings, limits: &Limits) -> Self {
         Self {
@@ -147,7 +147,7 @@ impl Checker {
         }
     }
 
-    /// The steps of each motor but for its trims.
+    /// The steps of each motor without its trims.
     fn untrimmed(&self) -> Counts {
         let counts = self.sampler.counts();
         std::array::from_fn(|motor| counts[motor] - self.trimmed[motor])
@@ -229,7 +229,7 @@ impl Checker {
         self.residuals.iter().flat_map(Residuals::iter).map(sum).map(i64::abs).max().unwrap_or_default()
     }
 
-    /// The sum of counts that no position changes, if the mechanism has one, and what rounding keeps it below.
+    /// The sum of counts that no position changes, if the mechanism has one, and its bound by rounding.
     fn strain(&self, counts: &Counts) -> Option<(i64, i64)> {
         let constraint = self.constraint?;
         let parts =
@@ -239,10 +239,10 @@ impl Checker {
     }
 }
 
-/// Whether the motors of a group have made the same steps; those that turn the other way round, the opposite ones.
+/// Whether the motors of a group have made the same steps, and motors in the opposite direction the opposite ones.
 fn is_together(group: &Group, counts: &Counts) -> bool {
     let at = counts[group.lead as usize];
-    // A loop, as every event is looked at.
+    // A loop, because it runs at every event.
     for (motor, count) in Motor::ALL.into_iter().zip(counts) {
         if (group.with.has(motor) && *count != at) || (group.against.has(motor) && *count != -at) {
             return false;
@@ -251,7 +251,7 @@ fn is_together(group: &Group, counts: &Counts) -> bool {
     true
 }
 
-/// What measures the coordinates.
+/// The measurement of the coordinates.
 struct Gauge {
     back: ForwardKinematics<{ Motor::ALL.len() }>,
     belts: Vec<Group>,

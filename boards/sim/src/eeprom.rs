@@ -16,7 +16,7 @@ use std::task::{Context, Poll, Waker};
 /// Bytes of an AT24C32.
 pub const SIZE: usize = 4096;
 
-/// What an erased cell holds.
+/// The content of an erased cell.
 const BLANK: u8 = 0xFF;
 
 /// The memory, and the file that keeps it.
@@ -37,7 +37,7 @@ impl Eeprom {
     /// An EEPROM with its image in a file; a missing file becomes a blank one.
     ///
     /// # Errors
-    /// If the file cannot be read and written, or is no image.
+    /// If the file cannot be read and written, or is not an image.
     pub fn open(path: &Path) -> Result<Self> {
         let named = |what: &str| format!("cannot {what} {}", path.display());
         let mut cells = vec![BLANK; SIZE];
@@ -101,7 +101,7 @@ impl Eeprom {
         note
     }
 
-    /// Its content, to look at and to damage.
+    /// Its content, to read and to damage.
     pub fn cells(&mut self) -> &mut [u8] {
         &mut self.cells
     }

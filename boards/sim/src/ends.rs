@@ -1,4 +1,4 @@
-//! Ends: the two ends of a print. A host speaks with the printer, a sink hears what its motors and heaters do.
+//! Ends: the two ends of a print. A host talks to the printer; a sink records motors and heaters.
 
 use corehbot::connectors::{FANS, HEATERS};
 use corehbot::motors::MotorSet;
@@ -44,7 +44,7 @@ pub trait Host {
     fn interject(&mut self, _out: &mut Vec<u8>) {}
     /// How much time has passed since the printer was switched on, in ticks; shared all the time.
     fn clock(&mut self, _tick: u64) {}
-    /// Whether it opens its line now, so that what came before was somebody else's; called all the time.
+    /// Whether it opens its line now, so that earlier bytes belong to another host; polled all the time.
     fn opens(&mut self) -> bool {
         false
     }

@@ -5,8 +5,8 @@
 //! `N1`, ... with a checksum, each after the `ok` for the previous one. A `Resend` goes back. An `M400` is added, so
 //! that the last `ok` means that the motion is done. (Printrun, `printcore.py`.)
 //!
-//! Where the printer waits for a user (M0, M1, M600, M601), it goes on after [`USER_SECONDS`], as a user would have it
-//! do. The file is read as it is sent; only the last commands are kept, in case they are asked for again.
+//! Where the printer waits for a user (M0, M1, M600, M601), the host resumes it after [`USER_SECONDS`], as a user
+//! would. The file is read as it is sent; only the last commands are kept, in case the printer asks for them again.
 
 use crate::file_line::{command_of, words};
 use crate::lines::{Lines, Survey, lines_of, survey};
@@ -135,7 +135,7 @@ pub struct FileHost {
     paused: Option<u64>,
     pauses: Vec<Remark>,
     pauses_total: u32,
-    /// The first commands that waited for a temperature; the last one may go on.
+    /// The first commands that waited for a temperature; the last one may still wait.
     heat_waits: Vec<HeatWait>,
     is_heat_awaited: bool,
     /// Since when a command has waited for a temperature, and for how long all of them did.
@@ -154,7 +154,7 @@ impl FileHost {
         Self::reading(lines_of(gcode), known)
     }
 
-    /// A host that will send the commands of `file`, which holds what `survey` says.
+    /// A host that will send the commands of `file`; `survey` describes its content.
     #[must_use]
     pub const fn reading(file: Lines<Box<dyn BufRead + Send>>, survey: Survey) -> Self {
         Self {
@@ -349,7 +349,7 @@ impl FileHost {
         self.next = number.clamp(-1, self.total());
     }
 
-    /// The printer says what hosts show a user.
+    /// The printer sends text that hosts show a user.
     fn hear_action(&mut self, action: &str) {
         match action {
             // It said why before.

@@ -1,9 +1,9 @@
 //! Host simulator: a whole CoreH-bot on a desk without a desk.
 //!
-//! [`world`] plays firmware and mechanism against each other in simulated time; a [`world::Host`] feeds it
-//! and every step event goes to a [`world::Sink`]. The sinks here write traces, add up figures and hold the
-//! steps to physics. It needs no threads, clock or temporary files, so it runs in a browser too; what turns its figures
-//! into pages is `corehbot-report`, and the command is `corehbot-cli`.
+//! [`world`] plays firmware and mechanism against each other in simulated time; a [`world::Host`] feeds it and every
+//! step event goes to a [`world::Sink`]. The sinks here write traces, add up figures and check the steps against
+//! physics. It needs no threads, clock or temporary files, so it runs in a browser too. `corehbot-report` turns its
+//! figures into pages, and the command is `corehbot-cli`.
 #![forbid(unsafe_code)]
 
 pub mod belt;

@@ -28,7 +28,7 @@ use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Set
 use corehbot::units::Seconds;
 use std::f64::consts::SQRT_2;
 
-/// What one coordinate may do, in mm and s.
+/// The limits of one coordinate, in mm and s.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Limit {
     /// The coordinate's name in messages.
@@ -72,7 +72,7 @@ struct Widest {
 impl Widest {
     const NONE: Self = Self { deviation: 0.0, square: 0.0, extruder: 0.0, has_advance: false };
 
-    /// Takes in what one set of settings allows.
+    /// Takes in the limits of one set of settings.
     fn widen(&mut self, s: &Settings) {
         self.extruder = self.extruder.max(s.extruder_jerk.to_num());
         match s.corner {
@@ -184,7 +184,7 @@ impl Limits {
         limits.finish()
     }
 
-    /// Takes in what one command allows.
+    /// Takes in the limits set by one command.
     fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
         if let Command::Advance { time: Some(time), .. } = parse(command.as_bytes()) {
             // The firmware leaves other lines alone.

@@ -53,7 +53,7 @@ impl<R: BufRead> Lines<R> {
 /// Counts the commands of `lines`, and shows `each` line with its number and its command, which may be empty.
 ///
 /// # Errors
-/// If the file cannot be read, or what `each` reported.
+/// If the file cannot be read, or the error from `each`.
 pub fn survey(lines: &mut Lines<impl BufRead>, mut each: impl FnMut(u32, &str, &str) -> Result<()>) -> Result<Survey> {
     let mut survey = Survey::default();
     while let Some(line) = lines.next_line()? {

@@ -1,6 +1,6 @@
 //! Ports: the simulator's stand-in for a board's hardware.
 //!
-//! All of them look at one time, which only the world moves on.
+//! All of them share one time, which only the world advances.
 
 use crate::belt::{BeltPlant, Chips};
 use crate::drivers::Drivers;
@@ -46,7 +46,7 @@ impl Wire {
         }
     }
 
-    /// Takes the bytes that `speak` gives, and says how many.
+    /// Takes the bytes from `speak`, and returns their number.
     pub(crate) fn take(&self, speak: impl FnOnce(&mut Vec<u8>)) -> usize {
         let mut bytes = Vec::new();
         speak(&mut bytes);

@@ -12,7 +12,7 @@ use std::path::Path;
 /// The names and texts of the scripts in a folder.
 ///
 /// # Errors
-/// What cannot be read.
+/// A folder or file that cannot be read.
 pub fn scripts(folder: &Path) -> io::Result<Vec<(String, String)>> {
     let mut scripts = Vec::new();
     for entry in std::fs::read_dir(folder)? {

@@ -55,7 +55,7 @@ impl Series {
         &self.bins
     }
 
-    /// Adds what happened at `tick`.
+    /// Adds the values at `tick`.
     pub fn add(&mut self, tick: u64, what: Bin) {
         while tick / self.bin_ticks >= MOST_BINS as u64 {
             self.halve();

@@ -103,7 +103,7 @@ impl Tally {
     #[must_use]
     pub fn finish(mut self, ticks: u64) -> Figures {
         let Self { sampler, measure, events, .. } = &mut self;
-        // The windows lag, so let the tool stand for one more.
+        // The windows lag, so the tool rests for one more.
         let end = ticks + SPEED_WINDOW as u64 * crate::sampler::SAMPLE_TICKS + 1;
         sampler.advance(end, |sample| measure.sample(sample, *events));
         Figures {

@@ -254,7 +254,7 @@ impl Tmc2209 {
         self.is_powered && self.register(GSTAT) & (DRV_ERR | UV_CP) == 0
     }
 
-    /// Whether its registers size its steps, so that somebody has configured it; otherwise its pins do.
+    /// Whether its registers size its steps, because it was configured; otherwise its pins do.
     #[must_use]
     pub fn is_configured(&self) -> bool {
         self.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT != 0
@@ -301,7 +301,7 @@ impl Tmc2209 {
         self.stubborn.clear();
     }
 
-    /// Whether it has truly answered since its registers were last lost, so that somebody could know of it.
+    /// Whether it has truly answered since its registers were last lost, so that the firmware could know of it.
     #[must_use]
     pub const fn has_spoken(&self) -> bool {
         self.has_spoken

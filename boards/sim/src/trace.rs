@@ -5,8 +5,7 @@
 //! over exactly the bytes of the file; it is computed even if no file is written, so two runs can be
 //! compared without keeping gigabytes.
 //!
-//! A print has tens of millions of rows, so rows are put together from prepared pieces instead of being
-//! formatted.
+//! A print has tens of millions of rows, so rows are joined from prepared pieces instead of being formatted.
 
 use corehbot::kinematics::Mechanism;
 use corehbot::motors::{Motor, MotorSet};
@@ -194,7 +193,7 @@ fn piece(steps: u8, forward: u8, motors: u8, end: &[u8]) -> Piece {
     piece
 }
 
-/// Writes `value` in decimal to the begin of `out` and says how long it is.
+/// Writes `value` in decimal to the begin of `out` and returns its length.
 fn decimal(mut value: u64, out: &mut [u8]) -> usize {
     let mut digits = [0; 20];
     let mut at = digits.len();

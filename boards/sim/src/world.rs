@@ -1,8 +1,8 @@
 //! The world: the firmware's handles and a machine made of numbers, in virtual time.
 //!
-//! All of it runs in one thread. Time advances only by the Stepper's alarm, or by a millisecond when
-//! nothing moves, so a print takes as long as the computing does. The host at the other end of the line
-//! of [`run`] answers at once: time stands still while the printer waits for a line.
+//! All of it runs in one thread. Time advances only by the Stepper's alarm, or by a millisecond when nothing moves, so
+//! a print takes as long as its computation. The host of [`run`] answers at once: time stands still while the printer
+//! waits for a line.
 
 use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
@@ -52,7 +52,7 @@ pub struct Outcome {
 /// Why there is no outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldError {
-    /// The printer waits for input and the host has nothing to say, for ten virtual minutes.
+    /// The printer waits for input and the host is silent, for ten virtual minutes.
     Stalled,
 }
 
@@ -86,7 +86,7 @@ pub struct Desk {
     pub belt: Option<Box<BeltPlant>>,
     /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
-    /// The heat that a world before this one has left; without it, everything is as warm as the room.
+    /// The heat left by an earlier world; without it, everything is as warm as the room.
     pub plant: Option<Box<Plant>>,
 }
 
@@ -160,7 +160,7 @@ pub struct World<'w> {
     next_period: u64,
     /// Until it asks for a restart.
     console: Option<Pin<Box<dyn Future<Output = Restart> + 'w>>>,
-    /// The switches that had ended a motion when the pins were last told.
+    /// The switches that had ended a motion when the pins were last updated.
     met: EndstopSet,
     wakes: Arc<Wakes>,
     odometer: Odometer,
@@ -246,7 +246,7 @@ impl<'w> World<'w> {
         self.odometer.follow(self.status.planned().1);
     }
 
-    /// Time passes: by a millisecond, or by a number of step events. Says whether there was motion.
+    /// Lets time pass: by a millisecond, or by a number of step events. Returns whether there was motion.
     pub fn advance(&mut self) -> bool {
         let shared = self.shared;
         if let Some(coupling) = self.drivers.take_coupling() {
@@ -328,7 +328,7 @@ impl<'w> World<'w> {
         HeatPeriod { now, tick, heaters, fans: heat.fan_duties() }
     }
 
-    /// Whether the Console has nothing to do before a host says more.
+    /// Whether the Console has no work before a host sends more.
     #[must_use]
     pub fn is_awaiting_hosts(&self) -> bool {
         self.wires.iter().all(Wire::is_silent) && self.status.is_awaiting_input()
@@ -368,7 +368,7 @@ impl<'w> World<'w> {
         Heater::ALL.into_iter().any(|heater| self.status.heat().target(heater) > 0)
     }
 
-    /// What its contexts know of each other.
+    /// The status shared by its contexts.
     #[must_use]
     pub const fn status(&self) -> &'w Status {
         self.status
@@ -418,7 +418,7 @@ pub fn run_with(
     run_on(settings, start, storage, &Drivers::new(), hosts, sink)
 }
 
-/// The same on drivers that somebody else holds too.
+/// The same on drivers that the caller shares.
 ///
 /// # Errors
 /// If printer and host wait for each other.

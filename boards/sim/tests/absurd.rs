@@ -156,7 +156,7 @@ fn f52_segments_of_micrometres_lose_no_step() {
     let segments = std::env::var("COREHBOT_SOAK_SEGMENTS").map_or(20_000, |count| count.parse().unwrap());
     for i in 0..segments {
         let um = 1 + random(20) as i64;
-        // One way for a while, then to and fro, then the other way.
+        // In one direction for a while, then to and fro, then in the other direction.
         let side = if i / 4000 % 2 == 0 { um } else { -um };
         let way = if i % 4000 < 2000 || i % 2 == 0 { side } else { -side };
         x += way;

@@ -1,4 +1,4 @@
-//! Every accident, before a heater is asked for and while it is: what waits for it ends.
+//! Every accident, before a heater is used and while it is: every wait for it ends.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/deaf.rs"]
@@ -83,7 +83,7 @@ fn whatever_breaks_no_wait_for_heat_lasts_longer_than_the_guards_allow() {
                 let accident = named.unwrap_or_else(|| kind.at(broken_s));
                 let (end, seconds, heard) = life(&heated(), accident, line, at_s, most_s);
                 println!("{line}, {} at {broken_s} s: {end:?} after {seconds:.1} s", kind.name);
-                // A sensor that cannot be read is no reason to wait.
+                // A wait does not start for an unreadable sensor.
                 let is_unread = matches!(kind.name, "open" | "short" | "converter" | "channels");
                 assert!(!is_unread || seconds < 4.0, "{line}, {}: {seconds} s: {heard}", kind.name);
                 assert!(!is_unread || line.starts_with("M303") || end != End::Done, "{line}, {}: {heard}", kind.name);
@@ -92,7 +92,7 @@ fn whatever_breaks_no_wait_for_heat_lasts_longer_than_the_guards_allow() {
     }
 }
 
-/// What broke before anybody heats is no fault: the job ends, and the machine can be homed, moved and asked.
+/// A part that broke before any heating is not a fault: the job ends, and the machine can be homed, moved and queried.
 #[test]
 fn a_heater_without_a_reading_ends_the_job_and_says_why() {
     for (kind, line, name) in

@@ -43,8 +43,8 @@ fn corners(gcode: &str) -> Vec<[f64; 2]> {
     all.iter().map(|at| at.map(|mm| 80.0 * mm)).collect()
 }
 
-/// Follows the tool from corner to corner and looks at the events of long moves along an axis, but for those within a
-/// step of their ends.
+/// Follows the tool from corner to corner and checks the events of long moves along an axis, except within a step of
+/// their ends.
 struct Walk {
     corners: Vec<[f64; 2]>,
     /// The corner that the tool is on its way to.

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// What came out of the step lines.
+/// The edges on the step lines.
 struct Bench {
     checker: Checker,
     tick: u64,
@@ -162,7 +162,7 @@ fn stop(word: &'static str, lines: &[String], at_ms: f64, after: &[&str]) -> Sto
     Stop { asked, rested, heard, findings: bench.checker.finish(Some(outcome.counts)), outcome }
 }
 
-/// Stops, and goes on to where the position tells whether anything was lost.
+/// Stops, and continues to a place where the position shows any lost step.
 fn stop_and_go_on(lines: &[String], at_ms: f64) -> Stop {
     let after = ["M114 R", "M114", "G90", "G1 X50 Y60 Z10 F9000", "M400", "M114 R"];
     let stop = stop("M410", lines, at_ms, &after);

@@ -77,7 +77,7 @@ const STATES: [(&str, &str, u64); 9] = [
     ("waiting for the user for a time", "M0 S30\n", u64::MAX),
 ];
 
-/// What followed the word.
+/// The state after the word.
 struct Aftermath {
     outcome: Outcome,
     heard: Vec<String>,

@@ -1,4 +1,4 @@
-//! Every setting and every shaper is known in all of its places; whoever adds one finds here where it is missing.
+//! Every setting and every shaper is known in all of its places; these tests show where a new one is missing.
 //!
 //! The places are listed at the head of `src/settings/mod.rs`. That a number has a range is `tests/setting_ranges.rs`'
 //! business, and that a record holds every field is serde's.

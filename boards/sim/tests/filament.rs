@@ -1,4 +1,4 @@
-//! Filament beyond what 32 bits count in steps: a long print goes on extruding after a stop.
+//! Filament beyond 32 bits of steps: a long print continues to extrude after a stop.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/lines.rs"]

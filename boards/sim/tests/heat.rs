@@ -149,10 +149,10 @@ fn heaters_that_nobody_uses_go_off_also_while_the_user_is_waited_for() {
     settings.thermal.idle_min = 1;
     let told = "echo:Heaters off after 1 minutes without use";
     let bed = |heard: &[String]| heard.iter().rfind(|line| line.starts_with("ok B:")).cloned().unwrap();
-    // Colder than the room: a sensor that stands still is no fault then.
+    // Colder than the room: a constant reading is not a fault then.
     let heard = talk(&settings, 63_000, &["M140 S20", "62000:M105"]);
     assert!(has(&heard, told) && bed(&heard).contains(" /0.00 "), "{heard:?}");
-    // Whoever comes back finds the bed as it was.
+    // A user who comes back finds the bed as it was.
     let heard = talk(&settings, 70_000, &["M140 S20", "M0", "62000:M108", "M105"]);
     assert!(has(&heard, told) && has(&heard, "echo:Heating again"), "{heard:?}");
     assert!(bed(&heard).contains(" /20.00 "), "{heard:?}");

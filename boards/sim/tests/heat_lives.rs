@@ -342,7 +342,8 @@ const fn is_of_hotend_and_bed(kind: &Kind) -> bool {
     matches!(kind.does, Does::Machine(_))
 }
 
-/// Hottest that hotend, bed and chamber may get whatever breaks, in C: what burns nothing (docs/explanation/safety.md).
+/// Highest allowed temperatures of hotend, bed and chamber whatever breaks, in C: nothing burns below them
+/// (docs/explanation/safety.md).
 const BURNS: [f64; 3] = [320.0, 160.0, 110.0];
 
 /// Something breaks in a life.

@@ -13,7 +13,7 @@ use corehbot_sim::world::{Desk, HeatPeriod, Sink, World};
 /// As short as the setting may be, in minutes.
 const IDLE_MIN: u8 = 1;
 
-/// So long the machine is left alone, in s; half an hour is what settings begin with.
+/// How long the machine is left alone, in s; the default setting is half an hour.
 const LEFT_S: u64 = 300;
 
 /// When heaters had power last, and had a target, in ticks.

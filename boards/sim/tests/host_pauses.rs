@@ -195,7 +195,7 @@ fn one_pause_near_the_start_changes_no_step_or_is_counted() {
     assert!(same >= 12, "{same}");
 }
 
-/// What ends by itself was no slow host: nothing is counted before something follows.
+/// A stream that ends did not have a slow host: nothing is counted before more lines follow.
 #[test]
 fn the_end_of_a_stream_is_no_underrun() {
     let lines = |words: &[&str]| words.iter().map(|line| (*line).to_owned()).collect::<Vec<_>>();

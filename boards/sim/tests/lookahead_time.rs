@@ -1,5 +1,4 @@
-//! How far the look-ahead reaches in time: whoever pauses or cancels a print need not wait for long, and no step is
-//! another one for it.
+//! The look-ahead's reach in time: a pause or a cancel takes effect soon, and no step changes by the limit.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/trace.rs"]

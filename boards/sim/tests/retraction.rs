@@ -12,7 +12,7 @@ use corehbot_sim::world::{Outcome, run};
 use deaf::Deaf;
 use lines::Lines;
 
-/// What M114 told, and how it ended.
+/// The reports of M114, and the outcome.
 fn print(lines: &[&'static str]) -> (Vec<String>, Outcome) {
     let mut host = Lines::new(lines.iter().map(|line| (*line).to_owned()).collect());
     let start = Some([100, 100, 10].map(Mm::from_num));

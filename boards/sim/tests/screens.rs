@@ -1,5 +1,5 @@
-//! Screens and plugins that make out what machine they hang on: a BTT TFT and OctoPrint's EEPROM-Marlin, as their
-//! sources have them.
+//! Screens and plugins that identify their machine: a BTT TFT and OctoPrint's EEPROM-Marlin, as their sources have
+//! them.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "../../../tests/support/btt_tft.rs"]

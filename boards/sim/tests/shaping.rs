@@ -255,7 +255,7 @@ fn the_window_follows_the_shapers_in_the_middle_of_a_print() {
 fn a_second_print_is_as_the_first() {
     let setup = "M593 F57.8 T2\nM900 K.05\n";
     let [once, twice, thrice] = [1, 2, 3].map(|times| {
-        // Each begins where the one before began, with its own lines, as slicers write them.
+        // Each begins where the previous one began, with its own lines, as slicers write them.
         let all = vec![format!("{setup}{}G1 X110 Y100\nG1 X100\nM400\n", rounds(|_| String::new())); times].concat();
         let print = print(&all);
         assert_eq!(print.findings.total, 0, "{:?}", print.findings.first);

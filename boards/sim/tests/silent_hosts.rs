@@ -1,4 +1,4 @@
-//! Hosts that fall silent in the middle of a print: whoever pauses is asked for nothing, and whoever waits goes on.
+//! Hosts that fall silent in the middle of a print: a host that pauses gets no request, and a host that waits gets on.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/deaf.rs"]
@@ -11,7 +11,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Outcome, World};
 use deaf::Deaf;
 
-/// What becomes of a line.
+/// The fate of a line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
     Sent,
@@ -80,14 +80,14 @@ fn lines(command_in_between: &'static str) -> Vec<&'static str> {
     lines
 }
 
-/// Pronsole says nothing when it pauses. What waits is printed, then the machine rests.
+/// Pronsole is silent when it pauses. Queued moves are printed, then the machine rests.
 #[test]
 fn a_paused_pronsole_is_asked_for_nothing() {
     let (outcome, heard) = stream(&lines("G1 X5"), &[(30, Fate::Paused)]);
     assert_eq!((resends(&heard), outcome.moves), (0, 40), "{heard:?}");
 }
 
-/// OctoPrint waits for the motion and asks for the position; it hears nothing at all until it goes on.
+/// OctoPrint waits for the motion and asks for the position; it hears nothing at all until it resumes.
 #[test]
 fn a_paused_octoprint_hears_nothing() {
     let mut lines = lines("M400");

@@ -121,7 +121,7 @@ const MODES: &str = "G21\nG90\nM82\nG92 E0\n";
 /// print began with.
 const LEFT_BEHIND: &str = "M572 W";
 
-/// The second print makes the steps of the first one at the same relative times, but for a tick of rounding. That holds
+/// The second print makes the steps of the first one at the same relative times, within a tick of rounding. That holds
 /// from the end of the homing on, which begins where the first print has ended.
 #[test]
 fn examples_and_the_clients_file_that_heats_print_the_same_twice_on_one_printer() {

@@ -32,8 +32,8 @@ fn a_step_may_be_seconds_away() {
     assert_eq!((steps(&outcome, Motor::M1), steps(&outcome, Motor::M4)), (64, 96), "x + 1, y + 0.2");
 }
 
-/// Reproducer: a resolution that changed 220 s after motion had begun made all steps of what followed come before the
-/// beginning of time, that is never.
+/// Reproducer: a resolution that changed 220 s after the begin of motion gave all later steps times before the start,
+/// so they never came.
 #[test]
 fn a_resolution_may_change_after_minutes() {
     let outcome = print("G4 S220\nM92 X81 Y81\nG1 X60 F6000\nG1 X20\nG1 X30\nM400\n");

@@ -110,7 +110,7 @@ fn a_print_comes_to_be_as_fast_as_its_host() {
         // time.
         assert!(speeds[..20].iter().any(|speed| *speed > 99.0));
         let slow = speeds.iter().skip(10).position(|speed| *speed < 0.95 * 100.0).unwrap() + 10;
-        // A second later it has found its speed, as long as the host goes on.
+        // A second later it has found its speed, as long as the host keeps its pace.
         let settled = &speeds[slow + 100..speeds.len() - 40];
         let least = settled.iter().copied().fold(f64::MAX, f64::min);
         let most = settled.iter().copied().fold(0.0, f64::max);
@@ -181,7 +181,7 @@ fn overload(lines: &[String], pace: impl Fn(usize) -> u64) -> (Outcome, String) 
     (print.outcome, line)
 }
 
-/// What M122 says when nothing was too slow.
+/// M122's text when nothing was too slow.
 const NOTHING: &str =
     "0 steps late, worst 0 us; 0 spans stretched, worst 0 us; 0 times out of steps, 0 times out of moves";
 

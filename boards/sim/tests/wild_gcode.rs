@@ -7,7 +7,7 @@ mod body;
 use body::heat_gcode;
 use proptest::prelude::*;
 
-/// Lines that heat, set what heating depends on, stop it or wait, some of them wrong; pauses and things that break.
+/// Lines that heat, set values for heating, stop it or wait, some of them wrong; pauses and breakages.
 fn piece() -> impl Strategy<Value = Vec<u8>> {
     let line = |text: &'static str| text.prop_map(|text| (text + "\n").into_bytes());
     prop_oneof![

@@ -78,7 +78,7 @@ async fn run_console(console: &'static mut Console) {
     SCB::sys_reset()
 }
 
-/// Has the Console look at the world again.
+/// Asks for a poll of the Console.
 pub fn wake_console() {
     critical_section::with(|section| {
         if let Some(waker) = CONSOLE_WAKER.borrow_ref(section).as_ref() {

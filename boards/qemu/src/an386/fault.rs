@@ -6,7 +6,7 @@ use core::panic::PanicInfo;
 use semihosting::io::{self, Write as _};
 use semihosting::process;
 
-/// Exit status: the run could not go on.
+/// Exit status: the run could not continue.
 const FAILED: i32 = 1;
 /// Exit status: a panic, as std has it.
 const PANICKED: i32 = 101;
@@ -22,7 +22,7 @@ impl core::fmt::Write for Stderr {
     }
 }
 
-/// The run cannot go on: says why and ends it.
+/// The run cannot continue: prints the reason and ends it.
 pub fn give_up(reason: core::fmt::Arguments<'_>) -> ! {
     report(reason);
     process::exit(FAILED)

@@ -16,7 +16,7 @@ use semihosting::sys::arm_compat::sys_errno;
 
 use super::serial;
 
-/// Semihosting calls between two looks at the status; few enough that no look is missed for longer than a byte takes.
+/// Semihosting calls between two polls of the status; few enough that no poll is later than a byte.
 const CALLS: u32 = 64;
 
 /// Idles until the host has ended and all motion is done.

@@ -58,8 +58,7 @@ fn main() -> ! {
     process::exit(0)
 }
 
-/// Puts the machine together and lets it go. A function of its own, so that what passes through the stack
-/// on its way does not stay there.
+/// Builds and starts the machine. A separate function, so that its temporaries do not stay on the stack.
 #[inline(never)]
 fn start_up() -> &'static Status {
     let job = job::read();

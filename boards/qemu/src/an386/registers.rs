@@ -1,7 +1,7 @@
 //! Device registers: the one place that turns addresses into loads and stores.
 //!
-//! Sources: ARM DAI 0386C (addresses), ARM DDI 0479D (APB timer and UART), and for what QEMU makes of
-//! them its hw/timer/cmsdk-apb-timer.c, hw/char/cmsdk-apb-uart.c and hw/misc/mps2-fpgaio.c.
+//! Sources: ARM DAI 0386C (addresses), ARM DDI 0479D (APB timer and UART). QEMU's version of these is in its
+//! hw/timer/cmsdk-apb-timer.c, hw/char/cmsdk-apb-uart.c and hw/misc/mps2-fpgaio.c.
 
 use core::ptr::{read_volatile, write_volatile};
 
@@ -51,7 +51,7 @@ pub mod uart {
     pub const DATA: Register = Register(0x4000_4000);
     /// Full buffers, and overruns, which are cleared by writing 1.
     pub const STATE: Register = Register(0x4000_4004);
-    /// Enabled parts.
+    /// Which parts are enabled.
     pub const CTRL: Register = Register(0x4000_4008);
     /// Write 1 to take an interrupt back.
     pub const INTCLEAR: Register = Register(0x4000_400C);

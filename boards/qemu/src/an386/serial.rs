@@ -29,7 +29,7 @@ static SENDING: ConstStaticCell<Queue<u8, 1024>> = ConstStaticCell::new(Queue::n
 static INCOMING: Handover<Producer<'static, Received>> = Handover::new();
 static OUTGOING: Handover<Consumer<'static, u8>> = Handover::new();
 
-/// Something did not fit into the ring; the Console learns it after all that did.
+/// Bytes did not fit into the ring; the Console learns that after all bytes that did fit.
 static IS_DROPPED: AtomicBool = AtomicBool::new(false);
 
 /// When the last byte of the host came, in ticks since start.
@@ -43,7 +43,7 @@ pub fn is_ended() -> bool {
     IS_ENDED.load(Ordering::Acquire)
 }
 
-/// When the host said its last byte but for the end of transmission, in ticks since start.
+/// Time of the host's last byte before the end of transmission, in ticks since start.
 pub fn last_byte() -> u32 {
     LAST_BYTE.load(Ordering::Relaxed)
 }

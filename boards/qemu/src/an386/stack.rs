@@ -21,7 +21,7 @@ pub fn size() -> usize {
     start - end
 }
 
-/// Room for what this room's functions have on the stack themselves.
+/// Room for the stack frames of this file's functions.
 const OWN: usize = 256;
 
 /// Forgets the use so far, so that [`used`] reports only later use.

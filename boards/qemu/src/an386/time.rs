@@ -11,7 +11,7 @@ use super::registers::{COUNTER, step_timer};
 /// Counter and timers (measured in QEMU 7.2; ARM DAI 0386C gives the FPGA's 25 MHz).
 const COUNTS_PER_SECOND: u32 = 25_000_000;
 
-/// Counts until an alarm, at most; what seems to be more has passed.
+/// Most counts until an alarm; a greater difference means that the alarm has passed.
 const LONGEST: u32 = 3 << 30;
 
 /// Counts are to ticks as 5 is to 2.

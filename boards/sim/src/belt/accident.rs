@@ -1,4 +1,4 @@
-//! Accident: what befalls the machine while it prints.
+//! Accidents of the machine during a print.
 //!
 //! A hit is an obstacle for the tool: when the tool first comes within 1 mm of a place on its way, a force acts against
 //! its motion for a time. The force opposes motion up to a limit in newtons; a tool that has stopped is held, and not
@@ -58,7 +58,7 @@ pub struct Accidents {
     pub brakes: Vec<Brake>,
 }
 
-/// Why a text is no accident.
+/// Why a text does not describe an accident.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AccidentError {
     /// Another number of parts than this.

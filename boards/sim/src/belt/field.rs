@@ -9,7 +9,7 @@ use crate::tmc2209::Tmc2209;
 /// Full steps of an electrical turn.
 const TURN: i64 = 4;
 
-/// What sizes its steps.
+/// The source of its step size.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Sized {
     /// Its jumpers, which the settings name: the driver was never configured.
@@ -20,7 +20,7 @@ enum Sized {
     ByPins,
 }
 
-/// What there is to know of one driver.
+/// The state of one driver.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
     /// Microsteps that the firmware counts on.

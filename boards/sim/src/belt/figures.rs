@@ -25,7 +25,7 @@ pub struct BeltFigures {
     pub off_mm: Option<f64>,
     /// The same in x and y.
     pub off_xy_mm: Option<[f64; 2]>,
-    /// How far it was off at most since homing, in mm.
+    /// The largest position error since homing, in mm.
     pub largest_off_mm: f64,
     /// Hits at places that the tool never reached.
     pub missed_hits: usize,
@@ -54,7 +54,7 @@ pub struct SkipFigures {
 }
 
 impl BeltPlant {
-    /// What became of it so far.
+    /// The figures so far.
     #[must_use]
     pub fn figures(&self) -> BeltFigures {
         let off = self.off_mm();

@@ -17,12 +17,12 @@ pub const MOST_MOTORS: usize = 4;
 /// A switch may be met so far beyond the reach, in mm, as `twin run` has it.
 const BEYOND_MM: f64 = 2.0;
 
-/// What turns a motor of the twin.
+/// The drive of a motor of the twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MotorDrive {
     /// The firmware's motor.
     pub motor: Motor,
-    /// 1, or -1 if it turns the other way.
+    /// 1, or -1 if it turns in the opposite direction.
     pub sense: i8,
 }
 
@@ -31,7 +31,7 @@ pub struct MotorDrive {
 pub struct Layout {
     /// The machine.
     pub machine: Machine,
-    /// What turns each of its motors.
+    /// The drive of each of its motors.
     pub drives: Vec<MotorDrive>,
 }
 

@@ -18,7 +18,7 @@
 //!
 //! Places here are G-code places; X0 Y0 is the corner of the reach.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | [`layout`] | which machine of the twin the settings are, and which motor turns which |
 //! | [`accident`] | hits and brakes, as the command line has them |
@@ -67,7 +67,7 @@ pub trait Chips {
     /// Motors with current from their drivers, and since when in ticks, if the firmware switched them on.
     fn powered(&self) -> (MotorSet, u64);
 
-    /// Has something done to the driver of a motor.
+    /// Applies an action to the driver of a motor.
     fn with(&mut self, motor: Motor, act: &mut dyn FnMut(&mut Tmc2209));
 }
 
@@ -88,9 +88,9 @@ impl Chips for &Drivers {
 pub struct BeltSetup {
     /// The machine's numbers.
     pub params: Params,
-    /// Draws phases at power-up, and the noise of load measurements; without one all phases are 0.
+    /// Seed of the phases at power-up, and of the noise of load measurements; without one all phases are 0.
     pub seed: Option<u64>,
-    /// What befalls it.
+    /// Its accidents.
     pub accidents: Accidents,
 }
 
@@ -356,7 +356,7 @@ impl BeltPlant {
         }
     }
 
-    /// Keeps what motors bear for the report.
+    /// Records the motors' load for the report.
     fn watch(&mut self) {
         let mut seen = CourseBin::default();
         for (share, rotor) in seen.shares.iter_mut().zip(self.live.rotors()) {

@@ -1,7 +1,7 @@
 //! Timeline: motion time of an instant that has passed.
 //!
-//! The plant lives in real time; people look for what happened in motion time, which stands still where motors rest.
-//! After M999 it begins at 0 again, and goes on here.
+//! The plant lives in real time. People search in motion time, which stands still where motors rest. After M999 motion
+//! time begins at 0 again, and continues here.
 
 use corehbot::units::TICKS_PER_SECOND;
 use std::collections::VecDeque;

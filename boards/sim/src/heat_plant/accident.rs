@@ -1,5 +1,5 @@
-//! Accidents of heat: what breaks, where, and when. One row of [`KINDS`] is one kind; the grammar, its errors, the list
-//! in docs/explanation/heat.md and the soak go by that table.
+//! Accidents of heat: the broken part, its place, and the time. One row of [`KINDS`] is one kind; the grammar, its
+//! errors, the list in docs/explanation/heat.md and the soak follow that table.
 
 use corehbot::connectors::Heater;
 use corehbot::settings::ThermalSettings;
@@ -14,7 +14,7 @@ pub enum Does {
     Sensor(SensorFault),
     /// To a heater and its switch.
     Heater(HeaterFault),
-    /// A fan stands still.
+    /// A fan stops.
     FanDead,
     /// To the machine as a whole.
     Machine(fn(&mut PlantFaults)),
@@ -89,7 +89,7 @@ const LATEST_S: f64 = 31_536_000.0;
 /// Something that breaks.
 #[derive(Clone, Copy, Debug)]
 pub struct Accident {
-    /// What.
+    /// Its kind.
     pub kind: &'static Kind,
     /// Where.
     pub place: Where,
@@ -97,16 +97,16 @@ pub struct Accident {
     pub at_s: f64,
 }
 
-/// Why a text is no accident.
+/// Why a text does not describe an accident.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AccidentError {
     /// It has not the parts that it needs.
     Form,
-    /// There is no such kind.
+    /// The kind is unknown.
     Kind(String),
-    /// There is no such place for this kind: the kind, the places that it has, the text.
+    /// This kind has no such place: the kind, the places that it has, the text.
     Where(&'static str, &'static str, String),
-    /// It is no time.
+    /// The time is not valid.
     Time(String),
 }
 

@@ -1,5 +1,5 @@
-//! The heat of the simulated machine as commands and files have it: the truth of its heaters (`truth`), and what breaks
-//! and when (`accident`).
+//! The heat of the simulated machine as commands and files define it: the true values of its heaters (`truth`), and its
+//! accidents with their times (`accident`).
 //!
 //! By default, the heat plant follows the machine's settings. Then the firmware never meets heaters that differ from
 //! its settings. With `--plant-heat` the heaters have their own values, and the firmware has to find out.
@@ -16,6 +16,6 @@ use corehbot_rig::plant::PlantConstants;
 pub struct HeatSetup {
     /// The true values; without them, the settings.
     pub truth: Option<PlantConstants>,
-    /// What breaks, by time.
+    /// Accidents, by time.
     pub accidents: Vec<Accident>,
 }

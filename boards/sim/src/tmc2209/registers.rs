@@ -1,4 +1,4 @@
-//! The registers of a TMC2209 with their addresses, and the bits that tests look at (datasheet rev 1.09, section 5).
+//! The registers of a TMC2209 with their addresses, and the bits that tests check (datasheet rev 1.09, section 5).
 
 /// A register's access by UART (section 5, column R/W).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

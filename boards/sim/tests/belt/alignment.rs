@@ -145,7 +145,7 @@ fn a_driver_that_falls_silent_ends_it_as_it_ends_a_print() {
     );
 }
 
-/// The setting decides what printing without it means.
+/// The setting decides the effect of printing without alignment.
 #[test]
 fn printing_moves_are_told_of_refused_or_aligned_for() {
     let with = |alignment| {
@@ -163,7 +163,7 @@ fn printing_moves_are_told_of_refused_or_aligned_for() {
     let (refused, _) = print(&with(Alignment::Required), 1, &moves);
     assert!(has(&refused, "X:70.00"), "{:?}", refused.heard);
     assert!(has(&refused, "echo:move ignored: align the belt motors first (M915)"), "{:?}", refused.heard);
-    // G28 does it by itself, once; whoever loses power has to do it again.
+    // G28 does it by itself, once; after a loss of power it is needed again.
     let lines = ["G28 X Y", "G28 X Y", "G1 X80 E1 F6000", "M400", "M114", "M84", "M122"];
     let (automatic, _) = print(&with(Alignment::Automatic), 1, &lines);
     let told = automatic.heard.iter().filter(|line| line.contains("belt motors aligned")).count();

@@ -15,7 +15,7 @@ use std::cell::{Cell, RefCell};
 
 const START: [f64; 3] = [195.0, 208.8, 10.0];
 
-/// What happens to a driver.
+/// A fault of a driver.
 type Harm = fn(&mut Tmc2209);
 
 /// Its motor supply goes: no torque, no answers, at once.

@@ -1,4 +1,4 @@
-//! Loads: what drivers measure of their motors.
+//! Loads: the drivers' measurements of their motors.
 
 use crate::printer::{plant, print_on};
 use corehbot::motors::Motor;

@@ -13,7 +13,7 @@ fn motors_without_power_do_not_hold_the_tool_against_a_push() {
         plant.tool_mm()[0] - before
     };
     let held = pushed(&["G1 X200 F6000", "M400", "G4 P200"]);
-    // Up to 5 N over 251.2 N/mm, less friction, and what friction had kept it from.
+    // Up to 5 N over 251.2 N/mm, less friction, and the shift that friction had prevented.
     assert!((0.015..0.025).contains(&held), "{held}");
     // 4.5 N on 0.6 kg and four rotors of 0.134 kg: some 10 mm in 0.1 s.
     let free = pushed(&["G1 X200 F6000", "M400", "M84", "G4 P200"]);
@@ -42,7 +42,7 @@ fn power_up_strains_the_belt_within_bounds_and_is_no_skip() {
     assert!((0.1..0.26).contains(&rms), "{rms}");
 }
 
-/// The same seeds without time between one motor and the next: what 100 ms are for.
+/// The same seeds without time between one motor and the next: the effect of the 100 ms.
 #[test]
 fn motors_that_settle_before_the_next_gets_power_strain_the_belt_half_as_much() {
     let rms = |settling_ms| {

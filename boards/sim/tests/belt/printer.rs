@@ -12,7 +12,7 @@ use corehbot_twin::params::Params;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Sends each line when the one before is answered.
+/// Sends each line when the previous one is answered.
 pub struct Lines {
     lines: VecDeque<String>,
     is_waiting: bool,
@@ -55,7 +55,7 @@ impl Sink for Events {
     }
 }
 
-/// What came of a print.
+/// The result of a print.
 pub struct Printed {
     pub events: Vec<(u64, u8, u8)>,
     pub outcome: Outcome,

@@ -45,11 +45,11 @@ fn moves_of(gcode: &str, from: usize) -> Vec<String> {
 struct Story {
     /// X and y are homed between the skip and M915 R.
     is_homed: bool,
-    /// Electrical turns by which each motor is elsewhere after the accident.
+    /// Shift of each motor by the accident, in electrical turns.
     turns: BTreeMap<&'static str, i32>,
     skips: Vec<SkipFigures>,
     heard: Vec<String>,
-    /// How far the tool is from where the program sent it in the end, and what strain there is.
+    /// The tool's position error in the end, and the strain.
     off_mm: f64,
     residual_mm: f64,
 }
@@ -106,8 +106,7 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
         let Story { is_homed, turns, skips, heard, off_mm, residual_mm } = story;
         let what = || format!("{seed}: {skips:?} {heard:?}, off {off_mm:.3} mm, residual {residual_mm:.4} mm");
         assert!(heard.iter().any(|line| line.contains("belt motors aligned")), "{}", what());
-        // Whatever has happened, the tool is where the program sent it, within a switch's step and what friction
-        // leaves.
+        // Whatever happened, the tool is where the program sent it, within a switch's step and the error by friction.
         assert!(*off_mm < 0.04 && residual_mm.abs() < 0.0125, "{}", what());
         let said = |text: &str| heard.iter().any(|line| line.contains(text));
         // Of motors that skipped alike homing leaves nothing.
@@ -160,7 +159,7 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     assert!(said("nothing to compare with") >= 1, "{:#?}", printed.heard);
 }
 
-/// A print is paused for a repair: with M24 it goes on from where it was, and so does one that was only asked about.
+/// A print is paused for a repair: M24 resumes it from its place, also after a diagnosis without repair.
 #[test]
 fn the_tool_is_back_where_it_was_after_a_repair() {
     let begin = ["G28", "G1 Z5 F900", "M915", "G1 X175 Y188.8 F9000", "G1 X195 Y208.8 F6000", "G1 X150 Y120", "M400"];

@@ -1,8 +1,8 @@
 //! Trust: whatever happens to the motors, however often and whenever. A place that the firmware calls right is right to
 //! a full step, and a belt that it calls aligned is not strained.
 //!
-//! No driver tells of a skip, so a place is trusted for no longer than its proof: what M915 D or R has just said. M122
-//! tells how long ago the switches were met.
+//! No driver reports a skip, so a place is trusted only as long as its proof: the latest result of M915 D or R. M122
+//! says how long ago the switches were met.
 
 use crate::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::settings::Settings;
@@ -20,7 +20,7 @@ const FULL_STEP_MM: f64 = 0.2;
 /// Motion time of the whole dialogue, in s: accidents come at any moment of it.
 const ALL_S: f64 = 140.0;
 
-/// What befalls the motors.
+/// The trouble of the motors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Trouble {
     /// One to three are held for a moment, some time.
@@ -35,7 +35,7 @@ fn accidents(trouble: Trouble, random: &mut Random) -> Vec<Brake> {
     let mut accident = |newtons: [f64; 2], ms: Option<[f64; 2]>| {
         let name = ["m1", "m4", "m8", "m11"][(random.unit() * 4.0) as usize % 4];
         let mut between = |[least, most]: [f64; 2]| least + (most - least) * random.unit();
-        // What begins to rub as all is proved is seen by the next proof.
+        // A motor that begins to rub after the proof is found by the next proof.
         let until_s = if trouble == Trouble::Held { ALL_S } else { 90.0 };
         let (force, from, ms) = (between(newtons), between([0.0, until_s]), ms.map(between));
         let ms = ms.map_or(String::new(), |ms| format!(",{ms:.1}"));
@@ -61,7 +61,7 @@ fn told_place(heard: &[String]) -> Option<[f64; 2]> {
     Some([number("X:")?, number("Y:")?])
 }
 
-/// A story, and whether the firmware said in the end that all is well.
+/// A life of the machine, and whether the firmware said in the end that all is well.
 struct Story {
     is_trusted: bool,
     skips: usize,

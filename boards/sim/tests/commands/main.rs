@@ -1,7 +1,7 @@
 //! Every command that slicers and hosts send, with its answer, as a table.
 //!
-//! The rows are those that a printer of this dialect must or should know. The machine of this
-//! test has no heaters, no probe and no storage; so their commands stand here with the words in which it says that.
+//! The rows are the commands that a printer of this dialect must or should know. The machine of this test has no
+//! heaters, no probe and no storage; so their rows have the messages about that.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod answers;

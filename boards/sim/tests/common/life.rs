@@ -1,4 +1,4 @@
-//! The life of a machine: lines are said one after the other, time passes, and what moves and warms is looked at.
+//! The life of a machine: lines are said one after the other, time passes, and moving and warm parts are checked.
 
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
@@ -113,7 +113,7 @@ impl Life<'_> {
         self.answered[self.host]
     }
 
-    /// Answers that have come belong to lines that somebody else has put there.
+    /// Answers so far belong to lines from another source.
     pub fn forget_answers(&mut self) {
         self.taken[self.host] = self.oks();
     }
@@ -186,7 +186,7 @@ impl Life<'_> {
         self.seen.borrow().heat.unwrap()
     }
 
-    /// What hotend and bed are kept at, as soon as they know.
+    /// The targets of hotend and bed, once they are known.
     pub fn targets(&mut self) -> [f64; 2] {
         self.rest(100);
         [0, 1].map(|place| self.heat().heaters[place].unwrap().target.to_num())

@@ -50,7 +50,7 @@ pub struct Truth {
     pub lags: [f64; 2],
 }
 
-/// A machine, and what its owner has told the firmware.
+/// A machine, and the settings that its owner gave the firmware.
 #[derive(Clone, Debug)]
 pub struct Machine {
     pub settings: Settings,
@@ -175,7 +175,7 @@ pub struct Life<'w> {
     pub last: Option<[f64; 2]>,
     /// The hottest of hotend, bed and chamber in truth, C.
     pub hottest: [f64; 3],
-    /// Everything that was sent, with its time in s, for whoever has to find out.
+    /// Everything that was sent, with its time in s, for debugging.
     pub log: Vec<String>,
 }
 
@@ -243,7 +243,7 @@ impl Life<'_> {
         Heater::ALL.into_iter().any(|heater| heat.duty(heater).is_some_and(|duty| duty > 0))
     }
 
-    /// A control period or so passes; a machine at rest is looked at once in one.
+    /// A control period or so passes; a machine at rest is checked once in one.
     fn turn(&mut self) {
         self.world.poll();
         self.partial.extend(self.world.wires()[0].heard());

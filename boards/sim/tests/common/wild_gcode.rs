@@ -1,4 +1,4 @@
-//! What holds for heaters whatever a host says and whatever breaks: one body for the fuzzer and for the property tests.
+//! Properties of heaters whatever a host says and whatever breaks: one body for the fuzzer and for the property tests.
 
 use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;
@@ -16,7 +16,7 @@ use std::cell::Cell;
 const PAUSE: u8 = 0xFD;
 const PAUSE_MS: u64 = 16;
 
-/// Something breaks or is mended: the byte after it says what.
+/// Breaks or mends a part, named by the next byte.
 const BREAK: u8 = 0xFC;
 
 /// Simulated time in all, in ms.
@@ -25,7 +25,7 @@ const MOST_MS: u64 = 60_000;
 /// A heater is off this long after its sensor has failed: 0.4 s, and the length of the period.
 const OFF_MS: u64 = 500;
 
-/// What heaters got in the last period.
+/// The heaters' power in the last period.
 struct Last<'c>(&'c Cell<Option<HeatPeriod>>);
 
 impl Sink for Last<'_> {

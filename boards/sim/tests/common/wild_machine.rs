@@ -1,5 +1,5 @@
-//! What holds for a stored machine whatever is in the storage and whatever a host says: one body each for the fuzzer
-//! and for the property tests.
+//! Properties of a stored machine whatever is in the storage and whatever a host says: one body each for the fuzzer and
+//! for the property tests.
 
 use corehbot::connectors::SIM;
 use corehbot::motors::MotorSet;

@@ -10,7 +10,7 @@ fn steps_of(lines: &[&str]) -> (u64, Vec<String>) {
     (steps.count, heard.into_iter().filter(|line| line.contains("arc")).collect())
 }
 
-/// Whether these lines have as many steps as those, but for a few.
+/// Whether these lines have as many steps as those, within a few.
 fn alike(lines: &[&str], meant: &[&str]) {
     let ((steps, told), (expected, _)) = (steps_of(lines), steps_of(meant));
     assert!(told.is_empty(), "{lines:?}: {told:?}");
@@ -36,11 +36,12 @@ fn a_full_circle_behind_relative_moves_is_one() {
         &["G20", "G91", "G1 X.1", "G1 X.1", "G90", "G2 X4.137 Y3.937 I0 J.2"],
         &["G1 X105.08", "G2 X105.08 Y100 I0 J5.08"],
     );
-    // A short arc is no circle.
+    // A short arc is not a full circle.
     alike(&["G1 X105", "G3 X105.1 Y100 I0 J5", "G1 X120"], &["G1 X120"]);
 }
 
-/// Rounding of relative moves is no motion of an axis that was not homed, no place beyond the edge and no filament.
+/// Rounding of relative moves does not count as motion of an axis that was not homed, as a place beyond the edge, or as
+/// filament.
 #[test]
 fn what_rounding_leaves_is_told_of_nothing() {
     let relative = |word: &str, times: usize| {

@@ -16,7 +16,7 @@ fn homing_finds_the_switches_through_the_belt() {
     for line in ["Reporting endstop status", "x_min: TRIGGERED", "y_min: TRIGGERED", "z_min: TRIGGERED"] {
         assert!(heard.contains(&line.to_owned()), "{line}: {heard:?}");
     }
-    // It takes seconds, so the host hears that somebody is busy.
+    // It takes seconds, so the host gets busy messages.
     assert!(heard.iter().filter(|l| *l == BUSY).count() >= 3, "{heard:?}");
     assert!(steps.count > 10_000 && !outcome.halted);
     let [n1, n4, n8, n11, ..] = outcome.counts;

@@ -35,7 +35,7 @@ pub const SETTERS: [(&str, &str); 20] = [
     ("M914", "XYZE"),
 ];
 
-/// Numbers at the edges of what types and ranges hold.
+/// Numbers at the edges of types and ranges.
 const NUMBERS: [&str; 14] =
     ["0", "1", "-1", "0.0000001", "0.001", "0.05", "0.3", "2", "10", "80", "255", "3000", "65536", "99999999999"];
 
@@ -45,7 +45,7 @@ pub fn heated() -> Settings {
     machine_file::load(&["hotend", "bed", "chamber"].map(heater).concat()).unwrap()
 }
 
-/// What M500 and the next start say after these lines.
+/// The messages of M500 and of the next start after these lines.
 fn stored_and_read(lines: &[String]) -> [Option<String>; 2] {
     stored_and_read_on(heated(), lines)
 }
@@ -98,7 +98,7 @@ fn resolutions_have_room_for_pulleys_of_different_sizes() {
 
 #[test]
 fn every_word_at_every_edge_alone_can_be_stored_and_read() {
-    // All words of a code in one session: what one made illegal, no other word makes legal.
+    // All words of a code in one session: a later word must not hide an illegal value.
     for number in NUMBERS {
         for (code, letters) in SETTERS {
             let lines: Vec<_> = letters.chars().map(|letter| format!("{code} {letter}{number}")).collect();

@@ -1,4 +1,4 @@
-//! The machine over the serial line: said in pieces, put together from pieces, looked at and stored.
+//! The machine over the serial line: sent in pieces, joined from pieces, checked and stored.
 
 use super::talk::{keep, talk_to};
 use super::wild_machine::lines_of;

@@ -64,12 +64,12 @@ fn a_part_that_is_not_there_is_told_once_a_print_and_each_by_name() {
         told(&["M106 P1 S9", "M106 P1", "M106 P2"]),
         ["echo:fan 1 is not commanded", "echo:fan 2 is not commanded"]
     );
-    // More of them than any print has are no flood either.
+    // More of them than in any print do not flood the host either.
     let many: Vec<String> = (1..200).map(|tool| format!("T{tool}")).collect();
     assert_eq!(told(&many.iter().map(String::as_str).collect::<Vec<_>>()).len(), 16);
 }
 
-/// What slicers write for machines with one extruder.
+/// Words that slicers write for machines with one extruder.
 #[test]
 fn words_for_the_only_extruder_are_silent() {
     let lines = [

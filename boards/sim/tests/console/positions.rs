@@ -1,4 +1,4 @@
-//! Positions: where moves end, and what M114 says of it.
+//! Positions: ends of moves, and M114's report of them.
 
 use super::talk::{talk, talk_to};
 use corehbot::settings::Settings;

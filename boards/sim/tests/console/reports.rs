@@ -34,7 +34,7 @@ fn settings_that_are_reported_read_back() {
     let (heard, ..) = talk(&again);
     let second: Vec<_> = heard.iter().filter_map(|l| l.strip_prefix("  ")).collect();
     assert_eq!(report, second);
-    // And a machine that was told nothing reports something else.
+    // A machine without these lines reports something else.
     let (heard, ..) = talk(&["M503"]);
     assert!(heard.contains(&"echo:  M205 J0.013 E5 S0 T0".to_owned()), "{heard:?}");
 }

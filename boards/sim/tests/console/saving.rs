@@ -55,7 +55,7 @@ fn an_emergency_stop_is_heard_while_settings_are_saved() {
     let (halted, writes, kept, heard) = save("M112\n", 24);
     assert!(halted && writes > before && writes < before + size, "{writes} writes: {heard:?}");
     assert_eq!(kept, Some(stored));
-    // A quick stop has nothing to stop there; the save goes on.
+    // A quick stop has nothing to stop there; the save continues.
     let (halted, _, kept, heard) = save("M410\n", 24);
     stored.keepalive_s = 8;
     assert!(!halted && kept == Some(stored), "{heard:?}");

@@ -161,8 +161,8 @@ fn drivers_without_a_wire_run_as_before() {
     assert!(told.has("Driver 1: configured") && told.has("Driver Z1: no UART"));
 }
 
-/// Rotors that get power snap to their nearest rest: all but one of a belt's motors find a belt that gives way, one
-/// after another.
+/// Rotors that get power snap to their nearest rest, one after another: all of a belt's motors except the first find a
+/// belt that gives way.
 #[test]
 fn motors_of_one_belt_get_power_one_after_another_and_lose_it_together() {
     /// The motors that were switched on, and when.

@@ -1,4 +1,4 @@
-//! Values: what M569, M906, M913 and M914 change, report and store.
+//! Values that M569, M906, M913 and M914 change, report and store.
 
 use super::script::{LONG_MOVE, Script, Steps, act, lines, play, say};
 use corehbot::motors::Motor;

@@ -9,8 +9,8 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::Limits;
 
-/// A real file: homing, arcs, retractions, Z hops, and a long way home. It ends where it says, counted from where
-/// homing found zero, which is known by what another print after the same homing counts.
+/// A real file: homing, arcs, retractions, Z hops, and a long way home. It ends at its last place, counted from the
+/// zero of homing; another print after the same homing gives that zero.
 #[test]
 fn every_machine_prints_a_file_and_ends_where_it_says() {
     let gcode = include_str!("../../../../examples/first-print.gcode");
@@ -34,7 +34,7 @@ fn every_machine_prints_a_file_and_ends_where_it_says() {
     }
 }
 
-/// Homing meets each switch where it is: the way to a point is that from the first switch-on position, whatever the
+/// Homing meets each switch at its place: the way to a point starts at the first switch-on position, whatever the
 /// motors.
 #[test]
 fn every_axis_of_every_machine_finds_its_switch() {

@@ -1,4 +1,4 @@
-//! Heat in a pause: it goes off after a time, comes back before the print goes on, and its faults are faults.
+//! Heat in a pause: it goes off after a time and comes back before the print resumes, and its faults are faults.
 
 use super::{MINUTE, heated, place, print};
 use crate::life::live;
@@ -15,7 +15,7 @@ fn heat_goes_off_in_a_long_pause_and_is_waited_for_before_the_print_goes_on() {
         assert_eq!(life.targets(), [0.0, 0.0]);
         assert!(life.celsius() < 150.0, "{}", life.celsius());
         life.say("M24");
-        // Told and done in this order.
+        // Reported and done in this order.
         let nth = |begin: &str| life.heard.iter().position(|line| line.starts_with(begin)).unwrap();
         assert!(nth("echo:Heating again") < nth("//action:resumed"), "{:?}", life.heard);
         assert_eq!(life.targets(), [200.0, 40.0]);

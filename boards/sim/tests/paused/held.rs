@@ -1,4 +1,4 @@
-//! Lines that cannot be carried out as yet, and what becomes of them.
+//! Held lines, which cannot be carried out yet, and their later effect.
 
 use super::{heated, place};
 use crate::life::{Life, live, live_at};
@@ -60,7 +60,7 @@ fn a_cold_line_is_held_and_a_host_that_can_do_nothing_else_is_let_go_by_m108() {
         life.await_ok();
         life.await_ok();
         assert_eq!(life.count("echo:line left out, the print is still paused"), 1, "{:?}", life.heard);
-        // The host heats, and its stream goes on.
+        // The host heats, and its stream continues.
         life.say("M109 S200");
         life.say("G1 X120 E2 F6000");
         life.say("M400");
@@ -80,7 +80,7 @@ fn a_cold_line_is_held_and_a_host_that_can_do_nothing_else_is_let_go_by_m108() {
         assert!(life.celsius() > 195.0, "{}", life.celsius());
         assert_eq!(place(life), [110.0, 100.0, 50.0, 1.0]);
     });
-    // This is no print: it is left out, as ever.
+    // This is not a print: it is left out, as ever.
     live(&heated(), 1, |life| {
         life.say("G1 E5 F300");
         assert_eq!(life.count("echo: cold extrusion prevented"), 1);

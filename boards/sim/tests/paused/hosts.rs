@@ -27,14 +27,14 @@ fn a_pause_script_of_the_host_neither_retracts_nor_parks_twice() {
         for line in back {
             life.say(line);
         }
-        // It goes on without M24.
+        // It resumes without M24.
         for line in ["G1 X160 E6", "M400"] {
             life.say(line);
         }
         assert_eq!(place(life), [160.0, 100.0, 50.0, 6.0]);
         assert_eq!(life.count("//action:resumed"), 1);
     });
-    // The other way round: the script first.
+    // In the opposite order: the script first.
     live(&Settings::prototype(), 1, |life| {
         life.say("G1 X150 E5 F6000");
         for line in &script[1..] {
@@ -65,7 +65,7 @@ fn models(pauses: &[u32]) -> [(Box<dyn Host>, &'static str, &'static [&'static s
     ]
 }
 
-/// The host prints, and in every ms something may happen, which ends it if it says so.
+/// The host prints, and `happens` runs in every ms; it returns whether to end.
 fn drive(life: &mut Life<'_>, host: &mut dyn Host, mut happens: impl FnMut(&mut Life<'_>) -> bool) {
     let (mut seen, mut ms) = (life.heard.len(), 0);
     while !host.is_done() && !happens(life) {

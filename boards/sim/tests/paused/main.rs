@@ -1,4 +1,4 @@
-//! Prints that are paused, held, cancelled and gone on with: the clock runs, and what moves is counted.
+//! Prints that are paused, held, cancelled and resumed: the clock runs, and motion is counted.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod ends;

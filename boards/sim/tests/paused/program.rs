@@ -67,7 +67,7 @@ fn overrides_that_are_set_in_a_pause_stay_and_others_are_what_they_were() {
             life.say(line);
         }
         assert_eq!(place(life), [160.0, 100.0, 50.0, 5.0 * 0.9 + 1.1]);
-        // The end of a pause by the next line that prints is no other.
+        // A pause that ends by the next printing line ends in the same way.
         for line in ["M25", "M220 S70", "G1 X170 E7", "M400"] {
             life.say(line);
         }
