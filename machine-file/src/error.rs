@@ -2,7 +2,7 @@
 
 use super::place::{self, Place};
 use crate::short::short;
-use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SettingsError, Thermistor};
+use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SHEETS, SettingsError};
 use std::fmt::{self, Display};
 
 /// An error in a machine file.
@@ -94,15 +94,15 @@ impl Display for MachineFileError {
             Self::Length { key, wanted } => write!(f, "{key} has {wanted} values"),
             Self::Thermistor(_) => {
                 f.write_str("thermistor is one of ")?;
-                for (at, (_, name)) in Thermistor::NAMED.into_iter().enumerate() {
+                for (at, sheet) in SHEETS.iter().enumerate() {
                     let before = if at == 0 {
                         ""
-                    } else if at + 1 == Thermistor::NAMED.len() {
+                    } else if at + 1 == SHEETS.len() {
                         " and "
                     } else {
                         ", "
                     };
-                    write!(f, "{before}{name}")?;
+                    write!(f, "{before}{}", sheet.name)?;
                 }
                 f.write_str(", or an NTC: { ohms = 100000, beta = 3950 }")
             }

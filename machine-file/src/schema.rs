@@ -6,7 +6,7 @@ use crate::value;
 use crate::written;
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::rows::{Kind, Legal, Text};
-use corehbot::settings::{Settings, Thermistor, ranges};
+use corehbot::settings::{SHEETS, Settings, ranges};
 use serde_json::{Map, Value, json};
 
 /// The schema, as JSON Schema draft 7: editors for TOML know no newer one (Taplo).
@@ -106,7 +106,7 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
                     "beta": of_range(ranges::BETA.spec().legal),
                 },
             });
-            let names = Thermistor::NAMED.map(|(_, name)| name);
+            let names = SHEETS.map(|sheet| sheet.name);
             json!({ "anyOf": [{ "type": "string", "enum": names }, numbers] })
         }
         Kind::MotorRow => {

@@ -101,12 +101,8 @@ fn plug(key: &str, name: &str) -> Result<Value, MachineFileError> {
 }
 
 fn thermistor(key: &str, toml: &Toml) -> Result<Thermistor, MachineFileError> {
-    let named = Thermistor::NAMED;
     match toml {
-        Toml::String(word) => {
-            let found = named.into_iter().find(|(_, name)| name == word).map(|(kind, _)| kind);
-            found.ok_or_else(|| MachineFileError::Thermistor(key.to_owned()))
-        }
+        Toml::String(word) => Thermistor::named(word).ok_or_else(|| MachineFileError::Thermistor(key.to_owned())),
         Toml::Table(table) if table.len() == 2 => {
             let number = |name: &str, legal: Legal| {
                 let value = table.get(name).ok_or_else(|| MachineFileError::Thermistor(key.to_owned()))?;
@@ -149,15 +145,14 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
         (Value::Number(number), Kind::Switch) => (*number != 0).into(),
         (Value::Number(number), Kind::Choice(name)) => name(usize::try_from(*number).ok()?)?.into(),
         (Value::Number(_), Kind::Thermistor) => {
-            let mut thermistor = Thermistor::Pt1000;
+            let mut thermistor = Thermistor::PT1000;
             thermistor.set(value).then_some(())?;
-            let name = Thermistor::NAMED.into_iter().find(|(kind, _)| *kind == thermistor);
-            match (name, thermistor) {
-                (None, Thermistor::Beta { ohms, beta }) => {
+            match thermistor {
+                Thermistor::Beta { ohms, beta } => {
                     let numbers = [("ohms", i64::from(ohms)), ("beta", beta.into())];
                     Toml::Table(numbers.map(|(key, number)| (key.to_owned(), number.into())).into_iter().collect())
                 }
-                (name, _) => name?.1.into(),
+                Thermistor::Sheet(_) => thermistor.sheet()?.name.into(),
             }
         }
         (Value::Number(_), Kind::MotorRow) => {

@@ -176,16 +176,13 @@ fn chamber(heater: &HeaterSettings) -> ChamberConstants {
     c
 }
 
-/// The law of a sensor, from its data sheet (in C and Ohm).
+/// The law of a sensor, from its data sheet.
 fn law(heater: &HeaterSettings) -> Thermistor {
-    use corehbot::settings::Thermistor as Kind;
-    match heater.thermistor {
-        Kind::Semitec104Gt2 => Thermistor::semitec_104gt2(),
-        Kind::Semitec104Nt4 => Thermistor::through([(25.0, 100e3), (160.0, 1074.0), (300.0, 82.78)]),
-        Kind::Generic3950 => Thermistor::through([(25.0, 100e3), (150.0, 1770.0), (250.0, 230.0)]),
-        Kind::Slice450 => Thermistor::through([(25.0, 500e3), (200.0, 3734.0), (400.0, 240.0)]),
-        Kind::Pt1000 => Thermistor::Platinum,
-        Kind::Beta { ohms, beta } => Thermistor::Beta { ohm_at_25: ohms.into(), beta: beta.into() },
+    use corehbot::settings::{Law, Thermistor as Kind};
+    match (heater.thermistor, heater.thermistor.sheet().map(|sheet| sheet.law)) {
+        (Kind::Beta { ohms, beta }, _) => Thermistor::Beta { ohm_at_25: ohms.into(), beta: beta.into() },
+        (_, Some(Law::Ntc(points))) => Thermistor::through(points),
+        (_, Some(Law::Platinum) | None) => Thermistor::Platinum,
     }
 }
 

@@ -170,7 +170,7 @@ impl HeaterLoop {
     pub fn damage(&mut self, place: usize) {
         let other = HeaterSettings { most: Celsius::const_from_int(400), ..self.settings };
         match place {
-            0 => self.curve = Curve::new(crate::settings::Thermistor::Pt1000),
+            0 => self.curve = Curve::new(crate::settings::Thermistor::PT1000),
             1 => {
                 let guards = crate::settings::Guards { heating: Ratio::lit("0.2"), ..other.guards };
                 self.guards.configure(&HeaterSettings { guards, ..other });

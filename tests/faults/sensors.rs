@@ -208,7 +208,7 @@ fn too_hot_is_off_whatever_the_target() {
     let mut printer = Printer::with(Plant::hot(&constants(), 230.0, 25.0), hot);
     let (cause, time) = until_off(&mut printer, 5.0);
     assert_eq!((cause, time <= 0.5), (Cause::TooHot, true));
-    assert_eq!(hot.heater(Heater::Hotend).thermistor, Thermistor::Semitec104Gt2);
+    assert_eq!(hot.heater(Heater::Hotend).thermistor, Thermistor::SEMITEC_104GT2);
 }
 
 /// Reproducer: while readings were doubtful a heater kept its power, even when it was switched off.

@@ -1,55 +1,11 @@
-//! A heater: its output, its sensor (and the kinds of sensor, [`Thermistor`]), its model, and the limits of its guards.
+//! A heater: its output, its sensor, its model, and the limits of normal behaviour.
 
+use super::Thermistor;
 use crate::connectors::{HEATERS, Output, Sensor};
-use crate::settings::rows::{Choice, Chosen, Field, Kind, Spec, Value, rows};
+use crate::settings::rows::{Choice, Chosen, Kind, Spec, rows};
 use crate::settings::{Settings, ranges};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
-
-/// A kind of temperature sensor, by the name under which it is sold. `thermal::sensor` has its numbers.
-///
-/// A new one comes after the others, since records hold its number. The compiler and tests then ask for its curve and
-/// its data sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in
-/// machine files ([`NAMED`](Self::NAMED)). By hand: `examples/machines/prototype.toml`, docs/explanation/heat.md.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
-pub enum Thermistor {
-    /// ATC Semitec 104GT-2: most hotends up to 300 C.
-    Semitec104Gt2,
-    /// ATC Semitec 104NT-4-R025H42G.
-    Semitec104Nt4,
-    /// 100 kOhm and B 3950: most beds.
-    Generic3950,
-    /// Slice Engineering's of 500 kOhm, for up to 450 C.
-    Slice450,
-    /// A platinum resistor of 1 kOhm at 0 C, as Slice Engineering's for 500 C.
-    Pt1000,
-    /// Any other NTC: its resistance at 25 C in Ohm, and its B in K.
-    Beta {
-        /// Resistance at 25 C, in Ohm.
-        ohms: u32,
-        /// B, in K.
-        beta: u16,
-    },
-}
-
-impl Thermistor {
-    /// Every kind, of [`Self::Beta`] one that is usual.
-    pub fn all() -> impl Iterator<Item = Self> {
-        core::iter::successors(Some(Self::Semitec104Gt2), |kind| kind.next())
-    }
-
-    /// The kind after this one. Without a wildcard: a new kind is linked in here, and tests go through all of them.
-    const fn next(self) -> Option<Self> {
-        match self {
-            Self::Semitec104Gt2 => Some(Self::Semitec104Nt4),
-            Self::Semitec104Nt4 => Some(Self::Generic3950),
-            Self::Generic3950 => Some(Self::Slice450),
-            Self::Slice450 => Some(Self::Pt1000),
-            Self::Pt1000 => Some(Self::Beta { ohms: 100_000, beta: 3950 }),
-            Self::Beta { .. } => None,
-        }
-    }
-}
 
 /// The model of a heater: M303 measures it and M306 sets it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -146,7 +102,7 @@ impl HeaterSettings {
             is_fitted: false,
             output,
             sensor,
-            thermistor: Thermistor::Semitec104Gt2,
+            thermistor: Thermistor::SEMITEC_104GT2,
             most: Celsius::const_from_int(285),
             power: Watts::const_from_int(40),
             max_duty: Ratio::ONE,
@@ -175,7 +131,7 @@ impl HeaterSettings {
             is_fitted: false,
             output,
             sensor,
-            thermistor: Thermistor::Generic3950,
+            thermistor: Thermistor::NTC_3950,
             most: Celsius::const_from_int(120),
             power: Watts::const_from_int(500),
             max_duty: Ratio::ONE,
@@ -254,51 +210,6 @@ impl Choice for Sensor {
 
 impl Choice for Control {
     const ALL: &'static [(Self, &'static str)] = &[(Self::Model, "model"), (Self::Pid, "pid")];
-}
-
-impl Thermistor {
-    /// Those with a name in machine files, by their numbers in records.
-    pub const NAMED: [(Self, &'static str); 5] = [
-        (Self::Semitec104Gt2, "104gt2"),
-        (Self::Semitec104Nt4, "104nt4"),
-        (Self::Generic3950, "ntc_3950"),
-        (Self::Slice450, "slice_450"),
-        (Self::Pt1000, "pt1000"),
-    ];
-
-    /// Bits of the number of a kind, and of the Ohm of an NTC above them, in a record.
-    const KIND_BITS: u32 = 8;
-    const OHM_BITS: u32 = 21;
-}
-
-impl Field for Thermistor {
-    /// The number of a kind; of any other NTC 255, its Ohm and its B.
-    fn get(&self) -> Value {
-        let number = match self {
-            Self::Beta { ohms, beta } => {
-                let ohms = i64::from(*ohms) << Self::KIND_BITS;
-                i64::from(*beta) << (Self::KIND_BITS + Self::OHM_BITS) | ohms | 0xFF
-            }
-            named => Self::NAMED.iter().position(|(kind, _)| kind == named).unwrap_or_default() as i64,
-        };
-        Value::Number(number)
-    }
-
-    fn set(&mut self, value: &Value) -> bool {
-        let Value::Number(number) = *value else { return false };
-        let kind = number & 0xFF;
-        if kind == 0xFF {
-            let ohms = (number >> Self::KIND_BITS) & ((1 << Self::OHM_BITS) - 1);
-            let beta = (number >> (Self::KIND_BITS + Self::OHM_BITS)) & 0xFFFF;
-            *self = Self::Beta { ohms: ohms as u32, beta: beta as u16 };
-            return true;
-        }
-        let named = usize::try_from(number).ok().and_then(|number| Self::NAMED.get(number));
-        if let Some((kind, _)) = named {
-            *self = *kind;
-        }
-        named.is_some()
-    }
 }
 
 fn parts(s: &mut Settings) -> [&mut HeaterSettings; HEATERS] {

@@ -4,11 +4,13 @@ mod bounds;
 pub(super) mod fans;
 pub(super) mod heater;
 mod plausible;
+mod thermistor;
 
 pub use bounds::Bounds;
 pub use fans::{FanRole, FanSettings, part_fans};
-pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
+pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid};
 pub use plausible::Plausible;
+pub use thermistor::{Law, SHEETS, Sheet, Thermistor};
 
 use super::rows::rows;
 use super::{Settings, ranges};

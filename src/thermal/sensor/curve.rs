@@ -4,7 +4,7 @@
 //! reading is R / (R + 4700), whatever the voltage.
 
 use super::logarithm::{FRACTION, log2, natural};
-use crate::settings::Thermistor;
+use crate::settings::{Law, SHEETS, Sheet, Thermistor};
 use crate::thermal::fixed_point::{quotient, saturated};
 use crate::units::Celsius;
 
@@ -58,20 +58,15 @@ impl Curve {
     #[must_use]
     pub const fn new(thermistor: Thermistor) -> Self {
         match thermistor {
-            // Each from three points of the data sheet, as in tests/.
-            Thermistor::Semitec104Gt2 => {
-                const { steinhart_hart(8.096_510_542_751_242e-4, 2.116_360_307_356_851_7e-4, 7.074_208_839_939_73e-8) }
+            Thermistor::Sheet(place) => {
+                // As a `const` the table holds coefficients, not the points that they come from.
+                const CURVES: [Curve; SHEETS.len()] = of_sheets();
+                let place = if (place as usize) < CURVES.len() { place as usize } else { 0 };
+                match CURVES.split_at(place).1 {
+                    [curve, ..] => *curve,
+                    [] => Self::Platinum,
+                }
             }
-            Thermistor::Semitec104Nt4 => {
-                const { steinhart_hart(7.958_246_125_479_903e-4, 2.136_086_635_635_553e-4, 6.483_002_617_420_579e-8) }
-            }
-            Thermistor::Generic3950 => {
-                const { steinhart_hart(7.934_721_511_480_472e-4, 2.007_632_502_866_657_3e-4, 1.632_834_118_179_309e-7) }
-            }
-            Thermistor::Slice450 => {
-                const { steinhart_hart(3.055_357_455_469_193_5e-4, 2.117_133_769_438_310_3e-4, 1.196_220_364_975_846_4e-7) }
-            }
-            Thermistor::Pt1000 => Self::Platinum,
             Thermistor::Beta { ohms, beta } => {
                 let b = (1 << 40) / if beta < LEAST_BETA { LEAST_BETA as i64 } else { beta as i64 };
                 let at_25 = natural(log2(if ohms == 0 { 1 } else { ohms }));
@@ -103,9 +98,46 @@ impl Curve {
     }
 }
 
-const fn steinhart_hart(a: f64, b: f64, c: f64) -> Curve {
+/// The curves of all data sheets.
+const fn of_sheets() -> [Curve; SHEETS.len()] {
+    let mut curves = [Curve::Platinum; SHEETS.len()];
+    let (mut places, mut sheets): (&mut [Curve], &[Sheet]) = (&mut curves, &SHEETS);
+    while let ([place, other_places @ ..], [sheet, other_sheets @ ..]) = (places, sheets) {
+        *place = match sheet.law {
+            Law::Ntc(points) => through(points),
+            Law::Platinum => Curve::Platinum,
+        };
+        (places, sheets) = (other_places, other_sheets);
+    }
+    curves
+}
+
+/// The curve through three points, in C and Ohm. Divided differences: the slopes of two chords do not hold a, and the slope of
+/// the slopes does not hold b.
+const fn through([(t0, r0), (t1, r1), (t2, r2)]: [(f64, f64); 3]) -> Curve {
+    let (y0, y1, y2) = (1.0 / (t0 + 273.15), 1.0 / (t1 + 273.15), 1.0 / (t2 + 273.15));
+    let (x0, x1, x2) = (ln(r0), ln(r1), ln(r2));
+    let (first, second) = ((y1 - y0) / (x1 - x0), (y2 - y0) / (x2 - x0));
+    let c = (second - first) / ((x2 - x1) * (x0 + x1 + x2));
+    let b = first - c * (x0 * x0 + x0 * x1 + x1 * x1);
     let scale = (1u64 << 40) as f64;
+    let a = y0 - b * x0 - c * x0 * x0 * x0;
     Curve::SteinhartHart { a: (a * scale) as i64, b: (b * scale) as i32, c: (c * scale * 256.0) as i32 }
+}
+
+/// The natural logarithm of a number from 1 on, to the last bits of a double: of its exponent, and of its mantissa by the series
+/// of the area tangent. At compile time there is no other.
+const fn ln(number: f64) -> f64 {
+    let exponent = (number.to_bits() >> 52) as i64 - 1023;
+    let mantissa = f64::from_bits(number.to_bits() & ((1 << 52) - 1) | 1023 << 52);
+    let s = (mantissa - 1.0) / (mantissa + 1.0);
+    // s is below 1/3: a term is below a ninth of the one before, and after 20 of them nothing is left of 53 bits.
+    let (mut terms, mut sum) = (20, 0.0);
+    while terms > 0 {
+        terms -= 1;
+        sum = sum * s * s + 1.0 / (2 * terms + 1) as f64;
+    }
+    exponent as f64 * core::f64::consts::LN_2 + 2.0 * s * sum
 }
 
 /// `sample` is 250 to 65,400, so the resistance is 18 Ohm to 2.3 MOhm, and its logarithm 2.8 to 14.7.
@@ -157,27 +189,44 @@ mod tests {
         }
     }
 
-    /// Three points of a sensor's data sheet, in C and Ohm (Semitec GT-2 and NT-4 series; Keenovo's table of NTC 3950;
-    /// Slice Engineering; IEC 60751, table 1). A new kind does not compile without them.
-    const fn sheet(thermistor: Thermistor) -> Option<[(f64, f64); 3]> {
-        match thermistor {
-            Thermistor::Semitec104Gt2 => Some([(20.0, 126_800.0), (150.0, 1360.0), (300.0, 80.65)]),
-            Thermistor::Semitec104Nt4 => Some([(25.0, 100_000.0), (160.0, 1074.0), (300.0, 82.78)]),
-            Thermistor::Generic3950 => Some([(25.0, 100_000.0), (150.0, 1770.0), (250.0, 230.0)]),
-            Thermistor::Slice450 => Some([(25.0, 500_000.0), (200.0, 3734.0), (400.0, 240.0)]),
-            Thermistor::Pt1000 => Some([(0.0, 1000.0), (100.0, 1385.06), (400.0, 2470.92)]),
-            Thermistor::Beta { .. } => None,
-        }
-    }
-
     #[test]
     fn curves_go_through_the_points_of_the_data_sheets() {
+        // Of platinum those of IEC 60751, table 1.
+        let platinum = [(0.0, 1000.0), (100.0, 1385.06), (400.0, 2470.92)];
         for thermistor in Thermistor::all() {
-            for (celsius, ohms) in sheet(thermistor).into_iter().flatten() {
+            let points = match thermistor.sheet().map(|sheet| sheet.law) {
+                Some(Law::Ntc(points)) => points,
+                Some(Law::Platinum) => platinum,
+                None => continue,
+            };
+            for (celsius, ohms) in points {
                 // A unit of the converter is 0.1 K at 300 C, and more at room temperature with 500 kOhm.
                 let found = degrees(Curve::new(thermistor), ohms);
                 assert!((found - celsius).abs() < 0.15, "{thermistor:?}: {found} at {celsius}");
             }
+        }
+    }
+
+    /// Coefficients that were computed with another program from the same points.
+    #[test]
+    fn coefficients_are_those_of_another_computation() {
+        let known = [
+            (8.096_510_542_751_242e-4, 2.116_360_307_356_851_7e-4, 7.074_208_839_939_73e-8),
+            (7.958_246_125_479_903e-4, 2.136_086_635_635_553e-4, 6.483_002_617_420_579e-8),
+            (7.934_721_511_480_472e-4, 2.007_632_502_866_657_3e-4, 1.632_834_118_179_309e-7),
+            (3.055_357_455_469_193_5e-4, 2.117_133_769_438_310_3e-4, 1.196_220_364_975_846_4e-7),
+        ];
+        let scale = (1u64 << 40) as f64;
+        for (place, (a, b, c)) in (0..).zip(known) {
+            let (a, b, c) = ((a * scale) as i64, (b * scale) as i32, (c * scale * 256.0) as i32);
+            assert_eq!(Curve::new(Thermistor::Sheet(place)), Curve::SteinhartHart { a, b, c }, "{place}");
+        }
+    }
+
+    #[test]
+    fn logarithms_are_those_of_the_standard_library() {
+        for ohms in [1.0, 1.5, 80.65, 1360.0, 126_800.0, 499_999.9, 2e6] {
+            assert!((ln(ohms) - f64::ln(ohms)).abs() < 4e-15, "{ohms}");
         }
     }
 
@@ -202,7 +251,7 @@ mod tests {
 
     #[test]
     fn all_readings_have_an_answer_and_ntcs_fall() {
-        for thermistor in Thermistor::all().filter(|thermistor| *thermistor != Thermistor::Pt1000) {
+        for thermistor in Thermistor::all().filter(|thermistor| *thermistor != Thermistor::PT1000) {
             let curve = Curve::new(thermistor);
             let mut last = Celsius::MAX;
             for sample in 0..=u16::MAX {

@@ -90,7 +90,7 @@ fn drive(life: &mut Life<'_>, host: &mut dyn Host, mut happens: impl FnMut(&mut 
 /// The user resumes from a screen after this many reports that the printer waits.
 fn change_filament(life: &mut Life<'_>, reports: usize) -> bool {
     if life.heard.last().is_some_and(|line| line == "echo:busy: paused for user")
-        && life.count("echo:busy: paused for user") % reports == 0
+        && life.count("echo:busy: paused for user").is_multiple_of(reports)
     {
         life.switch_to(1);
         life.say("M24");

@@ -1,0 +1,116 @@
+//! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]; its name in machine files, its
+//! number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
+
+use crate::settings::rows::{Field, Value};
+use serde::{Deserialize, Serialize};
+
+/// What a data sheet says.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Sheet {
+    /// The name in machine files.
+    pub name: &'static str,
+    /// Its resistance.
+    pub law: Law,
+}
+
+/// How a resistance follows from a temperature.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Law {
+    /// An NTC, by the equation of Steinhart and Hart through three points of the data sheet: C and Ohm.
+    Ntc([(f64, f64); 3]),
+    /// A platinum resistor of 1 kOhm at 0 C (IEC 60751).
+    Platinum,
+}
+
+/// The kinds with a data sheet. Records hold the place of a row, so a new one comes last.
+pub const SHEETS: [Sheet; 5] = [
+    // ATC Semitec 104GT-2, most hotends up to 300 C: Semitec's table of the GT-2 series.
+    Sheet { name: "104gt2", law: Law::Ntc([(20.0, 126_800.0), (150.0, 1360.0), (300.0, 80.65)]) },
+    // ATC Semitec 104NT-4-R025H42G: Semitec's table of the NT-4 series.
+    Sheet { name: "104nt4", law: Law::Ntc([(25.0, 100_000.0), (160.0, 1074.0), (300.0, 82.78)]) },
+    // 100 kOhm and B 3950, most beds: Keenovo's table.
+    Sheet { name: "ntc_3950", law: Law::Ntc([(25.0, 100_000.0), (150.0, 1770.0), (250.0, 230.0)]) },
+    // Slice Engineering's of 500 kOhm, for up to 450 C: its table.
+    Sheet { name: "slice_450", law: Law::Ntc([(25.0, 500_000.0), (200.0, 3734.0), (400.0, 240.0)]) },
+    // A platinum resistor, as Slice Engineering's for 500 C.
+    Sheet { name: "pt1000", law: Law::Platinum },
+];
+
+/// A kind of temperature sensor.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub enum Thermistor {
+    /// That of a row of [`SHEETS`].
+    Sheet(u8),
+    /// Any other NTC: its resistance at 25 C in Ohm, and its B in K.
+    Beta {
+        /// Resistance at 25 C, in Ohm.
+        ohms: u32,
+        /// B, in K.
+        beta: u16,
+    },
+}
+
+impl Thermistor {
+    /// Most hotends.
+    pub const SEMITEC_104GT2: Self = Self::Sheet(0);
+
+    /// Most beds.
+    pub const NTC_3950: Self = Self::Sheet(2);
+
+    /// Platinum.
+    pub const PT1000: Self = Self::Sheet(4);
+
+    /// Every kind, of [`Self::Beta`] one that is usual.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let usual = Self::Beta { ohms: 100_000, beta: 3950 };
+        (0..SHEETS.len() as u8).map(Self::Sheet).chain([usual])
+    }
+
+    /// The kind with that name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let place = SHEETS.iter().position(|sheet| sheet.name == name)?;
+        u8::try_from(place).ok().map(Self::Sheet)
+    }
+
+    /// Its data sheet, if it has one.
+    #[must_use]
+    pub fn sheet(self) -> Option<&'static Sheet> {
+        match self {
+            Self::Sheet(place) => SHEETS.get(usize::from(place)),
+            Self::Beta { .. } => None,
+        }
+    }
+
+    /// The number of an NTC without a data sheet.
+    const BETA: i64 = 0xFF;
+    /// Bits of the number of a kind, and of the Ohm of an NTC above them, in a record.
+    const KIND_BITS: u32 = 8;
+    const OHM_BITS: u32 = 21;
+}
+
+impl Field for Thermistor {
+    /// The number of a kind; of any other NTC 255, its Ohm and its B.
+    fn get(&self) -> Value {
+        Value::Number(match *self {
+            Self::Sheet(place) => place.into(),
+            Self::Beta { ohms, beta } => {
+                let ohms = i64::from(ohms) << Self::KIND_BITS;
+                i64::from(beta) << (Self::KIND_BITS + Self::OHM_BITS) | ohms | Self::BETA
+            }
+        })
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Number(number) = *value else { return false };
+        if number & Self::BETA == Self::BETA {
+            let ohms = (number >> Self::KIND_BITS) & ((1 << Self::OHM_BITS) - 1);
+            let beta = (number >> (Self::KIND_BITS + Self::OHM_BITS)) & 0xFFFF;
+            *self = Self::Beta { ohms: ohms as u32, beta: beta as u16 };
+            return true;
+        }
+        let place = u8::try_from(number).ok().filter(|place| usize::from(*place) < SHEETS.len());
+        *self = place.map_or(*self, Self::Sheet);
+        place.is_some()
+    }
+}
