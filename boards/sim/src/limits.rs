@@ -6,9 +6,9 @@
 //!
 //! # Jumps of speed
 //! A corner may change the speed at once. Under junction deviation d, a corner of half angle t (between the moves) is
-//! taken at `v^2 = a d s / (1 - s)` with `s = sin t`. The change of velocity is `2 v cos t`. Its square is `4 a d s (1
-//! + s)`, at most `8 a d` however flat the corner. So along an axis that bears the acceleration a, no more than `sqrt(8
-//! a d)` may jump. A square-corner velocity w is the same law with `a d = w^2 (sqrt 2 - 1)`.
+//! taken at `v^2 = a d s / (1 - s)` with `s = sin t`. The change of velocity is `2 v cos t`. Its square is
+//! `4 a d s (1 + s)`, at most `8 a d` however flat the corner. So along an axis that bears the acceleration a, no more
+//! than `sqrt(8 a d)` may jump. A square-corner velocity w is the same law with `a d = w^2 (sqrt 2 - 1)`.
 //!
 //! # Shaping
 //! An input shaper is a mean of the path at several times, which is no faster than the path. Pressure advance K over a
