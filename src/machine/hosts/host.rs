@@ -23,9 +23,9 @@ pub(super) struct Host<S> {
     pub(super) upload: Upload,
     /// When it last got a sign of life, or had nothing to wait for.
     pub(super) assured: Instant,
-    /// Its last bytes held a quick stop.
+    /// Its last input held a quick stop.
     pub(super) has_stopped: bool,
-    /// It opened its line before its last bytes.
+    /// It opened its line in its last input.
     pub(super) has_opened: bool,
     /// It needs a greeting.
     pub(super) is_new: bool,

@@ -1,7 +1,7 @@
 //! When reports come by themselves: M154 and M155, to the host that requested them and at its interval.
 //!
-//! A report is a whole line, and it is put in only where everything said before has left. So it stands neither inside
-//! a line nor between the lines of one answer, and a host that does not read is not filled with it.
+//! A report is a whole line, and it is queued only after all earlier output has left. So it comes neither inside a line
+//! nor between the lines of one answer, and it does not fill the buffer of a host that does not read.
 
 use crate::settings::Range;
 use crate::units::Instant;

@@ -135,7 +135,7 @@ impl<S: Serial> Hosts<S> {
         self.serving
     }
 
-    /// Marks the hosts that opened their lines before their last bytes.
+    /// Marks the hosts that opened their lines in their last input.
     pub(in crate::machine) fn note_opened(&self, are_new: &mut [bool; LINES]) {
         for (is_new, host) in are_new.iter_mut().zip(&self.hosts) {
             *is_new |= host.has_opened;
