@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 const EMPTY: u8 = 0;
 /// The value is there and not in use.
 const FREE: u8 = 1;
-/// Somebody holds a reference to the value, or fills the place.
+/// A context holds a reference to the value, or fills the place.
 const IN_USE: u8 = 2;
 
 /// A place for one value. Empty it is all zeros, so it costs no flash.

@@ -1,7 +1,7 @@
-//! What boards with a Cortex-M4 share, whoever made the chip.
+//! Shared by boards with a Cortex-M4 of any maker.
 //!
-//! Linking this crate provides the critical sections of `masking`: they leave priority 0 alone, which is the
-//! step interrupt's. Everybody else has a priority of 0x40 or more.
+//! Linking this crate provides the critical sections of `masking`: they do not mask priority 0, which is the step
+//! interrupt's. All other interrupts have a priority of 0x40 or more.
 //!
 //! `unsafe` stays in `handover` and `masking`, which are small for that reason.
 #![cfg_attr(target_os = "none", no_std)]

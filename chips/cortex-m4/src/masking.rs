@@ -1,7 +1,7 @@
 //! Critical sections that leave the step interrupt alone.
 //!
-//! The usual way, PRIMASK, would delay steps for as long as any queue or waker works. BASEPRI masks
-//! from a priority on: everything but the Stepper, which in turn touches nothing that a critical section guards.
+//! The usual way, PRIMASK, would delay steps for as long as any queue or waker works. BASEPRI masks from a priority on:
+//! everything except the Stepper, which in turn touches nothing that a critical section guards.
 
 use core::arch::asm;
 use core::sync::atomic::{Ordering, compiler_fence};
@@ -34,7 +34,7 @@ unsafe impl critical_section::Impl for Basepri {
 
     unsafe fn release(before: RawRestoreState) {
         compiler_fence(Ordering::SeqCst);
-        // SAFETY: `before` is what `acquire` read.
+        // SAFETY: `before` is the value that `acquire` read.
         unsafe { asm!("msr BASEPRI, {}", in(reg) before, options(nomem, nostack, preserves_flags)) };
     }
 }

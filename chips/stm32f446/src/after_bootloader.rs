@@ -38,7 +38,7 @@ const APB2: u32 = 0x00C7_7933;
 /// Clocks on AHB1 that stay: the ports, and a reserved bit that is set after a reset (RM0390, 6.3.10).
 const PORTS: u32 = 0x0010_00FF;
 
-/// Waits until `is_done`, but not for long, and says whether it came. The cycle counter has to run.
+/// Waits until `is_done`, with a limit, and returns whether it came. The cycle counter has to run.
 pub fn comes(is_done: impl Fn() -> bool) -> bool {
     let begin = DWT::cycle_count();
     loop {
@@ -81,7 +81,7 @@ pub fn leave_plls() {
     });
 }
 
-/// Resets all peripherals but the ports and switches their clocks off. DMA streams and USB end with that, and
+/// Resets all peripherals except the ports and switches their clocks off. That ends DMA streams and USB, and
 /// over-drive.
 pub fn reset_peripherals() {
     for on in [true, false] {

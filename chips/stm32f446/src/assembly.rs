@@ -16,7 +16,7 @@ static GENERATOR: StaticCell<StepGenerator> = StaticCell::new();
 static THERMAL: StaticCell<ThermalControl> = StaticCell::new();
 static CONSOLE: StaticCell<Console> = StaticCell::new();
 
-/// The handles, but for the Stepper, which is in its interrupt's place already.
+/// The handles, except the Stepper, which is in its interrupt's place already.
 pub struct Handles {
     /// For the generator's interrupt.
     pub generator: &'static mut StepGenerator,
@@ -24,7 +24,7 @@ pub struct Handles {
     pub thermal: &'static mut ThermalControl,
     /// For the Console's task.
     pub console: &'static mut Console,
-    /// For everybody, to look at.
+    /// Shared by all contexts.
     pub status: &'static Status,
 }
 

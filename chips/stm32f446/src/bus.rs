@@ -32,7 +32,7 @@ const RISE: u32 = APB1_MHZ * 300 / 1000 + 1;
 /// poll.
 const LOOKS: u32 = 10_000;
 
-/// Half a period of the clock by which a stuck bus is freed, in cycles of 180 MHz: 5 us, as at 100 kHz.
+/// Half a period of the clock that frees a stuck bus, in cycles of 180 MHz: 5 us, as at 100 kHz.
 const HALF: u32 = 900;
 
 /// Clocks after which any chip has sent its byte to the end (I2C specification UM10204, 3.1.16).
@@ -69,7 +69,7 @@ impl Bus {
         Self { scl, sda, is_sound: false }
     }
 
-    /// Writes `bytes` to the chip at `address`; without any, only asks whether it is there.
+    /// Writes `bytes` to the chip at `address`; without bytes, only asks whether the chip is there.
     ///
     /// # Errors
     /// If the bus does not work, or the chip refuses a byte.
@@ -102,7 +102,7 @@ impl Bus {
         self.note(result)
     }
 
-    /// Sees to it that a transfer can begin.
+    /// Makes the bus ready for a transfer.
     fn ready(&mut self) -> Outcome<()> {
         // A stop may still be on its way, and a line may have been pulled down since.
         let is_free = wait(|_| !I2C1.cr1().read().stop() && !I2C1.sr2().read().busy()).is_ok();
@@ -236,7 +236,7 @@ fn begin(address: u8) -> Outcome<Answer> {
         I2C1.sr1().write(clear_errors);
         return Ok(Answer::Nothing);
     }
-    // Reading both status registers takes the flag back, and the transfer goes on.
+    // Reading both status registers clears the flag, and the transfer continues.
     let _ = I2C1.sr2().read();
     Ok(Answer::Here)
 }
@@ -257,7 +257,7 @@ fn wait(what: impl Fn(&Sr1) -> bool) -> Outcome<()> {
     Err(StorageError::Failed)
 }
 
-/// Errors are taken back by writing 0; writing 1 to a flag means nothing.
+/// Writing 0 clears errors; writing 1 to a flag has no effect.
 const fn clear_errors(w: &mut Sr1) {
     w.0 = 0;
 }

@@ -32,8 +32,8 @@ const DIVR: PllRDiv = PllRDiv::DIV2;
 /// Takes the 48 MHz of USB from PLLSAI instead of the main PLL (RM0390, 6.3.27, CK48MSEL).
 const CK48MSEL: u32 = 1 << 27;
 
-/// Has crystal, PLL and over-drive start once, one after the other, and says what does not. embassy-stm32 0.6.0 waits
-/// for each of them without an end. The internal oscillator is the system clock, before and after.
+/// Starts crystal, PLL and over-drive once, one after the other, and returns the one that does not start. embassy-stm32
+/// 0.6.0 waits for each of them without an end. The internal oscillator is the system clock, before and after.
 pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     RCC.cr().modify(|w| w.set_hsebyp(crystal == Crystal::Clock8MHz));
     RCC.cr().modify(|w| w.set_hseon(true));
@@ -76,7 +76,7 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     is_off.then_some(()).ok_or("the PLL does not stop")
 }
 
-/// Starts the clocks, embassy's time, and what keeps flash from being slow.
+/// Starts the clocks, embassy's time, and the flash accelerator.
 pub fn start(crystal: Crystal, dma_priority: Priority) {
     let (freq, mode) = match crystal {
         Crystal::Oscillator12MHz => (Hertz::mhz(12), HseMode::Oscillator),
@@ -134,7 +134,7 @@ const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
     }
 }
 
-/// Starts the 48 MHz of USB: 2 MHz * 96 / 4 in PLLSAI, which is off before. Says whether they run.
+/// Starts the 48 MHz of USB: 2 MHz * 96 / 4 in PLLSAI, which is off before. Returns whether they run.
 ///
 /// embassy-stm32 0.6.0 cannot do this: it leaves the predivider PLLSAIM at the forbidden 0 (RM0390, 6.3.24). The F446
 /// has PLLSAIM in a register of its own. It also writes CK48MSEL into DCKCFGR, where other chips have it.

@@ -81,7 +81,7 @@ pub fn only_talk(lines: Lines<HostSerial>, usb: Option<UsbPort>, fault: Fault) -
     priorities::enable();
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawn(spawner, talk(lines, fault));
-        // Calls of interrupts are counted by the cycle counter, which may stand still while the processor sleeps.
+        // The cycle counter times the calls of interrupts, and it may stand still while the processor sleeps.
         spawn(spawner, stay_awake());
         if let Some(port) = usb {
             spawn(spawner, usb::serve(port));
@@ -108,13 +108,13 @@ async fn run_console(console: &'static mut Console) {
     fault::begin_anew()
 }
 
-/// Says every two seconds that nothing but M999 is heard, and listens for that.
+/// Reports every two seconds that only M999 is accepted, and waits for it.
 #[embassy_executor::task]
 async fn talk(mut lines: Lines<HostSerial>, fault: Fault) {
     /// Time between two polls; messages are 40 polls apart.
     const LOOK: Duration = Duration::from_millis(50);
     let mut message: heapless::String<192> = heapless::String::new();
-    // What does not fit is lost.
+    // Text that does not fit is lost.
     let _ = writeln!(
         message,
         "Error:three faults within a minute ({fault}), heaters and motors stay off: send M999 or switch off"
@@ -159,8 +159,7 @@ async fn stay_awake() {
     }
 }
 
-/// Has the Console look at the world again. Not for the Stepper, which no critical section of `critical_section` holds
-/// off.
+/// Asks for a poll of the Console. Not for the Stepper, which no critical section of `critical_section` holds off.
 pub fn wake_console() {
     CONSOLE_WAKER.wake();
 }

@@ -52,7 +52,7 @@ struct Wire {
 pub struct DriverUart(());
 
 impl DriverUart {
-    /// Has the wires of `board` pulled up, and the timer ready. Interrupts are not enabled yet.
+    /// Sets pull-ups on the wires of `board`, and prepares the timer. Interrupts are not enabled yet.
     pub fn start(board: &Board) -> Self {
         RCC.apb2enr().modify(|w| w.set_tim8en(true));
         let _ = RCC.apb2enr().read();
@@ -67,7 +67,7 @@ impl DriverUart {
         Self(())
     }
 
-    /// Begins an exchange on `wire`, and gives up the one that goes on.
+    /// Begins an exchange on `wire`, and gives up the current one.
     pub fn begin(&mut self, wire: Option<Pin>, request: &Frame, reply: usize) {
         critical_section::with(|_| {
             ENGINE.with(|engine| {
@@ -146,7 +146,7 @@ fn stop() {
     TIM8.sr().write(|_| ());
 }
 
-/// A bit is due, or a look at one.
+/// A bit or a sample is due.
 #[interrupt]
 fn TIM8_UP_TIM13() {
     static RATE: CallRate = CallRate::new();

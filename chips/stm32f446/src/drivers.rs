@@ -39,8 +39,8 @@ impl Drivers {
 }
 
 impl DriverBus for Drivers {
-    /// First finds all words and then stores them, with nothing but a step in between: all that change
-    /// do so within a microsecond or two.
+    /// First finds all words and then stores them, with nothing except a step in between: all changing lines change
+    /// within a microsecond or two.
     fn enable(&mut self, on: MotorSet) {
         let words = Port::ALL.map(|port| {
             let low = self.plugged.enable_lines(on, port);

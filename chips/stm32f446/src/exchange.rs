@@ -95,7 +95,7 @@ enum Phase {
     Listening,
 }
 
-/// The exchange that goes on, or its outcome.
+/// The current exchange, or its outcome.
 #[derive(Debug)]
 pub struct Exchange {
     phase: Phase,
@@ -114,7 +114,7 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// Nothing goes on.
+    /// No exchange yet.
     pub const fn new() -> Self {
         Self {
             phase: Phase::Idle,
@@ -131,7 +131,7 @@ impl Exchange {
         }
     }
 
-    /// Begins an exchange, and forgets the one before. The line is let go, and ticks come once a bit.
+    /// Begins an exchange, and drops the previous one. The line is released, and ticks come once a bit.
     pub fn begin(&mut self, request: &Frame, reply: usize) {
         let was_clean = self.is_clean && self.phase == Phase::Idle;
         self.count = if was_clean { REST } else { LONG_REST };

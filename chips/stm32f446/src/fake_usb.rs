@@ -1,6 +1,6 @@
 //! A USB bus without hardware: the test puts the host's actions into a [`Wire`] and finds the device's actions there.
 //!
-//! Nothing wakes anybody; the test polls everything until nothing happens any more.
+//! There are no wakers; the test polls everything until nothing changes any more.
 
 use embassy_usb::driver::{
     Bus, ControlPipe, Direction, Driver, Endpoint, EndpointAddress, EndpointAllocError, EndpointError, EndpointIn,

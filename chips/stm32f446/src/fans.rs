@@ -30,7 +30,7 @@ pub struct Fans {
     wired: &'static [FanPin],
 }
 
-/// Has the rest of a timer's registers set: the types differ, the layout does not.
+/// Sets the rest of a timer's registers: the types differ, the layout does not.
 macro_rules! run {
     ($timer:ident, $prescaler:expr, $pairs:expr, $channels:expr) => {{
         $timer.psc().write_value($prescaler);
@@ -75,7 +75,7 @@ impl Fans {
         self.wired.len()
     }
 
-    /// Has one run at this duty.
+    /// Runs one fan at this duty.
     pub fn set_fan(&mut self, fan: usize, duty: u16) {
         let Some(fan) = self.wired.get(fan) else { return };
         let channel = usize::from(fan.channel) - 1;

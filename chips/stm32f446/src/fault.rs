@@ -1,4 +1,4 @@
-//! Faults: heaters low, drivers off, a note for later, reset. Nothing goes on with outputs live.
+//! Faults: heaters low, drivers off, a note for later, reset. Nothing continues with outputs live.
 
 use core::panic::PanicInfo;
 
@@ -46,7 +46,7 @@ pub fn begin_anew_after_series() -> ! {
     SCB::sys_reset()
 }
 
-/// The firmware cannot go on.
+/// The firmware cannot continue.
 pub fn give_up(cause: Cause, reason: &str) -> ! {
     make_safe();
     end((cause, 0, 0), format_args!("{reason}"))

@@ -82,7 +82,7 @@ impl Sectors for Flash {
             });
             for (word, address) in words.iter().zip((BASE + at..).step_by(WORD as usize)) {
                 // SAFETY: the address was checked to be aligned and to lie in the sectors, where no code and no
-                // variable is (`flash` looks, and check does). Volatile, because the write is what programs the word.
+                // variable is (`flash` and check test it). Volatile, because the write itself programs the word.
                 unsafe { core::ptr::write_volatile(address as *mut u32, u32::from_le_bytes(*word)) };
                 finish()?;
             }

@@ -5,7 +5,7 @@ use core::ops::Range;
 use corehbot::port::StorageError;
 
 /// The sectors: 1 and 2 (RM0390, 3.3), by their distance from the begin of flash. The vectors stay in sector 0, where
-/// the processor looks for them, and the code begins after them (`settings.x` of the board).
+/// the processor expects them, and the code begins after them (`settings.x` of the board).
 pub const SECTORS: Range<u32> = 0x4000..0xC000;
 
 /// Bytes of one of them.

@@ -1,6 +1,6 @@
 //! A slot of settings in a sector of flash.
 //!
-//! | bytes | what | programmed when |
+//! | bytes | content | programmed when |
 //! |---|---|---|
 //! | 0..16 | [`ERASED`] | the erase is done, and the note is back |
 //! | 16..32 | [`WHOLE`] | page 0 is there, which a save writes last |
@@ -57,9 +57,9 @@ pub struct FlashSlot {
 enum Holds {
     /// It could not be read, so it must not be erased.
     Unread,
-    /// Nothing that counts: blank, what an erase has left that was cut, or code of another image.
+    /// Nothing valid: blank, the remainder of a cut erase, or code of another image.
     Nothing,
-    /// A slot that was begun. What this run of the firmware has not written in it reads as blank.
+    /// A slot that was begun. Pages that this run of the firmware has not written in it read as blank.
     Begun,
     /// A slot with all its pages.
     Whole,

@@ -25,8 +25,8 @@ pub struct BoardHeat {
 }
 
 impl BoardHeat {
-    /// Everything off but the power supply, and the timers, converters and pins taken. The supply stays off too if it
-    /// was switched off before the reset: a heater could not be switched off otherwise.
+    /// Takes the timers, converters and pins, with everything off except the power supply. The supply stays off too if
+    /// it was switched off before the reset, because a heater did not go off otherwise.
     pub fn start(board: &'static Board, is_supplied: bool) -> Self {
         let thermistors = Thermistors::start(board.thermistors);
         let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
@@ -47,7 +47,7 @@ impl BoardHeat {
         }
     }
 
-    /// Has the first control period come.
+    /// Starts the first control period.
     pub fn begin(&mut self) {
         self.heat(&[0; OUTPUTS]);
     }

@@ -1,4 +1,4 @@
-//! The heaters' pulses as numbers: when the next control period ends, and where in it each heater goes on.
+//! The heaters' pulses as numbers: the end of the next control period, and where in it each heater goes on.
 //!
 //! The timer counts up once and stops. An output is low until the count reaches its compare value, high from there to
 //! the end, and low again when the counter stands at 0. So all pulses end together, at the end of the period, and the
@@ -20,7 +20,7 @@ const CYCLES: u32 = 2;
 /// above the reload value, PWM mode 2 holds the output inactive.
 pub const NEVER: u32 = u32::MAX;
 
-/// The longest that a pulse lasts, in counts. The heater goes off no later than this after it was told to go on.
+/// Longest pulse, in counts. The heater goes off no later than this after the order to go on.
 pub const LONGEST: u32 = PERIOD - 1;
 
 /// The instants at which control periods end.

@@ -31,7 +31,7 @@ pub const IRQ: Interrupt = Interrupt::TIM5;
 /// Channels of the timer.
 const CHANNELS: usize = 4;
 
-/// What two channels do (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect
+/// Mode of two channels (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect
 /// with the next period (OCxPE).
 const PULSES: u32 = 0x7878;
 

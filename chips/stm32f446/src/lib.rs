@@ -1,4 +1,4 @@
-//! What boards with an STM32F446 share: everything but pins.
+//! Shared by boards with an STM32F446: everything except pins.
 //!
 //! A board is a [`Board`](wiring::Board), a table of pins. An [`Image`](wiring::Image) lists one or several boards. It
 //! calls `run` with these boards and with the settings memory that they have.
@@ -8,14 +8,14 @@
 //! | 0x00 | SysTick | Stepper; nothing masks it |
 //! | 0x00 | PVD | the end, when the supply falls |
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM3 | bytes, USB packets, embassy's time |
-//! | 0x40 | TIM8, while an exchange with a motor driver goes on | its bits |
+//! | 0x40 | TIM8, during an exchange with a motor driver | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | 0xC0 | TIM5, at the end of the heaters' pulses, every 20 ms | ThermalControl, which feeds the watchdog |
 //! | thread | embassy executor | Console; USB |
 //!
 //! **Safe levels** are the levels of all outputs at which no motor has power and nothing heats (`safe_levels`). An
-//! **exchange** is a request to a motor driver and its reply (`exchange`). What start-up makes and one interrupt
-//! handler uses is in a `Handover` of `chips/cortex-m4`.
+//! **exchange** is a request to a motor driver and its reply (`exchange`). A value that start-up makes and one
+//! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
 //! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]

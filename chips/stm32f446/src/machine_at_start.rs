@@ -25,7 +25,7 @@ pub struct Start {
     pub settings: &'static Settings,
     /// The board with the machine plugged in.
     pub plugged: &'static Plugged,
-    /// Why it is no machine.
+    /// Why there is no machine.
     pub refusal: Option<&'static str>,
 }
 
@@ -43,12 +43,12 @@ pub fn machine_at_start(image: &Image, board: &'static Board, storage: &mut Boar
         *machine = *made;
     }
     machine.name_connectors(board.connectors);
-    // The board's memory answers at once; nothing here waits for anybody else.
+    // The board's memory answers at once, so this never waits.
     let mut stored = block_on(stored_machine(storage));
     let has_none = made.is_err() && stored.is_none();
     if let Some(stored) = &mut stored {
         stored.name_connectors(board.connectors);
-        // What M502 goes back to is the machine of the image, if the stored one is built as that.
+        // M502 goes back to the machine of the image, if the stored one has the same build.
         if made.is_err() || !stored.is_built_as(machine) {
             *machine = *stored;
         }
@@ -60,7 +60,7 @@ pub fn machine_at_start(image: &Image, board: &'static Board, storage: &mut Boar
         Err(error) => {
             static REASON: StaticCell<String<LONGEST_REASON>> = StaticCell::new();
             let reason = REASON.init(String::new());
-            // What does not fit is left out.
+            // Text that does not fit is left out.
             let _ = write!(reason, "the machine is not used: {error}");
             *machine = Settings::prototype();
             machine.name_connectors(board.connectors);

@@ -9,8 +9,8 @@ use crate::wiring::Board;
 /// A function that finds the memory of a board, when its clocks run.
 pub type Find = fn(&'static Board) -> &'static mut dyn Memory;
 
-/// The port [`corehbot::port::Storage`] without futures: no call takes longer than a millisecond or two, unless it says
-/// so.
+/// The port [`corehbot::port::Storage`] without futures: a call takes at most a millisecond or two, unless its
+/// documentation says otherwise.
 pub trait Memory {
     /// As [`corehbot::port::Storage::capacity`].
     fn capacity(&self) -> u32;

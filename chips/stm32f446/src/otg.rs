@@ -1,7 +1,7 @@
 //! OTG_FS: the USB core of the chip, as a device at full speed, below embassy's driver.
 //!
-//! Not by embassy-stm32's own module, which wants to find 48 MHz where embassy-stm32 0.6.0 believes that it has set
-//! them (see [`clocks::start_usb`](crate::clocks::start_usb)).
+//! Not by embassy-stm32's own module, which expects 48 MHz where embassy-stm32 0.6.0 would have set them (see
+//! [`clocks::start_usb`](crate::clocks::start_usb)).
 
 use embassy_stm32::pac::{self, RCC};
 use embassy_stm32::{interrupt, pac::Interrupt};
@@ -22,7 +22,7 @@ const ENDPOINTS: usize = 6;
 /// Words of FIFO memory: 1.25 KiB (RM0390, 31.3).
 const FIFO: u16 = 320;
 
-/// Words of the receive FIFO beyond those for packets: what embassy-stm32 0.6.0 gives it.
+/// Words of the receive FIFO beyond the packets' words: the number in embassy-stm32 0.6.0.
 const MORE_FIFO: u16 = 30;
 
 /// Turnaround time in clocks of the bus, from 32 MHz on (RM0390, table of TRDT values).

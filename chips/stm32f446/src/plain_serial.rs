@@ -1,7 +1,7 @@
 //! Serial lines without clocks: a last message to hosts when there is no crystal or PLL to run from.
 //!
-//! Nothing is needed but the internal oscillator: no interrupt, no DMA, no time. It is within 1 % at room temperature
-//! and 4 % up to 85 C (STM32F446 datasheet, HSI oscillator), where receivers put up with 3.3 % (RM0390, 25.4.5).
+//! It needs only the internal oscillator: no interrupt, no DMA, no time. The oscillator is within 1 % at room
+//! temperature and 4 % up to 85 C (STM32F446 datasheet, HSI oscillator). Receivers tolerate 3.3 % (RM0390, 25.4.5).
 
 use cortex_m::asm::delay;
 use embassy_stm32::pac::usart::Usart as Registers;
@@ -17,7 +17,7 @@ use crate::{ports, watchdog};
 const PAUSES: u32 = 40;
 const PAUSE: u32 = HSI_HZ / 20;
 
-/// Looks at the transmitter until a byte must have gone, at four cycles of 16 MHz each or more: ten bits of 9600 baud.
+/// Polls of the transmitter until a byte must have gone, at four cycles of 16 MHz each or more: ten bits of 9600 baud.
 const SENDING: u32 = 4200;
 
 /// Tells the hosts for ever. Nothing else runs.

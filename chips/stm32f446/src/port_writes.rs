@@ -27,7 +27,7 @@ pub struct PortWrites<const PORTS: usize> {
 /// Port writes that make steps.
 pub type StepWrites = PortWrites<STEP_PORTS>;
 
-/// What sets directions.
+/// Port writes that set directions.
 pub type DirWrites = PortWrites<DIR_PORTS>;
 
 impl<const PORTS: usize> PortWrites<PORTS> {

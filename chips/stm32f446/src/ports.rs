@@ -106,7 +106,7 @@ pub fn make_alternate(pin: Pin, function: u8) {
     port.moder().modify(|w| w.set_moder(pin.number(), Moder::ALTERNATE));
 }
 
-/// Has a peripheral drive `pin`, which the board's resistor and the chip's pull low until it does.
+/// Lets a peripheral drive `pin`; until it does, the resistors of board and chip pull the pin low.
 pub fn drive_by(pin: Pin, function: u8) {
     let port = registers(pin.port);
     port.afr(pin.number() / 8).modify(|w| w.set_afr(pin.number() % 8, function));

@@ -37,8 +37,8 @@ const ALL_BITS_COUNT: u32 = 0x05FA_0000;
 /// The first instructions, before any memory is initialised. They close the interrupt masks that a reset leaves open;
 /// otherwise interrupts of a bootloader would meet handlers without data. CONTROL gets its reset value, too: the main
 /// stack, which is empty here, and no numbers in the floating-point unit (ARM DDI 0403E, B1.4.4).
-// SAFETY: cortex-m-rt wants the function under this name, calls it once before `main`, and keeps nothing in registers
-// or on the stack across the call but the return address.
+// SAFETY: cortex-m-rt wants the function under this name and calls it once before `main`. Only the return address is in
+// registers or on the stack across the call.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 pub unsafe extern "C" fn __pre_init() {
@@ -54,7 +54,7 @@ const _: () = {
     }
 };
 
-/// Begins with no interrupt enabled or pending, whoever ran before, and lets interrupts in. Their sources are off.
+/// Starts with no interrupt enabled or pending, whatever ran before, and unmasks interrupts. Their sources are off.
 pub fn reset(peripherals: &mut Peripherals) {
     peripherals.SYST.disable_interrupt();
     peripherals.SYST.disable_counter();

@@ -11,7 +11,7 @@ use crate::contexts::wake_console;
 use crate::resources::Channel;
 use crate::ring::{Ring, SIZE};
 
-/// A ring, the DMA stream that fills it, and how far it was read. The interrupt handlers have one that never reads.
+/// A ring, the DMA stream that fills it, and the read position. The interrupt handlers have one that never reads.
 pub struct Receiver {
     dma: Dma,
     channel: Channel,
@@ -50,12 +50,12 @@ impl Receiver {
         self.ring.written(|| u32::from(self.dma.st(self.channel.stream).ndtr().read().ndt()))
     }
 
-    /// A byte was damaged, or taken back with an error.
+    /// A byte was damaged, or cleared with an error.
     pub fn mark_damage(&self) {
         self.ring.mark_damage(self.written());
     }
 
-    /// The DMA has come to the ring's middle or end.
+    /// The DMA has reached the ring's middle or end.
     pub fn on_interrupt(&self) {
         let (group, place) = (self.channel.stream / 4, self.channel.stream % 4);
         let flags = self.dma.isr(group).read();

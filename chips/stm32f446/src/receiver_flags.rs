@@ -45,7 +45,7 @@ pub trait Receiving {
     /// Whether a line at rest raises the interrupt.
     fn is_watching(&mut self) -> bool;
 
-    /// Has a line at rest raise the interrupt, or not.
+    /// Enables or disables the idle interrupt.
     fn watch(&mut self, rest: bool);
 }
 

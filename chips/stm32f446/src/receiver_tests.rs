@@ -45,7 +45,7 @@ struct Usart {
     has_byte: bool,
     is_at_rest: bool,
     is_damaged: bool,
-    /// Flags that a look at the status has found, and which the next reading of the data takes back.
+    /// Flags seen by a read of the status; the next read of the data clears them.
     seen: Flags,
     /// When the line will have rested for a frame.
     rests: Option<u32>,
@@ -82,7 +82,7 @@ impl Usart {
         }
     }
 
-    /// Time goes on by a step.
+    /// Advances the time by a step.
     fn step(&mut self) {
         self.now += 1;
         if self.request.is_some_and(|due| self.now >= due) {
@@ -203,7 +203,7 @@ fn chips() -> impl Iterator<Item = Chip> {
     })
 }
 
-/// Lines, one after the other without a rest, but for one of `pause` steps after the first.
+/// Lines, one after the other without a rest, except for a rest of `pause` steps after the first.
 fn wire(lines: &[&[u8]], pause: u32, damaged: Option<usize>) -> Vec<Arrival> {
     let mut at = 0;
     let mut wire = Vec::new();

@@ -21,10 +21,10 @@ use heapless::String;
 /// Longest text.
 const LONGEST: usize = 96;
 
-/// Says that the text was written by us, and not by chance or a bootloader.
+/// Marks a text as written by this firmware, and not by chance or a bootloader.
 const MAGIC: u32 = 0x4C57_0446;
 
-/// What survives the reset.
+/// The record that survives the reset.
 struct Kept {
     magic: AtomicU32,
     /// The text's length and checksum.
@@ -39,8 +39,8 @@ struct Kept {
     supply_off: AtomicU32,
 }
 
-// SAFETY: the section is meant for variables that start-up does not initialise (cortex-m-rt). Any bytes are
-// legal values of these atomics, and nothing is believed before magic and checksum fit.
+// SAFETY: the section is meant for variables that start-up does not initialise (cortex-m-rt). Any bytes are legal
+// values of these atomics, and nothing counts before magic and checksum fit.
 #[unsafe(link_section = ".uninit.reset_reason")]
 static KEPT: Kept = Kept {
     magic: AtomicU32::new(0),
@@ -101,7 +101,7 @@ fn check(text: &[u8]) -> u32 {
 /// Leaves a text for the time after the reset.
 pub fn leave(reason: fmt::Arguments<'_>) {
     let mut message = ResetReason(String::new());
-    // What does not fit is lost, the beginning says most.
+    // Text that does not fit is lost; the beginning matters most.
     let _ = message.write_fmt(reason);
     let text = message.0.as_bytes();
     for (place, byte) in KEPT.text.iter().zip(text) {
@@ -133,7 +133,7 @@ pub fn note(fault: Fault) {
     KEPT.is_fresh.store(MAGIC, Ordering::Release);
 }
 
-/// Says how long this run has lasted.
+/// Records how long this run has lasted.
 pub fn set_uptime(seconds: u32) {
     KEPT.uptime.store(seconds, Ordering::Relaxed);
 }
@@ -143,7 +143,8 @@ pub fn note_supply_off() {
     KEPT.supply_off.store(MAGIC, Ordering::Relaxed);
 }
 
-/// A run ends because the user wants it to: what came before is no series any more, unless this run had a fault.
+/// A run ends because the user wants it to: earlier faults do not count as a series any more, unless this run had a
+/// fault.
 pub fn end_series() {
     if !is_fresh() {
         forget();
@@ -175,7 +176,7 @@ pub fn take() -> Past {
     if let Some(text) = take_text() {
         message = text;
     } else if let Some(record) = record().filter(|_| was_recorded) {
-        // What does not fit is lost.
+        // Text that does not fit is lost.
         let _ = write!(message, "{}", record.fault);
     } else if has_bitten {
         let _ = message.write_str("the watchdog: a part of the firmware had stopped");

@@ -1,6 +1,6 @@
 //! The ring that a USART's DMA writes and the Console reads: bytes, and a bit for each that says it was damaged.
 //!
-//! | who | writes | reads |
+//! | context | writes | reads |
 //! |---|---|---|
 //! | DMA | `bytes`, and counts down the rest of a lap | |
 //! | the DMA's interrupt | `laps`, at the end of each | |
@@ -71,7 +71,7 @@ impl Ring {
             return None;
         }
         if waiting > SIZE {
-            // The DMA has overtaken us: what lies in the ring is of many lines.
+            // The DMA has overtaken us: the ring holds parts of many lines.
             *read = read.wrapping_add(waiting);
             self.damaged.iter().for_each(|bits| bits.store(0, Ordering::Release));
             return Some(Received::Lost);

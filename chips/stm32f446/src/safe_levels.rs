@@ -45,8 +45,9 @@ fn drive(slot: &Slot) {
     }
 }
 
-/// Has the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A
-/// dozen instructions without a branch, a lock or a stack; what changes modes at that time must not go on afterwards.
+/// Sets the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A
+/// dozen instructions without a branch, a lock or a stack. Code that changes modes at that time must not continue
+/// afterwards.
 // A function by itself, so that `cargo xtask build` can count how many instructions lead to its end.
 #[inline(never)]
 pub fn lower_heaters() {
@@ -56,7 +57,7 @@ pub fn lower_heaters() {
     port.moder().modify(|w| w.0 = w.0 & !bits.load(Ordering::Relaxed) | outputs.load(Ordering::Relaxed));
 }
 
-/// Sets all outputs to their safe levels, heaters first. Fans that a timer drives go on until the reset.
+/// Sets all outputs to their safe levels, heaters first. Fans on a timer run on until the reset.
 #[inline(always)]
 pub fn assume() {
     lower_heaters();

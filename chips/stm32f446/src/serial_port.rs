@@ -7,7 +7,7 @@ use crate::wiring::{Pin, Port};
 /// A serial port that a host may be on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SerialPort {
-    /// What drives it.
+    /// Its USART.
     pub usart: Usart,
     /// Transmitter.
     pub tx: Pin,
@@ -82,7 +82,7 @@ impl Usart {
 }
 
 impl SerialPort {
-    /// What to divide the bus clock by: 16 samples a bit and four bits of fraction make it the plain quotient (RM0390,
+    /// The divisor of the bus clock: with 16 samples a bit and four bits of fraction it is the plain quotient (RM0390,
     /// 25.4.4).
     #[must_use]
     pub const fn divisor(&self) -> u32 {

@@ -94,7 +94,7 @@ impl Steps {
     }
 }
 
-/// A port of quick steps, and what lowers its step lines.
+/// A port of quick steps, and the values that lower its step lines.
 #[repr(C)]
 struct Quick {
     port: Registers,
@@ -204,8 +204,8 @@ fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; STEP_PORTS]) {
 }
 
 impl StepPort for StepPins {
-    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted. The second pass stores to
-    /// three ports again, which changes nothing but gives these, 150 ns more, the time for a slow direction pin.
+    /// A step follows some 15 cycles later at the earliest, 83 ns; 20 ns are needed. The second pass stores the same
+    /// values to three ports again. That gives a slow direction pin its time, 150 ns more.
     #[inline]
     fn dir(&mut self, forward: GroupSet) {
         let Dirs { ports, writes } = &*self.dirs;

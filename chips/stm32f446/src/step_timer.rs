@@ -52,8 +52,8 @@ pub struct StepTimer {
 }
 
 impl StepTimer {
-    /// Takes the timer, silent, and says whether the cycle counter, which runs already, does so while the processor
-    /// sleeps. If not, the processor must not sleep.
+    /// Takes the timer, silent, and returns whether the cycle counter, which runs already, also runs while the
+    /// processor sleeps. If not, the processor must not sleep.
     pub fn start(mut timer: SYST) -> (Self, bool) {
         timer.disable_counter();
         timer.set_clock_source(SystClkSource::Core);

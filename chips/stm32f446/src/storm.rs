@@ -20,7 +20,7 @@ const WINDOW: u32 = 3_600_000;
 /// between.
 const MOST: u32 = 6000;
 
-/// How often a handler was called of late. Only the handler uses it.
+/// How often a handler was called recently. Only the handler uses it.
 pub struct CallRate {
     /// When the count began, in cycles.
     since: AtomicU32,
@@ -65,7 +65,7 @@ fn note(irq: u8) {
     }
 }
 
-/// What there was of storms.
+/// The recorded storm, if any.
 pub fn fault() -> Option<Fault> {
     let subject = MASKED.load(Ordering::Relaxed).checked_sub(1)?;
     Some(Fault { subject, ..Fault::plain(Cause::InterruptStorm) })

@@ -1,4 +1,4 @@
-//! The supply: what happens when the 3.3 V of the processor fail.
+//! The supply: the reaction when the processor's 3.3 V fail.
 //!
 //! - Below 2.93 V (2.85 to 2.99) the detector (PVD, level 6) raises an interrupt that nothing masks: heaters low,
 //!   drivers off, a note, reset. Level 6 is the highest usable level: its upper threshold is 3.10 V at most, and a rail
@@ -31,7 +31,7 @@ const LINE: usize = 16;
 /// BOR_LEV: level 3 (RM0390, 3.9.10, FLASH_OPTCR).
 const LEVEL_3: u8 = 0b00;
 
-/// What hosts read if the chip does not reset itself in time.
+/// Message to hosts if the chip does not reset itself in time.
 const UNGUARDED: &str = "brown-out reset is not at level 3: while its supply fails the processor may do anything; the \
                          README of the board says how to set it";
 
@@ -46,7 +46,7 @@ pub fn wait() {
 
 /// Watches the supply from now on; the interrupt is not enabled yet.
 pub fn watch() {
-    // Whoever set the clocks may have reset the detector.
+    // The code that set the clocks may have reset the detector.
     detect();
     EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
     EXTI.ftsr(0).modify(|w| w.set_line(LINE, false));

@@ -11,8 +11,8 @@
 //! thermistor that is plugged in there is a setting (`settings::Thermistor` of the core), and its curve is in
 //! `thermal::sensor`.
 //!
-//! No interrupt: whoever asks sums up what lies there, and looks whether the DMA goes on counting. An overrun or a
-//! stopped clock ends that for good, and then there are no values any more.
+//! No interrupt: a read adds up the stored readings, and checks that the DMA still counts. An overrun or a stopped
+//! clock ends that for good, and then there are no values any more.
 //!
 //! DMA2 of the STM32F405 spoils data when it serves AHB and APB2 peripherals at a time (ES0182). Whether the F446
 //! shares this could not be read up; so long as DMA2 serves nothing on AHB1, such as GPIO ports, it does not matter.
@@ -39,7 +39,7 @@ const KEPT: usize = 16;
 /// Cycles of 180 MHz until the converter has woken: 3 us (STM32F446 datasheet, t_STAB), with a margin of two.
 const WAKING: u32 = 1080;
 
-/// Looks at the DMA's counter within which a conversion ends: it takes 3936 cycles of 180 MHz, a look at least four.
+/// Polls of the DMA's counter within which a conversion ends: it takes 3936 cycles of 180 MHz, a poll at least four.
 const LOOKS: u32 = 2000;
 
 static KEPT_READINGS: [AtomicU16; MOST_THERMISTORS * KEPT] = [const { AtomicU16::new(0) }; MOST_THERMISTORS * KEPT];
@@ -47,7 +47,7 @@ static KEPT_READINGS: [AtomicU16; MOST_THERMISTORS * KEPT] = [const { AtomicU16:
 /// The thermistors of a board.
 pub struct Thermistors {
     wired: &'static [ThermistorPin],
-    /// Whether they are alive, if somebody has looked in this control period.
+    /// Whether they are alive, if it was checked in this control period.
     are_alive: Option<bool>,
 }
 
@@ -112,7 +112,7 @@ impl Thermistors {
         self.are_alive = None;
     }
 
-    /// Whether all readings have come in at least once, and go on coming.
+    /// Whether all readings have come in at least once, and still come in.
     fn is_alive() -> bool {
         let before = waiting();
         DMA2.isr(STREAM / 4).read().tcif(STREAM % 4) && (0..LOOKS).any(|_| waiting() != before)

@@ -1,5 +1,5 @@
-//! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts. What happens when the line rests
-//! or a byte is damaged: [`receiver_flags`](crate::receiver_flags).
+//! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts.
+//! [`receiver_flags`](crate::receiver_flags) handles an idle line and damaged bytes.
 //!
 //! USART1 and USART2 run the same code. Each may have a host, at the same time.
 
@@ -32,7 +32,7 @@ const _: () =
 
 static QUEUES: [Queues; 2] = [Queues::new(), Queues::new()];
 
-/// A USART and what passes through it.
+/// A USART and its data.
 struct Station {
     registers: Registers,
     usart: Usart,
@@ -133,7 +133,7 @@ impl Serial for UsartLine {
     }
 }
 
-/// What of a USART's status concerns the receiver.
+/// The receiver's flags in a USART's status.
 fn flags(status: Sr) -> Flags {
     Flags { is_at_rest: status.idle(), is_damaged: status.ore() || status.fe() || status.ne() }
 }
@@ -173,7 +173,7 @@ impl Station {
                 Some(byte) => self.registers.dr().write(|w| w.set_dr(u16::from(byte))),
                 None => {
                     self.registers.cr1().modify(|w| w.set_txeie(false));
-                    // Room for whoever has more to say.
+                    // Room for more output.
                     wake_console();
                 }
             }

@@ -43,7 +43,7 @@ static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 
 /// The Console's end of the port.
 pub struct UsbLine {
-    /// Why the last reset happened, until somebody has opened the port: it was closed when the others were told.
+    /// Why the last reset happened, until a host opens the port: it was closed when the others were told.
     farewell: Option<ResetReason>,
     /// The port has not been opened so far.
     is_new: bool,

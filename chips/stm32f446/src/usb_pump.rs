@@ -27,11 +27,11 @@ const OUTGOING: usize = 1024;
 /// moves take to print.
 const PATIENCE_MS: u32 = 500;
 
-/// After opening the port the host is left alone for this long: Linux sends back what arrives until the program that
-/// has opened the port switches that off (termios, ECHO), which is the next that most do.
+/// After opening the port the host is left alone for this long. Linux echoes received bytes until the program that has
+/// opened the port switches that off (termios, ECHO), and most programs do that next.
 const SETTLE_MS: u32 = 100;
 
-/// What waits.
+/// The buffers.
 pub struct Pump {
     incoming: Deque<u8, INCOMING>,
     outgoing: Deque<u8, OUTGOING>,
@@ -45,7 +45,7 @@ pub struct Pump {
     waits_since: Option<Instant>,
     /// The host fetches nothing.
     is_deaf: bool,
-    /// Something was thrown away after what waits, if anything does.
+    /// Output after the buffered bytes was discarded.
     is_cut: bool,
     /// The Console is in the middle of a line.
     is_within: bool,
@@ -53,7 +53,7 @@ pub struct Pump {
     has_half: bool,
     /// The host has a full packet and does not know that nothing follows.
     wants_end: bool,
-    /// The host may have a packet under way that was meant for whoever had the port before.
+    /// The host may have a packet under way from an earlier session.
     has_stray: bool,
 }
 
@@ -129,7 +129,7 @@ impl Pump {
         self.outgoing.clear();
     }
 
-    /// The host has opened or closed the port, or neither. Says whether anything changed.
+    /// The host has opened or closed the port, or neither. Returns whether anything changed.
     pub fn set_open(&mut self, is_open: bool, now: Instant) -> bool {
         if self.is_open == is_open {
             return false;
@@ -174,7 +174,7 @@ impl Pump {
         Some(length)
     }
 
-    /// The host has fetched what came before `packet`, and this one is under way.
+    /// The host has fetched everything before `packet`, and this one is under way.
     pub fn on_sent(&mut self, packet: &[u8]) {
         self.waits_since = None;
         self.is_deaf = false;

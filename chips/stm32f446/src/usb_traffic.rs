@@ -30,7 +30,7 @@ pub struct Traffic<M: RawMutex> {
 
 /// The hooks that the port needs from the board.
 pub trait Surroundings {
-    /// Has the Console look.
+    /// Asks for a poll of the Console.
     fn wake_console(&self);
 
     /// The Console's clock.
@@ -62,7 +62,7 @@ impl<M: RawMutex> Traffic<M> {
         received
     }
 
-    /// Takes as many of `bytes` as fit and says how many.
+    /// Takes as many of `bytes` as fit and returns their number.
     pub fn send(&self, bytes: &[u8], now: Instant) -> usize {
         let taken = self.with(|pump| pump.send(bytes, now));
         if taken > 0 {
@@ -115,7 +115,7 @@ impl<M: RawMutex> Traffic<M> {
             match select(sender.write_packet(packet), is_stale).await {
                 Either::First(Ok(())) => {
                     self.with(|pump| pump.on_sent(packet));
-                    // Room for whoever has more to say.
+                    // Room for more output.
                     board.wake_console();
                 }
                 Either::First(Err(_)) => sender.wait_connection().await,
@@ -134,7 +134,7 @@ impl<M: RawMutex> Traffic<M> {
             }
             match receiver.read_packet(&mut packet).await {
                 Ok(length) => {
-                    // Whoever sends has opened the port before, even if `watch` has not run since.
+                    // A host that sends has opened the port before, even if `watch` has not run since.
                     self.set_open(receiver.dtr(), board);
                     self.with(|pump| pump.on_packet(&packet[..length]));
                     board.wake_console();

@@ -57,7 +57,7 @@ fn with_port(story: impl FnOnce(Rig<'_>)) {
 }
 
 impl Rig<'_> {
-    /// Lets the port do all that it has to do.
+    /// Runs the port until it has no more work.
     fn run(&mut self) {
         for _ in 0..20 {
             assert!(self.port.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_pending());

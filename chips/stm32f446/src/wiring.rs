@@ -1,4 +1,4 @@
-//! The wiring of a board: which pin does what, as data. A [`Board`] is a table; [`Plugged`] is the board with a machine
+//! The wiring of a board: the job of each pin, as data. A [`Board`] is a table; [`Plugged`] is the board with a machine
 //! plugged into it.
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
@@ -108,7 +108,7 @@ impl Slot {
     }
 }
 
-/// A level that tells boards apart: what `pin` reads against its internal resistor.
+/// A level that tells boards apart: `pin` read against its internal resistor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Mark {
     /// An input, with the internal resistor against `is_high`.
@@ -199,7 +199,7 @@ pub struct Board {
     pub heaters: &'static [HeaterPin],
     /// Fan outputs, FAN0 and so on.
     pub fans: &'static [FanPin],
-    /// What switches the power supply.
+    /// The switch of the power supply.
     pub supply_switch: Option<SupplySwitch>,
     /// Serial ports on which hosts may be, each USART once.
     pub serial: &'static [SerialPort],
@@ -207,7 +207,7 @@ pub struct Board {
     pub has_usb: bool,
     /// Clock and data of I2C1, on which the EEPROM is.
     pub eeprom: Option<[Pin; 2]>,
-    /// What tells this board from others that an image of ours might be flashed to.
+    /// Marks that tell this board from others that might get an image of ours.
     pub marks: &'static [Mark],
 }
 

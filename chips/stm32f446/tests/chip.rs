@@ -1,4 +1,4 @@
-//! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions,
+//! Compares the boards' tables and the crate's own with stm32-metapac's data of the chip: pins, alternate functions,
 //! channels of the converter, DMA streams, timers and interrupts.
 //!
 //! stm32-metapac describes one chip in a build, so the Octopus's chip stands for all: they are one die in three
@@ -278,7 +278,7 @@ fn every_interrupt_has_a_handler() {
         let handler = format!("#[interrupt]\nfn {name}() {{");
         let (_, body) = code.split_once(&handler).unwrap_or_else(|| panic!("{source:?}: {handler}"));
         let body = body.split_once("\n}").expect("its end").0;
-        // Those above the generator count their calls, but for the supply's, which never returns.
+        // Interrupts above the generator count their calls, except for the supply's, which never returns.
         let counts = body.contains(&format!("count_call(Interrupt::{name}, &RATE);"))
             || body.contains("count_call(IRQ, &RATE);");
         let is_below = ["PVD", "CAN2_SCE", "TIM5"].contains(&name);

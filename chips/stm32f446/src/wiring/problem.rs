@@ -47,7 +47,7 @@ impl Board {
         self.load_problem().or_else(|| self.serial.iter().find_map(SerialPort::problem))
     }
 
-    /// Every pin but the enable lines, which drivers may share.
+    /// Every pin except the enable lines, which drivers may share.
     fn pins_of_one_job(&self) -> impl Iterator<Item = Pin> {
         let sockets = self.sockets.iter();
         let uarts = sockets.clone().filter_map(|slot| slot.uart);

@@ -116,7 +116,7 @@ fn a_record_that_may_be_seen_or_not_is_seen_for_good_before_the_other_is_erased(
     let (_, next) = save(flash.clone().revived(), &variant(3));
     let mut counts = [0; 2];
     for _ in 0..60 {
-        // Goes on with the chances of the run before.
+        // Continues with the results of the previous run.
         let (_, again) = newest(flash.revived());
         flash = again.revived();
         let (_, cut) = save(flash.cut(next.erased_at.max(12), Tear::Anything), &variant(3));

@@ -53,7 +53,7 @@ pub enum Tear {
 pub const TEARS: [Tear; 7] =
     [Tear::Not, Tear::Bits, Tear::FirstHalf, Tear::SecondHalf, Tear::Ends, Tear::Anything, Tear::Nearly];
 
-/// What of a sector is not erased by [`Tear::Nearly`].
+/// Cells of a sector that [`Tear::Nearly`] leaves unerased.
 const LEFT_OVER: usize = 0x600;
 
 impl Nor {
