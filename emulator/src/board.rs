@@ -1,7 +1,7 @@
 //! The emulated board: an STM32F427 model in place of the F446, with the parts that the board connects to its pins.
 //!
-//! The F427 is the same family with more of everything; what differs and is used is listed in `gaps`.
-//! [`Firmware`](crate::firmware::Firmware) sees to it that nothing is placed in memory that the F446 has not.
+//! The F427 is the same family with more of everything; `gaps` lists the differences that are used.
+//! [`Firmware`](crate::firmware::Firmware) makes sure that nothing is placed in memory that the F446 lacks.
 
 use crate::chip::Chip;
 use crate::clock_tree::Defect;
@@ -125,7 +125,7 @@ impl Emulated {
     /// Gives channels of ADC3 voltages in mV.
     ///
     /// # Errors
-    /// If there is no such channel.
+    /// If the channel is missing.
     pub fn heat(&mut self, channels: &[(u8, u32)]) -> Result<()> {
         for &(channel, millivolts) in channels {
             ensure!(adc::Channel::new(channel).is_some(), "no ADC channel {channel}");
@@ -134,7 +134,7 @@ impl Emulated {
         Ok(())
     }
 
-    /// Gives a channel of ADC3 what its next conversion makes of it, 0 to 4095.
+    /// Sets the next conversion result of a channel of ADC3, 0 to 4095.
     pub fn show(&mut self, channel: u8, reading: u32) {
         if let Some(channel) = adc::Channel::new(channel) {
             self.mcu.adc[THERMISTORS].set_input(channel, reading);

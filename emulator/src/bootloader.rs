@@ -14,7 +14,7 @@ use std::iter;
 /// The end of RAM, where the first stack is.
 const STACK: u32 = 0x2002_0000;
 
-/// Where the chip looks for its first vector table.
+/// Where the chip reads its first vector table.
 pub const RESET: u32 = 0x0800_0000;
 
 /// An action of the bootloader on one register.
@@ -113,9 +113,9 @@ const STEPS: &[Step] = &[
     Set(RCC_APB1RSTR, 1 << 18, 0),
 ];
 
-/// Goes through rows of address, bits and value until an address is 0; the lowest bit of the address says that the
-/// row is waited for. A value in a register of the floating-point unit has CONTROL say that there are such values, as
-/// BTT's does with a baud rate that it computes. Then stack and entry are the application's.
+/// Goes through rows of address, bits and value until an address is 0; the lowest bit of the address asks to wait for
+/// the row. A value in a register of the floating-point unit makes CONTROL report such values, as BTT's bootloader does
+/// with a baud rate that it computes. Then stack and entry are the application's.
 const CODE: [u16; 26] = [
     0x480C, //         ldr r0, =rows
     0xC80E, // next:   ldmia r0!, {r1, r2, r3}
@@ -153,7 +153,7 @@ pub enum Bootloader {
     Careless,
 }
 
-/// What [`Bootloader::Careless`] does besides.
+/// Further actions of [`Bootloader::Careless`].
 const CARELESS: &[Step] = &[
     // All bits of a priority are its subpriority (ARM DDI 0403E, B3.2.6), so nothing interrupts a handler.
     Set(SCB_AIRCR, ALL, 0x05FA_0700),

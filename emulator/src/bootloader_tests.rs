@@ -1,4 +1,4 @@
-//! The stand-in leaves what BTT's bootloader does.
+//! The stand-in leaves the same state as BTT's bootloader.
 
 use super::*;
 use crate::board::Emulated;

@@ -47,8 +47,8 @@ struct Cli {
     /// The board that the image is for.
     #[arg(long, value_enum, default_value_t = Board::Octopus)]
     board: Board,
-    /// The machine, stored in the EEPROM of the Octopus, or put into the image of the Nucleo; without it, that is the
-    /// CoreH-bot prototype.
+    /// The machine, stored in the EEPROM of the Octopus, or put into the image of the Nucleo; without it, the CoreH-bot
+    /// prototype.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
@@ -89,7 +89,7 @@ impl Board {
     }
 }
 
-/// What to print, on what.
+/// The print, and its machine.
 struct Prepared {
     firmware: Firmware,
     gcode: String,

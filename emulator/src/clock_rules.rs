@@ -231,7 +231,7 @@ impl ClockRules {
             }
             _ => {}
         }
-        // What SW asks for comes about without a write when its source is ready.
+        // The source in SW takes effect without a write once it is ready.
         let (wanted, source) = (now.cfgr & 3, now.cfgr >> 2 & 3);
         for source in [Some(source), Some(wanted).filter(|wanted| *wanted != source)].into_iter().flatten() {
             let hclk = self.hclk(source, now);

@@ -23,7 +23,7 @@ const UP: [Write; 8] = [
 /// And back.
 const DOWN: [Write; 4] = [(RCC_CFGR, 0x9400), (RCC_CR, 0x83), (RCC_APB1RSTR, PWRRST), (FLASH_ACR, 0)];
 
-/// What `writes` break on a chip in which every write has its effect at once.
+/// The rules that `writes` break on a chip in which every write has its effect at once.
 fn breaks(writes: &[Write]) -> Vec<Rule> {
     let mut rules = ClockRules::new(Hse::Crystal(12_000_000));
     let mut now = RESET;
@@ -45,7 +45,7 @@ fn breaks(writes: &[Write]) -> Vec<Rule> {
     broken
 }
 
-/// What `UP` breaks if its write number `n` is another.
+/// The rules that `UP` breaks with another write number `n`.
 fn broken_by(n: usize, write: Write) -> Vec<Rule> {
     let mut writes = UP;
     writes[n] = write;

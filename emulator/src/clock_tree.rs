@@ -54,7 +54,7 @@ impl Switch {
         Self { was_off: true, ..Self::new(bit) }
     }
 
-    /// What arrives of `written`.
+    /// The part of `written` that takes effect.
     fn turn(&mut self, written: u64) -> u64 {
         let on = written & self.bit;
         self.was_off |= self.was_on && on == 0;
@@ -165,7 +165,7 @@ impl ClockTree {
         self.model.calibrate_lsi(hz);
     }
 
-    /// Has the crystal stop at the next write to a register, whatever that is.
+    /// Stops the crystal at the next write to any register.
     pub const fn stop_crystal(&mut self) {
         self.stops = true;
     }

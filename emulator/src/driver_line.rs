@@ -87,7 +87,7 @@ impl DriverLine {
         }
     }
 
-    /// When something happens of itself.
+    /// Time of the next event of its own.
     fn next(&self) -> Option<u64> {
         if self.short.is_some() {
             return (!self.is_saying).then_some(0);
@@ -157,7 +157,7 @@ pub struct DriverLines {
     lines: [DriverLine; Motor::ALL.len()],
     masks: [u16; PORTS],
     seen: [(u16, u16); PORTS],
-    /// The first instant at which something happens of itself.
+    /// Time of the first event of its own.
     pub next: Option<u64>,
 }
 

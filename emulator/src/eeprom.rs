@@ -36,7 +36,7 @@ pub struct At24c32 {
     pub answers: bool,
     /// Addresses and bytes of all pages written.
     pub writes: Vec<(usize, usize)>,
-    /// How often it was asked while it was writing.
+    /// How often a host addressed it during a write.
     pub refusals: u32,
     /// Where the next byte is read or written.
     at: usize,

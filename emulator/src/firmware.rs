@@ -25,7 +25,7 @@ pub struct Firmware {
     pub path: PathBuf,
     /// Its SHA-256 in hexadecimal.
     pub sha256: String,
-    /// What runs before it.
+    /// The bootloader in front of it.
     pub bootloader: Bootloader,
     bytes: Vec<u8>,
     /// Bytes in addition to the image.
@@ -53,7 +53,7 @@ impl Firmware {
     /// The initial memory; a firmware that needs a bootloader gets it in front.
     ///
     /// # Errors
-    /// If the file is no ELF file.
+    /// If the file is not an ELF file.
     pub fn images(&self, wiring: &Wiring) -> Result<Vec<Image>> {
         let mut images = vec![Image::new(&self.path, self.bytes.clone(), None)?];
         if wiring.application != RESET {

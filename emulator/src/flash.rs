@@ -71,7 +71,7 @@ pub enum Operation {
         address: u64,
         /// How many: 1, 2 or 4.
         size: usize,
-        /// What.
+        /// The value.
         value: u64,
     },
     /// A sector is erased.
@@ -133,7 +133,7 @@ impl FlashSectors {
         self.operations.iter().filter(|operation| matches!(operation, Operation::Erase { .. })).count()
     }
 
-    /// Begins an operation. It is in vain if it concerns other sectors.
+    /// Begins an operation. It has no effect if it concerns other sectors.
     pub(crate) fn begin(&mut self, operation: Operation) -> Option<Operation> {
         let addresses = operation.addresses();
         if addresses.start < SECTORS.start || addresses.end > SECTORS.end {

@@ -9,7 +9,7 @@
 //!   the image.
 //!
 //! While a sector is erased the processor stands still (3.5: no code can be fetched), so the watch holds it. While a
-//! word is programmed it goes on, as it does if it waits for BSY in the instruction cache.
+//! word is programmed it continues, also if it waits for BSY in the instruction cache.
 
 use crate::board::RAIL;
 use crate::flash::{FlashSectors, Operation, Tear};
@@ -23,7 +23,7 @@ use std::num::NonZeroU32;
 /// To program a word, typical (STM32F446 datasheet, t_prog).
 const PROGRAM_NS: u64 = 16_000;
 
-/// To erase a sector of 16 KiB at the most, at 8, 16 and 32 bits (STM32F446 datasheet, t_ERASE16KB). The crate's model
+/// Longest time to erase a sector of 16 KiB, at 8, 16 and 32 bits (STM32F446 datasheet, t_ERASE16KB). The crate's model
 /// is done earlier, at the typical time; the processor stands still until this one.
 const ERASE_NS: [u64; 3] = [800_000_000, 600_000_000, 500_000_000];
 
@@ -93,7 +93,7 @@ impl FlashInterface {
         }
     }
 
-    /// When the operation that goes on is done.
+    /// When the current operation is done.
     #[must_use]
     pub fn next(&self) -> Option<u64> {
         self.work.map(|(_, until)| until).filter(|_| !self.sectors.is_cut())

@@ -47,7 +47,7 @@ pub const ALLOWED: &[Allowed] = &[
 pub struct Gap {
     /// The address; 0 if there is none.
     pub address: u64,
-    /// What happened.
+    /// The event in words.
     pub what: String,
 }
 

@@ -1,8 +1,8 @@
 //! Heat: the thermal plant of the rig on the board's pins, in virtual time.
 //!
-//! Heaters and fans get what their pins are driven with, summed up to the nanosecond, while PS_ON is driven low. The
-//! plant's sensors are the converter's inputs: each conversion that the firmware's converter makes is one of the
-//! plant's, with noise of its own. A machine without heaters costs nothing here.
+//! Heaters and fans get the levels of their pins, summed up to the nanosecond, while PS_ON is driven low. The plant's
+//! sensors are the converter's inputs: each conversion by the firmware's converter is a conversion of the plant, with
+//! noise of its own. A machine without heaters costs nothing here.
 
 use crate::board::Emulated;
 use crate::wiring::Wiring;
@@ -13,7 +13,7 @@ use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::PlantFaults;
 use rigless::time::VirtualNanos;
 
-/// The plant goes on in steps of 1 ms, a fifth of its own longest part.
+/// The plant advances in steps of 1 ms, a fifth of its own longest part.
 const STEP_NS: u64 = 1_000_000;
 
 /// Steps between two samples that are kept: 20 ms.
@@ -36,7 +36,7 @@ pub struct Climate {
 pub struct Mishap {
     /// Virtual time before it, in ns.
     pub after: u64,
-    /// What breaks.
+    /// The fault to inject.
     pub what: fn(&mut PlantFaults),
 }
 
@@ -47,7 +47,7 @@ pub struct Edge {
     pub at: u64,
     /// The output of this pin.
     pub output: Output,
-    /// To what.
+    /// Its new level.
     pub is_high: bool,
 }
 
@@ -71,7 +71,7 @@ struct Meter {
 }
 
 impl Meter {
-    /// From `at` on the pin has this level; says whether that is another one.
+    /// Sets the pin's level from `at` on; returns whether it changed.
     fn set(&mut self, at: u64, level: f64) -> bool {
         self.sum += self.level * (at - self.since) as f64;
         let has_changed = self.level != level;

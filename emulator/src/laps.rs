@@ -31,7 +31,7 @@ impl Laps {
         if address != TIM3 + SR {
             return;
         }
-        // Flags are taken back by writing 0. Taking back all of them at once is no half lap, but a beginning.
+        // Writing 0 clears flags. Clearing all of them at once is not a half lap, but a start.
         if value & u64::from(u16::MAX) == 0 {
             *self = Self::default();
             return;

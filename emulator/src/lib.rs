@@ -1,4 +1,4 @@
-//! Emulator: runs the exact image that a user flashes, and records what its pins do.
+//! Emulator: runs the exact image that a user flashes, and records its pins.
 //!
 //! A model of the chip (the `rigless` crate) executes the release ELF file instruction by instruction in virtual time.
 //! Around it stand the board ([`wiring`], [`board`]) with its motor drivers ([`driver_line`]) and hosts on the serial
@@ -6,7 +6,7 @@
 //! ([`mechanics`]). A stand-in for its [`bootloader`] runs before the image. The record ([`steps`], [`safety`],
 //! [`clock_rules`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
 //!
-//! What this cannot show stands in README.md.
+//! README.md lists the limits of the emulator.
 
 pub mod board;
 pub mod bootloader;

@@ -1,8 +1,7 @@
 //! A serial line to a host: bytes at the pace of the firmware's own baud rate, lines to a scripted host.
 //!
-//! The host waits for the greeting before it sends, and answers at once: how long a computer and its
-//! adapter think is no property of the image. The rate is the firmware's to set; [`crate::run`] holds it
-//! to the stated one.
+//! The host waits for the greeting before it sends, and answers at once: the delays of a computer and its adapter are
+//! no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
 
 use crate::timer::NS_PER_TICK;
 use corehbot_sim::host::FileHost;
@@ -33,7 +32,7 @@ pub struct Manner {
 /// The far end of the line.
 pub struct HostLine {
     manner: Manner,
-    /// What an impatient host has to say, how many lines that is, and how many were answered.
+    /// The text of an impatient host, its number of lines, and the number of answered lines.
     text: String,
     all: String,
     asked: usize,

@@ -96,7 +96,7 @@ impl Mechanics {
         pressed
     }
 
-    /// When switches are to be looked at, if there is no step before, in ns.
+    /// When to check the switches, if there is no step before, in ns.
     #[must_use]
     pub const fn next(&self) -> Option<u64> {
         self.next
@@ -108,7 +108,7 @@ impl Mechanics {
         self.rig.counts()
     }
 
-    /// What came of the belt, half a second after the last step.
+    /// The belt's figures, half a second after the last step.
     #[must_use]
     pub fn figures(self) -> Option<BeltFigures> {
         self.belt.map(|mut plant| {

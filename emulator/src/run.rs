@@ -35,7 +35,7 @@ const BAUD_TOLERANCE: f64 = 0.02;
 /// RCC_AHB1ENR, APB1ENR and APB2ENR (RM0390 rev 6, section 6.3.28).
 const CLOCKED: [u64; 3] = [0x4002_3830, 0x4002_3840, 0x4002_3844];
 
-/// What to run.
+/// The image and its surroundings.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// The image.
@@ -70,7 +70,7 @@ pub struct Request<'a> {
     pub slow_oscillator: Option<u64>,
     /// A pin that something holds high or low all the time.
     pub stuck: Option<(Pin, bool)>,
-    /// What of the clocks is broken.
+    /// The defect of the clocks.
     pub defect: Defect,
 }
 
@@ -91,7 +91,7 @@ pub struct Seen {
     pub heat: HeatWatch,
     /// The motor drivers.
     pub drivers: DriverLines,
-    /// What came of the belt.
+    /// The belt's figures.
     pub belt: Option<BeltFigures>,
     /// Requests that the model could not serve.
     pub gaps: Gaps,

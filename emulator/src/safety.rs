@@ -21,7 +21,7 @@ pub struct Safety {
     wiring: &'static Wiring,
     /// Motors that have power.
     pub powered: MotorSet,
-    /// What happened and when, in ns.
+    /// Dangers and their times in ns.
     pub dangers: Vec<(u64, Danger)>,
     /// When motors got or lost power, in ns.
     pub switched: Vec<(u64, MotorSet)>,

@@ -1,8 +1,8 @@
 //! Step events as the pins show them.
 //!
-//! The firmware raises the step lines of one event with one store a port, and lowers them all before the
-//! next event. So an event is every rise until the first fall. [`WINDOW_NS`] bounds it: a rise later than
-//! that is an event of its own, whatever the firmware meant.
+//! The firmware raises the step lines of one event with one store a port, and lowers them all before the next event. So
+//! an event is every rise until the first fall. [`WINDOW_NS`] bounds it: a later rise is an event of its own, whatever
+//! the firmware intended.
 
 use crate::board::Port;
 use crate::timer::Schedule;
@@ -23,7 +23,7 @@ pub struct StepEvent {
     pub forward: MotorSet,
     /// From the first rise to the last, in ns.
     pub spread: u32,
-    /// When the firmware meant it to be.
+    /// Its scheduled time.
     pub schedule: Option<Schedule>,
 }
 

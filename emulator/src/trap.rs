@@ -13,7 +13,7 @@ const PLACE: u32 = 0x0807_F000;
 /// The word that springs the trap: just beyond the RAM of the F446.
 pub const TRIGGER: u32 = 0x2002_0000;
 
-/// A panic that wants no argument but the place in the source, and that every image with an `async fn` has.
+/// A panic that needs only the place in the source as argument, and that every image with an `async fn` has.
 const PANIC: &str = "panic_const_async_fn_resumed";
 
 /// Interrupt control and state register: bit 31 pends the NMI (ARM DDI 0403E, B3.2.4).
@@ -51,7 +51,7 @@ impl Place {
     }
 }
 
-/// What happens there.
+/// The effect of the trap.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Trap {
     /// `udf`
@@ -72,8 +72,8 @@ pub enum Trap {
     Panic,
     /// Pushes without end.
     StackOverflow,
-    /// The exception by which the chip tells that its crystal has stopped (RM0390 rev 6, section 6.2.7). The model
-    /// falls back to its own oscillator, but raises no exception, so the code pends it.
+    /// The exception that reports a stopped crystal (RM0390 rev 6, section 6.2.7). The model falls back to its own
+    /// oscillator, but raises no exception, so the code pends it.
     ClockFailure,
     /// The supply falls below the level of its detector. The model has the detector, but no line from it to the
     /// processor, so the code pends the interrupt, if [`crate::watch`] has found detector and line armed.

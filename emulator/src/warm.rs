@@ -1,4 +1,4 @@
-//! A core that goes on with what another has translated.
+//! A core that reuses the translation of another.
 //!
 //! The crate translates the image block by block while it runs, which is most of the time of a short run. A core keeps
 //! its translation until it is dropped, and discards it when it is reset or its MPU is set. So a run begins on a new
@@ -39,7 +39,7 @@ const MOST_DIFFERENT: usize = 160;
 /// Cores of ended runs.
 static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
 
-/// Has the cores of a part take over what other cores have translated. All parts have to have the same core.
+/// Shares translations between the cores of a part. All parts must have the same core.
 pub fn share_translations(spec: &mut CoreSpec) {
     let make = spec.processor.clone();
     spec.processor = Arc::new(move |endian| Ok(Box::new(Core::new(make.clone(), endian)?)));
@@ -102,8 +102,8 @@ impl Kept {
         Self { core, memory }
     }
 
-    /// Pages of a run's memory, of the wanted kind, that are not as this core has them; nothing if the run has other
-    /// memory altogether.
+    /// Pages of a run's memory, of the wanted kind, that differ from this core's; `None` if the run has a different
+    /// memory layout.
     ///
     /// # Safety
     /// As of [`Mapped::bytes`].
@@ -225,7 +225,7 @@ impl Core {
         unsafe { Kept::new(core, &self.memory) }
     }
 
-    /// Goes on with a core that has translated this image, if there is one.
+    /// Continues with a core that has translated this image, if there is one.
     fn warm_up(&mut self) -> Result<(), Error> {
         self.is_cold = false;
         // SAFETY: as in `release`.
@@ -271,7 +271,7 @@ impl Processor for Core {
         let is_passing = std::mem::take(&mut self.is_passing);
         if self.is_cold && !is_passing {
             let control = self.core.debugger_access(None, MPU_CONTROL, Width::W32, VirtualNanos(0));
-            // If the other core does not take the state, the run goes on with the one that it has.
+            // If the other core does not take the state, the run continues with its own.
             if control.is_some_and(|control| control & IS_ON != 0) {
                 self.warm_up().ok();
             }

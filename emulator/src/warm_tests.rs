@@ -38,8 +38,7 @@ fn adds(step: u16) -> Vec<u8> {
     code.iter().flat_map(|halfword| halfword.to_le_bytes()).collect()
 }
 
-/// Looks every 10 us, and has the chip reset on the way if it is asked to. A cold run finds no core that was kept, not
-/// even its own.
+/// Stops every 10 us, and resets the chip on the way if asked to. A cold run finds no kept core, not even its own.
 struct Watch {
     is_cold: bool,
     resets_at: Option<u64>,
@@ -95,7 +94,7 @@ fn a_run_on_a_kept_core_is_the_run_on_a_new_one() {
     assert_eq!(run(3, false, None), cold[1]);
     assert_eq!(run(1, false, None), cold[0]);
     assert_eq!(kept(), 1);
-    // After a reset the run goes on with the core that it had before.
+    // After a reset the run continues with the same core as before.
     let reset = [true, false].map(|is_cold| run(1, is_cold, Some(500_000)));
     assert!(reset[0].1 < cold[0].1 * 6 / 10, "{} of {}", reset[0].1, cold[0].1);
     assert_eq!(reset[0], reset[1]);

@@ -36,7 +36,7 @@ const APB: Range<u64> = 0x4000_0000..0x4002_0000;
 /// TIM5, on port A (RM0390 rev 6, section 2.2.2).
 const HEATER_TIMER: Range<u64> = 0x4000_0C00..0x4000_1000;
 
-/// How often the run is looked at: every ms.
+/// Interval at which the run is checked: every ms.
 const LOOK_NS: u64 = 1_000_000;
 
 /// The watch.
@@ -79,7 +79,7 @@ pub struct Watch {
     pub stack_end: u32,
     /// Bytes from there up that were never written during the run.
     pub stack_free: u32,
-    /// What happens together with the trap.
+    /// Events together with the trap.
     with: With,
     /// A line of the interrupt controller that is held high.
     held: Option<InterruptLine>,
@@ -163,7 +163,7 @@ impl Watch {
         self.inject(session, host, at);
     }
 
-    /// Has the serial ports run at the rate that the hosts want, whatever the image has just written.
+    /// Sets the serial ports to the rate that the hosts want, whatever the image has just written.
     fn set_rate(&self, board: &mut Emulated, at: VirtualNanos, address: u64) {
         let Some(baud) = self.baud else { return };
         if let Some(port) = self.wiring.host_ports.iter().find(|port| port.base + BRR == address) {

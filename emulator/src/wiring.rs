@@ -1,4 +1,4 @@
-//! Wiring: which pin of the chip is what on the board, and what hangs on it.
+//! Wiring: the job of each pin of the chip on the board, and the part connected to it.
 //!
 //! It is taken from the board's schematic and not from the firmware: an image that has mixed up two pins must not find
 //! the same mistake here. Each board with an emulated image has a [`Wiring`] here and a test in `tests/machines.rs`.
@@ -68,7 +68,7 @@ pub enum Timer {
 }
 
 impl Timer {
-    /// The alternate function by which a pin is the timer's (STM32F446 datasheet, table of alternate functions).
+    /// The alternate function that connects a pin to the timer (STM32F446 datasheet, table of alternate functions).
     #[must_use]
     pub const fn function(self) -> u64 {
         match self {
@@ -156,7 +156,7 @@ pub struct Wiring {
     pub resistors: &'static [(Pin, bool)],
     /// Thermistors, and their channels of ADC3.
     pub thermistors: &'static [(Sensor, u8)],
-    /// Where the firmware begins; what lies before is the bootloader.
+    /// Where the firmware begins, behind the bootloader.
     pub application: u32,
     /// Serial ports for hosts.
     pub host_ports: &'static [HostPort],

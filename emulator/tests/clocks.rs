@@ -35,7 +35,7 @@ fn the_bootloaders_clocks_are_left_and_180_mhz_come_from_the_crystal() {
     assert!(seen.gaps.found.is_empty(), "{:?}", seen.gaps.found);
 }
 
-/// What shows that the test before this one could fail.
+/// Shows that the previous test could fail.
 #[test]
 fn an_image_that_stays_on_the_bootloaders_pll_is_caught() {
     let seen = talk_without(Some("leave_plls"));
@@ -56,7 +56,7 @@ fn an_interrupt_that_a_bootloader_left_is_lost() {
     assert!(seen.line.said.iter().all(|line| !line.contains("the last reset")), "{:?}", seen.line.said);
 }
 
-/// What an image says that meets `defect`; it says nothing else and gives nothing power.
+/// The messages of an image with `defect`; it sends nothing else and gives nothing power.
 fn said_with(defect: Defect) -> Vec<String> {
     let seen = print_on(&firmware(), "M105\n", &Bench { defect, whole: 900 * MS, ..Bench::default() });
     assert_eq!((seen.end, seen.resets.len(), seen.started), (End::Late, 0, None), "{:?}", seen.line.said);

@@ -65,7 +65,7 @@ fn fall(trap: Trap, injection: Injection) -> (u64, Seen) {
 #[test]
 fn f40_a_bit_that_flips_among_the_words_of_the_step_pins_ends_motion_and_heat_within_a_second() {
     let on_port_f = OCTOPUS.slots.iter().flatten().filter(|slot| slot.step.port == Pin::new('F', 0).port);
-    // What lowers the step lines of a port, in the set/reset register (RM0390 rev 6, section 7.4.7).
+    // The value that lowers the step lines of a port, in the set/reset register (RM0390 rev 6, section 7.4.7).
     let word = on_port_f.map(|slot| u32::from(slot.step.mask()) << 16).sum();
     let gcode = "G92 X0 Y0 Z0\nG1 X200 Y50 F1500\nM400\n";
     let seen = print(&firmware(), gcode, Some(Injection::Flip { after: 1000, word }));

@@ -15,7 +15,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::{Desk, Sink, World};
 
-/// What breaks.
+/// The fault to inject.
 type Breakage = fn(&mut PlantFaults);
 
 /// Says `gcode` to a heated machine; hotend and bed have had the temperatures `start` for long.
@@ -51,7 +51,7 @@ fn hotend_and_bed_are_heated_held_and_told_of() {
     for letter in ["T:", "B:"] {
         assert!((number(told, letter) - 60.0).abs() < 1.0, "{told}");
     }
-    // Before the end both were let go.
+    // Before the end both were switched off.
     let before = |ms: u64| seen.heat.samples.iter().rfind(|sample| sample.at < seen.virtual_ns - ms * MS).unwrap();
     let Sample { celsius: [hotend, bed], fans, .. } = before(700);
     println!("truly {hotend:.2} and {bed:.2} C");

@@ -44,7 +44,7 @@ struct Times {
     reset: u64,
 }
 
-/// Looks at what every crash has to come to.
+/// Checks the required result of every crash.
 fn check(seen: &Seen, told: &str) -> Times {
     assert_eq!(seen.end, End::Reset, "{:?}", seen.line.said);
     let at = seen.fallen.or(seen.injected).expect("a fault");
@@ -108,9 +108,8 @@ fn f32_a_processor_fault_is_off_at_once() {
     }
 }
 
-/// The lowest KiB of RAM is a region of the MPU that nothing may touch, and so is what lies below. The handler takes a
-/// fresh stack, because nothing can be pushed on the full one. Nothing is made to fail here: below RAM the model
-/// answers 0.
+/// The lowest KiB of RAM is an MPU region without access, and so is the memory below. The handler takes a fresh stack,
+/// because nothing can be pushed on the full one. The test makes no access fail: below RAM the model answers 0.
 #[test]
 fn f33_a_stack_that_overflows_ends_at_its_guard() {
     // The stack has to be filled first, by 32 bytes in two instructions.
@@ -161,7 +160,8 @@ fn f30_a_generator_or_stepper_that_hangs_is_ended_by_timer_and_watchdog() {
     }
 }
 
-/// The Console hangs alone, and all others go on: the control period notices, and is not fed after half of the time.
+/// The Console hangs alone, and all others continue: the control period notices, and stops feeding after half of the
+/// time.
 #[test]
 fn f30_a_console_that_hangs_is_found_before_the_watchdog_bites() {
     let (times, _) = fall(Place::Console, Trap::Hang, With::Nothing, "a part of the firmware hangs");

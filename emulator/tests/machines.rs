@@ -67,7 +67,7 @@ fn motors_and_switches_are_where_the_file_has_them() {
     assert_eq!(motors_on(&bench), MotorSet::ALL.without(MotorSet::of(Motor::E0)));
 }
 
-/// A switch that closes when it is pressed reads the other way round.
+/// A switch that closes when it is pressed reads inverted.
 #[test]
 fn a_normally_open_switch_reads_the_other_way_round() {
     let bench = bench_of(machine_file::load("[endstops]\nz = \"!Z-STOP\"\n").unwrap());
@@ -149,8 +149,8 @@ fn an_image_with_a_machine_in_it_starts_as_that() {
     }
 }
 
-/// A machine that comes over the serial line is stored and told of; a reset later the board is that machine, a CoreXY
-/// with two belt motors and one screw.
+/// A machine from the serial line is stored and reported. After a reset the board is that machine, a CoreXY with two
+/// belt motors and one screw.
 #[test]
 fn a_machine_that_was_sent_is_there_after_a_reset() {
     let machine = machine_file::read(&root().join("examples/machines/corexy.toml")).unwrap().settings;

@@ -1,5 +1,4 @@
-//! Tests of the images, in one program: what one test has translated of an image, the others go on with
-//! (`src/warm.rs`).
+//! Tests of the images, in one program: tests share translations of an image (`src/warm.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod clocks;

@@ -11,8 +11,7 @@ use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::{NUCLEO, Pin, Wiring};
 
-/// Both belts, an arc, and moves of Z and the extruder, for which there are no motors. Z cannot be homed for the same
-/// reason.
+/// Both belts, an arc, and moves of Z and the extruder, which have no motors. Z cannot be homed for the same reason.
 const GCODE: &str =
     "M119\nG28 X Y\nG92 Z0 E0\nG1 X40 Y20 F12000\nG1 Z2 F600\nG2 X60 Y40 I20 J0 E1 F6000\nG1 X45 Z1 E2 F9000\nM114\n";
 
@@ -46,7 +45,7 @@ fn check(seen: &Seen, gcode: &str, machine: &Settings) {
     assert!(seen.safety.switched.iter().all(|(_, motors)| [MotorSet::NONE, MotorSet::BELT].contains(motors)));
 }
 
-/// The image with a machine in it is what `corehbot image` makes.
+/// The image with a machine in it, as `corehbot image` makes it.
 #[test]
 fn the_image_steps_on_the_four_sockets() {
     let mut machine = nucleo_machine();

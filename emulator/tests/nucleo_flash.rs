@@ -64,8 +64,8 @@ fn settings_are_kept_and_found_after_a_reset() {
     assert_eq!(second.flash.operations, [], "what is stored already is not written again");
 }
 
-/// Code of another image in the sectors: each is erased when a save comes to it, half a second in which the processor
-/// stands still. The watchdog waits for it, and the board goes on.
+/// Code of another image in the sectors: each is erased when a save reaches it, half a second in which the processor
+/// stands still. The watchdog waits for it, and the board continues.
 #[test]
 fn sectors_that_held_code_are_taken_over() {
     let mut state = 1_u32;

@@ -1,5 +1,5 @@
-//! The image turns the twin's belt: what its drivers tell it over their wires aligns the motors, with the steps of the
-//! simulator.
+//! The image turns the twin's belt: it aligns the motors by the loads that drivers report over their wires, with the
+//! steps of the simulator.
 
 use crate::common::{Bench, firmware, print_on};
 use corehbot::port::NoStorage;

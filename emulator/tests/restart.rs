@@ -18,6 +18,6 @@ fn m999_resets_the_chip_and_the_host_is_greeted_again() {
     let had_power = seen.safety.switched.iter().any(|(_, on)| !on.is_empty());
     assert!(had_power, "{:?}", seen.safety.switched);
     assert_eq!(said.iter().filter(|line| *line == "start").count(), 2, "{said:?}");
-    // A reset that somebody asked for needs no reason.
+    // A requested reset needs no reason.
     assert!(!said.iter().any(|line| line.contains("the last reset came")), "{said:?}");
 }

@@ -103,7 +103,7 @@ fn a_belt_runs_round_as_on_the_host() {
 /// A file is printed so far. `cargo xtask equal` prints the whole of it.
 const LINES: usize = 300;
 
-/// What people print. The sliced file is not part of the project; without it an example is printed.
+/// A typical print. The sliced file is not part of the project; without it an example is printed.
 #[test]
 fn a_print_steps_as_on_the_host() {
     let sliced = root().join("../shared/gcode/prusaslicer292_cubehelix_small.gcode");

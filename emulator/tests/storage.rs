@@ -62,7 +62,7 @@ fn settings_are_kept_and_found_after_power_up() {
     assert_eq!(second.eeprom.writes, [], "what is stored already is not written again");
 }
 
-/// What `--settings` does.
+/// The machine of `--settings`.
 #[test]
 fn a_machine_in_the_eeprom_prints_as_the_simulator_does() {
     let gcode = "G28\nG1 X60 Y30 F18000\nG1 X20\nM400\n";
@@ -144,8 +144,8 @@ fn a_bus_that_is_held_low_costs_no_more() {
 /// The guard of the stack, its lowest KiB, and the reserve above it for cases outside this test.
 const STACK_RESERVE: u32 = 1024 + 2048;
 
-/// Settings are the largest things that pass through the stack: put together at the start, read, saved and read again,
-/// while steps are made and all drivers are looked after.
+/// Settings are the largest things on the stack: built at the start, read, saved and read again, while steps are made
+/// and all drivers are monitored.
 #[test]
 fn the_stack_is_deep_enough_for_settings_and_steps_at_once() {
     let gcode = "M500\nM203 X250.5\nM500\nM501\nM504\nM502\nM503\nM122\nM115\nG28\nM593 F40\nM900 K0.05\nM569 S1\n\

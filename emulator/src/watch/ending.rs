@@ -4,7 +4,7 @@ use super::{LOOK_NS, Watch};
 use crate::board::Emulated;
 use rigless::session::Session;
 
-/// A run goes on for this long after the host is done: 20 ms.
+/// A run continues for this long after the host is done: 20 ms.
 const LAST_NS: u64 = 20_000_000;
 
 /// Why a run ended.
@@ -29,7 +29,7 @@ pub struct Patience {
     pub whole: u64,
     /// Virtual time without a byte or a step, in ns.
     pub silent: u64,
-    /// Virtual time to go on after a reset, in ns.
+    /// Virtual time to continue after a reset, in ns.
     pub after_reset: u64,
 }
 

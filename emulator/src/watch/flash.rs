@@ -1,4 +1,4 @@
-//! Flash as the processor sees it: its stores reach the interface, and what these change lands in its memory.
+//! The processor's view of flash: its stores reach the interface, and their changes land in its memory.
 
 use super::Watch;
 use crate::board::Emulated;
@@ -37,7 +37,7 @@ impl Watch {
         }
     }
 
-    /// Has the run stop when something happens of itself.
+    /// Makes the run stop at the next event of its own.
     pub(super) fn pause(&self, session: &mut Session<Emulated>) {
         let flash = session.board_mut().mcu.flash.as_ref().and_then(crate::flash_interface::FlashInterface::next);
         session

@@ -47,13 +47,13 @@ pub enum Injection {
         /// Events before it.
         after: usize,
     },
-    /// Somebody writes to a register.
+    /// A value is written to a register.
     Poke {
         /// Virtual time before it, in ns.
         after: u64,
         /// Where.
         address: u64,
-        /// What.
+        /// The value.
         value: u64,
     },
     /// After this many step events, a bit of the first of these words flips in the Stepper's memory.
@@ -72,7 +72,7 @@ pub enum Injection {
     TrapWhileHot {
         /// Virtual time before it, in ns.
         after: u64,
-        /// What happens with it.
+        /// Events together with it.
         with: With,
     },
     /// A line of the interrupt controller goes high and stays there until the chip is reset, from a time on when a
@@ -90,7 +90,7 @@ pub enum Injection {
     },
 }
 
-/// What happens together with a trap.
+/// Events together with a trap.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum With {
     /// Nothing.
@@ -210,7 +210,7 @@ impl Watch {
         self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
     }
 
-    /// Has the supply come back some time after the reset, and sees whether the firmware has waited for it.
+    /// Restores the supply some time after the reset, and checks that the firmware has waited for it.
     pub(super) fn restore_supply(&mut self, session: &mut Session<Emulated>, at: u64) {
         let reset_at = session.resets().first().map(|r| r.at.0);
         if !self.is_supply_low || reset_at.is_none_or(|reset| at < reset + LOW_NS) {

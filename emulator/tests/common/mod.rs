@@ -110,15 +110,15 @@ pub struct Bench<'a> {
     pub belt: Option<BeltSetup>,
     /// The rate of the slow oscillator in Hz.
     pub slow_oscillator: Option<u64>,
-    /// Virtual time to go on after a reset, in ns.
+    /// Virtual time to continue after a reset, in ns.
     pub after_reset: u64,
     /// A pin that is held.
     pub stuck: Option<(Pin, bool)>,
-    /// What of the clocks is broken.
+    /// The defect of the clocks.
     pub defect: Defect,
     /// Virtual time after which it is given up, in ns.
     pub whole: u64,
-    /// The test looks at the broken rules for clocks itself.
+    /// The test checks the broken rules for clocks itself.
     pub may_break_rules: bool,
 }
 
