@@ -1,10 +1,10 @@
-//! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]; its name in machine files, its
-//! number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
+//! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]. Its name in machine files,
+//! its number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
 
 use crate::settings::rows::{Field, Value};
 use serde::{Deserialize, Serialize};
 
-/// What a data sheet says.
+/// The values of a data sheet.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sheet {
     /// The name in machine files.

@@ -112,8 +112,8 @@ const fn of_sheets() -> [Curve; SHEETS.len()] {
     curves
 }
 
-/// The curve through three points, in C and Ohm. Divided differences: the slopes of two chords do not hold a, and the slope of
-/// the slopes does not hold b.
+/// The curve through three points, in C and Ohm. Divided differences: the slopes of two chords do not hold a, and the
+/// slope of the slopes does not hold b.
 const fn through([(t0, r0), (t1, r1), (t2, r2)]: [(f64, f64); 3]) -> Curve {
     let (y0, y1, y2) = (1.0 / (t0 + 273.15), 1.0 / (t1 + 273.15), 1.0 / (t2 + 273.15));
     let (x0, x1, x2) = (ln(r0), ln(r1), ln(r2));
@@ -125,8 +125,8 @@ const fn through([(t0, r0), (t1, r1), (t2, r2)]: [(f64, f64); 3]) -> Curve {
     Curve::SteinhartHart { a: (a * scale) as i64, b: (b * scale) as i32, c: (c * scale * 256.0) as i32 }
 }
 
-/// The natural logarithm of a number from 1 on, to the last bits of a double: of its exponent, and of its mantissa by the series
-/// of the area tangent. At compile time there is no other.
+/// The natural logarithm of a number from 1 on, to the last bits of a double: of its exponent, and of its mantissa by
+/// the series of the area tangent. At compile time there is no other.
 const fn ln(number: f64) -> f64 {
     let exponent = (number.to_bits() >> 52) as i64 - 1023;
     let mantissa = f64::from_bits(number.to_bits() & ((1 << 52) - 1) | 1023 << 52);

@@ -126,8 +126,8 @@ proptest! {
         prop_assert!(arc.is_ok(), "{line}: {arc:?}");
         let arc = arc.unwrap();
         prop_assert_eq!(arc.point(arc.chords()), writer.place(end));
-        // Half the chord over R is the sine of half the angle. With `part` for the rounding over R, the angle changes by
-        // at most 16 part / (pi - angle). Near a half circle, where the sine is one, the bound is sqrt(20 part).
+        // Half the chord over R is the sine of half the angle. With `part` for the rounding over R, the angle changes
+        // by at most 16 part / (pi - angle). Near a half circle, where the sine is one, the bound is sqrt(20 part).
         let part = rounding.max(writer.last()) / radius;
         let near_half = (16.0 * part / (PI - sweep).max(1e-9)).min((20.0 * part).sqrt());
         let allowed = if writer.radius { near_half } else { 8.0 * part };
