@@ -1,5 +1,5 @@
-//! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]. Its name in machine files,
-//! its number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
+//! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]. Its name in machine
+//! files, its number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
 
 use crate::settings::rows::{Field, Value};
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ pub const SHEETS: [Sheet; 5] = [
 /// A kind of temperature sensor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum Thermistor {
-    /// That of a row of [`SHEETS`].
+    /// The sensor of a row of [`SHEETS`].
     Sheet(u8),
     /// Any other NTC: its resistance at 25 C in Ohm, and its B in K.
     Beta {
