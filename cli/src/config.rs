@@ -29,7 +29,7 @@ pub(crate) enum Config {
     /// Sends a machine to a board, which checks it and stores it.
     #[cfg(unix)]
     Send(exchange::Send),
-    /// Writes the machine that a board is, with what commands have changed, as a machine file.
+    /// Writes a board's machine, with all changes by commands, as a machine file.
     #[cfg(unix)]
     Get(exchange::Get),
 }
@@ -45,7 +45,7 @@ pub(crate) struct New {
     /// A hotend and a bed are fitted, on the board's usual outputs and sensors.
     #[arg(long)]
     heaters: bool,
-    /// The file to write, which must not exist; standard output without it.
+    /// The file to write, which must not exist; the default is standard output.
     #[arg(short, long, value_name = "M.toml")]
     output: Option<PathBuf>,
 }

@@ -13,8 +13,8 @@ pub struct HeatArgs {
     /// File with the heaters' true values, whatever the machine's settings say (docs/explanation/heat.md).
     #[arg(long, value_name = "H.toml")]
     plant_heat: Option<PathBuf>,
-    /// Something breaks: what, where and when after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or
-    /// `fan-dead:part@2m`. May be repeated. A wrong word is answered with those that are known.
+    /// Breaks something: part, place and time after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or
+    /// `fan-dead:part@2m`. May be repeated. An unknown word gets a list of the known ones.
     #[arg(long = "break", value_name = "WHAT[:WHERE]@TIME")]
     breaks: Vec<String>,
 }

@@ -89,10 +89,10 @@ impl Prepared {
     }
 }
 
-/// Puts a machine into the bytes of an image, and says what its record is.
+/// Puts a machine into the bytes of an image, and returns the identity of its record.
 ///
 /// # Errors
-/// If these are no image, or the board has not the connectors that the machine is plugged into.
+/// If the bytes are not an image, or the board lacks connectors of the machine.
 pub fn put(image: &mut [u8], machine: &mut Settings) -> Result<Receipt> {
     let board = board_in(image)?;
     machine.name_connectors(board);
@@ -103,7 +103,7 @@ pub fn put(image: &mut [u8], machine: &mut Settings) -> Result<Receipt> {
 /// Puts an image on the board of that key.
 ///
 /// # Errors
-/// If these are no image, or one that may not be on that board.
+/// If the bytes are not an image, or the image does not run on that board.
 pub fn set_board(image: &mut [u8], key: &str) -> Result<()> {
     let block = block_in(image)?;
     let is_known = choose_board(block, key);

@@ -10,10 +10,10 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek as _};
 use std::path::Path;
 
-/// Bytes by which a kind of file is known.
+/// Bytes that identify a kind of file.
 const HEAD: usize = 512;
 
-/// Files that slicers and people take for G-code, by their first bytes, and what to do instead.
+/// Files that slicers and people mistake for G-code, by their first bytes, and a hint for each.
 const KINDS: [(&[u8], &str); 16] = [
     (
         b"GCDE",
@@ -40,7 +40,7 @@ const KINDS: [(&[u8], &str); 16] = [
     (b"ISO-10303-21", "a model (STEP); slice it first"),
 ];
 
-/// Refuses a line that is no text.
+/// Refuses a line that is not text.
 fn check(number: u32, line: &str, command: &str) -> Result<()> {
     ensure!(!line.contains('\0'), "line {number} holds a byte 0: this is no text");
     ensure!(command.len() < LONGEST_LINE, "line {number} is longer than a MiB: this is no G-code");
@@ -50,7 +50,7 @@ fn check(number: u32, line: &str, command: &str) -> Result<()> {
 /// A G-code file that can be read twice.
 #[derive(Debug)]
 pub struct GcodeFile {
-    /// What messages call it.
+    /// Its name in messages.
     pub name: String,
     file: File,
 }
@@ -59,7 +59,7 @@ impl GcodeFile {
     /// Opens a file, `-` being standard input.
     ///
     /// # Errors
-    /// If it cannot be read, or is no text.
+    /// If it cannot be read, or is not text.
     pub fn open(path: &Path) -> Result<Self> {
         let (name, file) = if path == Path::new(STANDARD) {
             ("stdin".to_owned(), keep(io::stdin().lock()).context("cannot read standard input")?)
@@ -78,7 +78,7 @@ impl GcodeFile {
     /// Counts its commands and shows `each`.
     ///
     /// # Errors
-    /// If it cannot be read, a line is no text, or what `each` reported.
+    /// If it cannot be read, a line is not text, or the error from `each`.
     pub fn survey(&mut self, mut each: impl FnMut(&str) -> Result<()>) -> Result<Survey> {
         self.file.rewind().with_context(|| self.name.clone())?;
         let each = |number, line: &str, command: &str| {
@@ -113,10 +113,10 @@ impl GcodeFile {
     }
 }
 
-/// The whole text of a G-code file, for whoever needs it in one piece.
+/// The whole text of a G-code file, in one piece.
 ///
 /// # Errors
-/// If it cannot be read, or is no text.
+/// If it cannot be read, or is not text.
 pub fn read(path: &Path) -> Result<String> {
     let mut opened = GcodeFile::open(path)?;
     opened.survey(|_| Ok(()))?;

@@ -45,7 +45,7 @@ impl Write for Stream {
     }
 }
 
-/// Whoever read it has read enough, which is no error but an end.
+/// A reader that closes the pipe has read enough, which is an end and not an error.
 fn or_stop<T>(written: io::Result<T>, enough: T, stop: &Stop) -> io::Result<T> {
     match written {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
@@ -196,7 +196,7 @@ fn beside(target: &Path) -> PathBuf {
     name.into()
 }
 
-/// Where symbolic links lead, also if there is no file yet.
+/// The target of symbolic links, also if there is no file yet.
 fn follow(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {

@@ -187,12 +187,12 @@ fn write_all(mut out: Out, text: &str) -> Result<()> {
     Ok(out.flush()?)
 }
 
-/// Says the summary, where there is no output of another kind.
+/// Prints the summary, where there is no output of another kind.
 fn say(summary: &Summary, is_standard_taken: bool) -> Result<()> {
     let written =
         if is_standard_taken { write!(std::io::stderr(), "{summary}") } else { write!(std::io::stdout(), "{summary}") };
     match written {
-        // Whoever read it has read enough.
+        // The reader has read enough.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write the summary"),
     }

@@ -3,7 +3,7 @@
 /// All went well.
 pub(crate) const DONE: u8 = 0;
 
-/// The print failed, or a file is no machine.
+/// The print failed, or a file is not a machine.
 pub(crate) const FAILED: u8 = 1;
 
 /// Nothing was begun; clap ends with the same status.

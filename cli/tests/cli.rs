@@ -1,4 +1,4 @@
-//! The `corehbot` command as a user meets it: files in, files out, and the exit status.
+//! The `corehbot` command as a user sees it: files in, files out, and the exit status.
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used)]
 

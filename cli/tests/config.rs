@@ -1,4 +1,4 @@
-//! `corehbot config` as a user meets it: a machine file is begun, checked, and described to editors.
+//! `corehbot config` as a user sees it: a machine file is begun, checked, and described to editors.
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -140,7 +140,7 @@ fn every_example_is_checked_without_a_remark() {
     for path in examples() {
         let check = config(&["check", path.to_str().unwrap()]);
         assert_eq!(check.status.code(), Some(0), "{}", out(&check));
-        // Examples that name a board are for motion; their owners say what heats.
+        // Examples with a board are for motion; their owners add the heaters.
         let said = out(&check);
         let others = said.lines().filter(|line| !line.contains("an extruder (e0) without a hotend")).count();
         assert!(others == 1 && said.contains("; no errors, "), "{said}");

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folder of each crate, its name, and what of the others it may use: each only those above it.
+/// The folder of each crate, its name, and the crates that it may use: only those above it.
 const CRATES: [(&str, &str, &[&str]); 7] = [
     (".", "corehbot", &[]),
     ("rig", "corehbot-rig", &["corehbot"]),
@@ -25,7 +25,7 @@ const CRATES: [(&str, &str, &[&str]); 7] = [
     ),
 ];
 
-/// What takes a system: threads, clocks, processes, temporary files, terminals. The command alone may use it.
+/// Parts of a system: threads, clocks, processes, temporary files, terminals. The command alone may use them.
 const SYSTEM: [&str; 8] =
     ["std::thread", "std::time", "std::process", "std::env", "tempfile::", "rayon::", "rustix::", "indicatif::"];
 

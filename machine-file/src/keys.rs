@@ -1,4 +1,4 @@
-//! Keys: every key of a machine file, from the rows of all settings; and the few that are no setting of their own.
+//! Keys: every key of a machine file, from the rows of all settings, and the few keys without a setting.
 
 use corehbot::settings::rows::{Kind, Legal, Row, Text};
 use corehbot::settings::table::described;
@@ -44,7 +44,7 @@ pub(crate) const FULL_STEPS: &str = "full_steps";
 
 const AXES: &[&str] = &["axes.x", "axes.y", "axes.z", "axes.e"];
 
-/// Keys that are no settings.
+/// Keys without a setting.
 const OTHERS: [Other; 3] = [
     Other {
         name: BOARD,
@@ -186,7 +186,7 @@ const MOST_DECIMALS: usize = 12;
 
 /// The bits of a fixed-point number; too great a number for 64 bits saturates. NaN has no bits.
 pub(crate) fn bits_of(number: f64, fraction: u32) -> Option<i64> {
-    // Exact but for the rounding, as a power of two is.
+    // Exact except for the rounding, because the factor is a power of two.
     (!number.is_nan()).then(|| (number * f64::from(fraction).exp2()).round_ties_even() as i64)
 }
 

@@ -1,7 +1,7 @@
 //! Machine files: settings as TOML that a person writes; read, checked, written and described.
 //!
-//! For commands, other tools and web pages: but for [`read`], which opens a file, everything goes from text to values
-//! and back.
+//! For commands, other tools and web pages. Only [`read`] opens a file; everything else goes from text to values and
+//! back.
 //!
 //! Every key is optional and overrides the prototype's value, except for `[mechanism]`, which lists all motors or is
 //! left out. An unknown key or a value outside its legal range is an error that names both. Keys, kinds, ranges and
@@ -10,7 +10,7 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | `keys` | every key, and what tables are about |
+//! | `keys` | every key, and the subjects of tables |
 //! | `value` | a value of TOML as a setting has it, and the reverse |
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |

@@ -31,7 +31,7 @@ impl Given {
     /// Reads a file. Errors in single keys are in `errors`.
     ///
     /// # Errors
-    /// If it is no TOML.
+    /// If it is not TOML.
     pub fn read(text: &str) -> Result<Self, MachineFileError> {
         let file: Table = toml::from_str(text).map_err(MachineFileError::Syntax)?;
         let mut given = Self::default();

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 /// Characters of a text that are printed.
 const MOST: usize = 80;
 
-/// A text of somebody else for a message: its beginning, if it is long, and how much there is.
+/// A foreign text for a message: if it is long, its beginning and its length.
 #[must_use]
 pub fn short(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MOST) {

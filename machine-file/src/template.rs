@@ -56,7 +56,7 @@ impl Kind {
         Self::CoreUnequal,
     ];
 
-    /// Its name, which is its example's but for the prototype.
+    /// Its name, which is its example's, except for the prototype.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -159,7 +159,7 @@ pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<St
     Ok(head + &text.0.join("\n") + "\n")
 }
 
-/// The comments right above the headers of tables, but for the mechanism's: its rows are explained in the prototype.
+/// The comments right above the headers of tables, except the mechanism's: its rows are explained in the prototype.
 fn comments(text: &str) -> Vec<(&str, Vec<&str>)> {
     let mut comment = Vec::new();
     let mut found = Vec::new();

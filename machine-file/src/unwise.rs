@@ -106,7 +106,7 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     found
 }
 
-/// What there is to say of a number of a heater's model that no such heater has.
+/// The warning about a number of a heater's model that no such heater has.
 fn implausible(
     heater: Heater,
     key: &str,
@@ -140,7 +140,7 @@ fn rounded(value: f64) -> f64 {
     (value * digits).round() / digits
 }
 
-/// The most acceleration in mm/s2 that the extruder, with its pressure advance, bears in a line of 0.4 x 0.2 mm from
+/// The greatest acceleration in mm/s2 for the extruder with its pressure advance, in a line of 0.4 x 0.2 mm from
 /// filament of 1.75 mm (docs/explanation/shaping.md#what-the-extruder-bears).
 fn line_acceleration(s: &Settings) -> f64 {
     let ratio = 0.4 * 0.2 / (1.75f64.powi(2) * std::f64::consts::FRAC_PI_4);

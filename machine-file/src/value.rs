@@ -89,11 +89,11 @@ fn text(text: &str) -> Value {
     Text24::try_from(text).map_or(Value::Absent, Value::Text)
 }
 
-/// The name of a connector, which the field itself looks at.
+/// The name of a connector, which the field itself checks.
 fn plug(key: &str, name: &str) -> Result<Value, MachineFileError> {
     let value = text(name);
     let mut plug = EndstopPlug::NONE;
-    // Nothing is plugged in nowhere the other way round.
+    // An empty connector cannot be inverted.
     if name != "!" && plug.set(&value) {
         return Ok(value);
     }

@@ -1,4 +1,4 @@
-//! A machine as a machine file: what [`parse`](super::parse) reads back to the bit.
+//! A machine as a machine file, which [`parse`](super::parse) reads back to the bit.
 
 use crate::keys::{ALL, Of};
 use crate::value::toml;

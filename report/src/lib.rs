@@ -3,7 +3,7 @@
 //! Everything here is computed from the data of the simulator and the twin, and written to the caller's writer. There
 //! are no files, threads or clocks, so it runs in a browser too.
 //!
-//! | file | what |
+//! | file | job |
 //! |---|---|
 //! | [`printable`] | texts of others that must not command a terminal |
 //! | [`summary`] | the result of a print, in words and as JSON |

@@ -30,7 +30,7 @@ const HEAT: &str = include_str!("print/heat.js");
 /// Its script that draws the belt plant.
 const BELT: &str = include_str!("print/belt.js");
 
-/// What every page begins with.
+/// The head of every page.
 pub(crate) const HEAD: &str = include_str!("print/head.html");
 
 /// How pages look.
@@ -109,7 +109,7 @@ impl Page<'_> {
     /// Writes the page with the path of `stored`.
     ///
     /// # Errors
-    /// What `out` or the file of the path reported.
+    /// The error from `out` or from the file of the path.
     pub fn write<F: Read + Seek>(&self, stored: Stored<F>, out: &mut impl Write) -> io::Result<()> {
         let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
         let (begin, rest) = cut(TEMPLATE, MARKS[0])?;

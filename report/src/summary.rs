@@ -101,7 +101,7 @@ pub struct Summary {
     pub violations: Vec<String>,
     /// All that the checker found.
     pub violations_total: u64,
-    /// What became of the belt plant, if there was one.
+    /// The figures of the belt plant, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub belt: Option<BeltFigures>,
     /// SHA-256 of the step trace.

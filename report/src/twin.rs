@@ -1,5 +1,4 @@
-//! Pages of the belt's twin: files that show what became of a path, without any network; of one family with the page of
-//! a print.
+//! Pages of the belt's twin: files that show a played path, without any network, in the style of a print's page.
 
 use crate::print::{HEAD, STYLE};
 use anyhow::{Context as _, Result};
@@ -31,7 +30,7 @@ pub const COMPARE: &str = include_str!("twin/compare.html");
 /// The page of a study (`twin sweep`), for [`fill`].
 pub const STUDY: &str = include_str!("twin/study.html");
 
-/// Where the style goes, what pages share, and the data.
+/// The places for the style, the shared script, and the data.
 const MARKS: [&str; 3] = ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/"];
 
 /// Lines that are drawn; of a longer path neighbours are drawn as one.
@@ -87,7 +86,7 @@ struct Trail {
 /// Writes the page of a path that was played on a machine with these numbers; `file` is its name.
 ///
 /// # Errors
-/// What `out` reports, or nothing holds the machine.
+/// The error from `out`, or no motor holds the machine.
 pub fn write(
     out: &mut impl Write,
     file: &str,
@@ -142,7 +141,7 @@ pub fn write(
 /// Writes a page with its style and its data in it.
 ///
 /// # Errors
-/// What `out` reports, or the page has no places for them.
+/// The error from `out`, or the page has no places for them.
 pub fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize) -> Result<()> {
     // A file name with "</script>" in it must not end the script.
     let json = serde_json::to_string(data)?.replace('<', "\\u003c");
@@ -157,7 +156,7 @@ pub fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize)
 /// Writes the page of frequencies alone; `model` names the parts that may move besides the tool.
 ///
 /// # Errors
-/// What `out` reports.
+/// The error from `out`.
 pub fn write_resonance(
     out: &mut impl Write,
     (machine, model): (Machine, &'static str),

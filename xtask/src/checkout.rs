@@ -8,7 +8,7 @@ use std::process::Command;
 /// The target of the boards' processors.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// What browsers run.
+/// The target of browsers.
 pub const BROWSER: &str = "wasm32-unknown-unknown";
 
 /// The workspace's root.

@@ -8,7 +8,7 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What to print.
+/// The print.
 #[derive(clap::Args)]
 pub struct Args {
     /// The board.
@@ -82,7 +82,7 @@ impl Board {
     }
 }
 
-/// What to compare.
+/// The comparison.
 #[derive(clap::Args)]
 pub struct EqualArgs {
     /// G-code file; it has to home.

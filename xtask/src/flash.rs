@@ -47,7 +47,7 @@ const BEFORE_DFU_SPIDER: &str = "\
 before you set the BT0 jumper: unplug the bed and all heaters, for nobody has looked what the chip's bootloader does to
 their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground";
 
-/// What to do before the chip's own bootloader runs on a board.
+/// Steps before the chip's own bootloader runs on a board.
 const fn before_dfu(board: Board) -> &'static str {
     match board {
         Board::Octopus | Board::OctopusPro => BEFORE_DFU,
@@ -57,10 +57,10 @@ const fn before_dfu(board: Board) -> &'static str {
     }
 }
 
-/// What dfu-util 0.11 says when everything has arrived.
+/// The message of dfu-util 0.11 when everything has arrived.
 const DOWNLOADED: &str = "File downloaded successfully";
 
-/// What flashes, and where it comes from.
+/// The flashing tool, and its source.
 struct Tool {
     program: &'static str,
     install: &'static str,
@@ -72,7 +72,7 @@ const DFU_UTIL: Tool = Tool { program: "dfu-util", install: "sudo apt-get instal
 /// Builds and flashes.
 pub fn main(args: &Args) -> Result<()> {
     let (board, way) = (args.board, &args.way);
-    // What cannot work is said before minutes of building.
+    // Impossible requests are reported before minutes of building.
     if way.probe {
         PROBE_RS.find()?;
     } else if way.dfu {
@@ -155,7 +155,7 @@ fn by_dfu(mut command: Command) -> Result<()> {
     Ok(())
 }
 
-/// Copies the binary under the name that the bootloader looks for, and waits until it is on the card.
+/// Copies the binary under the name that the bootloader expects, and waits until it is on the card.
 fn onto_card(binary: &Path, card: &Path) -> Result<()> {
     let name = binary.file_name().context("the image has no name")?;
     let target = card.join(name);
@@ -169,7 +169,7 @@ fn onto_card(binary: &Path, card: &Path) -> Result<()> {
 }
 
 impl Tool {
-    /// Fails with what to do if the tool is not there.
+    /// Fails with a hint if the tool is missing.
     fn find(&self) -> Result<()> {
         let mut command = Command::new(self.program);
         command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());

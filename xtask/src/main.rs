@@ -1,4 +1,4 @@
-//! Tasks: what developers and CI run, as `cargo xtask`.
+//! Tasks for developers and CI, as `cargo xtask`.
 
 mod bench;
 mod build;
@@ -31,7 +31,7 @@ enum Task {
     Bench(bench::Args),
     /// Builds the image of a board that can be flashed, and weighs it.
     Build(build::Args),
-    /// Has Printrun and OctoPrint print on the firmware, on clean lines and bad ones.
+    /// Runs Printrun and OctoPrint against the firmware, on clean lines and bad ones.
     Clients,
     /// Builds a release: the command, the images of all boards, examples, licences and checksums, as one archive.
     Dist(dist::Args),

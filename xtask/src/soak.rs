@@ -33,7 +33,7 @@ pub struct Args {
     seeds: u32,
 }
 
-/// What there is to run.
+/// The parts of a soak.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 enum Part {
     Heat,

@@ -20,7 +20,7 @@ const REFUSED: &str = "echo:machine not stored: ";
 /// And when it did.
 const STORED: &str = "echo:machine stored ";
 
-/// What every piece begins with.
+/// First word of every piece.
 const PIECE_SAID: &str = "machine ";
 
 #[derive(Args)]

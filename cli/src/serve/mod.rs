@@ -1,8 +1,7 @@
 //! `corehbot serve`: the firmware as a printer at the end of a serial line, in real time or faster.
 //!
-//! The loop turns the same world as `corehbot run`, but the host is a real one at a pseudo-terminal, and virtual time
-//! is held against the wall clock. After M112, M999 is a new start on the same line. It ends with a signal, which is no
-//! failure.
+//! The loop runs the same world as `corehbot run`, but with a real host at a pseudo-terminal, and virtual time keeps
+//! step with the wall clock. After M112, M999 restarts on the same line. It ends with a signal, which is not a failure.
 
 mod echo;
 mod pace;
@@ -37,14 +36,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use wire::Delay;
 
-/// At full speed the port is looked at no more often than this: a look takes a microsecond, and so does a virtual
+/// At full speed the port is polled no more often than this: a poll takes a microsecond, and so does a virtual
 /// millisecond.
 const LOOK: Duration = Duration::from_micros(100);
 
 /// The printer to run, and its port.
 #[derive(Args)]
 pub(crate) struct Serve {
-    /// Makes a link here to the serial port; without it, the port's own name is printed.
+    /// Makes a link to the serial port here; without it, the port's own name is printed.
     #[arg(long, value_name = "PATH")]
     pty: Option<PathBuf>,
     /// Sends and receives bytes no faster than a UART at this rate; without it, the line takes no time.
@@ -149,7 +148,7 @@ impl Prepared {
     }
 }
 
-/// What all starts of a printer amount to.
+/// Totals of all starts of a printer.
 #[derive(Default)]
 struct Total {
     ticks: u64,
@@ -177,7 +176,7 @@ impl Sink for Later<'_> {
     }
 }
 
-/// Says a line at once; whoever does not listen any more has heard enough.
+/// Prints a line at once; a closed pipe is ignored.
 ///
 /// # Errors
 /// If it cannot be written.

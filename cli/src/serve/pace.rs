@@ -1,10 +1,10 @@
-//! Pace: when virtual time may go on.
+//! Pace: decides when virtual time may advance.
 
 use corehbot::units::TICKS_PER_SECOND;
 use std::time::Duration;
 
-/// With [`Speed::Max`], a host may think for so long while time stands still. Eight times the longest gap between
-/// two lines of OctoPrint on an idle computer of two cores (30 ms), for computers that are not idle.
+/// With [`Speed::Max`], a host may think for this long while time stands still. It is eight times the longest gap
+/// between two lines of OctoPrint on an idle computer of two cores (30 ms), for computers that are not idle.
 const THINKING: Duration = Duration::from_millis(250);
 
 /// A computer that lags by more than this does not make it good: a host would see time race.
@@ -56,7 +56,7 @@ impl Pace {
         }
     }
 
-    /// How long to wait before time goes on from `tick`.
+    /// How long to wait before time advances from `tick`.
     pub fn wait(&mut self, wall: Duration, tick: u64, is_awaiting_host: bool) -> Duration {
         match self.speed {
             Speed::Times(times) => self.real(wall, tick, times),

@@ -77,7 +77,7 @@ impl Port {
         }
     }
 
-    /// Has the host hear something; what does not fit into the backlog is lost.
+    /// Sends bytes to the host; bytes that do not fit into the backlog are lost.
     ///
     /// # Errors
     /// If the pseudo-terminal fails.

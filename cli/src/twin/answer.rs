@@ -63,14 +63,14 @@ impl Json {
     /// Writes the figures there.
     ///
     /// # Errors
-    /// What `out` reports.
+    /// The error from `out`.
     pub(super) fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
         let text = serde_json::to_string_pretty(answer)?;
         writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")
     }
 }
 
-/// Says a text to people, where there is no output of another kind.
+/// Prints a text for people, where there is no output of another kind.
 pub(super) fn say(text: &str, is_standard_taken: bool) -> Result<()> {
     let text = printable::lines(text);
     let written = if is_standard_taken {
@@ -79,7 +79,7 @@ pub(super) fn say(text: &str, is_standard_taken: bool) -> Result<()> {
         std::io::stdout().write_all(text.as_bytes())
     };
     match written {
-        // Whoever read it has read enough.
+        // The reader has read enough.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write the answer"),
     }

@@ -1,4 +1,4 @@
-//! Calibrated: numbers of a machine found from measurements, as a file of parameters with what there is to say of each.
+//! Calibrated: numbers of a machine found from measurements, as a file of parameters with comments on each.
 
 use super::measured::Measured;
 use anyhow::{Context as _, Result, anyhow};
@@ -30,7 +30,7 @@ struct Told {
     misfit: Misfit,
 }
 
-/// A measurement that is off by more uncertainties than this is looked at again.
+/// A measurement that is off by more uncertainties than this should be checked again.
 const SUSPICIOUS: f64 = 3.0;
 
 impl Calibrated {
@@ -96,7 +96,7 @@ impl std::fmt::Display for Calibrated {
     }
 }
 
-/// Why there is no machine, with the measurement by name from which the nearest one is furthest.
+/// Why no machine fits; names the measurement that is furthest from the nearest machine.
 fn unlike(names: &[String], error: CalibrateError) -> anyhow::Error {
     let CalibrateError::Unlike(misfits) = &error else { return error.into() };
     let all = names.iter().zip(misfits);

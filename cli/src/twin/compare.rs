@@ -34,7 +34,7 @@ pub(crate) struct Compare {
     /// Parts that may move besides the tool, over the area.
     #[arg(long, value_enum, default_value = "full")]
     model: ModelArg,
-    /// What moves besides the tool, on the file.
+    /// Parts that move besides the tool, on the file.
     #[arg(long, value_enum, default_value = "rotors")]
     run_model: RunModel,
     #[command(flatten)]

@@ -308,7 +308,7 @@ impl Print {
             let Some((from, a)) = at.checked_sub(1).and_then(|before| crossings.get(before).copied()) else {
                 return 0.0;
             };
-            // A motor that reverses stands in between.
+            // A motor that reverses is between two steps there.
             if to == from { b } else { a + (b - a) * (tick - from) as f64 / (to - from) as f64 }
         };
         (0..count as u64)

@@ -21,7 +21,7 @@ pub(crate) struct LimitsArgs {
     /// The part of the holding torque that may be used, of 1.
     #[arg(long, value_name = "PART", value_parser = parse_part, default_value = "0.5")]
     torque: f64,
-    /// The part of its torque at each speed that a motor keeps, of 1: the other way to say --torque.
+    /// The part of its torque at each speed that a motor keeps, of 1: an alternative to --torque.
     #[arg(long, value_name = "PART", value_parser = parse_margin, conflicts_with = "torque")]
     margin: Option<f64>,
     /// The belt speed in mm/s for which settings are suggested.

@@ -42,7 +42,7 @@ impl Default for MeasuredToml {
     }
 }
 
-/// What places are counted from.
+/// The origin of places.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Frame {
@@ -126,7 +126,7 @@ const SLIPPED: f64 = 0.10;
 
 /// The content of a file.
 pub(super) struct Measured {
-    /// Measurements, each with words by which people know it.
+    /// Measurements, each with its name for people.
     pub measurements: Vec<(String, Measurement)>,
     /// Parameters that are not sought.
     pub fixed: Vec<Parameter>,
@@ -212,7 +212,7 @@ impl Reader<'_> {
         1 + self.text.get(..value.span().start).unwrap_or_default().matches('\n').count()
     }
 
-    /// By what people know a measurement.
+    /// The name of a measurement for people.
     fn name(&self, kind: &str, value: &Spanned<f64>) -> String {
         format!("{kind} in line {}", self.line(value))
     }

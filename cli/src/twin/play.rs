@@ -24,7 +24,7 @@ use std::time::Instant;
 /// Parts of a progress bar.
 const PARTS: f64 = 1000.0;
 
-/// What moves besides the tool.
+/// Parts that move besides the tool.
 #[derive(Clone, Copy, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum RunModel {
@@ -58,7 +58,7 @@ impl RunModel {
     }
 }
 
-/// What to play, and what on.
+/// The file to play, and its machine.
 #[derive(Args)]
 pub(crate) struct Play {
     /// G-code, which goes through the firmware first, or a step trace (corehbot run --trace).
@@ -66,7 +66,7 @@ pub(crate) struct Play {
     file: PathBuf,
     #[command(flatten)]
     machine: MachineArgs,
-    /// What moves besides the tool.
+    /// Parts that move besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: RunModel,
     /// Measures errors against the path of this file, from which the played file was made (corehbot twin compensate).

@@ -60,7 +60,7 @@ fn trace_of(file: &Path) -> Result<Option<impl BufRead>> {
     Ok(is_trace.then_some(reader))
 }
 
-/// The steps that the firmware makes of a G-code file.
+/// The firmware's steps for a G-code file.
 fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     let machine = printer.machine()?;
     let mut eeprom = printer.eeprom()?;

@@ -17,7 +17,7 @@ fn shares_residual_and_skips_are_drawn_over_motion_time() {
     let skips = belt["skips"].as_array().unwrap();
     assert!(!skips.is_empty() && skips.len() == told["skips"].as_array().unwrap().len());
     let first = skips.iter().map(|skip| skip["time_s"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
-    // Until then nothing is strained but by what rings; there motors come to the end of their torque.
+    // Until then only ringing strains the belt; there motors reach the limit of their torque.
     assert!(residual[..(first / bin_s) as usize - 2].iter().all(|um| *um < 100.0), "{residual:?}");
     for (motor, told) in belt["motors"].as_array().unwrap().iter().zip(told["motors"].as_array().unwrap()) {
         let (name, share) = (motor["name"].as_str().unwrap(), numbers(&motor["share"]));

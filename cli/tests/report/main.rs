@@ -160,7 +160,7 @@ fn every_move_of_every_layer_is_drawn_where_it_was_made() {
     assert!((50.0..90.0).contains(&top), "{top}");
     for (layer, (corners, lines)) in all.iter().zip(&page.layers).enumerate() {
         let printed: Vec<_> = lines.iter().filter(|line| line.is_printed && line.from != line.to).collect();
-        // Where one commanded move ends, the page has an end of a line, and between two of them nothing but the move.
+        // Where one commanded move ends, a line of the page ends, and between two such places only the move is drawn.
         let mut next = 0;
         for (index, pair) in corners.windows(2).enumerate() {
             let begin = next;

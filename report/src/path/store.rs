@@ -42,7 +42,7 @@ pub struct Chunk {
     pub bytes: usize,
 }
 
-/// What lines span.
+/// The bounds of lines.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Bounds {
     /// Least x and y, greatest x and y, in mm.

@@ -30,7 +30,7 @@ struct SkipMark {
 }
 
 impl BeltData {
-    /// What became of the plant, over time and at the end.
+    /// The state of the plant, over time and at the end.
     pub fn new(course: &Course, figures: &BeltFigures) -> Self {
         let bins = course.bins();
         let motor = |(index, name): (usize, &'static str)| {

@@ -1,6 +1,6 @@
 //! The heat that a page shows: temperatures, duties and waits over the time since the printer was switched on.
 //!
-//! That time goes on while the printer waits for a temperature and motion time stands still, so each bin says both.
+//! Time advances while the printer waits for a temperature and motion time stands still, so each bin has both.
 
 use super::tenth;
 use crate::heat_log::{HeatBin, HeatLog, HeaterBin, Range};
@@ -57,7 +57,7 @@ struct WaitData {
 }
 
 impl HeatData {
-    /// What `log` holds; nothing on a machine without heaters.
+    /// The content of `log`; `None` on a machine without heaters.
     pub fn new(log: &HeatLog, waits: &[HeatWait], thermal: &ThermalSettings) -> Option<Self> {
         let bins = log.bins();
         let fitted = |heater: &Heater| bins.last().is_some_and(|bin| bin.heaters[*heater as usize].is_some());

@@ -1,4 +1,4 @@
-//! Accesses: what an instruction loads or stores, and which values it leaves in which registers (ARM DDI 0403E, A5 and
+//! Accesses: the loads and stores of an instruction, and the values that it leaves in registers (ARM DDI 0403E, A5 and
 //! A7.7).
 //!
 //! Only as far as a straight line needs it: an instruction that is not decoded here accesses nothing, and its result is
@@ -42,7 +42,7 @@ impl Access {
     }
 }
 
-/// What an instruction does.
+/// The effect of an instruction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Effect {
     /// The load or store.

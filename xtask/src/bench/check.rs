@@ -11,7 +11,7 @@ pub const BASELINE: &str = "xtask/src/bench/baseline.json";
 /// The compiler of the measured code; another one generates other code.
 pub const COMPILER: &str = "rustc 1.95.";
 
-/// A change for the worse by this part is noise, or somebody's good reason.
+/// A change for the worse by this part is noise, or has a good reason.
 const TOLERANCE: f64 = 0.03;
 
 /// Figures by name.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What runs between an exception's entry and its return.
+/// Code between an exception's entry and its return.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 #[repr(u8)]
 pub enum Context {
@@ -27,7 +27,7 @@ pub enum Context {
 }
 
 impl Context {
-    /// All but idling, the most urgent first.
+    /// All except idling, the most urgent first.
     pub const BUSY: [Self; 8] = [
         Self::Steps,
         Self::Received,

@@ -1,6 +1,6 @@
 //! Cycles of a Cortex-M4 for an instruction from memory without wait states (ARM 100166, section 3.3).
 //!
-//! An estimate. What depends on data (division) or on neighbours (the pipeline's refill) is a typical value.
+//! An estimate: costs that depend on data (division) or on neighbours (the pipeline's refill) have typical values.
 
 /// Cycles of an exception from its request to the handler's first instruction, and from the return instruction to the
 /// interrupted code: 12 and 10 (ARM 100166, 3.9, and ARM's article 103489845).
@@ -15,7 +15,7 @@ const DIVISION: u64 = 8;
 /// VDIV.
 const FLOAT_DIVISION: u64 = 14;
 
-/// What an instruction takes.
+/// The cost of an instruction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Cost {
     /// Cycles if it leads to the next one.

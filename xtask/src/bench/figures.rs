@@ -32,11 +32,11 @@ pub struct Figure {
     pub value: f64,
     /// Whether more is better.
     pub is_rate: bool,
-    /// Whether two runs give the same; what depends on when bytes arrive is shown, but proves nothing.
+    /// Whether two runs give the same; a figure that depends on the arrival of bytes is shown, but proves nothing.
     pub is_steady: bool,
-    /// What we aim at: at most this, or at least this for a rate.
+    /// Our goal: at most this, or at least this for a rate.
     pub goal: Option<f64>,
-    /// What others take, by docs/explanation/performance.md.
+    /// Figures of other firmware, from docs/explanation/performance.md.
     pub peers: &'static str,
 }
 
@@ -132,7 +132,7 @@ fn of_steps(s: &Profile) -> Vec<Figure> {
     ]
 }
 
-/// Job S without and with shaping: what everything takes of the processor.
+/// Job S without and with shaping: the processor share of everything.
 fn of_shares(plain: &Profile, shaped: &Profile) -> Vec<Figure> {
     let share = |profile: &Profile, with_rig: bool| {
         let work = profile.work(|spot| with_rig || spot.room != Some(Room::Rig)).instructions as f64;
@@ -163,7 +163,7 @@ fn of_rates(octopus: &PlainStep, dense: &Profile, axis: &Profile) -> Vec<Figure>
     let (all, isr) = (&Context::BUSY, &[Context::Steps]);
     let flash = |contexts: &[Context]| dense.flash(contexts) as f64 / dense.events as f64;
     vec![
-        // A tenth of a cycle, in which it shows where the linker has put what.
+        // A tenth of a cycle, because it shows the linker's placement.
         Figure { is_steady: false, ..figure("octopus_isr_flash_cycles_per_event", flash(isr), None, "") },
         figure("octopus_flash_cycles_per_event", flash(all), None, ""),
         in_qemu("sustained_motor_steps_per_s", dense, all, true, Some(2e6), ALL_IN),

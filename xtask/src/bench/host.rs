@@ -1,4 +1,4 @@
-//! A host that sends lines without numbers, each when the one before was answered.
+//! A host that sends lines without numbers, each when the previous one was answered.
 
 use corehbot_sim::world::Host;
 

@@ -76,7 +76,7 @@ impl Job {
     /// The machine.
     pub fn settings(self) -> Settings {
         let mut settings = Settings::prototype();
-        // The time in which rotors would settle is no work.
+        // The settling time of rotors is not work.
         settings.belt.settling_ms = 0;
         if matches!(self, Self::Shaped | Self::Dense | Self::Axis) {
             let shaper = Shaper::new(ShaperKind::Mzv, Hertz::from_num(60), Ratio::from_num(0.1));

@@ -42,7 +42,7 @@ pub struct Counts {
     pub drivers: usize,
 }
 
-/// What brings a fault about.
+/// The cause of a fault.
 enum Fault {
     /// An undefined instruction, at once (HardFault).
     Undefined,

@@ -36,7 +36,7 @@ use std::path::PathBuf;
 /// The board with the step interrupt that is counted too.
 const OCTOPUS: &str = "corehbot-octopus";
 
-/// What to measure.
+/// Options of the measurement.
 #[derive(clap::Args)]
 pub struct Args {
     /// Writes the figures as JSON.

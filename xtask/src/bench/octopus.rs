@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// SysTick's vector (ARM DDI 0403E, B1.5.2).
 const VECTOR: usize = 15;
 
-/// More than this is no straight line.
+/// A longer sequence is not a straight line.
 const LONGEST: usize = 200;
 
 /// A port's register that sets and resets pins (RM0390 rev 6, 7.4.7). The ports are found in RAM, so a store there
@@ -100,7 +100,7 @@ impl PlainStep {
                 step.pulse = stores[PORTS].2 - stores[PORTS - 1].2;
                 return Ok(step);
             }
-            // B in two bytes, and what leads elsewhere in four.
+            // B in two bytes, and branches out of the line in four.
             if first >> 11 == 0b11100 || matches!(decode(first, second).kind, Kind::Branch(_) | Kind::Indirect) {
                 bail!("the step interrupt jumps about at {:#010x}: it is no straight line", passed.at);
             }
@@ -184,7 +184,7 @@ impl Line {
             let [low, high] = code.words(u64::from(address));
             self.registers[register as usize] = Some(u32::from(high) << 16 | u32::from(low));
         }
-        // What changes a stack pointer by the way is no result that anybody waits for.
+        // The update of a stack pointer by a load or store is not a result that a later instruction waits for.
         let written = if access.is_some_and(|access| access.is_store) { 0 } else { effect.written };
         self.before = Some((written, cost.is_load && is_one));
         self.at += 2 * cost.length;

@@ -115,7 +115,7 @@ fn compile(folder: &Path) -> Result<PathBuf> {
         let mut command = Command::new("cc");
         command.args(["-O2", "-Wall", "-Wextra", "-shared", "-fPIC", "-o"]).arg(&library).arg(&source);
         if let Err(error) = run(command) {
-            // Lest it be taken for current.
+            // So that an old one is not mistaken for current.
             let _ = std::fs::remove_file(&library);
             return Err(error.context("the plugin needs a C compiler"));
         }

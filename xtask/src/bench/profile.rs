@@ -87,7 +87,7 @@ impl Profile {
         Ok(Self { events: outcome.events, motor_steps, seconds, counts, costs })
     }
 
-    /// The work at all spots that `is_wanted`, but for idling.
+    /// The work at all spots that `is_wanted`, except for idling.
     pub fn work(&self, is_wanted: impl Fn(&Spot) -> bool) -> Work {
         let mut sum = Work::default();
         for spot in self.counts.spots.iter().filter(|spot| spot.context != Context::Idle && is_wanted(spot)) {

@@ -1,4 +1,4 @@
-//! The report: tables to look at.
+//! The report: tables for people.
 
 use super::code::Code;
 use super::contexts::Context;

@@ -1,8 +1,8 @@
-//! Rooms: the parts of the project that work is counted for, told by source file.
+//! Rooms: the parts of the project for which work is counted, by source file.
 
 use std::fmt;
 
-/// A part of the project. The plugin knows it by its number, where 0 is no room of its own.
+/// A part of the project. The plugin uses its number, where 0 is no room.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 #[repr(u8)]
 pub enum Room {
@@ -10,7 +10,7 @@ pub enum Room {
     Protocol = 1,
     /// A line to a command.
     Gcode,
-    /// What commands do, and the Console's loop.
+    /// The commands, and the Console's loop.
     Machine,
     /// Look-ahead and speeds.
     Planner,
@@ -55,7 +55,7 @@ impl Room {
         if let Some(file) = below("src/motion/") {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
-                // Numbers, formulas and comparisons count for whoever uses them.
+                // Numbers, formulas and comparisons count for their caller.
                 "number.rs" | "ramps.rs" | "ticks.rs" => return None,
                 // Values that the planner derives from a move, for the generator.
                 "trajectory/phase.rs" | "trajectory/shaper.rs" => Self::Planner,

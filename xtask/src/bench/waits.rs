@@ -9,7 +9,7 @@ pub const FLASH: u64 = 5;
 /// Bytes of a flash line (RM0390 rev 6, 3.4.2).
 pub const LINE: u64 = 16;
 
-/// What an address belongs to.
+/// The bus of an address.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Bus {
     /// RAM, which the core reaches at once, or flash.
@@ -24,7 +24,7 @@ pub enum Bus {
     Core,
 }
 
-/// What an address belongs to (RM0390 rev 6, 2.2.2).
+/// The bus of an address (RM0390 rev 6, 2.2.2).
 pub const fn bus(address: u32) -> Bus {
     match address {
         0x4000_0000..0x4001_0000 => Bus::Apb1,

@@ -1,4 +1,4 @@
-//! The binary: what lies in flash, from its first byte to its last.
+//! The binary: the content of flash, from its first byte to its last.
 
 use super::Elf;
 use anyhow::{Result, ensure};

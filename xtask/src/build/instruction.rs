@@ -1,6 +1,6 @@
 //! Thumb instructions, as far as the step path is concerned (ARM DDI 0403E, A5).
 
-/// What an instruction means to us.
+/// The kinds of instructions that matter here.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// Calls, or jumps to, a place this far from the instruction's address plus 4.

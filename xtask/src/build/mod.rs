@@ -65,7 +65,7 @@ impl Board {
         }
     }
 
-    /// What people call it.
+    /// Its name for people.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Octopus => "BTT Octopus",
@@ -160,7 +160,7 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 /// Instructions from a fault to heaters that are low, in an image.
 ///
 /// # Errors
-/// If it is no ELF file, or if some way of a fault does not lead there.
+/// If it is not an ELF file, or if some path of a fault does not lead there.
 pub fn last_resort(image: &[u8]) -> Result<usize> {
     let (longest, complaints) = last_resort::longest_way(&Elf::parse(image)?)?;
     ensure!(complaints.is_empty(), "{}", complaints.join("; "));
@@ -182,7 +182,7 @@ fn examine(elf: &Elf<'_>, and_step_path: bool) -> Result<()> {
     if complaints.is_empty() { Ok(()) } else { bail!("{}", complaints.join("; ")) }
 }
 
-/// Writes `firmware.bin`, the name that the Octopus's bootloader looks for, into a folder of the board's.
+/// Writes `firmware.bin`, the name that the Octopus's bootloader expects, into a folder of the board's.
 fn write(binary: &[u8], board: &str) -> Result<PathBuf> {
     let folder = checkout::target_dir()?.join("firmware").join(board);
     let write = |folder: &Path| {

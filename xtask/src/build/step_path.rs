@@ -1,6 +1,6 @@
 //! The step path: the code that the step interrupt can reach, and its forbidden contents.
 //!
-//! The handler and all functions that it calls are decoded. What leads to a panic ends the run and does not count.
+//! The handler and all functions that it calls are decoded. Code that leads to a panic ends the run and does not count.
 
 use super::Elf;
 use super::instruction::{Kind, decode};
@@ -83,7 +83,7 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
 /// All functions of an image by their addresses: names, and sizes in bytes.
 pub fn functions<'d>(elf: &Elf<'d>) -> BTreeMap<u64, (&'d str, u64)> {
     let code = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0);
-    // The lowest bit says that it is Thumb code.
+    // The lowest bit marks Thumb code.
     code.map(|symbol| (symbol.address() & !1, (symbol.name().unwrap_or_default(), symbol.size()))).collect()
 }
 

@@ -141,7 +141,7 @@ pub fn check() -> Result<Verdict> {
 }
 
 impl Trial {
-    /// What its program says, if it succeeds or if it fails.
+    /// The output of its program, if it succeeds or if it fails.
     fn run(&self, simulator: &Path) -> Result<Result<String, String>> {
         let example = || root().join(EXAMPLE);
         let file = match self.print {

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, ensure};
 use clap::ValueEnum as _;
 use std::path::Path;
 
-/// The profile of the command: as in `release`, without what only a debugger reads.
+/// The profile of the command: like `release`, without the data for debuggers.
 const PROFILE: &str = "dist";
 
 /// Files taken from the checkout unchanged: for people who print, not for people who build.

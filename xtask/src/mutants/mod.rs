@@ -1,7 +1,7 @@
 //! `cargo xtask mutants`: faults are put into the core, one at a time, and its tests must notice.
 //!
-//! The work is cargo-mutants'. All rooms take hours, so a part of the mutants can be asked for (`--shard 0/20` is every
-//! twentieth); whoever changes a room runs that room.
+//! cargo-mutants does the work. All rooms take hours, so a part of the mutants can be selected (`--shard 0/20` is every
+//! twentieth); a change of a room needs a run of that room.
 
 mod excerpt;
 mod survivors;
@@ -20,7 +20,7 @@ const VERSION: &str = "27.1.0";
 /// This part of the mutants of a room must be noticed.
 const GOAL: f64 = 0.9;
 
-/// A room, and the tests that look at it. The simulator's tests look at all rooms but take too long.
+/// A room, and the tests that check it. The simulator's tests check all rooms but take too long.
 struct Room {
     name: &'static str,
     /// Tests that notice most within a second or two, in addition to the unit tests.
@@ -41,7 +41,7 @@ const ROOMS: [Room; 6] = [
     Room { name: "settings", quick: &[], tests: &["setting_ranges", "storage", "mechanisms"] },
 ];
 
-/// What to try.
+/// The mutants to try.
 #[derive(clap::Args)]
 pub struct Args {
     /// Only this room.
@@ -91,15 +91,15 @@ fn alone() -> Result<File> {
     Ok(file)
 }
 
-/// What became of mutants. One that makes the tests go on for ever is noticed.
+/// The results of mutants. A mutant that makes the tests run for ever counts as noticed.
 struct Outcome {
     noticed: usize,
     missed: Vec<String>,
     unviable: usize,
 }
 
-/// Tries the mutants of a room: first with what takes a second, and those that it misses with all tests that look at
-/// the room.
+/// Tries the mutants of a room: first with the tests that take a second, then, for those that these miss, with all
+/// tests that check the room.
 fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let folder = target_dir()?.join("mutants").join(room.name);
     let unit_folder = folder.join("unit");

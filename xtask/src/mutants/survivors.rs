@@ -1,4 +1,4 @@
-//! Survivors: mutants that no test notices, and why that is so.
+//! Survivors: mutants that no test notices, and the reasons.
 
 use anyhow::{Context as _, Result};
 

@@ -9,7 +9,7 @@ use std::net::TcpStream;
 use std::os::fd::AsFd as _;
 use std::time::Duration;
 
-/// A signal ends the waiting by itself, but for one that comes just before it.
+/// A signal ends the waiting by itself, except a signal that comes just before it.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Passes bytes on until it is over, and then asks the board to end.

@@ -65,8 +65,8 @@ impl Emulator {
         &mut self.line
     }
 
-    /// Waits for the end, which the board brings about if it was asked to; otherwise it is not waited for
-    /// long. An end that is no success is an error that holds the board's last words.
+    /// Waits for the end. The board brings it about if it was asked to; otherwise the wait is short. A failed end is an
+    /// error with the board's last output.
     pub fn end(mut self, was_asked: bool) -> Result<()> {
         let patience = if was_asked { PATIENCE } else { Duration::from_secs(1) };
         let status = wait(&mut self.process, patience)?;
@@ -75,7 +75,7 @@ impl Emulator {
             Some(status) if status.success() => Ok(()),
             Some(status) => bail!("the board ended with {status}: {}", words.trim()),
             None if was_asked => bail!("the board does not end: {}", words.trim()),
-            // Whoever did not ask has an error of their own to tell.
+            // A caller that did not ask reports an error of its own.
             None => Ok(()),
         }
     }

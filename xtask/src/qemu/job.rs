@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// Largest job file; the board reads as much (boards/qemu, job.rs).
 const LARGEST_BLOB: usize = 4096;
 
-/// What to print.
+/// The print.
 pub struct Job {
     /// The text of the file.
     pub gcode: String,
@@ -74,7 +74,7 @@ impl Job {
         }
     }
 
-    /// Has `host` print while somebody watches.
+    /// Lets `host` print under a watcher.
     pub fn watch(&self, image: &Path, trace: &Path, watcher: &Watcher, host: &mut dyn Host) -> Result<Outcome> {
         self.emulate(image, Some(trace), Some(&watcher.plugin), |stream| {
             let (heard, _) = watcher.listener.accept().context("the plugin does not call")?;

@@ -23,8 +23,8 @@ const TICKS_PER_US: u32 = TICKS_PER_SECOND / 1_000_000;
 /// The greeting is over when nothing has followed for so long.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Has `host` talk to the board until the host is done, then asks the board to end. If somebody tells whenever the
-/// board has `heard` a byte, each byte waits until it has heard the one before.
+/// Lets `host` talk to the board until the host is done, then asks the board to end. If `heard` reports each byte that
+/// the board has heard, a byte waits until the board has heard the previous one.
 pub fn talk(stream: &mut TcpStream, host: &mut dyn Host, heard: Option<TcpStream>) -> Result<()> {
     let mut line = Line { stream, heard, spoken: Vec::new() };
     if !line.hear(host, SILENCE)? {

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// The package of the board.
 pub const BOARD: &str = "corehbot-qemu";
 
-/// What to print and on what.
+/// The print and its machine.
 #[derive(clap::Args)]
 pub struct Args {
     /// G-code file.
@@ -36,7 +36,7 @@ pub struct Args {
     /// Is a printer at the end of a serial line (a pty), as `corehbot serve` is, until Ctrl-C.
     #[arg(long, conflicts_with = "file")]
     serve: bool,
-    /// With --serve: makes a link here to the serial port; without it, the port's own name is printed.
+    /// With --serve: makes a link to the serial port here; without it, the port's own name is printed.
     #[arg(long, value_name = "PATH", requires = "serve")]
     pty: Option<PathBuf>,
     /// Writes every step event as CSV.
@@ -86,7 +86,7 @@ fn serve(job: &Job, image: &Path, args: &Args) -> Result<Outcome> {
     job.talk(image, args.trace.as_deref(), |stream| bridge::talk(stream, &mut port, &stop))
 }
 
-/// Says that it cannot.
+/// Reports that it cannot.
 #[cfg(not(unix))]
 fn serve(_job: &Job, _image: &Path, _args: &Args) -> Result<Outcome> {
     anyhow::bail!("there are no pseudo-terminals here")

@@ -54,7 +54,7 @@ pub fn build_boards() -> Result<Verdict> {
     Ok(Verdict::Passed(boards.join(", ")))
 }
 
-/// The programs and tests of this computer, but for the emulator's.
+/// The programs and tests for this computer, except the emulator's.
 pub fn build() -> Result<Verdict> {
     run(cargo(["test", "--workspace", "--no-run"]))?;
     checkout::build_command()?;

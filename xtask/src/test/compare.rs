@@ -40,7 +40,7 @@ pub fn check() -> Result<Verdict> {
         println!("skipped the sliced file: there is no {SLICED}/{QUICKEST}");
         remark += &format!("; no sliced file, as there is no {SLICED}");
     }
-    // The large ones first, lest one of them be alone at the end.
+    // The large ones first, so that none of them runs alone at the end.
     files.sort_by_key(|path| std::fs::metadata(path).map_or(0, |metadata| metadata.len()));
     let machines = MACHINES.map(|machine| (examples_folder().join(ON_MACHINES), Some(examples_folder().join(machine))));
     let files: Vec<_> = machines.into_iter().chain(files.into_iter().map(|file| (file, None))).collect();

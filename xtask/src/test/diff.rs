@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
-/// What differs first, or nothing if the files are equal byte for byte.
+/// The first difference, or `None` if the files are equal byte for byte.
 pub fn first(expected: &Path, found: &Path) -> Result<Option<String>> {
     let (mut expected, mut found) = (open(expected)?, open(found)?);
     for number in 1_u64.. {

@@ -47,7 +47,7 @@ struct Step {
 enum Lane {
     /// Before all others.
     First,
-    /// On this computer's own code, and what real hosts make of it.
+    /// On this computer's own code, and with real hosts.
     Host,
     /// Steps on images; they run in parallel with [`Lane::Host`].
     Images,
@@ -120,7 +120,7 @@ pub fn main(args: &Args) -> Result<()> {
     if report.failed > 0 { bail!("not everything is well") } else { Ok(()) }
 }
 
-/// The table at the end. Each test counts, and so does each step that is no collection of tests.
+/// The table at the end. Each test counts, and so does each step without tests of its own.
 #[derive(Default)]
 struct Report {
     rows: Vec<String>,

@@ -39,12 +39,12 @@ pub fn has_emulator() -> bool {
     succeeds(command)
 }
 
-/// What to do about an emulator that is missing.
+/// The hint about a missing emulator.
 pub fn lack_of_emulator() -> String {
     format!("{PROGRAM} is missing; install it with: sudo apt-get install {PACKAGE}")
 }
 
-/// A root installs the emulator; anybody else is left to do so.
+/// The root user installs the emulator; other users get a hint.
 fn install_emulator() -> Result<()> {
     if !is_root() {
         return Ok(());

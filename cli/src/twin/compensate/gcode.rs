@@ -25,7 +25,7 @@ use corehbot_twin::steps::{StepTrace, TICKS_PER_SECOND};
 use std::cell::Cell;
 use std::fmt::Write as _;
 
-/// What ends a section, so that its end is known.
+/// The command that ends a section, so that its end is known.
 const REST: &str = "M400";
 
 /// Time before the first step and after the last in which the motors are sent ahead, in ticks: five widths of 4 ms and
@@ -334,7 +334,7 @@ impl Stretch {
     }
 }
 
-/// What of a way is moved now; the rest waits for the next chord.
+/// The part of a way that is moved now; the rest waits for the next chord.
 fn made(way: [i64; 4], is_last: bool) -> [i64; 4] {
     let [x, y, z, e] = way;
     let is_short = x.pow(2) + y.pow(2) + z.pow(2) < LEAST_WAY * LEAST_WAY;
@@ -409,7 +409,7 @@ fn is_shaper(text: &str) -> bool {
     matches!(corehbot_sim::file_line::words(text).next(), Some(('M', Some(593.0))))
 }
 
-/// What shapes the motion, or the filament's, and is in the chords.
+/// Commands that shape the motion of tool or filament; their effect is in the chords.
 fn is_shaping(text: &str) -> bool {
     is_shaper(text)
         || matches!(corehbot_sim::file_line::words(text).next(), Some(('M', Some(572.0 | 900.0))))

@@ -44,7 +44,7 @@ pub(crate) struct Compensate {
     /// the remaining error.
     #[arg(long)]
     measure: bool,
-    /// What moves besides the tool where it is measured.
+    /// Parts that move besides the tool in the measurement.
     #[arg(long, value_enum, default_value = "rotors", requires = "measure")]
     run_model: RunModel,
     #[command(flatten)]

@@ -30,9 +30,9 @@ pub(super) struct Line {
 pub(super) enum Kind {
     /// It moves the tool or the filament.
     Move,
-    /// It says how the next ones are to be read.
+    /// It changes how the next ones are read.
     Mode,
-    /// It says how moves are planned.
+    /// It changes how moves are planned.
     Plan,
     /// It is carried out under way.
     Aside,
@@ -80,7 +80,7 @@ impl Modes {
     /// As a printer begins.
     pub(super) const NEW: Self = Self { is_relative: false, is_e_relative: false, are_inches: false, at: [0.0; 4] };
 
-    /// Takes a command and says how long the path is that it makes, roughly: it tells where on the way a fan is
+    /// Takes a command and returns the rough length of its path: this gives the place on the way at which a fan is
     /// switched.
     pub(super) fn take(&mut self, text: &str) -> f64 {
         let mut all = words(text);

@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 /// All samples in their order; if it was stopped, those that were finished.
 ///
 /// # Errors
-/// What samples play cannot be read, or the journal cannot be written.
+/// The file for samples cannot be read, or the journal cannot be written.
 pub(in crate::twin) fn compute(
     study: &Study,
     journal: Option<&mut Journal>,

@@ -68,7 +68,7 @@ pub(super) const RUN: &[Figure] = &[
 ];
 
 impl Figure {
-    /// The worse one of two; NaN is no figure yet.
+    /// The worse one of two; NaN does not count as a figure.
     pub(super) fn worse(&self, a: f64, b: f64) -> f64 {
         match self.worse {
             Worse::Lesser => a.min(b),

@@ -126,7 +126,7 @@ impl Default for ResonanceToml {
 pub(super) struct RunToml {
     /// G-code or a step trace, seen from the folder of the study.
     pub file: PathBuf,
-    /// What moves besides the tool.
+    /// Parts that move besides the tool.
     #[serde(default = "rotors")]
     pub model: RunModel,
     /// The machine file that the firmware has.

@@ -1,4 +1,4 @@
-//! Lines of a journal: a sample each, with a check at the end by which a line that was cut is known.
+//! Lines of a journal: a sample each, with a check at the end that detects a cut line.
 //!
 //! `corehbot twin sweep STUDY.toml --sample I` prints one, so a journal can also be joined from the samples of other
 //! machines. A line is one JSON object. Its last entry is the check, the first four bytes of the SHA-256 of the text

@@ -52,7 +52,7 @@ pub(super) struct Options {
     /// complete.
     #[arg(short, long, value_name = "OUT.csv", conflicts_with_all = ["vary", "sample", "plan"])]
     output: Option<PathBuf>,
-    /// How many samples are computed at once; as many as there are cores without it.
+    /// Number of samples computed at once; the default is the number of cores.
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// Writes a page with a picture of each figure over each number.

@@ -1,5 +1,5 @@
-//! Page: a picture of each figure over each number that was varied, without any network; of one family with
-//! `corehbot twin run --report`.
+//! Page: a picture of each figure over each varied number, without any network, in the style of `corehbot twin run
+//! --report`.
 
 use super::plan::{Sample, Study};
 use super::summary::Summary;
@@ -36,7 +36,7 @@ struct Drawn {
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` reports.
+/// The error from `out`.
 pub(super) fn write(
     out: &mut impl Write,
     file: &str,

@@ -16,7 +16,7 @@ pub(in crate::twin) const MOST: usize = 1_000_000;
 
 /// A study.
 pub(in crate::twin) struct Study {
-    /// What tells it from any other study, as a hash.
+    /// Its identity among all studies, as a hash.
     pub(super) identity: String,
     /// The machines; each has every point of the design, one after the other.
     pub(super) machines: Vec<Machine>,
@@ -51,8 +51,7 @@ pub(in crate::twin) struct Sample {
 }
 
 impl Study {
-    /// One number at these levels, on one machine with its tool at a place; and what becomes of a file, if there is
-    /// one.
+    /// One number at these levels, on one machine with its tool at a place; and the figures of a file, if there is one.
     pub(in crate::twin) fn of_one(setup: Setup, key: String, levels: Vec<f64>, run: Option<Query>) -> Self {
         let Setup { machine, params, tool, freedom } = setup;
         let places = Places::At(tool);
@@ -81,7 +80,7 @@ impl Study {
         Some(Point { machine, values })
     }
 
-    /// Reads what samples play, unless it was read before.
+    /// Reads the file for samples, unless it was read before.
     ///
     /// # Errors
     /// It cannot be played, or it was stopped.
@@ -118,7 +117,7 @@ pub(in crate::twin) enum NotVaried {
     Unknown { key: String, known: Vec<String> },
     /// No machine has the number.
     Illegal(ParamsError),
-    /// It is no number.
+    /// It is not a finite number.
     NotFinite,
 }
 

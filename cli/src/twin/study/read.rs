@@ -64,7 +64,7 @@ const C_LIBRARY: &str = if cfg!(target_env = "gnu") {
     ""
 };
 
-/// What tells studies apart: all that the samples follow from, but for the code that computes them.
+/// The identity of a study: all inputs of its samples, except the code that computes them.
 pub(super) fn identity(form: &StudyToml, keys: &[String], files: &[PathBuf], platform: [&str; 3]) -> Result<String> {
     #[derive(Serialize)]
     struct All<'a> {

@@ -125,7 +125,7 @@ fn ends(values: &[f64]) -> Option<(f64, f64)> {
 /// The part of itself by which a constant may vary: rounding, millions of times over (assumed).
 const CONSTANT: f64 = 1e-9;
 
-/// Whether what spans this varies by rounding alone.
+/// Whether a figure with this span varies by rounding alone.
 fn is_constant(least: f64, greatest: f64) -> bool {
     greatest - least <= CONSTANT * least.abs().max(greatest.abs())
 }
@@ -187,7 +187,7 @@ impl std::fmt::Display for Summary {
     }
 }
 
-/// Correlations that are not above this are not told to people.
+/// Correlations up to this are not reported.
 const TOLD: f64 = 0.3;
 
 /// Standard deviations that chance is given: if they are normal, one in 370 is above them.

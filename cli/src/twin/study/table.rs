@@ -9,7 +9,7 @@ use std::io::{self, Write};
 /// Writes the table.
 ///
 /// # Errors
-/// What `out` reports.
+/// The error from `out`.
 pub(super) fn write(out: &mut impl Write, study: &Study, samples: &[Sample]) -> io::Result<()> {
     let figures: Vec<&str> = study.figures().collect();
     let keys: Vec<&str> = study.keys.iter().map(String::as_str).collect();

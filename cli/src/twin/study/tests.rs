@@ -165,7 +165,7 @@ fn the_order_of_the_numbers_is_that_of_the_file_and_the_machines_change_fastest(
     assert_eq!(points[1], ("corexy", vec![30.0, 20_000.0]));
     assert_eq!(points[2], ("corehbot", vec![30.0, 30_000.0]));
     assert_eq!(points[11], ("corexy", vec![40.0, 40_000.0]));
-    // What belts of EA = 30,000 N give, times EA (docs/research/twin.md).
+    // The stiffness with belts of EA = 30,000 N, times EA (docs/research/twin.md).
     let samples = compute(&study, None, Vec::new(), None, &Stop::default()).unwrap();
     let kxx = |i: usize| samples[i].outcome.as_ref().unwrap()[0].unwrap();
     assert!((kxx(2) - 287.563).abs() < 0.01 && (kxx(4) / kxx(0) - 2.0).abs() < 1e-9, "{} {}", kxx(2), kxx(4));
