@@ -225,7 +225,7 @@ fn inode(path: &Path) -> Option<(u64, u64)> {
     fs::metadata(path).ok().filter(fs::Metadata::is_file).map(|there| (there.dev(), there.ino()))
 }
 
-/// Nothing here tells hard links from other files.
+/// Hard links cannot be told from other files here.
 #[cfg(not(unix))]
 fn inode(_path: &Path) -> Option<(u64, u64)> {
     None

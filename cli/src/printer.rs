@@ -33,7 +33,7 @@ impl Printer {
         read_machine(self.settings.as_deref())
     }
 
-    /// The files that it is made of.
+    /// The files that define it.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         [&self.settings, &self.storage].into_iter().flatten().map(PathBuf::as_path)
     }

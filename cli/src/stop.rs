@@ -35,7 +35,7 @@ impl Stop {
         Ok(stop)
     }
 
-    /// Nothing here tells of Ctrl-C before it has ended the process.
+    /// Ctrl-C ends the process here, without a flag before.
     ///
     /// # Errors
     /// The signal handlers could not be installed.

@@ -427,7 +427,7 @@ fn compensated_g_code_means_what_the_file_does() {
     assert_eq!(advances, ["M900 K0", "M900 K0", "M900 K0.05", "SET_PRESSURE_ADVANCE ADVANCE=0.03", "M900"], "{text}");
 }
 
-/// Steps of the motors forward less backward, as a run tells them.
+/// Steps of the motors forward less backward, from a run's report.
 fn net_steps(words: &str) -> Vec<String> {
     let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).args(words.split_whitespace()).output().unwrap();
     let text = String::from_utf8(run.stdout).unwrap();

@@ -121,7 +121,7 @@ fn it_leaves_the_chip_as_btts_bootloader_does() {
     assert_eq!(rules.breaches, []);
 }
 
-/// The rules that a bootloader with other steps breaks in place of those that begin with `from`.
+/// The rules that a bootloader breaks with the steps `to` in place of the steps that begin with `from`.
 fn broken_with(from: Step, to: &[Step]) -> String {
     let at = STEPS.iter().position(|step| format!("{step:?}") == format!("{from:?}")).unwrap();
     let steps: Vec<_> = STEPS[..at].iter().chain(to).chain(&STEPS[at + 1..]).copied().collect();
@@ -129,7 +129,7 @@ fn broken_with(from: Step, to: &[Step]) -> String {
     breaches.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
-/// The rules are looked at on the emulated chip, too, and not only in the table of registers.
+/// The rules are checked on the emulated chip, too, and not only in the table of registers.
 #[test]
 fn a_bootloader_that_breaks_a_rule_is_caught() {
     let last = Set(SYST_CSR, ALL, 0);

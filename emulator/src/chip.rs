@@ -119,7 +119,7 @@ impl Chip {
         self.power();
     }
 
-    /// Has settings in flash, which these sectors hold.
+    /// Uses these sectors as the flash with settings.
     ///
     /// # Errors
     /// If the model contradicts itself.

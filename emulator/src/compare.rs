@@ -1,6 +1,6 @@
 //! Compares the steps on the pins with the steps of the host simulator.
 //!
-//! The sequence, which motors step which way, has to be equal, without exception. Then two things are looked at:
+//! The sequence, which motors step in which direction, has to be equal, without exception. Then two things are checked:
 //! whether the firmware plays each event at the host's tick, and how late the edges are.
 
 use crate::steps::StepEvent;
@@ -34,7 +34,7 @@ pub fn scheduled(gcode: &str, settings: &Settings) -> Result<Vec<Scheduled>> {
     scheduled_with(gcode, settings, NoStorage, None)
 }
 
-/// The same with settings in a storage, which stand over those that the machine was made with, and with a belt.
+/// The same with stored settings, which override the machine's first settings, and with a belt.
 ///
 /// # Errors
 /// If printer and host wait for each other, or the twin has no such machine.

@@ -197,7 +197,7 @@ impl DriverLines {
         motors.fold(MotorSet::NONE, |set, (motor, _)| set.with(MotorSet::of(motor)))
     }
 
-    /// Port `n` was written to. `is_pulled_up` tells whether an input has its resistor to the supply.
+    /// Port `n` was written to. `is_pulled_up` returns whether an input has its resistor to the supply.
     pub fn store(&mut self, at: u64, n: usize, port: Port, is_pulled_up: impl FnOnce(Pin) -> bool) {
         let now = (port.outputs & self.masks[n], port.outputs & port.data & self.masks[n]);
         let (before, after) = (std::mem::replace(&mut self.seen[n], now), now);

@@ -57,7 +57,7 @@ impl fmt::Display for Gap {
     }
 }
 
-/// All gaps of a run: those that are findings, and those that are allowed.
+/// All gaps of a run: the findings, and the allowed ones.
 #[derive(Clone, Default, Debug)]
 pub struct Gaps {
     /// Findings.

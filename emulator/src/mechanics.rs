@@ -15,7 +15,7 @@ use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup, Chips};
 use corehbot_sim::tmc2209::Tmc2209;
 
-/// How often switches are looked at while the belt's tool is near one: at 20 mm/s it goes 0.2 um.
+/// How often switches are checked while the belt's tool is near one: at 20 mm/s it goes 0.2 um.
 const LOOK_NS: u64 = 10_000;
 
 /// The load on the motors.
@@ -24,7 +24,7 @@ pub struct Mechanics {
     belt: Option<Box<BeltPlant>>,
     /// Motion time of the last event.
     tick: u64,
-    /// When the switches of the belt are to be looked at.
+    /// When to check the switches of the belt.
     next: Option<u64>,
 }
 

@@ -32,7 +32,7 @@ fn said<'s>(seen: &'s Seen, words: &str) -> Option<&'s String> {
     seen.line.said.iter().find(|line| line.contains(words))
 }
 
-/// The keepalive of M113, which M503 tells.
+/// The keepalive of M113, which M503 reports.
 fn keepalive(seen: &Seen) -> u32 {
     let line = said(seen, "M113 S").unwrap_or_else(|| panic!("{:?}", seen.line.said));
     line.rsplit('S').next().unwrap().parse().unwrap()

@@ -18,7 +18,7 @@ pub enum MachineFileError {
         key: String,
         /// The name in the file.
         name: String,
-        /// Those that there are.
+        /// The existing ones.
         known: Vec<&'static str>,
     },
     /// A value of another kind.

@@ -17,7 +17,7 @@
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
 //! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
 //!
-//! `examples/machines/prototype.toml` shows every key. A file that names a `board` is held to its connectors.
+//! `examples/machines/prototype.toml` shows every key. A file that names a `board` must use its connectors.
 
 #![forbid(unsafe_code)]
 

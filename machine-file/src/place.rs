@@ -80,7 +80,7 @@ pub fn words(error: &Error) -> String {
     with_suggestion(&parts.collect::<Vec<_>>().join("`"))
 }
 
-/// A message that may name an unknown name and then those that are known, with the one that was meant.
+/// A message about an unknown name and the known ones, with a suggestion.
 #[must_use]
 pub fn with_suggestion(message: &str) -> String {
     match suggestion(message) {
@@ -89,7 +89,7 @@ pub fn with_suggestion(message: &str) -> String {
     }
 }
 
-/// The name that was meant, if `message` names an unknown one and then those that are known, as serde's do.
+/// The suggested name, if `message` lists an unknown name and then the known ones, as serde's messages do.
 fn suggestion(message: &str) -> Option<&str> {
     if !message.starts_with("unknown") {
         return None;

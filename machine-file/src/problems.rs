@@ -10,7 +10,7 @@ use toml::de::DeTable;
 pub struct Problem {
     /// Where in the file, if it is at one place.
     pub place: Option<Place>,
-    /// The file is no machine with it. Otherwise it is one, but an unwise one.
+    /// The file is not a machine with this problem. Otherwise it is one, with a warning.
     pub is_error: bool,
     /// The problem in words.
     pub text: String,
@@ -26,8 +26,8 @@ impl Display for Problem {
     }
 }
 
-/// The machine of a file, if it is one, and every problem, from top to bottom. What concerns several keys is looked at
-/// when each is legal.
+/// The machine of a file, if it is one, and every problem, from top to bottom. Problems of several keys are checked
+/// when each key is legal.
 #[must_use]
 pub fn problems(text: &str) -> (Option<Machine>, Vec<Problem>) {
     let (machine, mut found) = search(text);

@@ -191,7 +191,7 @@ struct Put<'g>(&'g BTreeMap<(u16, usize), Value>);
 impl Visitor for Put<'_> {
     fn visit(&mut self, key: Key, field: &mut dyn Field) {
         if let Some(value) = self.0.get(&(key.row.id, key.part.into())) {
-            // It was looked at when it was read.
+            // It was checked when it was read.
             let _ = field.set(value);
         }
     }

@@ -81,7 +81,7 @@ impl HeaterBin {
 pub struct HeatBin {
     /// Motion time at its end, in ticks.
     pub tick: u64,
-    /// Those that are fitted.
+    /// The fitted heaters.
     pub heaters: [Option<HeaterBin>; HEATERS],
     /// Duty of each fan in percent.
     pub fans: [Range; FANS],
@@ -114,7 +114,7 @@ fn percent(duty: u16) -> f32 {
 pub struct HeatLog {
     /// Control periods in a bin.
     periods: usize,
-    /// Those that the last bin holds.
+    /// Control periods in the last bin.
     filled: usize,
     bins: Vec<HeatBin>,
     end: u64,

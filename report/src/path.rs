@@ -21,7 +21,7 @@ use filament::Filament;
 use std::io::{self, Write};
 use store::Store;
 
-/// Step events that are looked at together.
+/// Step events that are checked together.
 const BLOCK: usize = 1024;
 
 /// How far the tool may be ahead of or after its place on a line that is run at one speed, in mm.
@@ -122,7 +122,7 @@ impl<F: Write> ToolPath<F> {
     fn cut(&mut self, is_end: bool) {
         let last = self.places.len() - 1;
         let ends = ends(last, |begin, end| self.furthest(begin, end));
-        // A last line that would be looked at again and again is ended as well.
+        // A last line that would be checked again and again is ended as well.
         let is_long = |begin: usize| last - begin > BLOCK / 2;
         let mut begin = 0;
         for end in ends {

@@ -53,13 +53,13 @@ pub struct Summary {
     pub file: String,
     /// The machine's name.
     pub machine: String,
-    /// Whether the print was done, and the checker content.
+    /// Whether the print was done and the checker found nothing.
     pub ok: bool,
     /// Lines of the file.
     pub lines: u32,
     /// Commands in them.
     pub commands: u64,
-    /// Moves that the planner made of them.
+    /// Moves that the planner got from them.
     pub moves: u32,
     /// The whole time, from the printer's start to the last answer: motion, heat and waits.
     pub print_time_s: f64,

@@ -27,7 +27,7 @@ pub fn check() -> Result<Verdict> {
     // No compiled files in the sources.
     test.arg("-B").arg(root().join(TEST)).env("COREHBOT", simulator);
     let output = test.output().with_context(|| format!("cannot run {}", checkout::words(&test)))?;
-    // unittest tells everything on standard error.
+    // unittest writes everything to standard error.
     let words = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
         bail!("{TEST}:\n{}", words.trim());

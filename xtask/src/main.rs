@@ -41,7 +41,7 @@ enum Task {
     Equal(emulate::EqualArgs),
     /// Builds the image of a board and puts it there: by a debug probe, USB or SD card.
     Flash(flash::Args),
-    /// Puts faults into the core, one at a time, and counts those that its tests notice. Takes hours.
+    /// Puts faults into the core, one at a time, and counts the faults that its tests notice. Takes hours.
     Mutants(mutants::Args),
     /// Draws the picture in the README: the report of a print, by a headless Chromium.
     Picture,

@@ -3,8 +3,7 @@
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
 //!
-//! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core
-//! allows.
+//! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB. `LINES` of the core allows no more.
 
 use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
 use corehbot::port::{Output, Sensor};

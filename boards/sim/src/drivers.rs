@@ -78,7 +78,7 @@ impl Drivers {
         self.switched.get()
     }
 
-    /// When the firmware last looked at the wires, in ticks.
+    /// When the firmware last read the wires, in ticks.
     #[must_use]
     pub fn seen(&self) -> u64 {
         self.seen.get()

@@ -19,7 +19,7 @@ pub struct HeatPeriod {
     pub now: u64,
     /// Motion time, in ticks.
     pub tick: u64,
-    /// Those that are fitted.
+    /// The fitted heaters.
     pub heaters: [Option<HeaterPeriod>; HEATERS],
     /// Duty of each fan, of 65,535, as the plant got it.
     pub fans: [u16; FANS],

@@ -131,7 +131,7 @@ pub struct FileHost {
     warnings_total: u32,
     /// The time, in ticks.
     now: u64,
-    /// Since when the printer has waited for a user who is absent.
+    /// Since when the printer has waited for an absent user.
     paused: Option<u64>,
     pauses: Vec<Remark>,
     pauses_total: u32,
@@ -455,7 +455,7 @@ const EXPECTED: [&str; 11] = [
     "Hardcoded Default",
 ];
 
-/// Whether a reply tells of something that the author of the file should know.
+/// Whether a reply is a warning for the author of the file.
 fn is_odd(reply: &str) -> bool {
     reply.strip_prefix("echo:").is_some_and(|text| !EXPECTED.iter().any(|begin| text.starts_with(begin)))
 }

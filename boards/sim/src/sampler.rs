@@ -1,4 +1,4 @@
-//! Sampler: where every motor stands, looked at in even steps of time.
+//! Sampler: the position of every motor, in even steps of time.
 //!
 //! Speeds and accelerations are differences of positions over time windows, so the sinks that want them
 //! need positions on a regular grid. A pause longer than any such window is cut short: every difference in

@@ -1,4 +1,4 @@
-//! The world: the firmware's handles and a machine made of numbers, in virtual time.
+//! The world: the firmware's handles and a simulated machine, in virtual time.
 //!
 //! All of it runs in one thread. Time advances only by the Stepper's alarm, or by a millisecond when nothing moves, so
 //! a print takes as long as its computation. The host of [`run`] answers at once: time stands still while the printer
@@ -49,7 +49,7 @@ pub struct Outcome {
     pub halted: bool,
 }
 
-/// Why there is no outcome.
+/// Why a run has no outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldError {
     /// The printer waits for input and the host is silent, for ten virtual minutes.
@@ -308,7 +308,7 @@ impl<'w> World<'w> {
         }
     }
 
-    /// Tells the pins which switches have ended a motion since the last time.
+    /// Reports to the pins which switches have ended a motion since the last time.
     fn tell_met(&mut self) {
         let met = self.status.triggered();
         if met != self.met {

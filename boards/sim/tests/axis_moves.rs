@@ -50,7 +50,7 @@ struct Walk {
     /// The corner that the tool is on its way to.
     next: usize,
     counts: [i64; 2],
-    /// Events of the present move, and those that lack a belt motor.
+    /// Events of the present move, and events that lack a belt motor.
     events: (u64, u64),
     /// Long axis moves, those with a thousandth of lone events, and the events of all.
     moves: (u64, u64, u64),

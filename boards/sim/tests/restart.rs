@@ -22,8 +22,8 @@ impl Sink for Count<'_> {
 const GREETING: &str = "echo:Printer halted. Send M999 or reset\n";
 const KILLED: &str = "Error:Printer halted. kill() called! Send M999 or reset\n";
 
-/// Lets two hosts say lines in turns: which host, the line, and for how many ms the world goes on. Returns the lines
-/// that each has heard after each, whether the machine restarts, and whether motors have power.
+/// Lets two hosts say lines in turns: which host, the line, and for how many ms time passes. Returns the lines that
+/// each has heard after each, whether the machine restarts, and whether motors have power.
 fn talk(script: &[(usize, &str, u32)]) -> (Vec<[String; 2]>, bool, bool) {
     let (drivers, events) = (Drivers::new(), std::cell::Cell::new(0));
     let mut desk = Desk::new(2);

@@ -98,7 +98,7 @@ fn a_paused_octoprint_hears_nothing() {
     assert_eq!(oks, lines.len(), "{heard:?}");
 }
 
-/// M25 in the stream; it tells the host to pause.
+/// M25 in the stream; it asks the host to pause.
 #[test]
 fn a_print_that_pauses_itself_hears_nothing() {
     let lines = lines("M25");

@@ -10,7 +10,7 @@ use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{Host, Sink, run};
 use std::path::{Path, PathBuf};
 
-/// Counts events and holds them to the belt's law.
+/// Counts events and checks them against the belt's law.
 #[derive(Default)]
 struct Count {
     events: u64,

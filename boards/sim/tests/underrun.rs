@@ -172,7 +172,7 @@ fn hosts_that_are_fast_enough_leave_no_trace() {
     }
 }
 
-/// The line of M122 that tells of overload, after these lines.
+/// The line of M122 about overload, after these lines.
 fn overload(lines: &[String], pace: impl Fn(usize) -> u64) -> (Outcome, String) {
     let settings = Settings::prototype();
     let lines: Vec<_> = lines.iter().cloned().chain(["M122".to_owned()]).collect();

@@ -55,8 +55,7 @@ pub fn give_stepper(kit: StepperKit<'static>, ports: StepPorts<StepPins, StepTim
     STEPPER.fill(kit.make(ports, IrqPend));
 }
 
-/// Hands the handles to their contexts and lets them loose.
-/// The processor never sleeps if it must stay `awake`.
+/// Hands the handles to their contexts and starts them. The processor never sleeps if it must stay `awake`.
 pub fn start(handles: Handles, usb: Option<UsbPort>, awake: bool) -> ! {
     let Handles { generator, thermal, console, status } = handles;
     GENERATOR.fill(generator);

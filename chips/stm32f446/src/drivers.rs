@@ -12,7 +12,7 @@ use crate::step_pins::{Dirs, Steps};
 use crate::supply;
 use crate::wiring::{Plugged, Port};
 
-/// Switches drivers on and off, and talks to those that have a UART.
+/// Switches drivers on and off, and talks to the drivers that have a UART.
 pub struct Drivers {
     plugged: &'static Plugged,
     /// Why no motor gets power.

@@ -8,7 +8,7 @@ use cortex_m_rt::exception;
 
 use crate::{reset_reason, safe_levels, stack_guard};
 
-/// The part of CFSR that tells of the MPU (ARM DDI 0403E, B3.2.15).
+/// The part of CFSR about the MPU (ARM DDI 0403E, B3.2.15).
 const MEMORY: u32 = 0xFF;
 
 /// MMARVALID: MMFAR holds the address.
@@ -80,8 +80,8 @@ unsafe fn DefaultHandler(irq: i16) -> ! {
     end((Cause::Panic, irq.cast_unsigned().into(), 0), format_args!("interrupt {irq}, which nobody enabled"))
 }
 
-/// A HardFault may come from a full stack, on which nothing can be pushed: the handler takes a fresh one
-/// before it runs Rust code.
+/// A HardFault may come from a full stack that cannot take another push: the handler takes a fresh one before it runs
+/// Rust code.
 // SAFETY: cortex-m-rt wants the handler under this name. Nothing returns from it, so it may forget the
 // stack and the registers; `_stack_start` is the end of the stack in RAM (memory.x).
 #[unsafe(no_mangle)]

@@ -20,7 +20,7 @@ const PAUSE: u32 = HSI_HZ / 20;
 /// Polls of the transmitter until a byte must have gone, at four cycles of 16 MHz each or more: ten bits of 9600 baud.
 const SENDING: u32 = 4200;
 
-/// Tells the hosts for ever. Nothing else runs.
+/// Sends the message to hosts for ever. Nothing else runs.
 pub fn tell(board: &Board, parts: &[&str]) -> ! {
     board.serial.iter().for_each(start);
     loop {

@@ -286,7 +286,8 @@ fn bytes_are_counted_over_the_end_of_the_ring() {
     assert_eq!(ring.written(|| 1), SIZE - 1);
     ring.end_lap();
     assert_eq!(ring.written(|| SIZE), SIZE);
-    // The DMA has gone round, and its interrupt has not come yet: nothing new, rather than a lap too few.
+    // The DMA has wrapped around, and its interrupt has not come yet: the result is nothing new, rather than a lap too
+    // few.
     let mut read = SIZE + 5;
     assert_eq!(ring.take(&mut read, ring.written(|| SIZE)), None);
     // The DMA has overtaken the reader.

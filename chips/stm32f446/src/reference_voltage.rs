@@ -1,5 +1,5 @@
-//! The converter's own reference, 1.21 V (STM32F446 datasheet, V_REFINT), which tells how high the supply is that
-//! thermistors are compared with.
+//! The converter's own reference, 1.21 V (STM32F446 datasheet, V_REFINT), which measures the supply behind the
+//! thermistors.
 //!
 //! Only ADC1 has it, on channel 17 (RM0390, 13.3.3), and thermistors are on ADC3. So ADC1 converts it once in a control
 //! period: [`begin`](ReferenceVoltage::begin) starts a conversion, and [`read`](ReferenceVoltage::read) reads it in the

@@ -63,7 +63,7 @@ impl Ring {
         }
     }
 
-    /// The next byte after the `read` first, if there is one of those that have been `written`.
+    /// The next byte after the first `read` ones, if it is among the `written` ones.
     pub fn take(&self, read: &mut u32, written: u32) -> Option<Received> {
         let waiting = written.wrapping_sub(*read);
         // A lap too few is a negative number.

@@ -122,7 +122,7 @@ fn is_right_board(board: &Board) -> bool {
     is_marked
 }
 
-/// Starts all lines, and tells of the last reset. Headers have the rate of the machine, if that is known.
+/// Starts all lines, and reports the last reset. Headers have the rate of the machine, if that is known.
 fn open_lines(
     board: &'static Board,
     baud: Option<u32>,
@@ -152,7 +152,7 @@ fn open_usb(board: &'static Board, reason: Option<ResetReason>) -> Option<(UsbLi
     usb::start(board, reason)
 }
 
-/// Tells the host for ever that this is another board. No output is driven, and nothing can change that.
+/// Reports to the host for ever that this is another board. No output is driven, and nothing can change that.
 fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
     priorities::enable();
     loop {

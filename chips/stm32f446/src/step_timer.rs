@@ -1,4 +1,4 @@
-//! The step timer: the core's cycle counter tells the time, and the core's own timer (SysTick) rings.
+//! The step timer: the core's cycle counter is the clock, and the core's own timer (SysTick) fires the interrupt.
 //!
 //! Neither needs a bus access. A timer on APB1, which runs at a quarter of the core's clock, stalls the core for 9 to
 //! 13 cycles at every access. Its interrupt also has to be cleared: four accesses an event.

@@ -107,7 +107,7 @@ impl Thermistors {
         Some(readings.map(|reading| reading.load(Ordering::Relaxed)).fold(0, u16::saturating_add))
     }
 
-    /// Another control period: whether the converter lives is to be looked at again.
+    /// Another control period: the converter has to be checked again.
     pub fn forget(&mut self) {
         self.are_alive = None;
     }

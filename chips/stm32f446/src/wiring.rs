@@ -193,7 +193,7 @@ pub struct Board {
     pub probe: Option<Pin>,
     /// The thermistors.
     pub thermistors: &'static [ThermistorPin],
-    /// Everything that heats or blows: low is off. Those that no timer drives stay low.
+    /// All heaters and fans: low is off. Outputs without a timer stay low.
     pub loads: &'static [Pin],
     /// Heater outputs that may heat.
     pub heaters: &'static [HeaterPin],

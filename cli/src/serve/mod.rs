@@ -164,7 +164,7 @@ impl Total {
     }
 }
 
-/// A trace that goes on after a restart; the restart begins motion time at 0 again.
+/// A trace that continues after a restart; the restart begins motion time at 0 again.
 struct Later<'t> {
     trace: &'t mut TraceWriter<BufWriter<Stream>>,
     ticks: u64,

@@ -1,4 +1,4 @@
-//! The screen: one line on a terminal that tells how the printer is.
+//! The screen: one line on a terminal with the printer's state.
 
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::Motor;

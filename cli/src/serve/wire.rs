@@ -23,7 +23,7 @@ impl Delay {
         Self { byte, free: 0, bytes: VecDeque::new() }
     }
 
-    /// Bytes leave, as soon as those before them have.
+    /// Sends bytes as soon as the bytes before them have left.
     pub fn send(&mut self, now: u64, bytes: impl IntoIterator<Item = u8>) {
         for byte in bytes {
             self.free = self.free.max(now) + self.byte;

@@ -20,7 +20,7 @@ pub(super) struct Json {
 }
 
 impl Json {
-    /// Gives an answer to a question that was made of these files.
+    /// Gives the answer to a question about these files.
     ///
     /// # Errors
     /// An output cannot be written.

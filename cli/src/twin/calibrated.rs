@@ -109,7 +109,7 @@ fn unlike(names: &[String], error: CalibrateError) -> anyhow::Error {
     )
 }
 
-/// Five digits, as no measurement by hand tells more.
+/// Five digits, because measurements by hand are no more exact.
 fn digits(value: f64) -> String {
     let before = value.abs().log10().floor() as i32 + 1;
     let behind = usize::try_from(5 - before).unwrap_or(0);

@@ -36,8 +36,8 @@ const EXAMPLE: &str = include_str!("../../../examples/first-print.gcode");
 const SHAPERS: [(&str, ShaperKind); 4] =
     [("none", ShaperKind::None), ("ZV", ShaperKind::Zv), ("MZV", ShaperKind::Mzv), ("EI", ShaperKind::Ei)];
 
-/// Steps of the extruder for 1 mm: an instant of a step tells where the filament is, and the more there are, the better
-/// its speed is known.
+/// Steps of the extruder for 1 mm: the instant of a step gives the filament's place, and more steps give its speed more
+/// exactly.
 const EXTRUDER_STEPS: u32 = 4000;
 
 /// Ticks between two samples: 0.1 ms, in which a nozzle of 50 ms changes by 0.2 %.

@@ -146,7 +146,7 @@ pub(super) fn play(
     Ok(told?)
 }
 
-/// The same with `go_on`, which gets the played part, of 1, and says whether to go on.
+/// The same with `go_on`, which gets the played part, of 1, and returns whether to continue.
 pub(super) fn played(
     machine: Machine,
     params: &Params,

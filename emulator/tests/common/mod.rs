@@ -52,7 +52,7 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// A file in which the tool is said to be at home where the file has it go there: homing takes eight seconds.
+/// A file that sets the position to home in place of its homing, which takes eight seconds.
 pub fn from_home(path: &Path) -> String {
     let gcode = std::fs::read_to_string(path).unwrap();
     let is_homing = |line: &&str| line.split(';').next().is_some_and(|command| command.trim() == "G28");

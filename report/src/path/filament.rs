@@ -14,7 +14,7 @@ const LONGEST: f64 = 1.5;
 /// How much of the usual way the last one is.
 const SHARE: f64 = 0.1;
 
-/// Tells printing from travelling.
+/// Separates printing from travelling.
 pub(super) struct Filament {
     /// Where the tool is, and steps of the extruder so far.
     at: [f64; 3],

@@ -19,7 +19,7 @@ pub struct HeatData {
     /// Motion time in s at the end of each bin.
     motion: Vec<f64>,
     heaters: Vec<HeaterData>,
-    /// Those that ran.
+    /// The fans that ran.
     fans: Vec<FanData>,
     waits: Vec<WaitData>,
 }

@@ -193,13 +193,13 @@ fn count(log: impl Iterator<Item = String>, entry: u32) -> Result<Counts> {
     Ok(Counts { heaters, drivers })
 }
 
-/// The address in a line of the log that tells of an instruction.
+/// The address in a line of the log about an instruction.
 fn instruction(line: &str) -> Option<u32> {
     let at = line.strip_prefix("Trace")?.split('/').nth(1)?;
     u32::from_str_radix(at, 16).ok()
 }
 
-/// Port, register and value in a line that tells of a write to a port.
+/// Port, register and value in a line about a write to a port.
 fn write(line: &str) -> Option<(usize, &str, u32)> {
     let (port, access) = line.strip_prefix("GPIO")?.split_once(": unimplemented device write (size 4, offset ")?;
     let port = usize::from(*port.as_bytes().first()?).checked_sub(usize::from(b'A')).filter(|port| *port < PORTS)?;

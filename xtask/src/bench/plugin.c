@@ -1,17 +1,17 @@
 /* Counts the instructions that QEMU executes: by context, room and address.
  *
- * A context is what runs between the entry of an exception and its return; contexts nest as exceptions do. A room is
- * a part of the project; code that belongs to none (division, memcpy) counts for the room that called it. Both are
- * followed here, instruction by instruction, because a sum at the end would no longer tell who called what.
+ * A context is the code between the entry of an exception and its return; contexts nest as exceptions do. A room is a
+ * part of the project; code outside of all rooms (division, memcpy) counts for the calling room. Both are followed here,
+ * instruction by instruction, because a sum at the end would lose the callers.
  *
- * Arguments: map=FILE   the room of every half word, a byte each (0: whoever called)
+ * Arguments: map=FILE   the room of every half word, a byte each (0: the caller's room)
  *            out=FILE   takes the counts
  *            start=V    counting begins when the handler of vector V is entered for the first time
  *            handler=V:ADDRESS:PRIORITY   a handler, numbers in hexadecimal
  *            asked=V,answered=V,aside=V   work from a question to its answer, without that of the contexts aside
  *            split=V:W   counts the handler of V as W if nothing was asked since it was entered last
  *            line=ADDRESS, constant=ADDRESS   flash lines of a handler that takes the place of the step interrupt's in the
- *                        caches; steps=V says which that is
+ *                        caches; steps=V names the step interrupt
  *            tell=PORT   a byte goes to this port of TCP whenever the handler that is split is done with a question
  *
  * The declarations are those of QEMU's plugin interface, version 1 (docs/devel/tcg-plugins in its sources).
@@ -52,7 +52,7 @@ enum { PLAIN, CALL, RETURN };
 
 struct cell { uint64_t count, taken; };
 
-/* A cache: whatever was used least recently makes room. */
+/* A cache: the least recently used line is replaced. */
 struct cache {
     unsigned ways, now;
     unsigned lines[WAYS], used[WAYS];    /* a line's number and one, and when it was used last */
@@ -192,7 +192,7 @@ static bool is_leaving(const struct context *c)
     return c->depth == 0 && c->cell && kind[c->last] == RETURN;
 }
 
-/* The handler that begins here, if any. QEMU runs a first instruction without telling if the interrupt came while it
+/* The handler that begins here, if any. QEMU does not report a first instruction if the interrupt came while it
  * cut a block at an access to a device; then the second one is the begin. */
 static unsigned begins(uint32_t to)
 {
@@ -203,12 +203,12 @@ static unsigned begins(uint32_t to)
     return second[to] && !is_behind_first ? second[to] : handler[to];
 }
 
-/* What the instruction before has done is known only now. */
+/* The effect of the previous instruction is known only now. */
 static void arrive(uint32_t to)
 {
     unsigned vector = begins(to);
     if (vector) {
-        /* One that cannot interrupt the present context has come behind it. */
+        /* An exception that cannot interrupt the present context came after it. */
         while (top && is_leaving(&stack[top]) && priority[vector] >= priority[stack[top].vector])
             leave();
         enter(vector);

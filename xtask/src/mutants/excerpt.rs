@@ -33,7 +33,7 @@ pub fn write(folder: &Path, room: &str, tests: &[&str]) -> Result<()> {
     copy_lines("Cargo.toml", folder, |line| !OTHER_CRATES.iter().any(|begin| line.starts_with(begin)))
 }
 
-/// A room, and those that it and tests use.
+/// A room, and the rooms that it and tests use.
 fn rooms(room: &str, tests: &[&str]) -> Result<BTreeSet<String>> {
     let mut rooms = BTreeSet::from([room.to_owned()]);
     let mut left: Vec<_> = tests.iter().flat_map(|test| sources("tests", test)).chain(sources("src", room)).collect();

@@ -120,8 +120,8 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let mut all = mutants(room, room.tests, args, &all_folder)?;
     let wanted = folder.join("missed.toml");
     std::fs::write(&wanted, only(&first.missed)?).with_context(|| format!("cannot write {}", wanted.display()))?;
-    // The pattern does not keep back mutants that delete a field: those that were noticed already do not count here.
-    // They are few in these files.
+    // The pattern does not exclude mutants that delete a field: already noticed ones do not count here. They are few in
+    // these files.
     files(&first.missed).into_iter().for_each(|file| _ = all.arg(format!("--file={file}")));
     all.arg("--config").arg(&wanted).arg("--minimum-test-timeout=60");
     room.tests.iter().for_each(|test| _ = all.arg(format!("--cargo-arg=--test={test}")));

@@ -1,4 +1,4 @@
-//! The tools: downloads those that a fresh machine lacks.
+//! The tools: downloads missing ones on a fresh machine.
 
 use super::Verdict;
 use crate::checkout::{BROWSER, TARGET, cargo, run};

@@ -41,7 +41,7 @@ static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
 static CONSOLE_WAKER: Mutex<RefCell<Option<Waker>>> = Mutex::new(RefCell::new(None));
 
-/// Hands the parts to their contexts and lets the interrupts loose.
+/// Hands the parts to their contexts and enables the interrupts.
 pub fn start(parts: &'static mut BoardParts, groups: Groups) {
     let Some(mut peripherals) = Peripherals::take() else { give_up(format_args!("start-up runs once")) };
     STEPPER.fill(&mut parts.stepper);

@@ -19,7 +19,7 @@ const LINE: usize = 512;
 /// Room for the settings in postcard; they take a few hundred bytes.
 const BLOB: usize = 4096;
 
-/// What to run.
+/// The settings of a run.
 pub struct Job {
     /// The machine.
     pub settings: Settings,

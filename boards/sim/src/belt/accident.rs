@@ -65,7 +65,7 @@ pub enum AccidentError {
     Parts(&'static str),
     /// A part that is not a legal number: the allowed values, and the given text.
     Number(&'static str, String),
-    /// There is no such belt motor.
+    /// The belt motor is unknown.
     Motor(String),
 }
 
@@ -133,7 +133,7 @@ impl std::str::FromStr for Brake {
 /// How far an accident has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum AccidentState {
-    /// The tool has not come by, or it is not its time.
+    /// The tool has not come near, or its time has not come.
     Waiting,
     /// It acts with this many N, until a time in ticks.
     Acting(f64, u64),
@@ -181,7 +181,7 @@ pub(super) fn next_end<'s>(states: impl IntoIterator<Item = &'s AccidentState>) 
     states.into_iter().filter_map(end).min()
 }
 
-/// Ends those that act no longer than to `now`.
+/// Ends the accidents that act no longer than to `now`.
 pub(super) fn end_all(states: &mut [AccidentState], now: u64) {
     for state in states {
         if matches!(state, AccidentState::Acting(_, end) if *end <= now) {

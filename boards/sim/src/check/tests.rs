@@ -173,7 +173,7 @@ fn a_missing_step_a_short_pulse_and_falling_time_are_found() {
 #[test]
 fn motors_out_of_step_are_told_once_until_they_are_in_step_again() {
     let mut m = Motion::new("");
-    // Motor 1 misses a step, others go on, it makes the step, and misses another.
+    // Motor 1 misses a step, others continue, it makes the step, and misses another.
     for (n, (steps, forward)) in
         [(0x0E, 0x0C), (0x30, 0x30), (0x01, 0), (0x30, 0), (0x0E, 0x0C)].into_iter().enumerate()
     {

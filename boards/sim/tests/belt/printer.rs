@@ -45,7 +45,7 @@ impl Host for Lines {
     }
 }
 
-/// Step events: motion time, motors, those that step forward.
+/// Step events: motion time, motors, and the motors that step forward.
 #[derive(Default)]
 pub struct Events(pub Vec<(u64, u8, u8)>);
 
@@ -105,7 +105,7 @@ pub fn plant_of(params: Params, start: [f64; 3], seed: u64, accidents: Accidents
     Some(Box::new(BeltPlant::new(&Settings::prototype(), place, true, setup, 0).unwrap()))
 }
 
-/// How many seeds a study has: a few, or as many as the soak asks for.
+/// The number of seeds of a study: a few, or the number from the soak.
 pub fn seeds(few: u64) -> std::ops::Range<u64> {
     let asked = std::env::var("COREHBOT_SOAK_SEEDS").ok().map(|text| text.parse().unwrap());
     0..asked.unwrap_or(few)

@@ -95,7 +95,7 @@ fn story(gcode: &str, seed: u64) -> Story {
     }
 }
 
-/// A motor is held for some ms at a random moment of a sliced file. `cargo xtask soak belt` tells 1,000 such stories.
+/// A motor is held for some ms at a random moment of a sliced file. `cargo xtask soak belt` runs 1,000 such cases.
 #[test]
 fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/first-print.gcode");

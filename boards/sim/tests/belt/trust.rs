@@ -54,7 +54,7 @@ fn accidents(trouble: Trouble, random: &mut Random) -> Vec<Brake> {
     }
 }
 
-/// The place that M114 tells, in x and y.
+/// The place that M114 reports, in x and y.
 fn told_place(heard: &[String]) -> Option<[f64; 2]> {
     let line = heard.iter().rev().find(|line| line.starts_with("X:"))?;
     let number = |name| line.split_once(name)?.1.split(' ').next()?.parse().ok();
@@ -115,7 +115,7 @@ fn story(trouble: Trouble, seed: u64) -> Story {
     }
 }
 
-/// Tells stories, and holds those to the plant that were trusted.
+/// Runs random cases, and compares the trusted places with the plant.
 fn hold_to_the_plant(trouble: Trouble, few: u64) {
     let stories = of_each(seeds(few), |seed| story(trouble, seed));
     let is_right =
@@ -135,14 +135,14 @@ fn hold_to_the_plant(trouble: Trouble, few: u64) {
     assert!(trusted > 0 && skipped > 0, "{trouble:?}");
 }
 
-/// `cargo xtask soak belt` tells 1,000 such stories.
+/// `cargo xtask soak belt` runs 1,000 such cases.
 #[test]
 fn a_place_that_is_said_to_be_right_is_right_to_a_full_step() {
     hold_to_the_plant(Trouble::Held, 4);
 }
 
 /// A motor that rubs for good, from before alignment, during it or later: the place is right and stays so as the tool
-/// goes on, or it is not trusted.
+/// moves on, or it is not trusted.
 #[test]
 fn a_place_is_trusted_beside_a_motor_that_rubs_only_if_it_stays_right() {
     hold_to_the_plant(Trouble::Rubbing, 4);

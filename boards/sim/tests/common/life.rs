@@ -12,7 +12,7 @@ use std::cell::RefCell;
 /// So long a line may take, in ms.
 const PATIENCE_MS: u64 = 600_000;
 
-/// Step events as they come: the tick, the motors that step, and those that step forward.
+/// Step events as they come: the tick, the motors that step, and the motors that step forward.
 #[derive(Default)]
 struct Seen {
     events: Vec<(u64, u32, u32)>,

@@ -123,7 +123,7 @@ impl Sink for Powered<'_> {
     }
 }
 
-/// Power that goes while other microsteps are on their way to the drivers has to come back before a step.
+/// Power that goes while new microsteps are sent to the drivers has to come back before a step.
 #[test]
 fn a_move_that_waits_for_new_microsteps_does_not_run_without_power() {
     let mut eeprom = Eeprom::blank();

@@ -1,6 +1,6 @@
 //! Sections: a G-code file as stretches of motion and the commands between them.
 //!
-//! A stretch goes on as long as no command makes the motion end. Commands that set limits, the feed, shapers or the
+//! A stretch continues as long as no command makes the motion end. Commands that set limits, the feed, shapers or the
 //! advance shape the plan of the stretch and belong to it. Commands for heat, fans and displays are carried out under
 //! way. Every other command, such as homing, waiting or switching motors off, stands alone between two stretches.
 

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Computes the samples that are not among `kept`, on this many threads (`None`: one a core).
 ///
-/// All samples in their order; if it was stopped, those that were finished.
+/// All samples in their order; if it was stopped, only the finished ones.
 ///
 /// # Errors
 /// The file for samples cannot be read, or the journal cannot be written.

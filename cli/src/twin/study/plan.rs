@@ -30,7 +30,7 @@ pub(in crate::twin) struct Study {
     pub(super) samples: usize,
     /// The queries.
     pub(super) queries: Vec<Query>,
-    /// The files that it is made of.
+    /// The files that define it.
     pub(super) inputs: Vec<PathBuf>,
 }
 

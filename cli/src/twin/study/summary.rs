@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub(super) struct Summary {
     /// Its samples.
     samples: usize,
-    /// Those that have no figures.
+    /// Samples that have no figures.
     failed: usize,
     /// Why the first of these has no figures.
     #[serde(skip_serializing_if = "Option::is_none")]
