@@ -1,8 +1,8 @@
 /* Counts the instructions that QEMU executes: by context, room and address.
  *
  * A context is the code between the entry of an exception and its return; contexts nest as exceptions do. A room is a
- * part of the project; code outside of all rooms (division, memcpy) counts for the calling room. Both are followed here,
- * instruction by instruction, because a sum at the end would lose the callers.
+ * part of the project; code outside of all rooms (division, memcpy) counts for the calling room. Both are followed
+ * here, instruction by instruction, because a sum at the end would lose the callers.
  *
  * Arguments: map=FILE   the room of every half word, a byte each (0: the caller's room)
  *            out=FILE   takes the counts
