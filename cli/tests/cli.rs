@@ -134,6 +134,10 @@ fn filament_that_was_asked_for_and_did_not_move_is_a_failure() {
     let (status, said) = told("G28\nG1 X20 E2 F3000\nG1 X40 E4\n");
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("failed: ") && said.contains("the hotend is too cold"), "{said}");
+    // The extruder alone is no print: the line is left out, and the file has pushed nothing.
+    let (status, said) = told("G28\nG1 E5 F300\n");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("filament was asked for and none moved: was the hotend cold?"), "{said}");
     for gcode in [
         "G28\nM302 P1\nG1 X20 E2 F3000\n",
         "G28\nG92 E5\nG1 X20 E-0.5 F3000\n",
