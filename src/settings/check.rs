@@ -104,9 +104,11 @@ fn endstop(e: Endstop, length: Mm, key: &'static str) -> Result<(), SettingsErro
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
     for (heater, key) in t.heaters.all().into_iter().zip(THERMISTORS) {
-        if let Thermistor::Beta { ohms, beta } = heater.thermistor {
-            legal_beside(ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta), key)?;
-        }
+        let is_legal = match heater.thermistor {
+            Thermistor::Sheet(_) => heater.thermistor.sheet().is_some(),
+            Thermistor::Beta { ohms, beta } => ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta),
+        };
+        legal_beside(is_legal, key)?;
     }
     for (a, b) in [(Heater::Hotend, Heater::Bed), (Heater::Hotend, Heater::Chamber), (Heater::Bed, Heater::Chamber)] {
         let (a, b) = (t.heater(a), t.heater(b));
