@@ -110,7 +110,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
                 motors.for_each(|(motor, value)| gather(value, &format!("{path}.{motor}"), into));
             }
             // A connector and which way round it is are one text.
-            Value::Object(fields) if !fields.contains_key("bits") && !fields.contains_key("connector") => {
+            Value::Object(fields) if !["bits", "connector", "Sheet"].iter().any(|key| fields.contains_key(*key)) => {
                 fields.iter().for_each(|(key, value)| gather(value, &format!("{path}.{key}"), into));
             }
             _ => drop(into.insert(path.trim_start_matches('.').to_owned(), value.clone())),
