@@ -9,7 +9,7 @@
 //! | [`summary`] | the result of a print, in words and as JSON |
 //! | [`heat_log`] | temperatures and duties over a print |
 //! | [`path`] | the way of the tool, exact to a step |
-//! | [`print`] | the page of a print |
+//! | [`mod@print`] | the page of a print |
 //! | [`twin`] | the pages of the twin |
 #![forbid(unsafe_code)]
 

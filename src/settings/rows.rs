@@ -2,7 +2,7 @@
 //! memory (`storage`), the check of ranges, machine files with their schema and comments, and
 //! docs/reference/settings.md.
 //!
-//! A file of this room ends with its rows ([`rows!`]). A row has
+//! A file of this room ends with its rows (`rows!`). A row has
 //!
 //! | part | for |
 //! |---|---|
