@@ -15,9 +15,9 @@ use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::{NUCLEO, OCTOPUS, Pin, Wiring};
+use corehbot_machine_file as machine_file;
 use corehbot_sim::belt::BeltSetup;
 use corehbot_sim::eeprom::Eeprom;
-use corehbot_machine_file as machine_file;
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
