@@ -64,6 +64,9 @@ pub struct Floor {
     takes_plates: bool,
     /// Periods for which a reading may stay constant after the power has changed.
     pub still: u32,
+    /// Whether a reading at the target may stay constant at any power. A unit of the converter is 0.02 C and more at a
+    /// hotend's temperatures, so a hotend's valid reading moves; it is less at those of beds and chambers.
+    pub holds_still: bool,
     /// Range of the number of periods within which heat under way arrives.
     pub settling: [u32; 2],
     /// Greatest permitted distance above a reached target.
@@ -81,6 +84,7 @@ impl Floor {
             falling: periods(2),
             takes_plates: false,
             still: periods(30),
+            holds_still: false,
             settling: [periods(1), periods(30)],
             overshoot: Celsius::const_from_int(15),
         };
@@ -91,6 +95,7 @@ impl Floor {
             falling: periods(20),
             takes_plates: true,
             still: periods(60),
+            holds_still: true,
             settling: [periods(10), periods(300)],
             overshoot: Celsius::const_from_int(15),
         };
@@ -102,6 +107,7 @@ impl Floor {
             falling: periods(600),
             takes_plates: false,
             still: periods(120),
+            holds_still: true,
             settling: [periods(20), periods(600)],
             overshoot: Celsius::const_from_int(15),
         };

@@ -10,6 +10,10 @@ const STILL: Celsius = Celsius::lit("0.02");
 /// A change of the duty that any heater's temperature follows.
 const CHANGE: u16 = u16::MAX / 5;
 
+/// So near to its target a heater is held: a good controller moves the reading by less than [`STILL`], and a bed may take
+/// more than half of its power for that (120 W at 0.85 W/K: 63 % at 99 C).
+const HELD: Celsius = Celsius::const_from_int(1);
+
 /// The guard of a reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Frozen {
@@ -36,8 +40,8 @@ impl Frozen {
         Self { least: Celsius::MAX, most: Celsius::MIN, duties: [u16::MAX, 0], mean: 0, still: 0 }
     }
 
-    /// Follows a control period.
-    pub fn look(&mut self, floor: &Floor, measured: Celsius, duty: u16) -> Option<Alarm> {
+    /// Follows a control period of a heater that is to hold a temperature, if it is.
+    pub fn look(&mut self, floor: &Floor, hold: Option<Celsius>, measured: Celsius, duty: u16) -> Option<Alarm> {
         self.mean = self.mean - (self.mean >> 6) + u32::from(duty);
         let mean = (self.mean >> 6) as u16;
         (self.least, self.most) = (self.least.min(measured), self.most.max(measured));
@@ -46,7 +50,11 @@ impl Frozen {
             *self = Self { least: measured, most: measured, duties: [mean; 2], mean: self.mean, still: 0 };
             return None;
         }
-        let has_changed = self.duties[1].saturating_sub(self.duties[0]) > CHANGE || mean > u16::MAX / 2;
+        let is_held = hold.is_some_and(|target| target.abs_diff(measured).to_bits() <= HELD.to_bits().unsigned_abs());
+        // Where it is held, the power falls while it settles, and the reading may stay: only more power must show.
+        let from = if is_held { mean } else { self.duties[1] };
+        let is_heated = mean > u16::MAX / 2 && !(is_held && floor.holds_still);
+        let has_changed = from.saturating_sub(self.duties[0]) > CHANGE || is_heated;
         // A constant reading before the power changed means nothing: a cold bed may read the same for hours.
         self.still = if has_changed { self.still.saturating_add(1) } else { 0 };
         let is_frozen = self.still >= floor.still;
@@ -60,7 +68,7 @@ mod tests {
     use crate::connectors::Heater;
 
     fn look(guard: &mut Frozen, measured: Celsius, duty: u16) -> Option<Alarm> {
-        guard.look(Floor::of(Heater::Hotend), measured, duty)
+        guard.look(Floor::of(Heater::Hotend), None, measured, duty)
     }
 
     #[test]
@@ -78,6 +86,33 @@ mod tests {
         );
         let mut guard = Frozen::new();
         assert!((0..2000).any(|_| look(&mut guard, at, 65_535).is_some()), "full power, and it does not warm");
+    }
+
+    /// Reproducer: a bed that held 99 C with 63 % of its power, and a converter without noise.
+    #[test]
+    fn a_weak_bed_that_is_held_is_not_frozen() {
+        let (floor, at) = (Floor::of(Heater::Bed), Celsius::from_num(99));
+        let duty = u16::MAX / 100 * 63;
+        let alarms = |target: i32| {
+            let mut guard = Frozen { mean: u32::from(duty) << 6, ..Frozen::new() };
+            (0..100_000).any(|_| guard.look(floor, Some(Celsius::from_num(target)), at, duty).is_some())
+        };
+        assert!(!alarms(99) && !alarms(100));
+        assert!(alarms(101), "it is to warm, has power, and does not");
+    }
+
+    /// Reproducer: a hotend that settled at its target within 0.02 C while the controller took its power back.
+    #[test]
+    fn a_hotend_that_settles_is_not_frozen_and_one_with_more_power_is() {
+        let at = Celsius::from_num(142);
+        let alarms = |first: u16, then: u16| {
+            let mut guard = Frozen { mean: u32::from(first) << 6, ..Frozen::new() };
+            (0..100_000).any(|n| {
+                let duty = if n < 50 { first } else { then };
+                guard.look(Floor::of(Heater::Hotend), Some(at), at, duty).is_some()
+            })
+        };
+        assert!(!alarms(30_000, 15_000) && alarms(10_000, 25_000));
     }
 
     /// Reproducer: a converter without noise, and a bed that had been cold for a while, which counted as frozen at
