@@ -53,8 +53,9 @@ impl Frozen {
         let is_held = hold.is_some_and(|target| target.abs_diff(measured).to_bits() <= HELD.to_bits().unsigned_abs());
         // Where it is held, the power falls while it settles, and the reading may stay: only more power must show.
         let from = if is_held { mean } else { self.duties[1] };
-        let is_heated = mean > u16::MAX / 2 && !(is_held && floor.holds_still);
-        let has_changed = from.saturating_sub(self.duties[0]) > CHANGE || is_heated;
+        let change = from.saturating_sub(self.duties[0]);
+        let is_heated = mean > u16::MAX / 2 && (!is_held || (change > CHANGE / 2 && !floor.holds_still));
+        let has_changed = change > CHANGE || is_heated;
         // A constant reading before the power changed means nothing: a cold bed may read the same for hours.
         self.still = if has_changed { self.still.saturating_add(1) } else { 0 };
         let is_frozen = self.still >= floor.still;
@@ -113,6 +114,7 @@ mod tests {
             })
         };
         assert!(!alarms(30_000, 15_000) && alarms(10_000, 25_000));
+        assert!(!alarms(40_000, 40_000) && alarms(30_000, 40_000), "much power is none of its own");
     }
 
     /// Reproducer: a converter without noise, and a bed that had been cold for a while, which counted as frozen at
