@@ -2,8 +2,9 @@
 
 use crate::keys::{about, legal_words, names_of};
 use crate::value::toml;
+use crate::written::values;
 use corehbot::settings::Settings;
-use corehbot::settings::rows::{Field, Key, Kind, Row, Text, Value, Visitor};
+use corehbot::settings::rows::{Kind, Row, Text};
 use corehbot::settings::table::described;
 use std::fmt::Write as _;
 
@@ -74,17 +75,8 @@ fn range(row: &Row, text: &Text) -> String {
 
 /// The prototype's values.
 fn defaults(row: &Row, text: &Text) -> String {
-    struct Of<'r>(&'r Row, Vec<Value>);
-    impl Visitor for Of<'_> {
-        fn visit(&mut self, key: Key, field: &mut dyn Field) {
-            if key.row.id == self.0.id {
-                self.1.push(field.get());
-            }
-        }
-    }
-    let mut values = Of(row, Vec::new());
-    Settings::prototype().visit(&mut values);
-    listed(values.1.iter().map(|value| {
+    let values = values(&Settings::prototype());
+    listed(values.range((row.id, 0)..=(row.id, usize::MAX)).map(|(_, value)| {
         let is_unknown = row.tables.contains(&"belt.phases");
         toml(value, text.kind).filter(|_| !is_unknown).map_or_else(|| "none".to_owned(), |value| value.to_string())
     }))

@@ -19,9 +19,8 @@ pub fn written(machine: &Settings) -> anyhow::Result<String> {
 
 /// The keys and values of a machine file.
 pub(crate) fn table(machine: &Settings) -> Table {
-    let mut all = All(BTreeMap::new());
-    machine.clone().visit(&mut all);
-    let value = |id: u16, part: usize| all.0.get(&(id, part));
+    let values = values(machine);
+    let value = |id: u16, part: usize| values.get(&(id, part));
     let mut file = Table::new();
     for known in ALL.iter() {
         let found = match known.of {
@@ -67,13 +66,17 @@ fn put(file: &mut Table, path: &str, value: Toml) {
     }
 }
 
-/// All values.
-struct All(BTreeMap<(u16, usize), Value>);
-
-impl Visitor for All {
-    fn visit(&mut self, key: Key, field: &mut dyn Field) {
-        self.0.insert((key.row.id, key.part.into()), field.get());
+/// All values, by the ids of their rows and by parts.
+pub(crate) fn values(machine: &Settings) -> BTreeMap<(u16, usize), Value> {
+    struct All(BTreeMap<(u16, usize), Value>);
+    impl Visitor for All {
+        fn visit(&mut self, key: Key, field: &mut dyn Field) {
+            self.0.insert((key.row.id, key.part.into()), field.get());
+        }
     }
+    let mut all = All(BTreeMap::new());
+    machine.clone().visit(&mut all);
+    all.0
 }
 
 #[cfg(test)]

@@ -442,6 +442,6 @@ mod tests {
     #[test]
     fn no_variant_is_left_out() {
         assert!(has_variants::<CornerRule>(CornerRule::all().count()), "CornerRule::next");
-        assert!(has_variants::<ShaperKind>(ShaperKind::all().count()), "ShaperKind::next");
+        assert!(has_variants::<ShaperKind>(ShaperKind::all().count()), "ShaperKind::ALL");
     }
 }

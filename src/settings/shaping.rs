@@ -27,19 +27,7 @@ pub enum ShaperKind {
 impl ShaperKind {
     /// Every kind.
     pub fn all() -> impl Iterator<Item = Self> {
-        core::iter::successors(Some(Self::None), |kind| kind.next())
-    }
-
-    /// The kind after this one. Without a wildcard: a new kind is linked in here, and tests go through all of them.
-    const fn next(self) -> Option<Self> {
-        match self {
-            Self::None => Some(Self::Zv),
-            Self::Zv => Some(Self::Zvd),
-            Self::Zvd => Some(Self::Mzv),
-            Self::Mzv => Some(Self::Ei),
-            Self::Ei => Some(Self::TwoHumpEi),
-            Self::TwoHumpEi => None,
-        }
+        <Self as Choice>::ALL.iter().map(|(kind, _)| *kind)
     }
 }
 
