@@ -3,16 +3,18 @@
 
 #[path = "common/deaf.rs"]
 mod deaf;
+#[path = "common/heated.rs"]
+mod heated;
 
-use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::units::{TICKS_PER_SECOND, Watts};
+use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::heat_plant::Accident;
 use corehbot_sim::heat_plant::accident::KINDS;
 use corehbot_sim::world::{Desk, World};
 use deaf::Deaf;
+use heated::heated;
 
 /// When the accident happens, and when the heater is asked for: before and after, in s.
 const TIMES: [(f64, f64); 2] = [(1.0, 3.0), (4.0, 3.0)];
@@ -59,16 +61,6 @@ fn life(settings: &Settings, accident: Accident, line: &str, at_s: f64, most_s: 
         assert!(seconds < most_s, "{line} waits for ever after {}: {heard}", accident.kind.name);
         world.advance();
     }
-}
-
-/// A hotend and a bed; a small one, which warms within seconds.
-fn heated() -> Settings {
-    let mut settings = Settings::prototype();
-    for heater in [Heater::Hotend, Heater::Bed] {
-        settings.thermal.heater_mut(heater).is_fitted = true;
-    }
-    settings.thermal.heaters.bed.power = Watts::from_num(1000);
-    settings
 }
 
 /// The floor of the guards allows a hotend half an hour for 2 C, and a bed an hour (`thermal::guard::floor`).

@@ -4,6 +4,8 @@
 mod ends;
 mod filament_change;
 mod heat;
+#[path = "../common/heated.rs"]
+mod heated;
 mod held;
 mod hosts;
 #[path = "../common/life.rs"]
@@ -13,23 +15,10 @@ mod program;
 #[path = "../../../../tests/support/mod.rs"]
 mod support;
 
-use corehbot::connectors::Heater;
-use corehbot::settings::Settings;
-use corehbot::units::Watts;
+use heated::heated;
 use life::Life;
 
 const MINUTE: u64 = 60_000;
-
-/// A machine with a hotend and a bed that are warm before anything else.
-fn heated() -> Settings {
-    let mut settings = Settings::prototype();
-    for heater in [Heater::Hotend, Heater::Bed] {
-        settings.thermal.heater_mut(heater).is_fitted = true;
-    }
-    // A small one, which warms within seconds.
-    settings.thermal.heaters.bed.power = Watts::from_num(1000);
-    settings
-}
 
 /// Warms the machine up and prints a line; the tool ends at X150 Y100 Z50, E5.
 fn print(life: &mut Life<'_>) {
