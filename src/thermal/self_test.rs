@@ -10,8 +10,11 @@
 //! long, and a third. Seven times the first pulse warms a block or a bed of twenty times its model's mass by 1 C.
 //!
 //! Heaters are tested one after the other, from the slowest to the quickest, so that heat on its way to a sensor is
-//! small compared to the next rise. The test begins with everything cold, and targets wait until it is over. All guards
-//! stay on.
+//! small compared to the next rise. The test begins with everything cold and no heat under way, and targets wait until
+//! it is over. All guards stay on.
+//!
+//! A heater that was warm cools meanwhile, perhaps faster than its pulse warms it. Heat comes late, so its reading falls
+//! at first. Such a test proves nothing, and is put off.
 
 use super::fixed_point::RATE;
 use super::guard::Alarm;
@@ -25,6 +28,9 @@ const RISE: i64 = 3;
 
 /// Required rise of its own sensor: ten times the noise of a reading.
 const LEAST: Celsius = Celsius::ONE;
+
+/// A reading that falls this far below its begin shows a heater that cools: five times the noise of a reading.
+const COOLS: Celsius = Celsius::from_bits(LEAST.to_bits() / 2);
 
 /// Pulses of a heater, each twice as long as the one before.
 const PULSES: u32 = 3;
@@ -59,7 +65,7 @@ pub enum End {
     Passed,
     /// A sensor did not follow, or another one did.
     Failed(Heater, Alarm),
-    /// Something is hot, or has no reading: there is no result now.
+    /// Something is hot, cools or has no reading: there is no result now.
     PutOff,
 }
 
@@ -68,6 +74,8 @@ pub enum End {
 struct Pulse {
     place: usize,
     before: Readings,
+    /// The lowest reading of its own sensor since then.
+    lowest: Celsius,
     /// Pulses of this heater so far, with this one.
     number: u32,
     /// Periods since the begin of the pulse, with power, and until the rise is judged.
@@ -111,10 +119,11 @@ impl SelfTest {
     /// One control period; returns the result if the test has ended.
     pub fn period(&mut self, settings: [&HeaterSettings; HEATERS], readings: &Readings) -> Option<End> {
         self.pulse.elapsed += 1;
+        let own = ORDER.get(self.pulse.place).copied()?;
+        self.pulse.lowest = readings[own as usize].map_or(self.pulse.lowest, |reading| reading.min(self.pulse.lowest));
         if self.pulse.elapsed < self.pulse.judged {
             return None;
         }
-        let own = ORDER.get(self.pulse.place).copied()?;
         let rise = |heater: Heater| {
             let (now, before) = (readings[heater as usize]?, self.pulse.before[heater as usize]?);
             Some(now.saturating_sub(before))
@@ -123,6 +132,10 @@ impl SelfTest {
         let others = Heater::ALL.into_iter().filter(|heater| *heater != own).filter_map(rise);
         let limit = others.map(|rise| rise.saturating_mul_int(2)).fold(LEAST, Celsius::max);
         if value < limit {
+            let fell = self.pulse.before[own as usize].map(|before| before.saturating_sub(self.pulse.lowest));
+            if fell.is_some_and(|fell| fell >= COOLS) {
+                return Some(End::PutOff);
+            }
             // While no other sensor has risen either, it may be heavy.
             if limit < LEAST * 2 && self.pulse.number < PULSES {
                 self.pulse.again();
@@ -168,6 +181,7 @@ fn pulse(from: usize, settings: [&HeaterSettings; HEATERS], readings: &Readings)
     Some(Pulse {
         place,
         before: *readings,
+        lowest: readings[ORDER[place] as usize]?,
         number: 1,
         elapsed: 0,
         power: periods,
@@ -227,5 +241,13 @@ mod tests {
         assert!(matches!(ends([0, 3], [0, 0]), End::Failed(Heater::Hotend, _)));
         assert_eq!(ends([30, 3], [3, 0]), failed(Heater::Bed, 3, 60));
         assert_eq!(ends([0, 30], [3, 0]), End::PutOff, "the bed is hot now");
+    }
+
+    /// Reproducer: a chamber that cooled faster than its pulses warmed it failed its test.
+    #[test]
+    fn a_heater_that_cools_is_put_off_if_it_does_not_rise() {
+        assert_eq!(ends([0, -2], [3, 0]), End::PutOff);
+        assert_eq!(ends([-1, 3], [-1, 3]), End::PutOff, "a swapped one is found when all is cold");
+        assert_eq!(ends([-3, 3], [3, -3]), End::Passed, "others may cool");
     }
 }

@@ -30,7 +30,7 @@ const fn act(name: &'static str, weight: u64, play: fn(&mut Life<'_>)) -> Act {
 }
 
 /// Everything that is done with a machine.
-const ACTS: [Act; 17] = [
+const ACTS: [Act; 18] = [
     act("print", 6, |life| {
         let [hotend, bed] = targets(life);
         print(life, hotend, bed);
@@ -168,6 +168,14 @@ const ACTS: [Act; 17] = [
         }
     }),
     act("self-test", 1, |life| {
+        life.say("SELF_TEST");
+    }),
+    act("self-test just after heat", 1, |life| {
+        let heater = life.dice.pick(&["M104 S200", "M140 S60"]);
+        life.say(heater);
+        let seconds = life.dice.within(1.0, 30.0);
+        life.pass(seconds);
+        all_off(life);
         life.say("SELF_TEST");
     }),
     act("night", 2, |life| {

@@ -98,3 +98,13 @@ fn a_hot_bed_puts_it_off_and_an_open_heater_halts() {
     let halted = heard.iter().find(|line| line.starts_with("Error:")).unwrap();
     assert!(halted.contains("hotend: self-test failed"), "{heard:?}");
 }
+
+/// Reproducer: the block's own heat, still on its way to its sensor, counted as a rise by the bed's pulse.
+#[test]
+fn heat_that_is_still_under_way_puts_it_off() {
+    let settings = machine(&[Heater::Hotend, Heater::Bed]);
+    let lines = ["SELF_TEST", "M104 S200", "G4 S3", "M104 S0", "SELF_TEST", "M105"];
+    let (heard, _) = talk_with(&settings, NoStorage, 150_000, &lines, |_, _| {});
+    let told = heard.iter().filter(|line| line.starts_with("echo:Heaters are not tested")).count();
+    assert_eq!(told, 1, "{heard:?}");
+}
