@@ -133,18 +133,45 @@ const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "state"]),
 ];
 
+/// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the Stepper
+/// share formulas, entries and queues, but none of the three uses another one: each runs in a context of its own.
+const WITHIN_MOTION: [(&str, &[&str]); 12] = [
+    ("number", &[]),
+    ("ticks", &[]),
+    ("moves", &[]),
+    ("ramps", &["moves", "number"]),
+    ("queue", &["ticks"]),
+    ("step_counts", &["queue"]),
+    ("trajectory", &["moves", "number", "ramps", "ticks"]),
+    ("work", &["moves", "trajectory"]),
+    ("planner", &["moves", "number", "ramps", "trajectory"]),
+    ("link", &["step_counts", "work"]),
+    ("stepgen", &["moves", "number", "queue", "ramps", "ticks", "trajectory", "work"]),
+    ("stepper", &["queue"]),
+];
+
 #[test]
 fn the_parts_of_the_machine_use_only_those_above_them() {
+    assert_arrows_within("machine", &WITHIN_MACHINE);
+}
+
+#[test]
+fn the_parts_of_motion_use_only_those_above_them() {
+    assert_arrows_within("motion", &WITHIN_MOTION);
+}
+
+/// Asserts that the parts of a room use only those that the table has for them, which are above them.
+fn assert_arrows_within(room: &str, table: &[(&str, &[&str])]) {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
-    sources(&src.join("machine"), &mut files);
+    sources(&src.join(room), &mut files);
     let within = arrows_within(&src, &files);
     let (mut wrong, mut above) = (Vec::new(), BTreeSet::new());
-    let arrows = &within[&vec!["machine".to_owned()]];
-    for (part, may) in WITHIN_MACHINE {
+    let arrows = &within[&vec![room.to_owned()]];
+    for (part, may) in table {
         assert!(may.iter().all(|used| above.contains(used)), "{part} uses what is not above it: {may:?}");
-        above.insert(part);
-        let used = arrows.get(part).into_iter().flatten();
+        above.insert(*part);
+        let used = arrows.get(*part).into_iter().flatten();
         wrong.extend(used.filter(|used| !may.contains(&used.as_str())).map(|used| format!("{part} -> {used}")));
     }
     wrong.extend(
