@@ -290,37 +290,39 @@ impl<'m> Planner<'m> {
             junction_speed_sq(&self.last, vector, &mut self.path_curvature, jump, &accel_limits, settings);
         let (has_overrides, [x, y, z, e]) = (target.has_overrides, self.end);
         let cumulative_gain_sq = self.window.total_gain_sq();
-        let Some(planned) = self.window.next_place() else { return };
-        *planned = Planned {
-            spec: MoveSpec {
-                length: vector.length,
-                max_ramp_length,
-                acceleration: MmPerSec2::from_bits((most.acceleration * 256.0) as u32).max(MmPerSec2::DELTA),
-                nominal: feed,
-                end: [x, y, z, e],
-                watch: target.watch,
-            },
-            feed: if has_overrides { feed } else { MmPerSec::ZERO },
-            max_speed: MmPerSec::from_bits((most.speed * 65536.0) as u32),
-            junction_sq,
-            max_entry_sq: SpeedSq::ZERO,
-            cumulative_gain_sq,
-            frozen_exit_sq: NOT_FROZEN,
-            nominal_ticks: 0,
-            advance,
-        };
-        planned.set_nominal(if has_overrides { self.wanted.of(feed) } else { feed });
-        let nominal_ticks = planned.nominal_ticks;
-        planned.limit_entry(self.last_exit_limit_sq);
-        self.last_exit_limit_sq = planned.exit_limit_sq();
-        self.waiting += u64::from(nominal_ticks);
-        if nominal_ticks >= LONG_TICKS {
-            let length = self.exact_length(begin, self.vector.length);
-            if let Some(planned) = self.window.next_place() {
-                planned.spec.length = length;
+        let pushed = self.window.push(|planned| {
+            *planned = Planned {
+                spec: MoveSpec {
+                    length: vector.length,
+                    max_ramp_length,
+                    acceleration: MmPerSec2::from_bits((most.acceleration * 256.0) as u32).max(MmPerSec2::DELTA),
+                    nominal: feed,
+                    end: [x, y, z, e],
+                    watch: target.watch,
+                },
+                feed: if has_overrides { feed } else { MmPerSec::ZERO },
+                max_speed: MmPerSec::from_bits((most.speed * 65536.0) as u32),
+                junction_sq,
+                max_entry_sq: SpeedSq::ZERO,
+                cumulative_gain_sq,
+                frozen_exit_sq: NOT_FROZEN,
+                nominal_ticks: 0,
+                advance,
+            };
+            planned.set_nominal(if has_overrides { self.wanted.of(feed) } else { feed });
+            planned.limit_entry(self.last_exit_limit_sq);
+            self.last_exit_limit_sq = planned.exit_limit_sq();
+            self.waiting += u64::from(planned.nominal_ticks);
+            if planned.nominal_ticks >= LONG_TICKS {
+                planned.spec.length = exact_length(&self.step_scale, begin, self.end, vector.length);
             }
+        });
+        debug_assert!(pushed.is_ok(), "the caller has made room");
+        if pushed.is_err() {
+            // It is left out, and the next one starts where it would have.
+            (self.count, self.end, self.asked) = (self.window.len(), begin, self.mm(begin));
+            return;
         }
-        self.window.push_next();
         self.last.copy_from(&self.vector);
         self.path = self.path.wrapping_add(self.vector.path());
     }
@@ -366,22 +368,6 @@ impl<'m> Planner<'m> {
             return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
         Some(([x, y, z, e], vector))
-    }
-
-    /// The exact distance from `begin` to the end of the last move, in raw `Mm` bits, given one with 30 right bits.
-    #[cold]
-    #[inline(never)]
-    fn exact_length(&self, begin: [Steps; 4], about: u64) -> u64 {
-        let mut ways = [0; 4];
-        for (((way, scale), to), from) in ways.iter_mut().zip(&self.step_scale).zip(self.end).zip(begin) {
-            *way = scale.mm_bits(to.wrapping_sub(from));
-        }
-        let [x, y, z, e] = ways;
-        let square = |way: i64| i128::from(way) * i128::from(way);
-        let sum = if x | y | z == 0 { square(e) } else { square(x) + square(y) + square(z) };
-        // One of Newton's steps.
-        let about = about.cast_signed();
-        about.saturating_add((sum - square(about)) as i64 / about.saturating_mul(2).max(1)).unsigned_abs()
     }
 
     /// Whether another move can be planned.
@@ -477,6 +463,22 @@ impl<'m> Planner<'m> {
         self.released_filament = released.end[3];
         Some(released)
     }
+}
+
+/// The exact distance from `begin` to `end`, in raw `Mm` bits, given one with 30 right bits.
+#[cold]
+#[inline(never)]
+fn exact_length(step_scale: &[StepScale; 4], begin: [Steps; 4], end: [Steps; 4], about: u64) -> u64 {
+    let mut ways = [0; 4];
+    for (((way, scale), to), from) in ways.iter_mut().zip(step_scale).zip(end).zip(begin) {
+        *way = scale.mm_bits(to.wrapping_sub(from));
+    }
+    let [x, y, z, e] = ways;
+    let square = |way: i64| i128::from(way) * i128::from(way);
+    let sum = if x | y | z == 0 { square(e) } else { square(x) + square(y) + square(z) };
+    // One of Newton's steps.
+    let about = about.cast_signed();
+    about.saturating_add((sum - square(about)) as i64 / about.saturating_mul(2).max(1)).unsigned_abs()
 }
 
 /// The part of a move's length that may be for ramps, in raw `Mm` bits.

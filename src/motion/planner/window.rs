@@ -56,6 +56,18 @@ impl Minima<'_> {
     }
 }
 
+/// The window has no place for another move.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::motion) struct Full;
+
+impl core::fmt::Display for Full {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the look-ahead is full")
+    }
+}
+
+impl core::error::Error for Full {}
+
 pub(in crate::motion) struct Window<'m> {
     pub(in crate::motion) moves: &'m mut [Planned; LOOKAHEAD_MOVES],
     pub(in crate::motion) minima: Minima<'m>,
@@ -126,26 +138,22 @@ impl<'m> Window<'m> {
         self.total_gain_sq
     }
 
-    /// The place of the move that is [added](Self::push_next) next; the caller has made room. The move is made there,
-    /// because a copy of it is no small part of planning.
+    /// Adds the move that `make` writes into its place, because a copy of it is no small part of planning. It starts
+    /// from the G [at the end of the last one](Self::total_gain_sq).
     #[inline(always)]
-    pub fn next_place(&mut self) -> Option<&mut Planned> {
-        debug_assert!(!self.is_full(), "the caller has made room");
+    pub fn push(&mut self, make: impl FnOnce(&mut Planned)) -> Result<(), Full> {
+        if self.is_full() {
+            return Err(Full);
+        }
         let slot = self.slot(self.len);
-        self.moves.get_mut(slot)
-    }
-
-    /// Adds the move in the [next place](Self::next_place), with the G [at the end of the last
-    /// one](Self::total_gain_sq).
-    #[inline(always)]
-    pub fn push_next(&mut self) {
-        let slot = self.slot(self.len);
-        let Some(planned) = self.moves.get(slot) else { return };
+        let planned = self.moves.get_mut(slot).ok_or(Full)?;
+        make(planned);
         self.total_gain_sq = self.total_gain_sq.wrapping_add(planned.gain_sq());
         let bound_sq = planned.bound_sq();
         self.add_minimum(slot, bound_sq);
         self.len += 1;
         (self.passes.counted.is_done, self.is_stuck) = (false, false);
+        Ok(())
     }
 
     /// Adds the corner before a move to the queue of minima; no corner follows it yet.
