@@ -97,7 +97,7 @@ impl OutputSet {
 }
 
 /// A temperature sensor. A new one is a variant, a row of [`ALL`](Self::ALL), and a thermistor in the wiring of a
-/// board. The chip limits their number (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
+/// board. The chip limits their number (`MOST_THERMISTORS` in `chips/wiring/src/lib.rs`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]

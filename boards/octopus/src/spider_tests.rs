@@ -4,7 +4,7 @@ use crate::spider::BOARD;
 use corehbot::connectors::SPIDER;
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::port::{GroupSet, Motor, MotorSet, OutputSet};
-use corehbot_stm32f446::port_writes::StepWrites;
+use corehbot_stm32f446::wiring::port_writes::StepWrites;
 use corehbot_stm32f446::wiring::{Pin, Port};
 
 #[test]

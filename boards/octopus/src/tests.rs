@@ -7,7 +7,7 @@ use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, Output};
 use corehbot::settings::Settings;
 use corehbot::storage::{boards_of, choose_board};
-use corehbot_stm32f446::port_writes::StepWrites;
+use corehbot_stm32f446::wiring::port_writes::StepWrites;
 use corehbot_stm32f446::wiring::{Image, Pin, Port};
 
 #[test]

@@ -1,6 +1,6 @@
 //! Shared by boards with an STM32F446: everything except pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins. An [`Image`](wiring::Image) lists one or several boards. It
+//! A board is a [`Board`](wiring::Board), a table of pins (`chips/wiring`). An [`Image`](wiring::Image) lists one or several boards. It
 //! calls `run` with these boards and with the settings memory that they have.
 //!
 //! | priority | context | runs |
@@ -20,17 +20,16 @@
 //! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]
 
+pub use corehbot_wiring as wiring;
+
 pub mod flash_pages;
 pub mod flash_sectors;
 mod flash_slot;
 pub mod heater_pulses;
 pub mod memory;
-pub mod port_writes;
 pub mod resources;
-mod serial_port;
 pub mod usb_pump;
 pub mod usb_traffic;
-pub mod wiring;
 
 #[cfg(any(test, target_os = "none"))]
 mod exchange;

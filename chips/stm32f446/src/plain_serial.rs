@@ -9,8 +9,8 @@ use embassy_stm32::pac::{RCC, USART1, USART2};
 
 use crate::after_bootloader::HSI_HZ;
 use crate::resources::USART_FUNCTION;
-use crate::serial_port::{SerialPort, Usart};
 use crate::wiring::Board;
+use crate::wiring::{SerialPort, Usart};
 use crate::{ports, watchdog};
 
 /// Between two messages: 40 times 50 ms, and longer where flash is waited for.

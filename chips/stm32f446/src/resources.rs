@@ -3,8 +3,8 @@
 //! Plain numbers and names, so that a host test can compare them with the chip description behind stm32-metapac
 //! (`tests/chip.rs`); the code uses these.
 
-use crate::serial_port::Usart;
 use crate::wiring::FanTimer;
+use crate::wiring::Usart;
 
 /// USART1 to 3 (STM32F446 datasheet, table of alternate functions).
 pub const USART_FUNCTION: u8 = 7;

@@ -20,11 +20,11 @@ use crate::host_serial::HostSerial;
 use crate::machine_at_start::{Start, machine_at_start};
 use crate::memory::Find;
 use crate::reset_reason::{self, ResetReason};
-use crate::serial_port::SerialPort;
 use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
+use crate::wiring::SerialPort;
 use crate::wiring::{Board, Image};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,

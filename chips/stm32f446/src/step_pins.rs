@@ -21,8 +21,8 @@ use corehbot::motors::{Coupling, MOST_GROUPS};
 use corehbot::port::{EndstopSet, GroupSet, STEP_PULSE_NS, StepPort};
 use corehbot::units::TICKS_PER_MS;
 
-use crate::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
 use crate::ports::{self, Registers};
+use crate::wiring::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
 use crate::wiring::{Pin, Plugged};
 
 /// Minimum length of a step pulse in cycles of 180 MHz. The Stepper's work during a pulse takes longer. The bench

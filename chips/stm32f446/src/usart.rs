@@ -19,8 +19,8 @@ use crate::receiver::Receiver;
 use crate::receiver_flags::{self, Flags, News, Receiving};
 use crate::resources::{self, USART_FUNCTION};
 use crate::ring::Ring;
-use crate::serial_port::{SerialPort, Usart};
 use crate::storm::{CallRate, count_call};
+use crate::wiring::{SerialPort, Usart};
 
 /// Bytes that wait for the transmitter: a report of the settings (M503).
 const WAITING: usize = 1024;

@@ -2,7 +2,7 @@
 //!
 //! No board counts pulses yet: `ThermalPort::tachometer` is `None` except in tests. A board that does needs
 //!
-//! - the pin in its `FanPin` (`chips/stm32f446/src/wiring.rs`), where the compiler leads to the checks; it may be one
+//! - the pin in its `FanPin` (`chips/wiring/src/lib.rs`), where the compiler leads to the checks; it may be one
 //!   of `inputs` so far;
 //! - a count by an interrupt or a timer, because pulses are faster than a control period (`resources.rs`,
 //!   `priorities.rs`); `heat.rs` there returns it;

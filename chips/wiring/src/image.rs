@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use corehbot::storage::{BLOCK, board_of};
 
-use super::Board;
+use crate::Board;
 
 /// The boards that an image may be on, and its machine block, which says on which it is.
 pub struct Image {

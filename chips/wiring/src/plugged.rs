@@ -4,7 +4,7 @@ use corehbot::connectors::ConnectorName;
 use corehbot::port::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
 
-use super::{Board, Pin, Port, Slot, bits};
+use crate::{Board, Pin, Port, Slot, bits};
 
 /// A board with each motor of a machine at a driver and each switch at an input. Drivers without a motor are left off.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,8 @@
 
 use corehbot::port::{FANS, LINES, Motor};
 
-use super::{Board, FanPin, HEATER_PORT, HeaterPin, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
 use crate::port_writes::{DirWrites, StepWrites};
+use crate::{Board, FanPin, HEATER_PORT, HeaterPin, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
 
 impl Board {
     /// The first problem of the table, if any.

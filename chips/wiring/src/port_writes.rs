@@ -4,7 +4,7 @@ use corehbot::kinematics::SETS;
 use corehbot::motors::{Coupling, MOST_GROUPS};
 use corehbot::port::{GroupSet, Motor, MotorSet};
 
-use crate::wiring::{Pin, Port};
+use crate::{Pin, Port};
 
 /// Ports that the step pins of all motors may be spread over.
 pub const STEP_PORTS: usize = 4;
@@ -121,7 +121,7 @@ impl<const PORTS: usize> Ports<PORTS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wiring::bits;
+    use crate::bits;
     use corehbot::kinematics::{Groups, Mechanism};
 
     #[test]

@@ -1,16 +1,38 @@
 //! The wiring of a board: the job of each pin, as data. A [`Board`] is a table; [`Plugged`] is the board with a machine
 //! plugged into it.
 //!
-//! Nothing here needs the processor, so a board's table is tested on the host.
+//! Nothing here needs the processor or names a register. So the images, the command and a browser read the same table,
+//! and it is tested on the host.
+//!
+//! | file | job |
+//! |---|---|
+//! | `lib` | a board's table |
+//! | `problem` | the rules that a table keeps |
+//! | `plugged` | a board with a machine |
+//! | `image` | the boards of an image |
+//! | `serial_port` | USARTs for hosts |
+//! | `port_writes` | the words that set the pins of motors, by groups |
 //!
 //! A board's resources are limited: [`LINES`](corehbot::port::LINES) to hosts (`src/port.rs` of the core; a kind of
 //! UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins. [`Board::problem`] reports what
 //! a table has too much of.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+mod image;
+mod plugged;
+pub mod port_writes;
+mod problem;
+mod serial_port;
+#[cfg(test)]
+mod tests;
+
+pub use image::Image;
+pub use plugged::{Plugged, Probe};
+pub use serial_port::{SerialPort, Usart};
 
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::{Output, OutputSet, Sensor};
-
-pub use crate::serial_port::{SerialPort, Usart};
 
 /// A GPIO port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -259,13 +281,3 @@ impl Board {
 pub(crate) fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
     pins.filter(|pin| pin.port == port).fold(0, |bits, pin| bits | pin.mask())
 }
-
-mod image;
-mod plugged;
-mod problem;
-
-pub use image::Image;
-pub use plugged::Plugged;
-
-#[cfg(test)]
-mod tests;

@@ -2,7 +2,7 @@
 //!
 //! Nothing here needs the processor, so a board's table and the division are tested on the host.
 
-use crate::wiring::{Pin, Port};
+use crate::{Pin, Port};
 
 /// A serial port that a host may be on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
