@@ -1,14 +1,13 @@
 //! Numbers of lines: read to the nearest value of a type, and printed so that they read back as the same value.
 
 use crate::gcode::Number;
-use crate::units::{Mm, Ratio, Seconds, part_of};
-use fixed::traits::Fixed;
+use crate::units::{Mm, Quantity, Ratio, Seconds, part_of};
 use fixed::types::I32F32;
 
 /// The value nearest to a number.
-pub(in crate::machine) fn nearest<T: Fixed>(number: Number) -> T {
+pub(in crate::machine) fn nearest<T: Quantity>(number: Number) -> T {
     let half = I32F32::from_bits(1 << 31 >> T::FRAC_NBITS);
-    T::saturating_from_num(number.value().saturating_add(half))
+    T::saturating_from(number.value().saturating_add(half))
 }
 
 /// The rate of a time constant, in 1/s.
@@ -18,7 +17,7 @@ pub(in crate::machine) fn rate(lag: Seconds) -> Ratio {
 }
 
 /// The number with the fewest decimals that is read as `value`. `fixed` can print that too, in 3 KiB of flash.
-pub(in crate::machine) fn shortest<T: Fixed + Into<I32F32>>(value: T) -> Number {
+pub(in crate::machine) fn shortest<T: Quantity>(value: T) -> Number {
     let (bits, half) = (value.into().to_bits(), 1u64 << 31 >> T::FRAC_NBITS);
     let fraction = bits as u64 & 0xFFFF_FFFF;
     let mut power = 1u64;
@@ -55,7 +54,7 @@ mod tests {
     use std::string::{String, ToString};
 
     /// The printed form of a number that was read.
-    fn printed<T: Fixed + Into<I32F32>>(text: &str) -> String {
+    fn printed<T: Quantity>(text: &str) -> String {
         let (number, _) = Number::read(text.as_bytes()).unwrap();
         shortest(nearest::<T>(number)).to_string()
     }

@@ -9,9 +9,8 @@ use crate::gcode::Number;
 use crate::machine::numbers::{nearest, shortest, to_thousandth};
 use crate::machine::state::modal::Modal;
 use crate::settings::{Range, ranges};
-use crate::units::{Mm, MmPerSec};
+use crate::units::{Mm, MmPerSec, Quantity};
 use core::fmt;
-use fixed::traits::Fixed;
 use fixed::types::I32F32;
 use heapless::Vec;
 
@@ -178,7 +177,7 @@ impl Clamps {
 
     /// The value if it is legal, or its fate. If the type holds a value far from the number, the type has cut it off.
     /// Messages show all values as `scale` converts them; `old` is the present one.
-    fn judge<T: Fixed + Into<I32F32>>(
+    fn judge<T: Quantity>(
         &mut self,
         asked: &Asked<T>,
         range: Range<T>,
@@ -187,7 +186,7 @@ impl Clamps {
     ) -> Option<T> {
         let Asked { word, number, value, wanted } = *asked;
         let legal = range.clamp(wanted);
-        let is_cut = value.saturating_sub(wanted.into()).saturating_abs() > T::DELTA.into();
+        let is_cut = value.saturating_sub(wanted.into()).saturating_abs() > I32F32::from_bits(1 << 32 >> T::FRAC_NBITS);
         if legal == wanted && !is_cut {
             return Some(legal);
         }
@@ -208,7 +207,7 @@ impl Clamps {
     }
 
     /// A length, or a length per second. `None` if it is refused.
-    pub fn length_of<T: Fixed + Into<I32F32>>(
+    pub fn length_of<T: Quantity>(
         &mut self,
         modal: &Modal,
         word: Word,
@@ -217,19 +216,12 @@ impl Clamps {
         old: Option<T>,
     ) -> Option<T> {
         let value = modal.length(asked);
-        let asked = Asked { word, number: asked, value, wanted: T::saturating_from_num(value) };
+        let asked = Asked { word, number: asked, value, wanted: T::saturating_from(value) };
         self.judge(&asked, range, old, |told| modal.in_words(told))
     }
 
     /// The same, put into its place if it is not refused.
-    pub fn length<T: Fixed + Into<I32F32>>(
-        &mut self,
-        modal: &Modal,
-        word: Word,
-        asked: Number,
-        range: Range<T>,
-        place: &mut T,
-    ) {
+    pub fn length<T: Quantity>(&mut self, modal: &Modal, word: Word, asked: Number, range: Range<T>, place: &mut T) {
         *place = self.length_of(modal, word, asked, range, Some(*place)).unwrap_or(*place);
     }
 
@@ -260,37 +252,25 @@ impl Clamps {
     }
 
     /// Any other number, cut off where its type ends. `None` if it is refused.
-    pub fn plain_of<T: Fixed + Into<I32F32>>(
-        &mut self,
-        word: Word,
-        asked: Number,
-        range: Range<T>,
-        old: Option<T>,
-    ) -> Option<T> {
+    pub fn plain_of<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, old: Option<T>) -> Option<T> {
         let value = asked.value();
-        let asked = Asked { word, number: asked, value, wanted: T::saturating_from_num(value) };
+        let asked = Asked { word, number: asked, value, wanted: T::saturating_from(value) };
         self.judge(&asked, range, old, |told| told)
     }
 
     /// The same, put into its place if it is not refused.
-    pub fn plain<T: Fixed + Into<I32F32>>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
+    pub fn plain<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
         *place = self.plain_of(word, asked, range, Some(*place)).unwrap_or(*place);
     }
 
     /// Any other number, as the nearest value of its type. `None` if it is refused.
-    pub fn near_of<T: Fixed + Into<I32F32>>(
-        &mut self,
-        word: Word,
-        asked: Number,
-        range: Range<T>,
-        old: Option<T>,
-    ) -> Option<T> {
+    pub fn near_of<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, old: Option<T>) -> Option<T> {
         let asked = Asked { word, number: asked, value: asked.value(), wanted: nearest(asked) };
         self.judge(&asked, range, old, |told| told)
     }
 
     /// The same, put into its place if it is not refused.
-    pub fn near<T: Fixed + Into<I32F32>>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
+    pub fn near<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
         *place = self.near_of(word, asked, range, Some(*place)).unwrap_or(*place);
     }
 

@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(Room::of("src/motion/stepgen/brake.rs"), Some(Room::Stepgen));
         assert_eq!(Room::of("src/motion/planner/window.rs"), Some(Room::Planner));
         assert_eq!(Room::of("src/gcode/number.rs"), Some(Room::Gcode));
-        assert_eq!(Room::of("src/units.rs"), None);
+        assert_eq!(Room::of("src/units/mod.rs"), None);
         assert_eq!(Room::of("boards/qemu/src/an386/trace.rs"), Some(Room::Rig));
         assert_eq!(Room::of("boards/qemu/src/an386/time.rs"), Some(Room::Board));
         assert_eq!(Room::of("/rustc/library/core/src/slice/mod.rs"), None);

@@ -2,6 +2,7 @@
 
 use super::talk::{talk, talk_to};
 use corehbot::settings::Settings;
+use corehbot::units::StepsPerMm;
 
 #[test]
 fn the_position_is_reported_as_asked_and_as_it_is() {
@@ -46,8 +47,8 @@ fn a_feed_rate_alone_moves_nothing_and_homing_counts_only_the_way_made() {
 #[test]
 fn a_machine_that_begins_on_half_a_step_is_not_a_step_off() {
     let mut settings = Settings::prototype();
-    settings.axes.x.steps_per_mm = 64u16.into();
-    settings.axes.y.steps_per_mm = 64u16.into();
+    settings.axes.x.steps_per_mm = StepsPerMm::from_num(64);
+    settings.axes.y.steps_per_mm = StepsPerMm::from_num(64);
     let start = Some([0.0, 0.5 / 64.0, 0.0]);
     let (heard, ..) = talk_to(&settings, start, &["G1 X10 Y10 F6000", "M400", "M114 R"]);
     assert!(heard.contains(&"X:10.00 Y:10.00 Z:0.00 E:0.00 C:0.00 Count A:1280 B:0 Z:0".to_owned()), "{heard:?}");

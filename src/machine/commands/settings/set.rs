@@ -103,7 +103,7 @@ fn set_resolution(words: &AxisWords, s: &mut Settings, clamps: &mut Clamps) -> R
     for (axis, letter, number, place) in named(&mut s.axes, words) {
         // The motor that makes the most steps of the axis has the same range.
         let times = mechanism.most_times(place).max(1).unsigned_abs();
-        let range = Range { most: ranges::STEPS_PER_MM.most / StepsPerMm::from_num(times), ..ranges::STEPS_PER_MM };
+        let range = Range { most: ranges::STEPS_PER_MM.most / u32::from(times), ..ranges::STEPS_PER_MM };
         clamps.plain(["M92", letter], number, range, &mut axis.steps_per_mm);
     }
     s.check_shared_motors()?;

@@ -1,0 +1,68 @@
+//! Units: the type of a number carries its unit, and conversions live here alone.
+//!
+//! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
+//! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
+//!
+//! | file | for |
+//! |---|---|
+//! | `mod` | the quantities, one type for each unit |
+//! | `quantity` | the operations that all quantities have |
+//! | `speed_sq` | squares of speeds, for ramps and corners |
+//! | `ticks` | time in ticks |
+//! | `lags` | lags of the first order in periods of a control loop |
+//! | `wide` | integer arithmetic with all the bits in between |
+
+mod lags;
+mod quantity;
+mod speed_sq;
+mod ticks;
+mod wide;
+
+pub use lags::{part_per_period, periods_in};
+pub use quantity::Quantity;
+pub use speed_sq::SpeedSq;
+pub use ticks::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
+pub use wide::{mul_div, part_of, root};
+
+use fixed::types::{I12F20, I32F32, U8F24, U16F16, U24F8};
+use quantity::quantity;
+
+/// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
+pub type Mm = I32F32;
+
+/// A position of one motor or axis in (micro)steps, with the fraction that lies between two steps;
+/// range +-2.1e9 steps. Arithmetic on absolute positions wraps (an extruder never comes back), so
+/// differences are taken with `wrapping_sub`.
+pub type Steps = I32F32;
+
+/// A speed in mm/s; resolution 15 um/s, range 65 m/s.
+pub type MmPerSec = U16F16;
+
+/// An acceleration in mm/s2; resolution 0.004 mm/s2, range 16.7 km/s2.
+pub type MmPerSec2 = U24F8;
+
+quantity! {
+    /// A motor's resolution in (micro)steps a millimetre.
+    StepsPerMm(U16F16)
+}
+
+/// A frequency; resolution 15 uHz.
+pub type Hertz = U16F16;
+
+/// A short time in s; resolution 0.06 us, range 256 s.
+pub type Seconds = U8F24;
+
+/// A ratio; resolution 15 millionths.
+pub type Ratio = U16F16;
+
+/// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
+pub type Celsius = I12F20;
+
+/// A power in W; resolution 15 uW, range 65 kW.
+pub type Watts = U16F16;
+
+/// A heat capacity in J/K; resolution 15 millionths, range 65 kJ/K.
+pub type JoulesPerKelvin = U16F16;
+
+/// Heat that flows for each K of difference, in W/K, or that a mm of filament takes, in J/(K mm); range 256.
+pub type WattsPerKelvin = U8F24;
