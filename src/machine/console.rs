@@ -89,8 +89,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if main_loop.is_fresh() {
             let found = load_at_start(main_loop).await?;
             main_loop.adopt_position(main_loop.planned_end()).await?;
-            for host in 0..main_loop.hosts() {
-                main_loop.switch_to(host);
+            for host in 0..main_loop.hosts.len() {
+                main_loop.hosts.switch_to(host);
                 main_loop.reply(Answer::Start).await?;
                 if let Some(why) = main_loop.refusal() {
                     main_loop.reply(Answer::NoMachine(why)).await?;
@@ -99,12 +99,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
         }
         // A command that an emergency ended is answered all the same, and so is a line that was kept.
-        if main_loop.owes_ok() {
+        if main_loop.hosts.owes_ok() {
             main_loop.reply(Answer::Ok).await?;
             main_loop.end_line();
         }
         if main_loop.take_up().is_some() {
-            main_loop.notify_all(format_args!("{}", Action::PromptEnd));
+            main_loop.hosts.notify_all(format_args!("{}", Action::PromptEnd));
             main_loop.reply(Answer::Ok).await?;
             main_loop.end_line();
         }
@@ -118,7 +118,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if main_loop.has_passed_test() {
                 note_self_test(main_loop).await?;
             }
-            if main_loop.job_mut().take_cancel() {
+            if main_loop.job.take_cancel() {
                 end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
             }
             if let Some(answered) = main_loop.take_answer() {
@@ -145,7 +145,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Question(last) => Answer::Question(last),
                 Asked::Resend(reason, last) => Answer::Resend(reason, last),
             };
-            if let Some(lines) = main_loop.upload_given_up() {
+            if let Some(lines) = main_loop.hosts.upload_given_up() {
                 main_loop.reply(Answer::UploadEnded(lines)).await?;
             }
             if let Answer::Kept = answer {
@@ -165,7 +165,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         end_circulation(main_loop).await?;
         main_loop.end_trim().await?;
         end_measuring(main_loop).await?;
-        if main_loop.homed_mut().stop() {
+        if main_loop.homed.stop() {
             main_loop.reply(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
         Ok(())
@@ -199,7 +199,7 @@ async fn take_up<'a, P: PortSet, W: Pend>(
         Ok(Some(false)) => Answer::Nothing,
         Ok(None) => Answer::Kept,
         Err(Interrupt::EndJob) => {
-            let why = main_loop.job().why_it_ends();
+            let why = main_loop.job.why_it_ends();
             end_job(main_loop, &mut states.modal, why).await?
         }
         Err(interrupt) => return Err(interrupt),

@@ -10,9 +10,9 @@
 //! executor and no waker. Every wait in it turns the same main loop: take bytes in, see to emergencies, hand
 //! released moves on, send replies out.
 //!
-//! It owns two things. The `MainLoop` holds the state that every wait needs, with private fields; a command that waits
-//! gets it, and uses the methods of its door. The `States` are the state of the commands; a command gets the ones that
-//! it names. No command gets the Console.
+//! It owns two things. The `MainLoop` holds the state that every wait needs, as a struct of owners with private fields;
+//! a command that waits gets it, and uses the owners by their methods. The `States` are the state of the commands; a
+//! command gets the ones that it names. No command gets the Console.
 //!
 //! | file or folder | for |
 //! |---|---|

@@ -103,10 +103,10 @@ pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), BeltError> {
     let residuals = main_loop.residuals();
-    main_loop.trimming_mut().forget();
-    main_loop.trimming_mut().note_phase(false);
+    main_loop.trimming.forget();
+    main_loop.trimming.note_phase(false);
     let mechanism = main_loop.groups().mechanism();
-    main_loop.homed_mut().release(residuals.motors(), mechanism);
+    main_loop.homed.release(residuals.motors(), mechanism);
     begin_measuring(main_loop, residuals.motors()).await?;
     let result = align_each(main_loop, &residuals).await;
     if !matches!(result, Err(BeltError::Interrupted(_))) {
@@ -178,7 +178,7 @@ pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     let was = main_loop.belt_length(i64::from(-step * times) * 1000);
     let per_mm = slope.readings_per_mm(main_loop.settings().axes.x.steps_per_mm.to_num());
     let found = Found { was, within: main_loop.belt_length(thousandths(within)), readings_per_mm: Some(per_mm), phase };
-    main_loop.trimming_mut().note(number, found);
+    main_loop.trimming.note(number, found);
     Ok(())
 }
 
@@ -196,7 +196,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
     // A motor at rest needs all its torque, because the belt is strained on purpose.
     measuring.drivers.belt.hold_percent = 100;
-    main_loop.trimming_mut().measure(true);
+    main_loop.trimming.measure(true);
     main_loop.configure_drivers(&measuring).await?;
     let tuned = main_loop.now().after_ms(TUNING_MS);
     main_loop.settle(tuned).await?;
@@ -208,11 +208,11 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    if !main_loop.trimming().is_measuring() {
+    if !main_loop.trimming.is_measuring() {
         return Ok(());
     }
     main_loop.restore_drivers().await?;
-    main_loop.trimming_mut().measure(false);
+    main_loop.trimming.measure(false);
     Ok(())
 }
 
@@ -363,7 +363,7 @@ async fn go_along<P: PortSet, W: Pend>(
 
 /// Whether a printing move needs an alignment first.
 pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
-    if main_loop.trimming().is_aligned() {
+    if main_loop.trimming.is_aligned() {
         return false;
     }
     let motors = main_loop.residuals().motors();

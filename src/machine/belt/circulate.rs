@@ -16,14 +16,14 @@ pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     if !belt.is_closed || belt.homing_advance == Mm::ZERO {
         return Ok(());
     }
-    let position = main_loop.commanded().position();
+    let position = main_loop.commanded.position();
     let [x, y, ..] = position;
-    let farther = main_loop.circulation().commanded + belt.homing_advance;
+    let farther = main_loop.circulation.commanded() + belt.homing_advance;
     // Wrapped within the range of numbers.
     let target =
-        if FARTHEST.holds(farther) { farther } else { main_loop.circulation().commanded - belt.homing_advance };
+        if FARTHEST.holds(farther) { farther } else { main_loop.circulation.commanded() - belt.homing_advance };
     run_round(main_loop, [x, y], target, belt.max_speed).await?;
-    main_loop.commanded_mut().go_to(position);
+    main_loop.commanded.go_to(position);
     Ok(())
 }
 
@@ -39,16 +39,16 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
     // The motors' position, which may differ from the end of the last move (`motion::stepgen::alignment`).
     let ([x, y, ..], [.., z, e]) = (main_loop.real_steps(), main_loop.planned_end());
     let [.., z_mm, _] = main_loop.planned_end_mm();
-    main_loop.circulation_mut().begin((z, z_mm));
+    main_loop.circulation.begin((z, z_mm));
     main_loop.regroup(Grouping::Circulation, [x, y, Steps::ZERO, e]).await?;
     let [.., filament] = main_loop.planned_end_mm();
     let [to_x, to_y] = to;
     let [to_x, to_y, to, e] = main_loop.to_steps([to_x, to_y, belt, filament]);
-    let way = to.wrapping_round().wrapping_sub(Steps::wrapping_from_num(main_loop.circulation().steps()));
+    let way = to.wrapping_round().wrapping_sub(Steps::wrapping_from_num(main_loop.circulation.steps()));
     main_loop.plan_whole([to_x, to_y, way, e], speed, true);
     main_loop.finish().await?;
     end_circulation(main_loop).await?;
-    main_loop.circulation_mut().commanded = belt;
+    main_loop.circulation.go_to(belt);
     Ok(())
 }
 
@@ -63,9 +63,10 @@ pub(in crate::machine) async fn end_circulation<P: PortSet, W: Pend>(
     main_loop.plan_whole(main_loop.planned_end(), main_loop.settings().belt.max_speed, false);
     main_loop.finish().await?;
     let [x, y, c, e] = main_loop.planned_end();
-    main_loop.circulation_mut().add(c.wrapping_round().to_num());
-    main_loop.circulation_mut().commanded = main_loop.circulation().length(main_loop.settings().axes.x.steps_per_mm);
-    let (z, _) = main_loop.circulation().z();
+    main_loop.circulation.add(c.wrapping_round().to_num());
+    let lies = main_loop.circulation.length(main_loop.settings().axes.x.steps_per_mm);
+    main_loop.circulation.go_to(lies);
+    let (z, _) = main_loop.circulation.z();
     main_loop.regroup(Grouping::Tool, [x, y, z, e]).await?;
     main_loop.stand_at_end();
     Ok(())

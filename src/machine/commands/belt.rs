@@ -48,8 +48,8 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     if residuals.is_empty() {
         return Ok(Answer::Belt(BeltAnswer::NoResidual));
     }
-    let [x, y, _] = main_loop.homed().axes();
-    if !(main_loop.trimming().is_aligned() && x && y && main_loop.has_power(residuals.motors())) {
+    let [x, y, _] = main_loop.homed.axes();
+    if !(main_loop.trimming.is_aligned() && x && y && main_loop.has_power(residuals.motors())) {
         return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
     }
     let lift = lift(main_loop).await?;
@@ -57,11 +57,11 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     let aside = touch_both(main_loop).await?;
     main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
     // Until the check has succeeded, the position counts as unknown: M410 may end this with a motor on its way.
-    let (homed, trimming) = (main_loop.homed(), *main_loop.trimming());
+    let (homed, trimming) = (main_loop.homed, main_loop.trimming);
     let aside = Aside { now: aside, homed: trimming.homed_aside() };
-    main_loop.trimming_mut().forget();
+    main_loop.trimming.forget();
     let mechanism = main_loop.groups().mechanism();
-    main_loop.homed_mut().release(residuals.motors(), mechanism);
+    main_loop.homed.release(residuals.motors(), mechanism);
     let mut answer = match examine(main_loop, &residuals, aside, repairs).await {
         Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
         Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
@@ -76,8 +76,8 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
             main_loop.reply(Answer::Belt(BeltAnswer::Touched(again))).await?;
             answer = BeltAnswer::Diagnosis(Diagnosis::Several);
         } else if main_loop.has_power(residuals.motors()) {
-            main_loop.homed_mut().believe(&homed);
-            *main_loop.trimming_mut() = trimming;
+            main_loop.homed.believe(&homed);
+            main_loop.trimming = trimming;
         }
     } else if repairs && is_known {
         main_loop.reply(Answer::Belt(answer)).await?;
@@ -160,7 +160,7 @@ async fn examine_each<P: PortSet, W: Pend>(
 /// Lifts z if its position is known, and returns the lift.
 async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, Interrupt> {
     main_loop.finish().await?;
-    let [.., z] = main_loop.homed().axes();
+    let [.., z] = main_loop.homed.axes();
     let position = main_loop.planned_end_mm();
     let [_, _, at, _] = position;
     let lift = LIFT.min(main_loop.settings().axes.z.length.saturating_sub(at)).max(Mm::ZERO);
@@ -178,7 +178,7 @@ async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm
 
 /// Moves the tool back to its earlier place, if the position is known: a paused print continues from there.
 async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
-    let ([x, y, ..], [is_x, is_y, _]) = (place, main_loop.homed().axes());
+    let ([x, y, ..], [is_x, is_y, _]) = (place, main_loop.homed.axes());
     if !(is_x && is_y) {
         return Ok(());
     }

@@ -132,7 +132,7 @@ pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
             notices.renew_for_position();
             let all = !(flags.x || flags.y || flags.z || flags.e);
             if all || flags.e {
-                main_loop.commanded_mut().forget_retraction();
+                main_loop.commanded.forget_retraction();
             }
             if all || flags.x || flags.y || flags.z {
                 end_by_line(main_loop, modal).await?;

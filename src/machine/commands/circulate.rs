@@ -26,24 +26,24 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         let speed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
         let wanted = self.target(to).await?.position;
-        let at = self.main_loop.commanded().position();
+        let at = self.main_loop.commanded.position();
         if !self.may_move(moving(at, wanted)).await? {
             return Ok(Answer::NotHomed);
         }
-        let (inside, moved) = clamp(wanted, at, self.main_loop.homed(), self.main_loop.settings());
+        let (inside, moved) = clamp(wanted, at, self.main_loop.homed, self.main_loop.settings());
         if moved {
             self.tell_of_edge().await?;
         }
         let belt = self.modal.length(belt);
         let target =
-            if self.modal.absolute { belt } else { self.main_loop.circulation().commanded.saturating_add(belt) };
+            if self.modal.absolute { belt } else { self.main_loop.circulation.commanded().saturating_add(belt) };
         if !FARTHEST.holds(target) {
             self.tell_of_edge().await?;
         }
         let [x, y, ..] = inside;
         run_round(self.main_loop, [x, y], FARTHEST.clamp(target), speed).await?;
         self.modal.feed = speed;
-        self.main_loop.commanded_mut().go_to(inside);
+        self.main_loop.commanded.go_to(inside);
         Ok(Answer::Nothing)
     }
 }

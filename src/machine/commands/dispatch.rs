@@ -50,7 +50,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         // `power` has reported the reason.
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
         Err(Interrupt::EndJob) => {
-            let why = main_loop.job().why_it_ends();
+            let why = main_loop.job.why_it_ends();
             end_job(main_loop, &mut states.modal, why).await
         }
         Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),

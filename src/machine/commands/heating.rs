@@ -175,12 +175,12 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     };
     if target > Celsius::ZERO {
         main_loop.test_before_heating();
-    } else if heater == Heater::Hotend && main_loop.job().is_printing() {
+    } else if heater == Heater::Hotend && main_loop.job.is_printing() {
         // Nothing is printed without a hotend: files that do not switch the motors off end in this way.
-        main_loop.job_mut().end();
+        main_loop.job.end();
     }
     let least = if heater == Heater::Hotend { main_loop.settings().thermal.min_extrude } else { Celsius::ZERO };
-    main_loop.job_mut().note_target(heater, target, least);
+    main_loop.job.note_target(heater, target, least);
     main_loop.heat(heater, target);
     main_loop.note_heaters_used();
     main_loop.send_orders();
@@ -237,19 +237,19 @@ async fn await_heat<P: PortSet, W: Pend>(
     if awaited == [false; HEATERS] {
         return Ok(());
     }
-    main_loop.pauses_mut().begin(Waiting::Heat);
+    main_loop.pauses.begin(Waiting::Heat);
     let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
     let mut rising = Rising::new(measured, begun);
     let mut read = [begun; HEATERS];
     let (mut next_line, mut moves) = (begun, true);
     main_loop.come_again();
-    while !main_loop.pauses().is_over() {
+    while !main_loop.pauses.is_over() {
         let (now, measured) = (main_loop.now(), main_loop.measured());
         for heater in Heater::ALL.into_iter().filter(|heater| awaited[*heater as usize]) {
             if measured[heater as usize] > Celsius::MIN {
                 read[heater as usize] = now;
             } else if now >= read[heater as usize].after_ms(UNREAD_MS) {
-                main_loop.job_mut().note_end(JobEnd::Unread { heater });
+                main_loop.job.note_end(JobEnd::Unread { heater });
                 return Err(Interrupt::EndJob);
             }
         }
@@ -269,7 +269,7 @@ async fn await_heat<P: PortSet, W: Pend>(
         match rising.follow(are_cold, measured, now) {
             Some(Stuck::End(heater)) => {
                 let [at, target] = [measured, targets].map(|degrees| degrees[heater as usize].to_num::<i32>());
-                main_loop.job_mut().note_end(JobEnd::Unreachable { heater, at, target });
+                main_loop.job.note_end(JobEnd::Unreachable { heater, at, target });
                 return Err(Interrupt::EndJob);
             }
             Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
@@ -278,7 +278,7 @@ async fn await_heat<P: PortSet, W: Pend>(
         moves = moves && main_loop.let_motion_end();
         main_loop.poll().await?;
     }
-    main_loop.pauses_mut().end();
+    main_loop.pauses.end();
     Ok(())
 }
 
@@ -287,7 +287,7 @@ async fn await_heat<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    let Some(targets) = main_loop.job().targets() else { return Ok(()) };
+    let Some(targets) = main_loop.job.targets() else { return Ok(()) };
     let (measured, mut awaited, mut is_new) = (main_loop.measured(), [false; HEATERS], false);
     for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(_, target)| *target > Celsius::ZERO) {
         if main_loop.target_of(heater) != target {
@@ -302,7 +302,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
         main_loop.send_orders();
     }
     await_heat(main_loop, awaited, false).await?;
-    main_loop.job_mut().forget_targets();
+    main_loop.job.forget_targets();
     Ok(())
 }
 
@@ -324,8 +324,8 @@ pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
 /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
 pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
     main_loop.switch_off_heat();
-    if main_loop.job().is_printing() {
-        main_loop.job_mut().end();
+    if main_loop.job.is_printing() {
+        main_loop.job.end();
     }
     Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
 }

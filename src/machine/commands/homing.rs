@@ -94,7 +94,7 @@ async fn home_axes<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
     // A retraction left over from one print does not apply to the next.
-    main_loop.commanded_mut().forget_retraction();
+    main_loop.commanded.forget_retraction();
     let mut is_home = [false; 3];
     let mut aligns = aligns;
     for axis in main_loop.settings().homing_order {
@@ -137,7 +137,7 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),
         Err(BeltError::Align(error)) => {
-            if !matches!(main_loop.homed().axes(), [true, true, _]) {
+            if !matches!(main_loop.homed.axes(), [true, true, _]) {
                 home_both(main_loop).await?;
             }
             main_loop.reply(Answer::Belt(BeltAnswer::NotAligned(error))).await

@@ -234,10 +234,10 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::PowerOff => switch_off(main_loop),
         // Unsupported functions.
         Command::BeginUpload(name) => {
-            main_loop.begin_upload();
+            main_loop.hosts.begin_upload(main_loop.now());
             Answer::NoCard(name)
         }
-        Command::EndUpload => main_loop.end_upload().map_or(Answer::Nothing, Answer::UploadEnded),
+        Command::EndUpload => main_loop.hosts.end_upload().map_or(Answer::Nothing, Answer::UploadEnded),
         // M413 S0 is a no-op: power-loss recovery is always off.
         Command::PowerLossRecovery(Some(false)) => Answer::Nothing,
         Command::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),
@@ -249,17 +249,17 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::Malformed(Flaw::Absent(absent)) if !notices.give_absent(absent.key()) => Answer::Nothing,
         Command::Malformed(flaw) => Answer::Malformed(flaw),
         Command::Unknown(text) => {
-            let host = main_loop.serving();
+            let host = main_loop.hosts.serving();
             match starts_print(text) {
-                Some(true) => main_loop.job_mut().begin_by_unknown_name(host),
-                Some(false) if main_loop.job().is_printing() => main_loop.job_mut().end(),
+                Some(true) => main_loop.job.begin_by_unknown_name(host),
+                Some(false) if main_loop.job.is_printing() => main_loop.job.end(),
                 Some(false) | None => {}
             }
             Answer::Unknown(text)
         }
         Command::BeginJob => {
-            let host = main_loop.serving();
-            main_loop.job_mut().begin(host);
+            let host = main_loop.hosts.serving();
+            main_loop.job.begin(host);
             Answer::Nothing
         }
         // The receive path has acted on M108, M410, M524 and M876; of M110 it passes nothing on.
@@ -295,7 +295,7 @@ fn set_position<P: PortSet, W: Pend>(
         }
     }
     if !clamps.refuses_line() {
-        main_loop.commanded_mut().rename(words, modal);
+        main_loop.commanded.rename(words, modal);
     }
 }
 
@@ -307,6 +307,6 @@ fn report_every<P: PortSet, W: Pend>(
     seconds: Option<Number>,
 ) {
     if let Some(seconds) = seconds.and_then(|s| clamps.whole_of([report.code(), "S"], s, PERIOD_S, None)) {
-        main_loop.schedule(report, seconds as u8);
+        main_loop.hosts.schedule(report, seconds as u8, main_loop.now());
     }
 }

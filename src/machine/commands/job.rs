@@ -21,12 +21,12 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     modal: &mut Modal,
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
-    main_loop.pauses_mut().end_command();
+    main_loop.pauses.end_command();
     main_loop.switch_off_heat();
     let is_wanted = why == JobEnd::Cancelled;
-    if !is_wanted || main_loop.job().is_under_way() {
-        main_loop.job_mut().end_early();
-        main_loop.notify_all(format_args!("echo:{why}"));
+    if !is_wanted || main_loop.job.is_under_way() {
+        main_loop.job.end_early();
+        main_loop.hosts.notify_all(format_args!("echo:{why}"));
         announce(main_loop, &[Action::Cancel]).await?;
     }
     main_loop.finish().await?;
@@ -39,8 +39,8 @@ pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
-    main_loop.commanded_mut().settle();
-    main_loop.commanded_mut().forget_origins();
+    main_loop.commanded.settle();
+    main_loop.commanded.forget_origins();
     *modal = Modal { dry_run: modal.dry_run, ..Modal::new() };
     if main_loop.feed_percent() != modal.kept_feed_percent {
         main_loop.override_feed(modal.kept_feed_percent).await?;
@@ -53,8 +53,8 @@ pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
-    let was_paused = main_loop.job().is_paused();
-    main_loop.job_mut().end();
+    let was_paused = main_loop.job.is_paused();
+    main_loop.job.end();
     if was_paused {
         main_loop.finish().await?;
         clean_up(main_loop, modal).await?;
@@ -68,13 +68,13 @@ pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
-    if main_loop.job().is_under_way() && main_loop.job().is_of(main_loop.serving()) {
+    if main_loop.job.is_under_way() && main_loop.job.is_of(main_loop.hosts.serving()) {
         clean_up(main_loop, modal).await?;
-        main_loop.job_mut().end();
+        main_loop.job.end();
     }
-    main_loop.job_mut().forgive();
-    if !main_loop.job().is_under_way() {
-        main_loop.commanded_mut().settle();
+    main_loop.job.forgive();
+    if !main_loop.job.is_under_way() {
+        main_loop.commanded.settle();
     }
     Ok(())
 }
@@ -84,7 +84,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     command: &Command<'_>,
 ) -> Option<Answer<'static>> {
-    if !main_loop.job().is_ended() {
+    if !main_loop.job.is_ended() {
         return None;
     }
     let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
@@ -94,7 +94,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         Command::AwaitUser { .. } | Command::Pause { .. } | Command::AwaitHeaters | Command::TuneHeater { .. } => true,
         Command::HeaterTarget { target, .. } | Command::HeaterWait { target, .. } => heats(target),
         Command::Home(_) | Command::Continue => {
-            main_loop.job_mut().forgive();
+            main_loop.job.forgive();
             false
         }
         _ => false,
@@ -102,7 +102,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     if !is_of_print {
         return None;
     }
-    Some(if main_loop.job_mut().tell_of_end() { ENDED } else { Answer::Nothing })
+    Some(if main_loop.job.tell_of_end() { ENDED } else { Answer::Nothing })
 }
 
 /// Whether an unknown command name starts a print in other firmware (`START_PRINT`) or ends one (false).

@@ -7,8 +7,8 @@
 //!
 //! The Console calls `carry_out` for a line and sends the returned answer, then the `ok`. A command is a function of
 //! its inputs. A file that only decides gets the settings that it changes. A command that waits, or uses more of the
-//! main loop than settings, gets `&mut MainLoop`, which keeps running during the wait, and the one to three [`states`]
-//! that it names. Where several functions need the same four, they are methods of a struct that borrows them
+//! main loop than settings, gets `&mut MainLoop` with its owners, which keeps running during the wait, and the one to
+//! three [`states`] that it names. Where several functions need the same four, they are methods of a struct that borrows them
 //! ([`moves::Moves`]).
 //!
 //! | looking for | see |

@@ -102,10 +102,10 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if (x || y) && !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.main_loop.commanded_mut().leave_park(wanted.position, to, self.modal);
+        self.main_loop.commanded.leave_park(wanted.position, to, self.modal);
         self.go(wanted.position, feed).await?;
         self.modal.feed = feed;
-        self.main_loop.commanded_mut().count_extrusion(wanted.extrusion);
+        self.main_loop.commanded.count_extrusion(wanted.extrusion);
         self.note_printed(asked);
         Ok(Answer::Nothing)
     }
@@ -113,12 +113,12 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Where the words of a line lead.
     fn wanted(&self, to: &AxisWords) -> Wanted {
         let main_loop = &*self.main_loop;
-        main_loop.commanded().target(to, self.modal, main_loop.settings(), self.cold.is_too_cold(main_loop))
+        main_loop.commanded.target(to, self.modal, main_loop.settings(), self.cold.is_too_cold(main_loop))
     }
 
     /// The conditions of a straight line.
     fn asked(&self, wanted: &Wanted) -> Asked {
-        let commanded = self.main_loop.commanded();
+        let commanded = &self.main_loop.commanded;
         let moves = moving(commanded.position(), wanted.position);
         let filament = wanted.extrusion.saturating_sub(commanded.extrusion());
         Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
@@ -129,21 +129,21 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// prints begins a print, and ends a pause.
     async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
-        if asked.prints() && !self.main_loop.job().is_printing() {
-            let host = self.main_loop.serving();
-            let job = self.main_loop.job();
+        if asked.prints() && !self.main_loop.job.is_printing() {
+            let host = self.main_loop.hosts.serving();
+            let job = &self.main_loop.job;
             if job.is_paused() && job.kept().is_none() && job.is_of(host) {
                 gate = Gate::Changed;
                 if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
                     return self.keep(why).await;
                 }
             }
-            self.main_loop.job_mut().begin(host);
+            self.main_loop.job.begin(host);
         }
-        if !self.main_loop.job().is_printing() {
+        if !self.main_loop.job.is_printing() {
             return Ok(gate);
         }
-        let (homed, job) = (self.main_loop.homed(), self.main_loop.job());
+        let (homed, job) = (self.main_loop.homed, &self.main_loop.job);
         let must_be_homed = job.must_be_homed() || self.main_loop.settings().require_homing;
         if homed.has_lost_one_of(asked.moves) || must_be_homed && homed.lacks_one_of(asked.moves) {
             return self.keep(Kept::Lost(asked.moves)).await;
@@ -151,7 +151,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if asked.filament.saturating_abs() < LEAST_FILAMENT {
             return Ok(gate);
         }
-        if self.main_loop.job().targets().is_some() {
+        if self.main_loop.job.targets().is_some() {
             gate = Gate::Changed;
             heat_again(self.main_loop).await?;
         }
@@ -170,14 +170,14 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// A move that prints was planned.
     fn note_printed(&mut self, asked: Asked) {
         if asked.prints() {
-            let position = self.main_loop.commanded().position();
-            self.main_loop.job_mut().note_printed(position);
+            let position = self.main_loop.commanded.position();
+            self.main_loop.job.note_printed(position);
         }
     }
 
     /// Whether these axes may move: they are homed, or need not be. In the second case the host is told once.
     pub(super) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
-        if !self.main_loop.homed().lacks_one_of(moves) {
+        if !self.main_loop.homed.lacks_one_of(moves) {
             return Ok(true);
         }
         if self.main_loop.settings().require_homing {
@@ -195,7 +195,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Whether x and y may move to `position`. They may if the move does not print, if the motors of the belt are
     /// aligned, or if they need not be. In the last case the host is told once.
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
-        let ([.., to], [.., from]) = (position, self.main_loop.commanded().position());
+        let ([.., to], [.., from]) = (position, self.main_loop.commanded.position());
         let rule = self.main_loop.settings().belt.alignment;
         if rule == Alignment::Off || to.wrapping_sub(from) < LEAST_FILAMENT || !lacks_alignment(self.main_loop) {
             return Ok(true);
@@ -215,18 +215,18 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let (inside, moved) = {
             let main_loop = &*self.main_loop;
             // The limits apply to the machine position, including the offset of a parked pause.
-            let [px, py, pz, _] = main_loop.commanded().parked();
+            let [px, py, pz, _] = main_loop.commanded.parked();
             let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
-            let (to, from) = (parked(bounded(position)), parked(main_loop.commanded().position()));
-            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed(), main_loop.settings());
+            let (to, from) = (parked(bounded(position)), parked(main_loop.commanded.position()));
+            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed, main_loop.settings());
             ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };
         if moved {
             self.tell_of_edge().await?;
         }
-        let position = self.main_loop.commanded().of_machine(inside);
+        let position = self.main_loop.commanded.of_machine(inside);
         self.main_loop.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
-        self.main_loop.commanded_mut().go_to(inside);
+        self.main_loop.commanded.go_to(inside);
         Ok(())
     }
 
@@ -273,7 +273,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
         self.tell_of(&wanted).await?;
         let plane = self.modal.plane;
-        let (start, [sz, se]) = split(plane, self.main_loop.commanded().position());
+        let (start, [sz, se]) = split(plane, self.main_loop.commanded.position());
         let (end, [ez, ee]) = split(plane, wanted.position);
         let arc = Shape::new(words.shape, plane, |n| self.modal.length(n)).and_then(|shape| {
             let way = Way { clockwise: words.clockwise, turns: words.turns };
@@ -300,9 +300,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.main_loop.commanded_mut().leave_park(wanted.position, words.to, self.modal);
+        self.main_loop.commanded.leave_park(wanted.position, words.to, self.modal);
         self.modal.feed = speed;
-        let begin = self.main_loop.commanded().extrusion();
+        let begin = self.main_loop.commanded.extrusion();
         let between = |from: Mm, to: Mm, part: u32| {
             let length = to.to_bits().wrapping_sub(from.to_bits());
             Mm::from_bits(from.to_bits().wrapping_add(part_of(length, u64::from(part), u64::from(arc.chords()))))
@@ -310,7 +310,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         for part in 1..=arc.chords() {
             let along = [between(sz, ez, part), between(se, ee, part)];
             self.go(join(plane, arc.point(part), along), speed).await?;
-            self.main_loop.commanded_mut().count_extrusion(between(begin, wanted.extrusion, part));
+            self.main_loop.commanded.count_extrusion(between(begin, wanted.extrusion, part));
         }
         self.note_printed(asked);
         Ok(Answer::Nothing)
@@ -319,15 +319,15 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G10.
     pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
         let speed = self.main_loop.settings().axes.z.max_speed;
-        let moves = self.main_loop.commanded().moves_away(settings, speed);
+        let moves = self.main_loop.commanded.moves_away(settings, speed);
         self.plan_retraction(moves, -settings.length).await
     }
 
     /// G11.
     pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
         let speed = self.main_loop.settings().axes.z.max_speed;
-        let moves = self.main_loop.commanded().moves_back(settings, speed);
-        let [_, length] = self.main_loop.commanded().retracted();
+        let moves = self.main_loop.commanded.moves_back(settings, speed);
+        let [_, length] = self.main_loop.commanded.retracted();
         self.plan_retraction(moves, length).await
     }
 
@@ -349,13 +349,13 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(Answer::Nothing);
         }
         for step in moves.into_iter().flatten() {
-            let position = self.main_loop.commanded().after(step);
+            let position = self.main_loop.commanded.after(step);
             self.main_loop
                 .plan(Target { position, speed: step.speed, has_overrides: false, watch: EndstopSet::NONE })
                 .await?;
-            self.main_loop.commanded_mut().note_retraction(step);
+            self.main_loop.commanded.note_retraction(step);
         }
-        self.main_loop.commanded_mut().take_extra();
+        self.main_loop.commanded.take_extra();
         Ok(Answer::Nothing)
     }
 }

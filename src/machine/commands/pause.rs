@@ -60,7 +60,7 @@ pub(in crate::machine) async fn announce<P: PortSet, W: Pend>(
     actions: &[Action<'static>],
 ) -> Result<(), Interrupt> {
     for &action in actions {
-        main_loop.notify_others(format_args!("{action}"));
+        main_loop.hosts.notify_others(format_args!("{action}"));
         main_loop.reply(Answer::Action(action)).await?;
     }
     Ok(())
@@ -85,7 +85,7 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
     announce(main_loop, &[Action::Paused]).await?;
-    if main_loop.job().is_paused() {
+    if main_loop.job.is_paused() {
         main_loop.finish().await?;
         return Ok(Answer::Nothing);
     }
@@ -101,12 +101,12 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     (ms, filament): (u32, bool),
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.job().kept().is_some() {
+    if main_loop.job.kept().is_some() {
         return Ok(Answer::Line("echo:ignored, the print is paused already: send M24 or M108 first"));
     }
     main_loop.finish().await?;
     ask(main_loop, Action::Paused, if filament { FILAMENT } else { PAUSED }).await?;
-    if !main_loop.job().is_paused() {
+    if !main_loop.job.is_paused() {
         save_and_park(main_loop, modal, cold, false, words).await?;
     }
     if let told @ Answer::NotObeyed(..) = not_obeyed("M600", words) {
@@ -155,7 +155,7 @@ async fn report_reason<P: PortSet, W: Pend>(
         Kept::Lost(_) => ("echo:print held: axes are not homed any more. Home them (G28), then send M24", LOST),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
     };
-    main_loop.notify_others(format_args!("{line}"));
+    main_loop.hosts.notify_others(format_args!("{line}"));
     main_loop.reply(Answer::Line(line)).await?;
     ask(main_loop, first, question).await
 }
@@ -164,13 +164,13 @@ async fn report_reason<P: PortSet, W: Pend>(
 fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, load: Mm) {
     let program = Program {
         modal: *modal,
-        commanded: *main_loop.commanded(),
+        commanded: main_loop.commanded,
         fans: main_loop.commanded_fans(),
         dynamics: Dynamics::of(main_loop.settings()),
     };
     let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
-    let (host, homed) = (main_loop.serving(), main_loop.homed().axes());
-    main_loop.job_mut().pause(host, Break { program, homed, load }, targets);
+    let (host, homed) = (main_loop.hosts.serving(), main_loop.homed.axes());
+    main_loop.job.pause(host, Break { program, homed, load }, targets);
     main_loop.note_heaters_used();
 }
 
@@ -183,14 +183,14 @@ async fn save_and_park<P: PortSet, W: Pend>(
     words: &ParkWords,
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    let was_printing = main_loop.job().is_printing();
+    let was_printing = main_loop.job.is_printing();
     let [load, other] = [words.load, words.unload].map(|number| number.map_or(Mm::ZERO, |number| modal.length(number)));
     save(main_loop, modal, load.max(Mm::ZERO));
     if let Some(target) = words.target {
         let most = main_loop.settings().thermal.heater(Heater::Hotend).most;
         let target = Celsius::saturating_from_num(target.value()).clamp(Celsius::ZERO, most);
         let least = main_loop.settings().thermal.min_extrude;
-        main_loop.job_mut().note_target(Heater::Hotend, target, least);
+        main_loop.job.note_target(Heater::Hotend, target, least);
     }
     let says = [words.x, words.y, words.z, words.e].iter().any(Option::is_some);
     if was_printing || parks || says {
@@ -216,11 +216,11 @@ async fn change<P: PortSet, W: Pend>(
         return main_loop.reply(Answer::Line("echo:filament is not moved: the hotend is too cold")).await;
     }
     let most = main_loop.settings().axes.e.length;
-    let mut to = main_loop.commanded().position();
+    let mut to = main_loop.commanded.position();
     let [.., e] = &mut to;
     *e = e.wrapping_add(length.clamp(most.saturating_neg(), most));
-    travel(main_loop, main_loop.commanded().of_machine(to), speed).await?;
-    main_loop.commanded_mut().go_to(to);
+    travel(main_loop, main_loop.commanded.of_machine(to), speed).await?;
+    main_loop.commanded.go_to(to);
     main_loop.finish().await
 }
 
@@ -241,11 +241,11 @@ async fn park<P: PortSet, W: Pend>(
     words: &ParkWords,
 ) -> Result<(), Interrupt> {
     let (s, axes, soft) = (main_loop.settings().pause, main_loop.settings().axes, main_loop.settings().soft_endstops);
-    let commanded = *main_loop.commanded();
+    let commanded = main_loop.commanded;
     let [.., z_now, e_now] = commanded.position();
     let [lifted, pulled] = commanded.retracted();
     // The lift and retraction by the program itself since it last printed.
-    let (lifted, pulled) = match main_loop.job().printed_at() {
+    let (lifted, pulled) = match main_loop.job.printed_at() {
         Some([.., z, e]) => {
             let back = e.wrapping_sub(e_now).max(Mm::ZERO);
             (lifted.saturating_add(z_now.saturating_sub(z)), pulled.saturating_add(back))
@@ -260,9 +260,9 @@ async fn park<P: PortSet, W: Pend>(
         let [.., e] = &mut machine;
         *e = e.wrapping_sub(back);
         travel(main_loop, machine, s.retract_speed).await?;
-        main_loop.commanded_mut().park_at(machine);
+        main_loop.commanded.park_at(machine);
     }
-    let [x_homed, y_homed, z_homed] = main_loop.homed().axes();
+    let [x_homed, y_homed, z_homed] = main_loop.homed.axes();
     let lift = match words.z {
         Some(number) => length(number).max(Mm::ZERO),
         None if is_off_part => Mm::ZERO,
@@ -273,7 +273,7 @@ async fn park<P: PortSet, W: Pend>(
         let top = if soft { axes.z.length.max(*z) } else { Mm::MAX };
         *z = z.saturating_add(lift).min(top);
         travel(main_loop, machine, axes.z.max_speed).await?;
-        main_loop.commanded_mut().park_at(machine);
+        main_loop.commanded.park_at(machine);
     }
     let is_named = words.x.is_some() || words.y.is_some();
     if (is_named || s.park && !is_off_part) && x_homed && y_homed && z_homed {
@@ -284,7 +284,7 @@ async fn park<P: PortSet, W: Pend>(
             }
         }
         travel(main_loop, machine, s.travel_speed).await?;
-        main_loop.commanded_mut().park_at(machine);
+        main_loop.commanded.park_at(machine);
     }
     main_loop.finish().await
 }
@@ -297,7 +297,7 @@ async fn go_back<P: PortSet, W: Pend>(
     from: [Mm; 4],
 ) -> Result<(), Interrupt> {
     let (s, axes) = (main_loop.settings().pause, main_loop.settings().axes);
-    let commanded = *main_loop.commanded();
+    let commanded = main_loop.commanded;
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
     // Move above any part on the bed if a user has lowered the tool.
     let is_beside = (x, y) != (from_x, from_y);
@@ -306,10 +306,10 @@ async fn go_back<P: PortSet, W: Pend>(
     travel(main_loop, [x, y, over, from_e], s.travel_speed).await?;
     travel(main_loop, [x, y, z, from_e], axes.z.max_speed).await?;
     if e != from_e && cold.is_too_cold(main_loop) {
-        main_loop.commanded_mut().unpark(from_e.wrapping_sub(e));
+        main_loop.commanded.unpark(from_e.wrapping_sub(e));
     } else {
         travel(main_loop, [x, y, z, e], s.unretract_speed).await?;
-        main_loop.commanded_mut().unpark(Mm::ZERO);
+        main_loop.commanded.unpark(Mm::ZERO);
     }
     main_loop.finish().await
 }
@@ -323,7 +323,7 @@ async fn go_on<P: PortSet, W: Pend>(
     restores: bool,
     kept: Option<Kept>,
 ) -> Result<Going, Interrupt> {
-    let Some(Break { program, homed, .. }) = main_loop.job().paused() else { return Ok(Going::On) };
+    let Some(Break { program, homed, .. }) = main_loop.job.paused() else { return Ok(Going::On) };
     let wanted = match kept {
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold) | None => [false; 3],
@@ -331,7 +331,7 @@ async fn go_on<P: PortSet, W: Pend>(
     let [x, y, z] = homed;
     let [of_x, of_y, of_z] = wanted;
     let needed = [x || of_x, y || of_y, z || of_z];
-    if main_loop.homed().lacks_one_of(needed) {
+    if main_loop.homed.lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
     heat_again(main_loop).await?;
@@ -339,16 +339,16 @@ async fn go_on<P: PortSet, W: Pend>(
         return Ok(Going::Not(Kept::Cold));
     }
     main_loop.finish().await?;
-    let load = main_loop.job_mut().take_load();
+    let load = main_loop.job.take_load();
     change(main_loop, modal, cold, load, LOAD_SPEED).await?;
-    let now = *main_loop.commanded();
+    let now = main_loop.commanded;
     let from = now.of_machine(now.position());
     if restores {
         restore(main_loop, modal, &program).await?;
     }
     go_back(main_loop, cold, from).await?;
     blow_again(main_loop, &program).await?;
-    main_loop.job_mut().go_on();
+    main_loop.job.go_on();
     announce(main_loop, &[Action::Resumed]).await?;
     Ok(Going::On)
 }
@@ -359,9 +359,9 @@ async fn restore<P: PortSet, W: Pend>(
     modal: &mut Modal,
     program: &Program,
 ) -> Result<(), Interrupt> {
-    let now = *main_loop.commanded();
-    *main_loop.commanded_mut() = program.commanded;
-    main_loop.commanded_mut().count_filament_as(&now);
+    let now = main_loop.commanded;
+    main_loop.commanded = program.commanded;
+    main_loop.commanded.count_filament_as(&now);
     *modal = modal.restored(&program.modal);
     program.dynamics.put(main_loop.settings_mut());
     Ok(())
@@ -387,7 +387,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     modal: &mut Modal,
     cold: &ColdExtrusion,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.job().kept().is_some() {
+    if main_loop.job.kept().is_some() {
         return Ok(Answer::Nothing);
     }
     Ok(match go_on(main_loop, modal, cold, true, None).await? {
@@ -414,12 +414,12 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
     kept: Kept,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
-    if !main_loop.job().is_paused() {
+    if !main_loop.job.is_paused() {
         announce(main_loop, &[Action::PromptEnd]).await?;
         return Ok(Some(false));
     }
     // The end of the line's wait does not end the wait for heat.
-    main_loop.pauses_mut().end_command();
+    main_loop.pauses.end_command();
     let is_for_user = matches!(kept, Kept::User(_));
     if is_for_user {
         announce(main_loop, &[Action::PromptEnd]).await?;
@@ -432,7 +432,7 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
         }
         Going::Not(why) if is_for_user || answered == Answered::Resume => {
             report_reason(main_loop, why, Action::Paused).await?;
-            main_loop.job_mut().keep(kept, None);
+            main_loop.job.keep(kept, None);
             Ok(None)
         }
         Going::Not(_) => {

@@ -20,15 +20,15 @@ use crate::settings::HomedAxis;
 /// count as aligned; until the proof succeeds, alignment and position count as unknown. Returns the distance in steps
 /// of the switches from their expected positions.
 pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
-    let homed = main_loop.homed();
+    let homed = main_loop.homed;
     let (residuals, mechanism) = (main_loop.residuals(), main_loop.groups().mechanism());
-    main_loop.homed_mut().release(residuals.motors(), mechanism);
+    main_loop.homed.release(residuals.motors(), mechanism);
     let result = look_again(main_loop, &residuals).await;
     if result.is_ok() {
-        main_loop.homed_mut().believe(&homed);
-        main_loop.trimming_mut().align();
+        main_loop.homed.believe(&homed);
+        main_loop.trimming.align();
     } else {
-        main_loop.trimming_mut().forget();
+        main_loop.trimming.forget();
     }
     result
 }

@@ -20,9 +20,9 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
     }
     main_loop.finish().await?;
     main_loop.begin_asked_test();
-    main_loop.pauses_mut().begin(Waiting::SelfTest);
+    main_loop.pauses.begin(Waiting::SelfTest);
     await_self_test(main_loop).await?;
-    main_loop.pauses_mut().end();
+    main_loop.pauses.end();
     Ok(Answer::Nothing)
 }
 
@@ -31,7 +31,7 @@ pub(in crate::machine) async fn await_self_test<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let mut next_line = main_loop.now();
-    while main_loop.is_testing() && !main_loop.pauses().is_over() {
+    while main_loop.is_testing() && !main_loop.pauses.is_over() {
         if main_loop.now() >= next_line {
             next_line = next_line.after_ms(LINE_MS);
             main_loop.reply(Answer::Heating(None)).await?;

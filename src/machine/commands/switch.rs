@@ -54,8 +54,8 @@ pub(super) async fn home_named<P: PortSet, W: Pend>(
     axis: HomedAxis,
 ) -> Result<(), Interrupt> {
     let axis = facts(main_loop, axis);
-    let was_homed = main_loop.homed().axes().get(axis.index) == Some(&true);
-    main_loop.homed_mut().begin(axis.index);
+    let was_homed = main_loop.homed.axes().get(axis.index) == Some(&true);
+    main_loop.homed.begin(axis.index);
     let result = home_axis(main_loop, &axis, was_homed).await;
     end_homing(main_loop, &axis, result).await
 }
@@ -67,7 +67,7 @@ async fn end_homing<T, P: PortSet, W: Pend>(
     result: Result<T, HomeError>,
 ) -> Result<T, Interrupt> {
     if !matches!(result, Err(HomeError::Interrupted(_))) {
-        main_loop.homed_mut().stop();
+        main_loop.homed.stop();
     }
     match result {
         Ok(found) => Ok(found),
@@ -125,11 +125,11 @@ async fn home_axis<P: PortSet, W: Pend>(
     find_switch(main_loop, axis).await?;
     if was_homed {
         let aside = steps_aside(main_loop, axis);
-        main_loop.trimming_mut().note_homed(axis.index, aside);
+        main_loop.trimming.note_homed(axis.index, aside);
     }
     stand_at_switch(main_loop, axis).await?;
-    main_loop.homed_mut().arrive(axis.index);
-    main_loop.commanded_mut().forget_origin(axis.index);
+    main_loop.homed.arrive(axis.index);
+    main_loop.commanded.forget_origin(axis.index);
     Ok(())
 }
 
@@ -153,7 +153,7 @@ async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, ax
         return Err(STILL_PRESSED);
     }
     let path = main_loop.planned_path();
-    main_loop.homed_mut().note_met(axis.index, path);
+    main_loop.homed.note_met(axis.index, path);
     Ok(back_off)
 }
 
@@ -213,8 +213,8 @@ async fn stand_at_switch<P: PortSet, W: Pend>(
         }
     }
     main_loop.adopt_position(position).await?;
-    main_loop.commanded_mut().forget_park(axis.index);
+    main_loop.commanded.forget_park(axis.index);
     let stands = main_loop.to_mm(position);
-    main_loop.commanded_mut().stand_at(stands);
+    main_loop.commanded.stand_at(stands);
     Ok(())
 }

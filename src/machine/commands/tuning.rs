@@ -56,12 +56,12 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     }
     main_loop.finish().await?;
     main_loop.reply(Answer::Line("PID Autotune start")).await?;
-    main_loop.pauses_mut().begin(Waiting::Tuning);
+    main_loop.pauses.begin(Waiting::Tuning);
     main_loop.test_before_heating();
     await_self_test(main_loop).await?;
     main_loop.order_tuning(heater, target, cycles as u8);
     let found = await_tuning(main_loop, heater).await;
-    main_loop.pauses_mut().end();
+    main_loop.pauses.end();
     // Done, failed or ended by M108, M410: in any case it is over.
     main_loop.heat(heater, Celsius::ZERO);
     main_loop.send_orders();
@@ -108,7 +108,7 @@ async fn await_tuning<P: PortSet, W: Pend>(
     }
     let begun = status.heat().periods();
     let (mut next_line, mut cycle, mut is_cooling) = (main_loop.now(), 0, false);
-    while !main_loop.pauses().is_over() {
+    while !main_loop.pauses.is_over() {
         let now = main_loop.now();
         if now >= next_line {
             next_line = next_line.after_ms(LINE_MS);

@@ -4,18 +4,12 @@ use super::MainLoop;
 use crate::connectors::BoardConnectors;
 use crate::gcode::Form;
 use crate::kinematics::Groups;
-use crate::machine::hosts::schedule::Report;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::message::Message;
-use crate::machine::state::commanded::Commanded;
-use crate::machine::state::job::Job;
-use crate::machine::state::pauses::Pauses;
-use crate::machine::state::position::Homed;
 use crate::port::{Clock, DriverBus, Pend};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::{Instant, Mm, Steps};
-use core::fmt;
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// The time.
@@ -65,26 +59,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.ports.drivers.connectors()
     }
 
-    /// The number of hosts.
-    pub fn hosts(&self) -> usize {
-        self.hosts.len()
-    }
-
-    /// Sends the following replies to a host.
-    pub fn switch_to(&mut self, host: usize) {
-        self.hosts.switch_to(host);
-    }
-
-    /// Says the same line to all hosts; one that has no room for it misses it.
-    pub fn notify_all(&mut self, line: fmt::Arguments<'_>) {
-        self.hosts.notify_all(line);
-    }
-
-    /// Says the same line to all but the host being served; one that has no room for it misses it.
-    pub fn notify_others(&mut self, line: fmt::Arguments<'_>) {
-        self.hosts.notify_others(line);
-    }
-
     /// Says a message to all hosts but the one being served; one that has no room for it misses it.
     pub fn message_others(&mut self, form: Form, text: &[u8]) {
         self.hosts.notify_others(format_args!("{}", Message { form, text }));
@@ -96,39 +70,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
     }
 
-    /// Sends the host being served a report every `period_s`.
-    pub fn schedule(&mut self, report: Report, period_s: u8) {
-        self.hosts.schedule(report, period_s, self.ports.clock.now());
-    }
-
     /// M84 S.
     pub fn set_idle_timeout(&mut self, seconds: u32) {
         self.idle_timeout.set(seconds, self.ports.clock.now());
-    }
-
-    /// The present wait.
-    pub const fn pauses(&self) -> &Pauses {
-        &self.pauses
-    }
-
-    /// The present wait, for a command to set.
-    pub const fn pauses_mut(&mut self) -> &mut Pauses {
-        &mut self.pauses
-    }
-
-    /// The job.
-    pub const fn job(&self) -> &Job {
-        &self.job
-    }
-
-    /// The same: a command begins it, pauses it or ends it.
-    pub const fn job_mut(&mut self) -> &mut Job {
-        &mut self.job
-    }
-
-    /// The host being served.
-    pub const fn serving(&self) -> usize {
-        self.hosts.serving()
     }
 
     /// Whether no motion was requested since the start.
@@ -144,26 +88,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// M220.
     pub const fn feed_percent(&self) -> u16 {
         self.planner.feed_percent()
-    }
-
-    /// Where the program is.
-    pub const fn commanded(&self) -> &Commanded {
-        &self.commanded
-    }
-
-    /// The same: a command has sent it elsewhere, or calls it something else.
-    pub const fn commanded_mut(&mut self) -> &mut Commanded {
-        &mut self.commanded
-    }
-
-    /// Which axes are homed.
-    pub const fn homed(&self) -> Homed {
-        self.homed
-    }
-
-    /// The same, for those that home.
-    pub const fn homed_mut(&mut self) -> &mut Homed {
-        &mut self.homed
     }
 
     /// The groups of motors in use.

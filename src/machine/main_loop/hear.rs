@@ -28,21 +28,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         asked
     }
 
-    /// M28: the following lines of the host being served are not carried out.
-    pub fn begin_upload(&mut self) {
-        self.hosts.begin_upload(self.ports.clock.now());
-    }
-
-    /// The upload is over: the number of lines that were not carried out. `None` if there was none.
-    pub fn end_upload(&mut self) -> Option<u32> {
-        self.hosts.end_upload()
-    }
-
-    /// The number of lines that were not carried out of an upload that the present line has ended without M29, once.
-    pub fn upload_given_up(&mut self) -> Option<u32> {
-        self.hosts.upload_given_up()
-    }
-
     /// The line is answered.
     pub const fn end_line(&mut self) {
         self.hosts.note_answered();
@@ -80,11 +65,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let kept = self.job.take_kept()?;
         self.hosts.take_up();
         Some(kept)
-    }
-
-    /// Whether the host being served waits for the answer to a line.
-    pub const fn owes_ok(&self) -> bool {
-        self.hosts.owes_ok()
     }
 
     /// Takes in the received bytes.

@@ -1,13 +1,15 @@
 //! The main loop: all work that continues during every wait of a command.
 //!
 //! ```text
-//!   a command ── plan, finish, power, reply, ... ─▶ door ──▶ owners
-//!        └────── waits: turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves ▶ settings ▶ heat ▶ replies out
+//!   a command ── owners: job, commanded, homed, hosts, ...      at once
+//!        └────── waits: plan, finish, power, reply, ... ──▶ turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves
+//!                                                                    ▶ settings ▶ heat ▶ replies out
 //! ```
 //!
-//! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The fields are private to
-//! this folder: a command uses the methods that it can see. Nothing here uses `commands`; `halted` alone reads lines,
-//! after the machine has stopped.
+//! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The main loop is a struct of
+//! owners. Each has private fields, a file of its own, and methods that keep its rules; it gets values of other owners
+//! as arguments. A command uses the owners by their names. What takes several of them, or time, is a method of the main
+//! loop. Nothing here uses `commands`; `halted` alone reads lines, after the machine has stopped.
 //!
 //! | file or folder | for |
 //! |---|---|
@@ -77,7 +79,7 @@ use core::task::Poll;
 /// The state of the main loop, which runs during every wait.
 pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     ports: Devices<P>,
-    hosts: Hosts<P::Serial>,
+    pub hosts: Hosts<P::Serial>,
     link: Link<'m, W>,
     planner: Planner<'m>,
     policy: ReleasePolicy,
@@ -92,19 +94,19 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     defaults: Kept<Settings>,
     /// When the next scrub is due.
     scrub_due: Instant,
-    commanded: Commanded,
-    homed: Homed,
+    pub commanded: Commanded,
+    pub homed: Homed,
     real: RealPosition<'m>,
-    circulation: Circulation,
-    trimming: Trimming,
+    pub circulation: Circulation,
+    pub trimming: Trimming,
     /// A motor of the belt has failed, and the others park the tool.
     limping: Limping,
     /// The settings in the motor drivers, and the motors with power.
     drivers: Drivers,
     idle_timeout: IdleTimeout,
-    pauses: Pauses,
+    pub pauses: Pauses,
     /// The state of the print.
-    job: Job,
+    pub job: Job,
     advance_in_use: AdvanceInUse,
     /// M999 came after M112.
     is_to_restart: bool,

@@ -8,8 +8,6 @@ use crate::fault::{Cause, Fault};
 use crate::kinematics::{Grouping, Residuals};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
-use crate::machine::state::circulation::Circulation;
-use crate::machine::state::trimming::Trimming;
 use crate::motion::Target;
 use crate::motors::Coupling;
 use crate::port::{DriverBus, EndstopSet, Pend};
@@ -38,26 +36,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// For which coordinates motors step together.
     pub const fn grouping(&self) -> Grouping {
         self.real.grouping()
-    }
-
-    /// The circulation of the belt.
-    pub const fn circulation(&self) -> &Circulation {
-        &self.circulation
-    }
-
-    /// The circulation of the belt, to change it.
-    pub const fn circulation_mut(&mut self) -> &mut Circulation {
-        &mut self.circulation
-    }
-
-    /// Whether motors of one belt agree.
-    pub const fn trimming(&self) -> &Trimming {
-        &self.trimming
-    }
-
-    /// The same, for those that align them.
-    pub const fn trimming_mut(&mut self) -> &mut Trimming {
-        &mut self.trimming
     }
 
     /// Calls `work` with the settings that give the planner its resolutions and limits.

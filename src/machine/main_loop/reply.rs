@@ -69,7 +69,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         let at_motors = self.planner.mm(self.real.of_axes(counts));
         let at = if real { self.seen(at_motors) } else { self.commanded.position() };
         let ran = match (real, self.real.grouping()) {
-            (false, _) => self.circulation.commanded,
+            (false, _) => self.circulation.commanded(),
             (true, Grouping::Tool | Grouping::Trim) => self.circulation.length(self.settings.axes.x.steps_per_mm),
             (true, Grouping::Circulation) => {
                 let [_, _, on_the_way, _] = at_motors;

@@ -6,7 +6,7 @@ use crate::units::{Mm, Steps, StepsPerMm};
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Circulation {
     /// Where the program has sent it.
-    pub commanded: Mm,
+    commanded: Mm,
     /// Steps that every motor of the belt has made for it since the start, signed.
     steps: i64,
     /// Where z stands while the belt has its place in the planner, in steps and in mm.
@@ -17,6 +17,16 @@ impl Circulation {
     /// The belt lies where it lay at the start.
     pub const fn new() -> Self {
         Self { commanded: Mm::ZERO, steps: 0, z: (Steps::ZERO, Mm::ZERO) }
+    }
+
+    /// Where the program has sent it.
+    pub const fn commanded(&self) -> Mm {
+        self.commanded
+    }
+
+    /// The program sends it there.
+    pub const fn go_to(&mut self, commanded: Mm) {
+        self.commanded = commanded;
     }
 
     /// The distance by which it has circulated.
