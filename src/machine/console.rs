@@ -60,7 +60,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The settings as they are now.
     pub fn settings(&self) -> &Settings {
-        self.main_loop.settings()
+        &self.main_loop.settings
     }
 
     /// Serves the hosts. Poll it when bytes arrived, when a queue moved, and every millisecond. It ends when the

@@ -102,7 +102,7 @@ impl Scan {
 pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), BeltError> {
-    let residuals = main_loop.residuals();
+    let residuals = main_loop.settings.residuals();
     main_loop.trimming.forget();
     main_loop.trimming.note_phase(false);
     let mechanism = main_loop.groups().mechanism();
@@ -145,11 +145,11 @@ async fn measure_each_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> Result<(), BeltError> {
-    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
+    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
     for residual in residuals.iter() {
         let Some((motor, times)) = trimmed(residual) else { continue };
         let mut scan = Scan::new(main_loop, motor, residual);
-        let (middle, arm) = (-preload_of(residual, main_loop.preload_steps()) / times, ARM * full_step);
+        let (middle, arm) = (-preload_of(residual, main_loop.settings.preload_steps()) / times, ARM * full_step);
         let loads = loads_about(main_loop, &mut scan, middle, arm).await;
         if !matches!(loads, Err(BeltError::Interrupted(_))) {
             go_to(main_loop, &mut scan, 0).await?;
@@ -174,10 +174,15 @@ pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     phase: Option<u16>,
 ) -> Result<(), Interrupt> {
     let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
-    main_loop.trim(motor, preload_of(residual, main_loop.preload_steps()) / times).await?;
-    let was = main_loop.belt_length(i64::from(-step * times) * 1000);
-    let per_mm = slope.readings_per_mm(main_loop.settings().axes.x.steps_per_mm.to_num());
-    let found = Found { was, within: main_loop.belt_length(thousandths(within)), readings_per_mm: Some(per_mm), phase };
+    main_loop.trim(motor, preload_of(residual, main_loop.settings.preload_steps()) / times).await?;
+    let was = main_loop.settings.belt_length(i64::from(-step * times) * 1000);
+    let per_mm = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
+    let found = Found {
+        was,
+        within: main_loop.settings.belt_length(thousandths(within)),
+        readings_per_mm: Some(per_mm),
+        phase,
+    };
     main_loop.trimming.note(number, found);
     Ok(())
 }
@@ -191,7 +196,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
         return Err(AlignError::NoUart.into());
     }
     main_loop.finish().await?;
-    let mut measuring: Settings = *main_loop.settings();
+    let mut measuring: Settings = *main_loop.settings;
     measuring.drivers.belt.stealth = true;
     measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
     // A motor at rest needs all its torque, because the belt is strained on purpose.
@@ -235,7 +240,7 @@ async fn climb<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
 ) -> Result<ApexFound, BeltError> {
-    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
+    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
     let arm = ARM * full_step;
     let mut middle = 0;
     let mut loads = loads_about(main_loop, scan, middle, arm).await?;
@@ -320,7 +325,7 @@ async fn load_at<P: PortSet, W: Pend>(
     place: i32,
 ) -> Result<Load, BeltError> {
     go_to(main_loop, scan, place).await?;
-    let ([x, y, ..], axes) = (main_loop.planned_end_mm(), &main_loop.settings().axes);
+    let ([x, y, ..], axes) = (main_loop.planned_end_mm(), &main_loop.settings.axes);
     let (at, length) = if scan.is_along_y { (y, axes.y.length) } else { (x, axes.x.length) };
     let stroke = STROKE.min(length / 3);
     let stroke = if at > length / 2 { -stroke } else { stroke };
@@ -366,7 +371,7 @@ pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(main_loop: &MainL
     if main_loop.trimming.is_aligned() {
         return false;
     }
-    let motors = main_loop.residuals().motors();
+    let motors = main_loop.settings.residuals().motors();
     // Motors without UART cannot be aligned, so they need not be.
     !motors.is_empty() && motors.without(main_loop.uarts()).is_empty()
 }

@@ -12,7 +12,7 @@ use crate::units::{Mm, MmPerSec, Steps};
 pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    let belt = main_loop.settings().belt;
+    let belt = main_loop.settings.belt;
     if !belt.is_closed || belt.homing_advance == Mm::ZERO {
         return Ok(());
     }
@@ -60,11 +60,11 @@ pub(in crate::machine) async fn end_circulation<P: PortSet, W: Pend>(
         return Ok(());
     }
     // No distance, unless it was stopped between two places where the counts agree.
-    main_loop.plan_whole(main_loop.planned_end(), main_loop.settings().belt.max_speed, false);
+    main_loop.plan_whole(main_loop.planned_end(), main_loop.settings.belt.max_speed, false);
     main_loop.finish().await?;
     let [x, y, c, e] = main_loop.planned_end();
     main_loop.circulation.add(c.wrapping_round().to_num());
-    let lies = main_loop.circulation.length(main_loop.settings().axes.x.steps_per_mm);
+    let lies = main_loop.circulation.length(main_loop.settings.axes.x.steps_per_mm);
     main_loop.circulation.go_to(lies);
     let (z, _) = main_loop.circulation.z();
     main_loop.regroup(Grouping::Tool, [x, y, z, e]).await?;

@@ -12,7 +12,7 @@ use crate::port::Pend;
 pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    let residuals = main_loop.residuals();
+    let residuals = main_loop.settings.residuals();
     if residuals.is_empty() {
         return Ok(());
     }

@@ -29,7 +29,7 @@ pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.residuals().is_empty() {
+    if main_loop.settings.residuals().is_empty() {
         return Ok(Answer::Belt(BeltAnswer::NoResidual));
     }
     let lift = lift(main_loop).await?;
@@ -44,7 +44,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     notices: &mut Notices,
     repairs: bool,
 ) -> Result<Answer<'static>, Interrupt> {
-    let residuals = main_loop.residuals();
+    let residuals = main_loop.settings.residuals();
     if residuals.is_empty() {
         return Ok(Answer::Belt(BeltAnswer::NoResidual));
     }
@@ -139,14 +139,14 @@ async fn examine_each<P: PortSet, W: Pend>(
     aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
-    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
+    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
     let mut said = Diagnosis::Nothing;
     for (number, residual) in residuals.iter().enumerate() {
         let Some((motor, times)) = trimmed(residual) else { continue };
-        let preload = main_loop.preload_steps();
+        let preload = main_loop.settings.preload_steps();
         let Some(apex) = find_apex(main_loop, residual).await? else { continue };
         let step = apex.step;
-        let found = aside.diagnose(&main_loop.settings().mechanism, residual, -step * times - preload, full_step);
+        let found = aside.diagnose(&main_loop.settings.mechanism, residual, -step * times - preload, full_step);
         said = found.graver(said);
         if repairs && found != Diagnosis::Nothing {
             leave_at(main_loop, number, residual, apex, None).await?;
@@ -163,7 +163,7 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
     let [.., z] = main_loop.homed.axes();
     let position = main_loop.planned_end_mm();
     let [_, _, at, _] = position;
-    let lift = LIFT.min(main_loop.settings().axes.z.length.saturating_sub(at)).max(Mm::ZERO);
+    let lift = LIFT.min(main_loop.settings.axes.z.length.saturating_sub(at)).max(Mm::ZERO);
     if !z {
         return Ok(Mm::ZERO);
     }
@@ -183,7 +183,7 @@ async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place:
         return Ok(());
     }
     let [.., z, e] = main_loop.planned_end_mm();
-    let (position, speed) = ([x, y, z, e], main_loop.settings().axes.x.max_speed);
+    let (position, speed) = ([x, y, z, e], main_loop.settings.axes.x.max_speed);
     main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await?;
     main_loop.stand_at_end();
@@ -197,7 +197,7 @@ async fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm
     let mut position = main_loop.planned_end_mm();
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
-    let speed = main_loop.settings().axes.z.max_speed;
+    let speed = main_loop.settings.axes.z.max_speed;
     main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await?;
     main_loop.stand_at_end();

@@ -18,7 +18,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         belt: Number,
         feed: Option<Number>,
     ) -> Result<Answer<'static>, Interrupt> {
-        if !self.main_loop.settings().belt.is_closed {
+        if !self.main_loop.settings.belt.is_closed {
             return Ok(Answer::Malformed(Flaw::NoAxis(b'C')));
         }
         if to.z.is_some() || to.e.is_some() {
@@ -30,7 +30,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_move(moving(at, wanted)).await? {
             return Ok(Answer::NotHomed);
         }
-        let (inside, moved) = clamp(wanted, at, self.main_loop.homed, self.main_loop.settings());
+        let (inside, moved) = clamp(wanted, at, self.main_loop.homed, &self.main_loop.settings);
         if moved {
             self.tell_of_edge().await?;
         }

@@ -32,7 +32,7 @@ impl ColdExtrusion {
         least: Option<Number>,
         allow: Option<bool>,
     ) -> Answer<'static> {
-        let hotend = main_loop.settings().thermal.heater(Heater::Hotend);
+        let hotend = main_loop.settings.thermal.heater(Heater::Hotend);
         if !hotend.is_fitted {
             let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
             return Answer::Line(if forbids {
@@ -46,7 +46,7 @@ impl ColdExtrusion {
         }
         if let Some(least) = least {
             let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
-            clamps.near(["M302", "S"], least, range, &mut main_loop.settings_mut().thermal.min_extrude);
+            clamps.near(["M302", "S"], least, range, &mut main_loop.heat_settings().min_extrude);
             if clamps.refuses_line() {
                 return Answer::Nothing;
             }
@@ -55,13 +55,12 @@ impl ColdExtrusion {
         if let Some(allow) = allow {
             self.is_allowed = allow;
         }
-        main_loop.note_heat_settings();
         Answer::Nothing
     }
 
     /// Whether filament must not move: the hotend is too cold, or its temperature is unknown.
     pub fn is_too_cold<P: PortSet, W: Pend>(&self, main_loop: &MainLoop<'_, P, W>) -> bool {
-        let thermal = &main_loop.settings().thermal;
+        let thermal = &main_loop.settings.thermal;
         thermal.heater(Heater::Hotend).is_fitted
             && !self.is_allowed
             && thermal.min_extrude > Celsius::ZERO

@@ -33,7 +33,7 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     if words.x.is_some() && words.y.is_some() && words.x != words.y {
         return Answer::OneBelt(code);
     }
-    let mut wanted = main_loop.settings().drivers;
+    let mut wanted = main_loop.settings.drivers;
     let DriverGroups { belt, z, e } = &mut wanted;
     let xy = if words.x.is_some() { "X" } else { "Y" };
     for (group, axis, number) in [(belt, xy, words.x.or(words.y)), (z, "Z", words.z), (e, "E", words.e)] {

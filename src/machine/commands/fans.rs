@@ -28,9 +28,9 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
     fan: u8,
     speed: Number,
 ) -> Result<Answer<'static>, Interrupt> {
-    let fan = fan_meant(fan, &main_loop.settings().thermal);
+    let fan = fan_meant(fan, &main_loop.settings.thermal);
     // Slicers name fans of other machines.
-    let answer = match main_loop.settings().thermal.fans.get(usize::from(fan)) {
+    let answer = match main_loop.settings.thermal.fans.get(usize::from(fan)) {
         Some(settings) if settings.role.is_commanded() => None,
         Some(_) => Some(Answer::NotCommanded(fan)),
         None => Some(Answer::NoFan(fan)),

@@ -137,7 +137,7 @@ fn missing<P: PortSet, W: Pend>(
     notices: &mut Notices,
     heater: Heater,
 ) -> Option<Answer<'static>> {
-    let thermal = &main_loop.settings().thermal;
+    let thermal = &main_loop.settings.thermal;
     if thermal.heater(heater).is_fitted {
         return None;
     }
@@ -169,7 +169,7 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
         return Err(answer);
     }
     let Some(number) = target else { return Ok(false) };
-    let range = Range { least: Celsius::ZERO, most: main_loop.settings().thermal.heater(heater).most };
+    let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
     let Some(target) = clamps.near_of([code, "S"], number, range, Some(main_loop.target_of(heater))) else {
         return Ok(false);
     };
@@ -179,7 +179,7 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
         // Nothing is printed without a hotend: files that do not switch the motors off end in this way.
         main_loop.job.end();
     }
-    let least = if heater == Heater::Hotend { main_loop.settings().thermal.min_extrude } else { Celsius::ZERO };
+    let least = if heater == Heater::Hotend { main_loop.settings.thermal.min_extrude } else { Celsius::ZERO };
     main_loop.job.note_target(heater, target, least);
     main_loop.heat(heater, target);
     main_loop.note_heaters_used();
@@ -213,7 +213,7 @@ pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<Answer<'static>, Interrupt> {
-    if !main_loop.settings().thermal.has_heater() {
+    if !main_loop.settings.thermal.has_heater() {
         return Ok(missing(main_loop, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
     }
     let are_on = Heater::ALL.map(|heater| main_loop.target_of(heater) > Celsius::ZERO);
@@ -312,7 +312,7 @@ pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
     main_loop: &MainLoop<'_, P, W>,
     heater: Option<Heater>,
 ) -> Result<Heater, Answer<'static>> {
-    let thermal = &main_loop.settings().thermal;
+    let thermal = &main_loop.settings.thermal;
     match heater {
         None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
         Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),

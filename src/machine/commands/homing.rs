@@ -65,7 +65,7 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     power_up(main_loop).await?;
     // As motors got power they may have been aligned by their phases.
-    let aligns = main_loop.settings().belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
+    let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
     home_axes(main_loop, notices, flags, aligns).await
 }
 
@@ -97,7 +97,7 @@ async fn home_axes<P: PortSet, W: Pend>(
     main_loop.commanded.forget_retraction();
     let mut is_home = [false; 3];
     let mut aligns = aligns;
-    for axis in main_loop.settings().homing_order {
+    for axis in main_loop.settings.homing_order {
         if !(all || is_named(flags, axis)) {
             continue;
         }

@@ -106,16 +106,18 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             return Outcome::TakesTime(Blocking::Tune(TuningWords { heater, target, cycles, applies }));
         }
         // Limits and settings.
-        Command::MaxAcceleration(ref words) => set_max_acceleration(words, main_loop.settings_mut(), modal, clamps),
-        Command::MaxSpeed(ref words) => set_max_speed(words, main_loop.settings_mut(), modal, clamps),
+        Command::MaxAcceleration(ref words) => {
+            set_max_acceleration(words, &mut main_loop.live_settings(), modal, clamps)
+        }
+        Command::MaxSpeed(ref words) => set_max_speed(words, &mut main_loop.live_settings(), modal, clamps),
         Command::Acceleration { print, retract, travel } => {
-            set_acceleration([print, retract, travel], main_loop.settings_mut(), modal, clamps)
+            set_acceleration([print, retract, travel], &mut main_loop.live_settings(), modal, clamps)
         }
         Command::Corners { deviation, jerk, min_feed, min_travel, min_segment } => {
             let words = CornerWords { deviation, jerk, min_feed, min_travel, min_segment };
-            set_corners(&words, main_loop.settings_mut(), modal, clamps, notices)
+            set_corners(&words, &mut main_loop.live_settings(), modal, clamps, notices)
         }
-        Command::VelocityLimit(ref words) => set_velocity_limit(words, main_loop.settings_mut(), clamps),
+        Command::VelocityLimit(ref words) => set_velocity_limit(words, &mut main_loop.live_settings(), clamps),
         Command::RetractSettings { length, feed, lift } => {
             set_retraction([length, feed, lift], retraction, modal, clamps)
         }
@@ -127,10 +129,10 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::StallThreshold(ref words) => set_drivers(main_loop, DriverValue::StallThreshold, words, modal, clamps),
         Command::SoftEndstops(None) => Answer::SoftEndstops,
         Command::SoftEndstops(Some(on)) => {
-            main_loop.settings_mut().soft_endstops = on;
+            main_loop.live_settings().set_soft_endstops(on);
             Answer::Nothing
         }
-        Command::Keepalive(seconds) => set_keepalive(seconds, main_loop.settings_mut(), clamps),
+        Command::Keepalive(seconds) => set_keepalive(seconds, &mut main_loop.live_settings(), clamps),
         Command::IdleTimeout { seconds } => {
             main_loop.set_idle_timeout(seconds);
             Answer::Nothing
@@ -276,10 +278,8 @@ fn change_heat<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     change: impl FnOnce(&mut ThermalSettings, &ThermalSettings) -> Answer<'static>,
 ) -> Answer<'static> {
-    let defaults = main_loop.defaults().thermal;
-    let answer = change(&mut main_loop.settings_mut().thermal, &defaults);
-    main_loop.note_heat_settings();
-    answer
+    let defaults = main_loop.settings.defaults().thermal;
+    change(main_loop.heat_settings(), &defaults)
 }
 
 /// G92.

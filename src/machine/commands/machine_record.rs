@@ -50,7 +50,7 @@ async fn report_pieces<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<MachineAnswer<'static>, Interrupt> {
-    let length = record_of(main_loop.settings(), pieces.begin()).unwrap_or_default();
+    let length = record_of(&main_loop.settings, pieces.begin()).unwrap_or_default();
     pieces.end(length);
     let mut at = 0;
     while let Some(piece) = pieces.piece(at) {
@@ -80,7 +80,7 @@ async fn store_machine<P: PortSet, W: Pend>(
         Ok(receipt) => receipt,
         Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
     };
-    let counts = machine.is_built_as(main_loop.settings()) && main_loop.refusal().is_none();
+    let counts = machine.is_built_as(&main_loop.settings) && main_loop.refusal().is_none();
     pieces.is_stored = !counts;
     if counts {
         main_loop.use_settings(*machine).await?;

@@ -113,7 +113,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Where the words of a line lead.
     fn wanted(&self, to: &AxisWords) -> Wanted {
         let main_loop = &*self.main_loop;
-        main_loop.commanded.target(to, self.modal, main_loop.settings(), self.cold.is_too_cold(main_loop))
+        main_loop.commanded.target(to, self.modal, &main_loop.settings, self.cold.is_too_cold(main_loop))
     }
 
     /// The conditions of a straight line.
@@ -144,7 +144,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(gate);
         }
         let (homed, job) = (self.main_loop.homed, &self.main_loop.job);
-        let must_be_homed = job.must_be_homed() || self.main_loop.settings().require_homing;
+        let must_be_homed = job.must_be_homed() || self.main_loop.settings.require_homing;
         if homed.has_lost_one_of(asked.moves) || must_be_homed && homed.lacks_one_of(asked.moves) {
             return self.keep(Kept::Lost(asked.moves)).await;
         }
@@ -180,7 +180,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.main_loop.homed.lacks_one_of(moves) {
             return Ok(true);
         }
-        if self.main_loop.settings().require_homing {
+        if self.main_loop.settings.require_homing {
             self.clamps.clear();
             return Ok(false);
         }
@@ -196,7 +196,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// aligned, or if they need not be. In the last case the host is told once.
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
         let ([.., to], [.., from]) = (position, self.main_loop.commanded.position());
-        let rule = self.main_loop.settings().belt.alignment;
+        let rule = self.main_loop.settings.belt.alignment;
         if rule == Alignment::Off || to.wrapping_sub(from) < LEAST_FILAMENT || !lacks_alignment(self.main_loop) {
             return Ok(true);
         }
@@ -218,7 +218,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             let [px, py, pz, _] = main_loop.commanded.parked();
             let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
             let (to, from) = (parked(bounded(position)), parked(main_loop.commanded.position()));
-            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed, main_loop.settings());
+            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed, &main_loop.settings);
             ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };
         if moved {
@@ -277,14 +277,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let (end, [ez, ee]) = split(plane, wanted.position);
         let arc = Shape::new(words.shape, plane, |n| self.modal.length(n)).and_then(|shape| {
             let way = Way { clockwise: words.clockwise, turns: words.turns };
-            Arc::new(
-                start,
-                end,
-                shape,
-                way,
-                self.main_loop.settings().arc_tolerance,
-                self.modal.rounding(words.decimals),
-            )
+            Arc::new(start, end, shape, way, self.main_loop.settings.arc_tolerance, self.modal.rounding(words.decimals))
         });
         let arc = match arc {
             Ok(arc) => arc,
@@ -318,14 +311,14 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
 
     /// G10.
     pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.main_loop.settings().axes.z.max_speed;
+        let speed = self.main_loop.settings.axes.z.max_speed;
         let moves = self.main_loop.commanded.moves_away(settings, speed);
         self.plan_retraction(moves, -settings.length).await
     }
 
     /// G11.
     pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.main_loop.settings().axes.z.max_speed;
+        let speed = self.main_loop.settings.axes.z.max_speed;
         let moves = self.main_loop.commanded.moves_back(settings, speed);
         let [_, length] = self.main_loop.commanded.retracted();
         self.plan_retraction(moves, length).await

@@ -166,7 +166,7 @@ fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, 
         modal: *modal,
         commanded: main_loop.commanded,
         fans: main_loop.commanded_fans(),
-        dynamics: Dynamics::of(main_loop.settings()),
+        dynamics: Dynamics::of(&main_loop.settings),
     };
     let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
     let (host, homed) = (main_loop.hosts.serving(), main_loop.homed.axes());
@@ -187,9 +187,9 @@ async fn save_and_park<P: PortSet, W: Pend>(
     let [load, other] = [words.load, words.unload].map(|number| number.map_or(Mm::ZERO, |number| modal.length(number)));
     save(main_loop, modal, load.max(Mm::ZERO));
     if let Some(target) = words.target {
-        let most = main_loop.settings().thermal.heater(Heater::Hotend).most;
+        let most = main_loop.settings.thermal.heater(Heater::Hotend).most;
         let target = Celsius::saturating_from_num(target.value()).clamp(Celsius::ZERO, most);
-        let least = main_loop.settings().thermal.min_extrude;
+        let least = main_loop.settings.thermal.min_extrude;
         main_loop.job.note_target(Heater::Hotend, target, least);
     }
     let says = [words.x, words.y, words.z, words.e].iter().any(Option::is_some);
@@ -215,7 +215,7 @@ async fn change<P: PortSet, W: Pend>(
     if cold.is_too_cold(main_loop) {
         return main_loop.reply(Answer::Line("echo:filament is not moved: the hotend is too cold")).await;
     }
-    let most = main_loop.settings().axes.e.length;
+    let most = main_loop.settings.axes.e.length;
     let mut to = main_loop.commanded.position();
     let [.., e] = &mut to;
     *e = e.wrapping_add(length.clamp(most.saturating_neg(), most));
@@ -240,7 +240,7 @@ async fn park<P: PortSet, W: Pend>(
     cold: &ColdExtrusion,
     words: &ParkWords,
 ) -> Result<(), Interrupt> {
-    let (s, axes, soft) = (main_loop.settings().pause, main_loop.settings().axes, main_loop.settings().soft_endstops);
+    let (s, axes, soft) = (main_loop.settings.pause, main_loop.settings.axes, main_loop.settings.soft_endstops);
     let commanded = main_loop.commanded;
     let [.., z_now, e_now] = commanded.position();
     let [lifted, pulled] = commanded.retracted();
@@ -296,7 +296,7 @@ async fn go_back<P: PortSet, W: Pend>(
     cold: &ColdExtrusion,
     from: [Mm; 4],
 ) -> Result<(), Interrupt> {
-    let (s, axes) = (main_loop.settings().pause, main_loop.settings().axes);
+    let (s, axes) = (main_loop.settings.pause, main_loop.settings.axes);
     let commanded = main_loop.commanded;
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
     // Move above any part on the bed if a user has lowered the tool.
@@ -363,7 +363,7 @@ async fn restore<P: PortSet, W: Pend>(
     main_loop.commanded = program.commanded;
     main_loop.commanded.count_filament_as(&now);
     *modal = modal.restored(&program.modal);
-    program.dynamics.put(main_loop.settings_mut());
+    main_loop.live_settings().set_dynamics(&program.dynamics);
     Ok(())
 }
 

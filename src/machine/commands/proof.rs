@@ -21,7 +21,7 @@ use crate::settings::HomedAxis;
 /// of the switches from their expected positions.
 pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
     let homed = main_loop.homed;
-    let (residuals, mechanism) = (main_loop.residuals(), main_loop.groups().mechanism());
+    let (residuals, mechanism) = (main_loop.settings.residuals(), main_loop.groups().mechanism());
     main_loop.homed.release(residuals.motors(), mechanism);
     let result = look_again(main_loop, &residuals).await;
     if result.is_ok() {
@@ -53,6 +53,6 @@ pub(super) async fn touch_both<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_,
 
 /// Whether a tool that is this many steps off is outside its tolerance.
 pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, aside: [i32; 2]) -> bool {
-    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
-    ways_aside(&main_loop.settings().mechanism, aside, full_step) != [0, 0]
+    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
+    ways_aside(&main_loop.settings.mechanism, aside, full_step) != [0, 0]
 }

@@ -15,7 +15,7 @@ use crate::port::Pend;
 pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
-    if !main_loop.settings().thermal.has_heater() {
+    if !main_loop.settings.thermal.has_heater() {
         return Ok(Answer::Line("echo:no heaters configured, ignored"));
     }
     main_loop.finish().await?;

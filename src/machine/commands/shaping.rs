@@ -9,7 +9,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
 use crate::port::Pend;
-use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
+use crate::settings::{Advance, Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio};
 
 /// The report of M593 about a shaper.
@@ -96,18 +96,20 @@ impl ShaperWords {
 const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
 
-/// M900 K and M572 W, if they are in range; W0 is the window that suits the shapers.
-fn set_advance(time: Option<Number>, window: Option<Number>, wanted: &mut Settings, clamps: &mut Clamps) {
+/// The advance that M900 K and M572 W want, if they are in range; W0 is the window that suits the shapers.
+fn wanted_advance(time: Option<Number>, window: Option<Number>, s: &Settings, clamps: &mut Clamps) -> Advance {
+    let mut wanted = *s;
     if let Some(time) = time {
         clamps.near(["M900", "K"], time, ranges::ADVANCE, &mut wanted.advance.time);
     }
     if window == Some(Number::ZERO) {
         wanted.advance.window = None;
     } else if let Some(window) = window {
-        let mut seconds = advance_window(wanted);
+        let mut seconds = advance_window(&wanted);
         clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW, &mut seconds);
         wanted.advance.window = Some(seconds);
     }
+    wanted.advance
 }
 
 /// M593. Motion comes to rest before a shaper changes.
@@ -119,21 +121,19 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
     if words.are_a_question() {
         return Ok(Answer::Setting(Setting::Shapers));
     }
-    let mut wanted = *main_loop.settings();
+    let mut wanted = *main_loop.settings;
     let Some(shapers) = words.change(wanted.shapers, clamps) else {
         return Ok(Answer::Line(NO_SUCH_KIND));
     };
     wanted.shapers = shapers;
-    if !clamps.refuses_line() && wanted.shapers != main_loop.settings().shapers {
+    if !clamps.refuses_line() && wanted.shapers != main_loop.settings.shapers {
         main_loop.finish().await?;
         main_loop.use_settings(wanted).await?;
     }
     Ok(Answer::Nothing)
 }
 
-/// M900, M572. The advance counts for the following moves. Motion comes to rest only before its window changes, and
-/// before the generator first uses advance: from then on all axes are delayed
-/// ([`advance_in_use`](crate::machine::state::advance_in_use)).
+/// M900, M572.
 pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
@@ -143,16 +143,9 @@ pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     if time.or(window).is_none() {
         return Ok(Answer::Advance);
     }
-    let mut wanted = *main_loop.settings();
-    set_advance(time, window, &mut wanted, clamps);
-    if clamps.refuses_line() {
-        return Ok(Answer::Nothing);
-    }
-    if main_loop.needs_rest(&wanted) {
-        main_loop.finish().await?;
-        main_loop.use_settings(wanted).await?;
-    } else {
-        *main_loop.settings_mut() = wanted;
+    let advance = wanted_advance(time, window, &main_loop.settings, clamps);
+    if !clamps.refuses_line() {
+        main_loop.use_advance(advance).await?;
     }
     Ok(Answer::Nothing)
 }

@@ -107,7 +107,7 @@ fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis)
 
 /// The facts of an axis.
 fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
-    let s = main_loop.settings();
+    let s = &*main_loop.settings;
     let (switch, length) = match axis {
         HomedAxis::X => (EndstopSet::X, s.axes.x.length),
         HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),

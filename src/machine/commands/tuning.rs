@@ -45,7 +45,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     if main_loop.status().heat().measured(heater).is_none() {
         return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
     }
-    let range = Range { least: Celsius::ZERO, most: main_loop.settings().thermal.heater(heater).most };
+    let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
     // Marlin's defaults (M303.cpp); the chamber gets the bed's.
     let default = Number::from(if heater == Heater::Hotend { 150 } else { 70 });
     let target = clamps.near_of(["M303", "S"], target.unwrap_or(default), range, None);
@@ -70,8 +70,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         Err(failure) => return Ok(Answer::Line(way_out(failure))),
     };
     if applies {
-        apply(&tuned, main_loop.settings_mut().thermal.heater_mut(heater));
-        main_loop.note_heat_settings();
+        apply(&tuned, main_loop.heat_settings().heater_mut(heater));
     }
     main_loop.reply(Answer::Tuned(heater, tuned)).await?;
     Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })

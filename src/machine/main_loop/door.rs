@@ -7,7 +7,6 @@ use crate::kinematics::Groups;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::message::Message;
 use crate::port::{Clock, DriverBus, Pend};
-use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::{Instant, Mm, Steps};
 
@@ -20,23 +19,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// The status that the contexts share.
     pub const fn status(&self) -> &'m Status {
         self.link.status()
-    }
-
-    /// The settings as they are now.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// The settings for the plans of the following moves. Settings in steps have to be changed by `use_settings`
-    /// instead, settings of drivers by `use_driver_settings`.
-    pub fn settings_mut(&mut self) -> &mut Settings {
-        self.close_line();
-        &mut self.settings
-    }
-
-    /// The settings that the machine was made with.
-    pub fn defaults(&self) -> &Settings {
-        &self.defaults
     }
 
     /// Memory for settings.

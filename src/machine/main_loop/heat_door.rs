@@ -24,11 +24,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heaters_used = self.ports.clock.now();
     }
 
-    /// Settings of heaters or fans may have changed.
-    pub const fn note_heat_settings(&mut self) {
-        self.heat_orders.note_settings();
-    }
-
     /// Sets a fan to `speed`, of 65,535, when the planned moves are done. If the schedule is full, it waits as a move
     /// does that finds the look-ahead full: only as long as that changes no speed of a move.
     pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {

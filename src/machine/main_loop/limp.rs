@@ -70,7 +70,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.settings.belt.limp_lift > Mm::ZERO
             && self.drivers.fault().is_none_or(|first| first.motor == motor)
             && !self.link.status().fault().is_set()
-            && self.residuals().motors().has(motor)
+            && self.settings.residuals().motors().has(motor)
             && !mechanism.motors_of(2).has(motor)
             && self.homed.axes() == [true; 3]
             && self.real.grouping() == Grouping::Tool

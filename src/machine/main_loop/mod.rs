@@ -18,6 +18,7 @@
 //! | [`hear`] | input of lines from hosts |
 //! | [`reply`] | output of answers, as soon as there is room for them |
 //! | [`stream`] | moves into the look-ahead and out of it, and the machine to rest |
+//! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
@@ -44,10 +45,12 @@ mod power;
 mod regroup;
 mod reply;
 mod scrub;
+pub(in crate::machine) mod settings;
 mod stream;
 mod take_over;
 pub(in crate::machine) mod trim;
 
+use self::settings::SettingsInUse;
 use crate::driver::Drivers;
 use crate::kinematics::Groupings;
 use crate::machine::answers::speaker::Progress;
@@ -70,7 +73,7 @@ use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
-use crate::settings::{Kept, Settings};
+use crate::settings::Settings;
 use crate::thermal::Orders;
 use crate::units::{Instant, Mm};
 use core::future::poll_fn;
@@ -89,11 +92,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     turn_began: Instant,
     /// The progress of the present answer.
     progress: Progress,
-    settings: Kept<Settings>,
-    /// The settings that the machine was made with.
-    defaults: Kept<Settings>,
-    /// When the next scrub is due.
-    scrub_due: Instant,
+    pub settings: SettingsInUse,
     pub commanded: Commanded,
     pub homed: Homed,
     real: RealPosition<'m>,
@@ -147,9 +146,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             comes_again: false,
             turn_began: now,
             progress: Progress::default(),
-            settings: Kept::new(settings),
-            defaults: Kept::new(settings),
-            scrub_due: now,
+            settings: SettingsInUse::new(settings, now),
             commanded: Commanded::new([x, y, z]),
             homed: Homed::new([start.is_some(); 3]),
             real: RealPosition::new(groupings),

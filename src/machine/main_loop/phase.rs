@@ -24,7 +24,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::port::{Motor, MotorSet, Pend};
-use crate::settings::{Belt, Settings};
+use crate::settings::{PHASES, Settings};
 
 /// Places of a sine table: an electrical turn of four full steps.
 const TURN: i32 = 1024;
@@ -65,18 +65,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(Some(sum.rem_euclid(TURN)))
     }
 
-    /// The phase that is known of a residual.
-    fn known_phase(&self, number: usize) -> Option<i32> {
-        let phase = self.settings.belt.phases.get(number).filter(|phase| **phase < Belt::NO_PHASE);
-        phase.map(|phase| i32::from(*phase))
-    }
-
     /// Error of this residual's strain in steps, or `None` if its phase is unknown.
     pub async fn strain(&mut self, number: usize, residual: &Residual) -> Result<Option<i32>, Interrupt> {
-        let Some(phase) = self.known_phase(number) else { return Ok(None) };
+        let Some(phase) = self.settings.known_phase(number) else { return Ok(None) };
         let Some(sum) = self.phase_sum(residual).await? else { return Ok(None) };
         let microsteps = i32::from(self.settings.drivers.belt.microsteps);
-        let strained = difference(sum, phase) * microsteps - preload_of(residual, self.preload_steps()) * FULL_STEP;
+        let strained =
+            difference(sum, phase) * microsteps - preload_of(residual, self.settings.preload_steps()) * FULL_STEP;
         // To the nearest step, half a step being a half; a preload may have led beyond half a turn.
         let steps = (2 * strained + FULL_STEP).div_euclid(2 * FULL_STEP);
         let turn = 4 * microsteps;
@@ -122,7 +117,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// After motors have power: they are aligned if their phases are known, or the host gets a message that they are
     /// not.
     pub(super) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
-        let is_known = residuals.iter().enumerate().all(|(number, _)| self.known_phase(number).is_some());
+        let is_known = residuals.iter().enumerate().all(|(number, _)| self.settings.known_phase(number).is_some());
         if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.has_power(residuals.motors()) {
             return Ok(());
         }
@@ -148,8 +143,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Notes the steps by which fields would strain a residual, or have strained it.
     fn note_strain(&mut self, number: usize, steps: i32) {
-        let was = self.belt_length(i64::from(steps) * 1000);
-        self.trimming.note(number, Found { was, within: self.belt_length(WITHIN), readings_per_mm: None, phase: None });
+        let was = self.settings.belt_length(i64::from(steps) * 1000);
+        self.trimming
+            .note(number, Found { was, within: self.settings.belt_length(WITHIN), readings_per_mm: None, phase: None });
     }
 
     /// The phase of a residual while its motors strain nothing, if the driver of the trimmed motor counts correctly.
@@ -167,10 +163,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Keeps the phases that were found as the settings of the belt.
     pub fn keep_phases(&mut self) {
-        for (number, known) in self.settings.belt.phases.iter_mut().enumerate() {
+        for number in 0..PHASES {
             let found = self.trimming.found(number).and_then(|found| found.phase);
-            if let Some(phase) = found.filter(|phase| phase != known) {
-                *known = phase;
+            if found.is_some_and(|phase| self.settings.keep_phase(number, phase)) {
                 self.trimming.note_phase(true);
             }
         }

@@ -30,7 +30,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.reply(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
         }
-        let residuals = self.residuals();
+        let residuals = self.settings.residuals();
         self.drivers.watch_closely(residuals.motors());
         let before = self.drivers.powered();
         let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
@@ -62,7 +62,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
                 }
                 continue;
             }
-            let residuals = self.residuals();
+            let residuals = self.settings.residuals();
             let next = residuals.first_of(missing);
             self.meet_phases(&residuals, next).await?;
             // All of them have proved their settings; proofs that are too old are requested again.
@@ -91,12 +91,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes power from motors, and from all that would go on pulling at the same belt; the axes that they held are no
     /// longer homed.
     pub fn unpower(&mut self, motors: MotorSet) {
-        let motors = self.residuals().with_opponents(motors);
+        let motors = self.settings.residuals().with_opponents(motors);
         let on = self.drivers.powered().without(motors);
         // No motor gets power here, so no driver needs a proof.
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
         self.homed.release(motors, self.real.groups().mechanism());
-        let belt = self.residuals().motors();
+        let belt = self.settings.residuals().motors();
         if belt.intersects(motors) {
             self.trimming.forget();
         }

@@ -4,46 +4,20 @@
 //! Motors are regrouped at rest. `belt` gives the reason.
 
 use super::MainLoop;
+use super::settings::circulating;
 use crate::fault::{Cause, Fault};
-use crate::kinematics::{Grouping, Residuals};
+use crate::kinematics::Grouping;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::motors::Coupling;
 use crate::port::{DriverBus, EndstopSet, Pend};
-use crate::settings::{AxisSettings, Settings};
 use crate::units::{Mm, MmPerSec, Steps};
 
-/// The settings of motion while the belt has the place of z.
-fn circulating(s: &Settings) -> Settings {
-    let z = AxisSettings {
-        steps_per_mm: s.axes.x.steps_per_mm,
-        max_speed: s.belt.max_speed,
-        max_acceleration: s.belt.max_acceleration,
-        length: s.axes.z.length,
-    };
-    let mut settings = *s;
-    settings.axes.z = z;
-    settings
-}
-
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
-    /// The residuals of the motors of x and y: the ways in which they can strain the belt.
-    pub fn residuals(&self) -> Residuals {
-        Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)
-    }
-
     /// For which coordinates motors step together.
     pub const fn grouping(&self) -> Grouping {
         self.real.grouping()
-    }
-
-    /// Calls `work` with the settings that give the planner its resolutions and limits.
-    pub(super) fn with_motion_settings<R>(&self, work: impl FnOnce(&Settings) -> R) -> R {
-        match self.real.grouping() {
-            Grouping::Tool => work(&self.settings),
-            Grouping::Circulation | Grouping::Trim => work(&circulating(&self.settings)),
-        }
     }
 
     /// A position of the planner as people see it: z stands where it stood when the belt took its place.
@@ -91,10 +65,8 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
         self.ports.drivers.couple(coupling);
         let groups = self.real.groups();
-        match grouping {
-            Grouping::Tool => self.planner.regroup(&self.settings, groups),
-            Grouping::Circulation | Grouping::Trim => self.planner.regroup(&circulating(&self.settings), groups),
-        }
+        let planner = &mut self.planner;
+        self.settings.of_grouping(grouping, |settings| planner.regroup(settings, groups));
         self.adopt_exactly(position).await
     }
 }

@@ -27,7 +27,7 @@ use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
 use crate::port::{DriverBus, Pend};
 use crate::protocol::{Echo, Replies};
-use crate::settings::ranges;
+use crate::settings::{Settings, ranges};
 use crate::storage;
 use crate::units::{Celsius, Instant};
 
@@ -93,7 +93,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.target_of(heater));
         let Self { hosts, progress, settings, planner, link, ports, homed, drivers, trimming, .. } = self;
-        let s = &**settings;
+        let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
             Answer::Nothing | Answer::Kept | Answer::Ok | Answer::Position { .. } => {}
@@ -150,7 +150,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 to.say(format_args!("echo:upload ended: there is no card, lines not carried out: {lines}"));
             }
             Answer::Firmware => report_firmware(to, storage::is_present(&ports.storage), s),
-            Answer::Endstops(pressed) => report_endstops(to, pressed, link.status().inputs(), &self.settings.endstops),
+            Answer::Endstops(pressed) => report_endstops(to, pressed, link.status().inputs(), &s.endstops),
             Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
             Answer::Heat => report_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
             Answer::Overload => {

@@ -8,18 +8,10 @@ use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::units::Instant;
 
-/// So often, in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
-const EVERY_MS: u32 = 500;
-
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes legal changes for right, and looks whether there were others.
     pub(super) fn scrub(&mut self, now: Instant) {
-        self.settings.settle();
-        if now < self.scrub_due {
-            return;
-        }
-        self.scrub_due = now.after_ms(EVERY_MS);
-        if !self.is_whole() {
+        if self.settings.is_scrub_due(now) && !self.is_whole() {
             self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
         }
     }
@@ -32,10 +24,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Settings have a checksum from the time they are set; values derived from them are computed again and compared.
     fn is_whole(&self) -> bool {
         self.settings.is_whole()
-            && self.defaults.is_whole()
             && self.are_groups_whole()
             && self.planner.has_advance_window(self.advance_in_use.window())
-            && self.with_motion_settings(|settings| self.planner.is_whole(settings, self.real.groups()))
+            && self
+                .settings
+                .of_grouping(self.real.grouping(), |settings| self.planner.is_whole(settings, self.real.groups()))
     }
 }
 
@@ -49,7 +42,7 @@ mod tests {
     use crate::machine::ports::Ports;
     use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
     use crate::port::{Clock, DriverBus, Lines, MotorSet, NoStorage, Pend, Received, Serial};
-    use crate::settings::Settings;
+    use crate::settings::{Kept, Settings};
     use crate::status::Status;
     use crate::thermal::OrderQueue;
     use crate::units::{Instant, MmPerSec, MmPerSec2, StepsPerMm};
@@ -125,16 +118,24 @@ mod tests {
         None
     }
 
-    const LEGAL: fn(&mut Machine<'_>) = |c| c.settings.print_acceleration = MmPerSec2::ONE;
+    const LEGAL: fn(&mut Machine<'_>) = |c| now(c).print_acceleration = MmPerSec2::ONE;
+
+    fn now<'c>(c: &'c mut Machine<'_>) -> &'c mut Kept<Settings> {
+        let [now, _] = c.settings.both_mut();
+        now
+    }
 
     #[test]
     fn f40_motion_settings_that_change_by_themselves_halt_the_machine_within_a_second() {
         let whole = Mechanism::corehbot();
         let flips: [fn(&mut Machine<'_>); 5] = [
-            |c| c.settings.damage().axes.x.max_speed ^= MmPerSec::DELTA,
-            |c| c.settings.damage().soft_endstops ^= true,
-            |c| c.settings.damage().mechanism.rows[0][0] ^= 2,
-            |c| c.defaults.damage().homing.z.fast ^= MmPerSec::DELTA,
+            |c| now(c).damage().axes.x.max_speed ^= MmPerSec::DELTA,
+            |c| now(c).damage().soft_endstops ^= true,
+            |c| now(c).damage().mechanism.rows[0][0] ^= 2,
+            |c| {
+                let [_, made_with] = c.settings.both_mut();
+                made_with.damage().homing.z.fast ^= MmPerSec::DELTA;
+            },
             // The planner's values derived from the settings, here from wrong ones.
             |c| {
                 let mut settings = *c.settings;
@@ -150,9 +151,9 @@ mod tests {
         }
         let legal: [fn(&mut Machine<'_>); 3] = [
             LEGAL,
-            |c| c.settings.thermal.fan_run_on_s += 1,
+            |c| now(c).thermal.fan_run_on_s += 1,
             |c| {
-                c.settings.axes.x.steps_per_mm = StepsPerMm::from_num(81);
+                now(c).axes.x.steps_per_mm = StepsPerMm::from_num(81);
                 let settings = *c.settings;
                 c.planner.set_resolution(&settings);
             },

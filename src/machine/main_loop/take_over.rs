@@ -5,12 +5,27 @@ use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::port::{MotorSet, Pend};
-use crate::settings::{DriverGroups, Settings};
+use crate::settings::{Advance, DriverGroups, Settings};
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// Whether motion must rest before an advance counts that is another.
-    pub fn needs_rest(&self, wanted: &Settings) -> bool {
-        self.advance_in_use.needs_rest(&self.settings, wanted)
+    /// Takes over another advance, for the following moves. Motion comes to rest only before its window changes, and
+    /// before the generator first uses advance: from then on all axes are delayed ([`AdvanceInUse`]).
+    ///
+    /// [`AdvanceInUse`]: crate::machine::state::advance_in_use::AdvanceInUse
+    pub async fn use_advance(&mut self, advance: Advance) -> Result<(), Interrupt> {
+        if self.needs_rest(advance) {
+            self.finish().await?;
+            self.use_settings(Settings { advance, ..*self.settings }).await
+        } else {
+            self.close_line();
+            self.settings.replace_advance(advance);
+            Ok(())
+        }
+    }
+
+    #[inline(never)]
+    fn needs_rest(&self, advance: Advance) -> bool {
+        self.advance_in_use.needs_rest(&self.settings, &Settings { advance, ..*self.settings })
     }
 
     /// Motors with a driver that has a UART.
@@ -20,7 +35,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Applies new driver settings. The drivers get them in the background.
     pub fn use_driver_settings(&mut self, wanted: DriverGroups) {
-        self.settings.drivers = wanted;
+        self.settings.replace_drivers(wanted);
         self.drivers.want(&self.settings);
     }
 
@@ -46,7 +61,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
-        *self.settings = wanted;
+        self.settings.replace(&wanted);
         self.drivers.want(&wanted);
         self.heat_orders.note_settings();
         if is_same {

@@ -8,7 +8,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, Pend};
-use crate::units::{Mm, Steps};
+use crate::units::Steps;
 
 /// The motor of a residual that is turned against the others, and its part of the sum.
 pub(in crate::machine) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
@@ -21,23 +21,6 @@ pub(in crate::machine) fn preload_of(residual: &Residual, preload: i32) -> i32 {
 }
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// The preload in steps of belt.
-    pub fn preload_steps(&self) -> i32 {
-        self.belt_steps(self.settings.belt.preload).wrapping_round().to_num()
-    }
-
-    /// A length of belt in steps.
-    fn belt_steps(&self, length: Mm) -> Steps {
-        let per_mm = self.settings.axes.x.steps_per_mm;
-        Steps::from_bits(((i128::from(length.to_bits()) * i128::from(per_mm.to_bits())) >> 16) as i64)
-    }
-
-    /// Thousandths of a step of belt as a length.
-    pub fn belt_length(&self, thousandths: i64) -> Mm {
-        let per_mm = i64::from(self.settings.axes.x.steps_per_mm.to_bits()).max(1);
-        Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
-    }
-
     /// Turns one motor by `by` steps, and no other, when motion rests. All motors of the belt have power.
     pub async fn trim(&mut self, motor: Motor, by: i32) -> Result<(), Interrupt> {
         // A stroke may still be moving if its driver did not answer.

@@ -27,33 +27,31 @@ pub(in crate::machine) struct Program {
 /// Limits that lines of a program change as they go.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Dynamics {
-    print: MmPerSec2,
-    retract: MmPerSec2,
-    travel: MmPerSec2,
-    corner: CornerRule,
-    extruder_jerk: MmPerSec,
-    least: [MmPerSec; 2],
-    cruise: Ratio,
+    /// Accelerations of M204 P, R and T.
+    pub accelerations: [MmPerSec2; 3],
+    /// M205 J, X and Y.
+    pub corner: CornerRule,
+    /// M205 E, S and T.
+    pub speeds: [MmPerSec; 3],
+    /// MINIMUM_CRUISE_RATIO.
+    pub cruise_ratio: Ratio,
 }
 
 impl Dynamics {
     /// Those in force.
     pub const fn of(s: &Settings) -> Self {
         Self {
-            print: s.print_acceleration,
-            retract: s.retract_acceleration,
-            travel: s.travel_acceleration,
+            accelerations: [s.print_acceleration, s.retract_acceleration, s.travel_acceleration],
             corner: s.corner,
-            extruder_jerk: s.extruder_jerk,
-            least: [s.min_feed, s.min_travel],
-            cruise: s.minimum_cruise_ratio,
+            speeds: [s.extruder_jerk, s.min_feed, s.min_travel],
+            cruise_ratio: s.minimum_cruise_ratio,
         }
     }
 
     /// Puts them in force again.
     pub const fn put(&self, s: &mut Settings) {
-        (s.print_acceleration, s.retract_acceleration, s.travel_acceleration) = (self.print, self.retract, self.travel);
-        (s.corner, s.extruder_jerk, s.minimum_cruise_ratio) = (self.corner, self.extruder_jerk, self.cruise);
-        [s.min_feed, s.min_travel] = self.least;
+        [s.print_acceleration, s.retract_acceleration, s.travel_acceleration] = self.accelerations;
+        [s.extruder_jerk, s.min_feed, s.min_travel] = self.speeds;
+        (s.corner, s.minimum_cruise_ratio) = (self.corner, self.cruise_ratio);
     }
 }

@@ -1,16 +1,18 @@
 //! Settings as lines set them: all values of a line if each is legal, otherwise none, and following moves obey.
 //!
-//! Plain functions on the settings: each changes a copy and puts it back. M92 alone needs the machine at rest.
+//! Plain functions on [`LiveSettings`]: each changes a copy and puts it back. M92 alone needs the machine at rest.
 
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::settings::LiveSettings;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::{Notice, Notices};
+use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
 use crate::settings::{Axes, AxisSettings, CornerRule, Range, Settings, ranges};
 use crate::units::{MmPerSec, MmPerSec2, Ratio, StepsPerMm, mul_div};
@@ -44,7 +46,7 @@ fn fastest(steps_per_mm: StepsPerMm) -> MmPerSec {
 /// M201.
 pub(in crate::machine) fn set_max_acceleration(
     words: &AxisWords,
-    s: &mut Settings,
+    s: &mut LiveSettings<'_>,
     modal: &Modal,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
@@ -56,7 +58,7 @@ pub(in crate::machine) fn set_max_acceleration(
         clamps.length(modal, ["M201", letter], number, ranges::ACCELERATION, &mut axis.max_acceleration);
     }
     if !clamps.refuses_line() {
-        s.axes = axes;
+        s.set_axis_limits(&axes);
     }
     Answer::Nothing
 }
@@ -64,7 +66,7 @@ pub(in crate::machine) fn set_max_acceleration(
 /// M203.
 pub(in crate::machine) fn set_max_speed(
     words: &AxisWords,
-    s: &mut Settings,
+    s: &mut LiveSettings<'_>,
     modal: &Modal,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
@@ -78,7 +80,7 @@ pub(in crate::machine) fn set_max_speed(
         clamps.length(modal, ["M203", letter], number, range, &mut axis.max_speed);
     }
     if !clamps.refuses_line() {
-        s.axes = axes;
+        s.set_axis_limits(&axes);
     }
     Answer::Nothing
 }
@@ -127,7 +129,7 @@ pub(in crate::machine) async fn change_resolution<P: PortSet, W: Pend>(
     if *words == AxisWords::default() {
         return Ok(Answer::Setting(Setting::Resolutions));
     }
-    let mut wanted = *main_loop.settings();
+    let mut wanted = *main_loop.settings;
     let resolved = set_resolution(words, &mut wanted, clamps);
     if clamps.refuses_line() {
         return Ok(Answer::Nothing);
@@ -145,21 +147,22 @@ pub(in crate::machine) async fn change_resolution<P: PortSet, W: Pend>(
 /// M204.
 pub(in crate::machine) fn set_acceleration(
     [print, retract, travel]: [Option<Number>; 3],
-    s: &mut Settings,
+    s: &mut LiveSettings<'_>,
     modal: &Modal,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     if print.or(retract).or(travel).is_none() {
         return Answer::Setting(Setting::Accelerations);
     }
-    let mut wanted = [s.print_acceleration, s.retract_acceleration, s.travel_acceleration];
-    for ((place, letter), number) in wanted.iter_mut().zip(["P", "R", "T"]).zip([print, retract, travel]) {
+    let mut wanted = Dynamics::of(s);
+    for ((place, letter), number) in wanted.accelerations.iter_mut().zip(["P", "R", "T"]).zip([print, retract, travel])
+    {
         if let Some(number) = number {
             clamps.length(modal, ["M204", letter], number, ranges::ACCELERATION, place);
         }
     }
     if !clamps.refuses_line() {
-        [s.print_acceleration, s.retract_acceleration, s.travel_acceleration] = wanted;
+        s.set_dynamics(&wanted);
     }
     Answer::Nothing
 }
@@ -168,7 +171,7 @@ pub(in crate::machine) fn set_acceleration(
 /// degrees changes the speed of each axis by exactly that.
 pub(in crate::machine) fn set_corners(
     words: &CornerWords,
-    s: &mut Settings,
+    s: &mut LiveSettings<'_>,
     modal: &Modal,
     clamps: &mut Clamps,
     notices: &mut Notices,
@@ -188,9 +191,9 @@ pub(in crate::machine) fn set_corners(
         corner = legal.map(CornerRule::SquareCorner);
     }
     let from_zero = Range { least: MmPerSec::ZERO, ..ranges::SPEED };
-    let mut speeds = [s.extruder_jerk, s.min_feed, s.min_travel];
+    let mut wanted = Dynamics::of(s);
     let words = [("E", jerk.e, ranges::SPEED), ("S", min_feed, from_zero), ("T", min_travel, from_zero)];
-    for (place, (letter, number, range)) in speeds.iter_mut().zip(words) {
+    for (place, (letter, number, range)) in wanted.speeds.iter_mut().zip(words) {
         if let Some(number) = number {
             clamps.length(modal, ["M205", letter], number, range, place);
         }
@@ -198,8 +201,8 @@ pub(in crate::machine) fn set_corners(
     if clamps.refuses_line() {
         return Answer::Nothing;
     }
-    s.corner = corner.unwrap_or(s.corner);
-    [s.extruder_jerk, s.min_feed, s.min_travel] = speeds;
+    wanted.corner = corner.unwrap_or(wanted.corner);
+    s.set_dynamics(&wanted);
     let is_doubtful = jerk.x.zip(jerk.y).is_some_and(|(x, y)| x != y) || deviation.and(jerk.x.or(jerk.y)).is_some();
     let is_unused = jerk.z.or(min_segment).is_some();
     if !(is_doubtful || is_unused) || !notices.give(Notice::Corners) {
@@ -212,14 +215,15 @@ pub(in crate::machine) fn set_corners(
 /// there was the ratio (klippy/toolhead.py).
 pub(in crate::machine) fn set_velocity_limit<'a>(
     words: &VelocityWords<'a>,
-    s: &mut Settings,
+    s: &mut LiveSettings<'_>,
     clamps: &mut Clamps,
 ) -> Answer<'a> {
     const NAME: &str = "SET_VELOCITY_LIMIT";
     if *words == VelocityWords::default() {
         return Answer::Setting(Setting::VelocityLimit);
     }
-    let mut acceleration = s.print_acceleration;
+    let mut dynamics = Dynamics::of(s);
+    let [mut acceleration, retract, travel] = dynamics.accelerations;
     if let Some(number) = words.acceleration {
         clamps.plain([NAME, "ACCEL="], number, ranges::ACCELERATION, &mut acceleration);
     }
@@ -227,7 +231,7 @@ pub(in crate::machine) fn set_velocity_limit<'a>(
         let old = if let CornerRule::SquareCorner(old) = s.corner { Some(old) } else { None };
         clamps.plain_of([NAME, "SQUARE_CORNER_VELOCITY="], number, ranges::SPEED, old)
     });
-    let mut cruise_ratio = s.minimum_cruise_ratio;
+    let mut cruise_ratio = dynamics.cruise_ratio;
     if let Some(number) = words.cruise_ratio {
         clamps.near([NAME, "MINIMUM_CRUISE_RATIO="], number, ranges::CRUISE_RATIO, &mut cruise_ratio);
     } else if let Some(number) = words.to_deceleration {
@@ -244,18 +248,18 @@ pub(in crate::machine) fn set_velocity_limit<'a>(
     if clamps.refuses_line() {
         return Answer::Nothing;
     }
-    if words.acceleration.is_some() {
-        (s.print_acceleration, s.travel_acceleration) = (acceleration, acceleration);
-    }
-    s.corner = square_corner.map_or(s.corner, CornerRule::SquareCorner);
-    s.minimum_cruise_ratio = cruise_ratio;
+    let travel = if words.acceleration.is_some() { acceleration } else { travel };
+    dynamics.accelerations = [acceleration, retract, travel];
+    dynamics.corner = square_corner.map_or(dynamics.corner, CornerRule::SquareCorner);
+    dynamics.cruise_ratio = cruise_ratio;
+    s.set_dynamics(&dynamics);
     words.other.map_or(Answer::Nothing, |other| Answer::NotObeyed(NAME, other))
 }
 
 /// M113.
 pub(in crate::machine) fn set_keepalive(
     seconds: Option<Number>,
-    s: &mut Settings,
+    s: &mut LiveSettings<'_>,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     let Some(seconds) = seconds else { return Answer::Keepalive };
@@ -263,6 +267,6 @@ pub(in crate::machine) fn set_keepalive(
     let legal = Range { least: least.into(), most: most.into() };
     let mut wanted = u16::from(s.keepalive_s);
     clamps.whole(["M113", "S"], seconds, legal, &mut wanted);
-    s.keepalive_s = wanted as u8;
+    s.set_keepalive(wanted as u8);
     Answer::Nothing
 }

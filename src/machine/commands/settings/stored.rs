@@ -73,7 +73,7 @@ pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
     let mut paced = Paced::new(main_loop);
     let survey = storage::survey(&mut paced).await;
     paced.into_result()?;
-    Ok(survey.map(|survey| survey.on(&main_loop.defaults().mechanism)))
+    Ok(survey.map(|survey| survey.on(&main_loop.settings.defaults().mechanism)))
 }
 
 /// Loads the stored settings, before the first `start`, and returns the news to send after it: a host listens only
@@ -122,7 +122,7 @@ pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
     if let Some(why) = main_loop.refusal() {
         return Ok(StorageNews::NoMachine(why));
     }
-    let settings = *main_loop.settings();
+    let settings = *main_loop.settings;
     Ok(save(main_loop, &settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
 }
 
@@ -151,7 +151,7 @@ pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
         Ok(survey) => survey,
         Err(error) => return Ok(StorageNews::Unchanged(error)),
     };
-    let settings = survey.newest.map_or(*main_loop.defaults(), |stored| stored.settings);
+    let settings = survey.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings);
     main_loop.use_settings(settings).await?;
     Ok(StorageNews::loaded(&survey))
 }
@@ -161,7 +161,7 @@ pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
     main_loop.finish().await?;
-    main_loop.use_settings(*main_loop.defaults()).await?;
+    main_loop.use_settings(*main_loop.settings.defaults()).await?;
     Ok(StorageNews::Defaults)
 }
 

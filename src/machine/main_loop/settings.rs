@@ -1,0 +1,188 @@
+//! The settings in use: all parts read them, and each way to change them keeps the rest of the machine in step.
+//!
+//! | settings | change by | because |
+//! |---|---|---|
+//! | limits, soft endstops, keepalive | [`MainLoop::live_settings`] | the line that waits to be continued keeps the limits that it began with |
+//! | heaters and fans | [`MainLoop::heat_settings`] | the heater control gets them too |
+//! | drivers | [`MainLoop::use_driver_settings`] | the drivers get them |
+//! | pressure advance | [`MainLoop::use_advance`] | motion rests first where all axes are delayed otherwise |
+//! | all, also the size of a step and the shapers | [`MainLoop::use_settings`] | motion rests, and planner and generator get the position again |
+//!
+//! So no command holds `&mut Settings`: it could change the size of a step while moves wait.
+
+use super::MainLoop;
+use crate::kinematics::{Grouping, Residuals};
+use crate::machine::ports::PortSet;
+use crate::machine::state::program::Dynamics;
+use crate::port::Pend;
+use crate::settings::{Advance, Axes, AxisSettings, Belt, DriverGroups, Kept, Settings, ThermalSettings};
+use crate::units::{Instant, Mm, Steps};
+use core::ops::Deref;
+
+/// Interval of the scrub in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
+const SCRUB_MS: u32 = 500;
+
+/// The settings, and those that the machine was made with.
+pub(in crate::machine) struct SettingsInUse {
+    now: Kept<Settings>,
+    made_with: Kept<Settings>,
+    /// When the next scrub is due.
+    scrub_due: Instant,
+}
+
+impl Deref for SettingsInUse {
+    type Target = Settings;
+
+    fn deref(&self) -> &Settings {
+        &self.now
+    }
+}
+
+impl SettingsInUse {
+    pub(super) fn new(settings: Settings, now: Instant) -> Self {
+        Self { now: Kept::new(settings), made_with: Kept::new(settings), scrub_due: now }
+    }
+
+    /// The settings that the machine was made with.
+    pub fn defaults(&self) -> &Settings {
+        &self.made_with
+    }
+
+    /// The residuals of the motors of x and y: the ways in which they can strain the belt.
+    pub fn residuals(&self) -> Residuals {
+        Residuals::new(&self.mechanism, self.belt.is_closed)
+    }
+
+    /// The preload in steps of belt.
+    pub fn preload_steps(&self) -> i32 {
+        let per_mm = self.axes.x.steps_per_mm;
+        let bits = (i128::from(self.belt.preload.to_bits()) * i128::from(per_mm.to_bits())) >> 16;
+        Steps::from_bits(bits as i64).wrapping_round().to_num()
+    }
+
+    /// Thousandths of a step of belt as a length.
+    pub fn belt_length(&self, thousandths: i64) -> Mm {
+        let per_mm = i64::from(self.axes.x.steps_per_mm.to_bits()).max(1);
+        Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
+    }
+
+    /// The phase that is known of a residual.
+    pub(super) fn known_phase(&self, number: usize) -> Option<i32> {
+        let phase = self.belt.phases.get(number).filter(|phase| **phase < Belt::NO_PHASE);
+        phase.map(|phase| i32::from(*phase))
+    }
+
+    /// Keeps a phase that was found; false if it was known.
+    pub(super) fn keep_phase(&mut self, number: usize, found: u16) -> bool {
+        let known = self.now.belt.phases.get_mut(number).filter(|known| **known != found);
+        known.map(|known| *known = found).is_some()
+    }
+
+    /// Calls `work` with the settings that give the planner its resolutions and limits.
+    pub(super) fn of_grouping<R>(&self, grouping: Grouping, work: impl FnOnce(&Settings) -> R) -> R {
+        match grouping {
+            Grouping::Tool => work(self),
+            Grouping::Circulation | Grouping::Trim => work(&circulating(self)),
+        }
+    }
+
+    /// Takes others. The caller gives them to the rest of the machine.
+    pub(super) fn replace(&mut self, wanted: &Settings) {
+        *self.now = *wanted;
+    }
+
+    /// Takes another advance, which needs no rest.
+    pub(super) fn replace_advance(&mut self, wanted: Advance) {
+        self.now.advance = wanted;
+    }
+
+    /// Takes others for the drivers. The caller gives them to the drivers.
+    pub(super) fn replace_drivers(&mut self, wanted: DriverGroups) {
+        self.now.drivers = wanted;
+    }
+
+    /// Whether a scrub is due. Legal changes up to now are right.
+    pub(super) fn is_scrub_due(&mut self, now: Instant) -> bool {
+        self.now.settle();
+        let is_due = now >= self.scrub_due;
+        if is_due {
+            self.scrub_due = now.after_ms(SCRUB_MS);
+        }
+        is_due
+    }
+
+    /// Whether they are unchanged since they were set.
+    pub(super) fn is_whole(&self) -> bool {
+        self.now.is_whole() && self.made_with.is_whole()
+    }
+
+    /// Both, for changes that are none of these ways.
+    #[cfg(test)]
+    pub(super) const fn both_mut(&mut self) -> [&mut Kept<Settings>; 2] {
+        [&mut self.now, &mut self.made_with]
+    }
+}
+
+/// The settings of motion while the belt has the place of z.
+pub(super) fn circulating(s: &Settings) -> Settings {
+    let z = AxisSettings {
+        steps_per_mm: s.axes.x.steps_per_mm,
+        max_speed: s.belt.max_speed,
+        max_acceleration: s.belt.max_acceleration,
+        length: s.axes.z.length,
+    };
+    let mut settings = *s;
+    settings.axes.z = z;
+    settings
+}
+
+/// The settings, of which those may change that the next move can take, while other moves wait.
+pub(in crate::machine) struct LiveSettings<'s>(&'s mut Kept<Settings>);
+
+impl Deref for LiveSettings<'_> {
+    type Target = Settings;
+
+    fn deref(&self) -> &Settings {
+        self.0
+    }
+}
+
+impl LiveSettings<'_> {
+    /// Sets the limits that a program changes as it goes.
+    pub fn set_dynamics(&mut self, dynamics: &Dynamics) {
+        dynamics.put(self.0);
+    }
+
+    /// Sets the greatest speeds and accelerations of the axes.
+    pub fn set_axis_limits(&mut self, axes: &Axes<AxisSettings>) {
+        let Axes { x, y, z, e } = &mut self.0.axes;
+        for (axis, wanted) in [(x, &axes.x), (y, &axes.y), (z, &axes.z), (e, &axes.e)] {
+            (axis.max_speed, axis.max_acceleration) = (wanted.max_speed, wanted.max_acceleration);
+        }
+    }
+
+    /// Turns the soft endstops on or off.
+    pub fn set_soft_endstops(&mut self, on: bool) {
+        self.0.soft_endstops = on;
+    }
+
+    /// Sets the seconds between two signs of life.
+    pub fn set_keepalive(&mut self, seconds: u8) {
+        self.0.keepalive_s = seconds;
+    }
+}
+
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+    /// The settings that may change for the following moves.
+    pub fn live_settings(&mut self) -> LiveSettings<'_> {
+        self.close_line();
+        LiveSettings(&mut self.settings.now)
+    }
+
+    /// The settings of heaters and fans, to change them.
+    pub fn heat_settings(&mut self) -> &mut ThermalSettings {
+        self.close_line();
+        self.heat_orders.note_settings();
+        &mut self.settings.now.thermal
+    }
+}
