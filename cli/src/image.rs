@@ -50,7 +50,7 @@ impl Prepared {
         let path = match (&args.from, wanted) {
             (Some(path), _) => path.clone(),
             (None, Some(board)) => prebuilt(board)?,
-            (None, None) => bail!("say which: --board or --from"),
+            (None, None) => bail!("give --board or --from"),
         };
         let mut bytes = std::fs::read(&path).with_context(|| format!("cannot open {}", path.display()))?;
         if let Some(wanted) = wanted {
@@ -108,7 +108,7 @@ pub fn set_board(image: &mut [u8], key: &str) -> Result<()> {
     let block = block_in(image)?;
     let is_known = choose_board(block, key);
     let boards = boards_of(block).collect::<Vec<_>>().join(", ");
-    ensure!(!boards.is_empty(), "an image of earlier firmware, which does not say which boards it is for");
+    ensure!(!boards.is_empty(), "an image of earlier firmware: it does not name its boards");
     ensure!(is_known, "an image for {boards}, not for {key}");
     Ok(())
 }
@@ -124,7 +124,7 @@ fn block_in(image: &mut [u8]) -> Result<&mut [u8; BLOCK]> {
     let (first, second) = (places.next(), places.next());
     let place = first.filter(|_| second.is_none());
     let block = place.and_then(|at| image.get_mut(at..at + BLOCK)).and_then(|block| block.try_into().ok());
-    block.context("no image of this firmware: it has no place for a machine")
+    block.context("not an image of this firmware: it has no place for a machine")
 }
 
 fn board_called(key: &str) -> Result<&'static BoardConnectors> {
@@ -194,7 +194,7 @@ mod tests {
         let wrong =
             |mut bytes: Vec<u8>, mut machine: Settings| format!("{:#}", put(&mut bytes, &mut machine).unwrap_err());
         let fine = Settings::prototype();
-        assert_eq!(wrong(vec![0; 5000], fine), "no image of this firmware: it has no place for a machine");
+        assert_eq!(wrong(vec![0; 5000], fine), "not an image of this firmware: it has no place for a machine");
         assert_eq!(wrong([image(&OCTOPUS), image(&OCTOPUS)].concat(), fine), wrong(vec![], fine));
         let printer = image(&BoardConnectors { key: "printer", ..OCTOPUS });
         assert_eq!(wrong(printer, fine), "no board is called printer: octopus, octopus-pro, spider, nucleo");

@@ -17,7 +17,8 @@ const HEAD: usize = 512;
 const KINDS: [(&[u8], &str); 16] = [
     (
         b"GCDE",
-        "binary G-code (.bgcode); PrusaSlicer's File > Convert makes plain G-code of it, and Printer Settings > General > \
+        "binary G-code (.bgcode); PrusaSlicer's File > Convert makes plain G-code of it, and Printer Settings > \
+        General > \
          Supports binary G-code switches it off",
     ),
     (
@@ -42,8 +43,8 @@ const KINDS: [(&[u8], &str); 16] = [
 
 /// Refuses a line that is not text.
 fn check(number: u32, line: &str, command: &str) -> Result<()> {
-    ensure!(!line.contains('\0'), "line {number} holds a byte 0: this is no text");
-    ensure!(command.len() < LONGEST_LINE, "line {number} is longer than a MiB: this is no G-code");
+    ensure!(!line.contains('\0'), "line {number} contains a zero byte: this is not text");
+    ensure!(command.len() < LONGEST_LINE, "line {number} is longer than a MiB: this is not G-code");
     Ok(())
 }
 
@@ -101,14 +102,14 @@ impl GcodeFile {
         let mut head = Vec::new();
         (&self.file).take(HEAD as u64).read_to_end(&mut head).with_context(|| format!("cannot read {}", self.name))?;
         if let Some((_, kind)) = KINDS.iter().find(|(begin, _)| head.starts_with(begin)) {
-            bail!("{} is no G-code but {kind}", self.name);
+            bail!("{} is not G-code but {kind}", self.name);
         }
         // Without a mark, half of the bytes of such a text are 0 all the same.
         let zeros = head.iter().filter(|byte| **byte == 0).count();
         if 5 * zeros > 2 * head.len() && head.chunks(2).all(|pair| pair.contains(&0) != pair.iter().all(|b| *b == 0)) {
-            bail!("{} is no G-code but {}", self.name, KINDS[8].1);
+            bail!("{} is not G-code but {}", self.name, KINDS[8].1);
         }
-        ensure!(zeros == 0, "{} is no G-code but binary data", self.name);
+        ensure!(zeros == 0, "{} is not G-code but binary data", self.name);
         Ok(())
     }
 }

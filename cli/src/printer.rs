@@ -48,11 +48,11 @@ impl Printer {
 pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
     let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
         Ok(v) if v.abs() <= 5000.0 => Ok(Mm::from_num(v)),
-        _ => Err(format!("`{part}` is no position in mm")),
+        _ => Err(format!("`{part}` is not a position in mm")),
     });
-    let mut next = || numbers.next().unwrap_or_else(|| Err("three numbers are wanted: X,Y,Z".to_owned()));
+    let mut next = || numbers.next().unwrap_or_else(|| Err("expected three numbers: X,Y,Z".to_owned()));
     let place = [next()?, next()?, next()?];
-    if numbers.next().is_some() { Err("three numbers are wanted: X,Y,Z".to_owned()) } else { Ok(place) }
+    if numbers.next().is_some() { Err("expected three numbers: X,Y,Z".to_owned()) } else { Ok(place) }
 }
 
 fn read_machine(path: Option<&Path>) -> Result<Machine> {

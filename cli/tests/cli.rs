@@ -137,7 +137,7 @@ fn filament_that_was_asked_for_and_did_not_move_is_a_failure() {
     // The extruder alone is no print: the line is left out, and the file has pushed nothing.
     let (status, said) = told("G28\nG1 E5 F300\n");
     assert_eq!(status, Some(1), "{said}");
-    assert!(said.contains("filament was asked for and none moved: was the hotend cold?"), "{said}");
+    assert!(said.contains("filament was commanded, but none moved: was the hotend cold?"), "{said}");
     for gcode in [
         "G28\nM302 P1\nG1 X20 E2 F3000\n",
         "G28\nG92 E5\nG1 X20 E-0.5 F3000\n",
@@ -227,7 +227,11 @@ fn heaters_break_when_they_are_told_to() {
     }
     let wrong = heat_text("break", gcode, &["--break", "opne@20s"]);
     assert_eq!(wrong.status.code(), Some(2));
-    assert!(text(&wrong.stderr).contains("`opne` is no accident; known are open, short, "), "{}", text(&wrong.stderr));
+    assert!(
+        text(&wrong.stderr).contains("`opne` is not an accident; expected open, short, "),
+        "{}",
+        text(&wrong.stderr)
+    );
     let missing = heat_text("break", gcode, &["--break", "open:bed@20s"]);
     assert!(text(&missing.stderr).contains("heaters.bed.is_fitted = true"), "{}", text(&missing.stderr));
 }
@@ -328,7 +332,7 @@ fn what_cannot_be_printed_is_status_2_and_says_why() {
             "bad.toml:2:13: axes.x.max_speed = 5000 is outside 0.01 to 3000",
         ),
         (&["run", axes, "--assume-homed", "1,2"], "three numbers"),
-        (&["run", axes, "--storage", image.to_str().unwrap()], "is no image of an EEPROM"),
+        (&["run", axes, "--storage", image.to_str().unwrap()], "is not an image of an EEPROM"),
         (&["run", axes, "--storage", "/no/such/place.bin"], "corehbot: cannot create /no/such/place.bin"),
         (&["run", axes, "--trace", "/no/such/place.csv"], "corehbot: cannot create /no/such/place.csv"),
         (&["run", axes, "--nonsense"], "--nonsense"),

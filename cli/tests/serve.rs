@@ -269,7 +269,7 @@ fn a_machine_is_sent_and_comes_back() {
     let served = Served::start(&["--storage", eeprom.to_str().unwrap(), "--speed", "20"]);
     let port = served.path.to_str().unwrap();
     let (status, said) = config(&["send", mine.to_str().unwrap(), port]);
-    assert!(status == Some(0) && said.contains("stored (") && said.contains("it counts from now on"), "{said}");
+    assert!(status == Some(0) && said.contains("stored (") && said.contains("in effect now"), "{said}");
     let (status, said) = config(&["get", port]);
     assert_eq!(status, Some(0), "{said}");
     std::fs::write(&got, &said).unwrap();
@@ -281,7 +281,7 @@ fn a_machine_is_sent_and_comes_back() {
     // Another mechanism waits for the next start.
     let corexy = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines/corexy.toml");
     let (status, said) = config(&["send", corexy.to_str().unwrap(), port]);
-    assert!(status == Some(0) && said.contains("it counts after the next reset"), "{said}");
+    assert!(status == Some(0) && said.contains("in effect after the next reset"), "{said}");
     // Errors of a file are reported before anything is sent, and the port must be a serial line.
     std::fs::write(&mine, "keepalive_s = 99\n").unwrap();
     let (status, said) = config(&["send", mine.to_str().unwrap(), port]);

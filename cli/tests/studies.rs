@@ -171,7 +171,7 @@ fn what_cannot_be_is_said_in_one_line() {
         assert_eq!(output.status.code(), Some(status), "{words}: {text}");
         text
     };
-    assert!(said("study.toml", 1).contains("wants an output"));
+    assert!(said("study.toml", 1).contains("needs an output"));
     assert!(said("nothing.toml -o s.csv", 1).contains("cannot open nothing.toml"));
     assert!(said("", 2).contains("FILE"));
     // Options that the study sets conflict with it.
@@ -180,7 +180,7 @@ fn what_cannot_be_is_said_in_one_line() {
     assert!(said("--vary belt_EA_N=1:2:3 -o s.csv", 2).contains("cannot be used with"));
     assert!(said("study.toml -o s.csv --jobs 0", 2).contains("--jobs"));
     fs::write(folder.join("s.csv.journal"), "my notes\n").unwrap();
-    assert!(said("study.toml -o s.csv", 1).contains("s.csv.journal: is no journal"));
+    assert!(said("study.toml -o s.csv", 1).contains("s.csv.journal: is not a journal"));
     fs::remove_file(folder.join("s.csv.journal")).unwrap();
     fs::remove_file(folder.join("corner.gcode")).unwrap();
     assert!(said("study.toml -o s.csv", 1).contains("corner.gcode"));

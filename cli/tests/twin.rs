@@ -331,7 +331,7 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         (ring.replace("101", "0"), "line 3: x_Hz = 0 is outside 1 to 5000"),
         (ring.replace("x_Hz", "xHz"), "line 3: unknown field `xHz`"),
         (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
-        ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: x_Hz or y_Hz is wanted"),
+        ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: expected x_Hz or y_Hz"),
         ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
         ("[[weight]]\nof = \"head\"\nmass_kg = 30\n".to_owned(), "head_mass_kg = 29.9"),
         (

@@ -172,7 +172,7 @@ impl Firmware {
     }
 
     fn file(&self) -> Result<ElfFile32<'_>> {
-        ElfFile32::parse(self.bytes.as_slice()).with_context(|| format!("{} is no ELF file", self.path.display()))
+        ElfFile32::parse(self.bytes.as_slice()).with_context(|| format!("{} is not an ELF file", self.path.display()))
     }
 }
 

@@ -93,7 +93,7 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     for told in [
         format!("echo:{why}; no motor gets power"),
         format!("echo:Settings unchanged: {why}"),
-        format!("Error:{why}; no motor was given power"),
+        format!("Error:{why}; no motor got power"),
     ] {
         assert!(seen.line.said.contains(&told), "{:?}", seen.line.said);
     }
@@ -115,11 +115,11 @@ fn a_board_without_a_machine_says_so_and_moves_nothing() {
         format!("echo:{why}; no motor gets power"),
         format!("echo:Settings not stored: {why}"),
         format!("echo:machine not stored: {why}"),
-        format!("Error:{why}; no motor was given power"),
+        format!("Error:{why}; no motor got power"),
     ] {
         assert_eq!(said(&told), 1, "{told}: {:?}", seen.line.said);
     }
-    assert_eq!((said("FIRMWARE_NAME:"), said("it counts after the next reset")), (1, 1), "{:?}", seen.line.said);
+    assert_eq!((said("FIRMWARE_NAME:"), said("in effect after the next reset")), (1, 1), "{:?}", seen.line.said);
     let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
     // M502 goes back to that machine too, because the image has none.
     let seen = print_on(&plain_firmware(), "G28 Z\nM113 S3\nM502\nM113\n", &again);

@@ -112,11 +112,11 @@ fn a_board_without_a_machine_moves_nothing_until_it_is_sent_one() {
     for told in [
         format!("echo:{why}; no motor gets power"),
         format!("echo:Settings not stored: {why}"),
-        format!("Error:{why}; no motor was given power"),
+        format!("Error:{why}; no motor got power"),
     ] {
         assert_eq!(said(&seen, &told), 1, "{told}: {:?}", seen.line.said);
     }
-    assert_eq!((said(&seen, "FIRMWARE_NAME:"), said(&seen, "it counts after the next reset")), (1, 1));
+    assert_eq!((said(&seen, "FIRMWARE_NAME:"), said(&seen, "in effect after the next reset")), (1, 1));
     assert!(seen.flash.faults.is_empty() && !seen.flash.operations.is_empty(), "{:?}", seen.flash.faults);
     let flash = FlashSectors::holding(seen.flash.cells);
     let again = print_on(&nucleo_firmware(), GCODE, &Bench { settings: machine, flash, ..nucleo_bench() });

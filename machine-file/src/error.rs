@@ -107,13 +107,11 @@ impl Display for MachineFileError {
                 f.write_str(", or an NTC: { ohms = 100000, beta = 3950 }")
             }
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
-            Self::Corner => f.write_str(
-                "corner wants either of its keys (junction_deviation, square_corner), not both and not none",
-            ),
+            Self::Corner => f.write_str("corner needs exactly one of its keys: junction_deviation or square_corner"),
             Self::Phases => write!(f, "belt.phases has a number for each residual, {PHASES} at most"),
             Self::Name(name) => write!(
                 f,
-                "name = {:?} is no name: up to {} letters, digits, blanks and {}, a blank neither first nor last",
+                "name = {:?} is not a name: up to {} letters, digits, blanks and {}, a blank neither first nor last",
                 short(name),
                 MachineName::LONGEST,
                 MachineName::MARKS
@@ -121,14 +119,15 @@ impl Display for MachineFileError {
             Self::Row { key, row } => {
                 write!(
                     f,
-                    "{key} = {} is no row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e",
+                    "{key} = {} is not a row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if \
+                    not 0, for e",
                     short(&format!("{row:?}"))
                 )
             }
             Self::Connector { key, value } => {
                 write!(
                     f,
-                    "{key} = {:?} is no connector: its name on the board, up to 8 characters; perhaps ! before it",
+                    "{key} = {:?} is not a connector: its name on the board, up to 8 characters; perhaps ! before it",
                     short(value)
                 )
             }

@@ -54,7 +54,7 @@ fn a_mechanism_lists_the_motors_that_are_fitted() {
     let none = [0; 4];
     assert_eq!(s.mechanism.rows, [none, none, [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], none, [0, 0, 0, -1]]);
     let error = |text: &str| load(&format!("[mechanism]\n{text}")).unwrap_err().to_string();
-    let illegal = "is no row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e";
+    let illegal = "is not a row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e";
     assert_eq!(error("m1 = [2, 1, 0]"), format!("mechanism.m1 = [2.0, 1.0, 0.0] {illegal}"));
     assert_eq!(error("z2 = [0, 0.5, 0]"), format!("mechanism.z2 = [0.0, 0.5, 0.0] {illegal}"));
     for short in ["e0 = [0, 1]", "e0 = [0, 0, 0, 0, 1]", "e0 = []", "e0 = [nan, 0, 0]"] {
@@ -100,7 +100,7 @@ fn motors_and_switches_are_plugged_in_by_name() {
     assert_eq!((y.connector.as_str(), y.is_normally_open), ("E0DET", true));
     assert!(!s.wiring.endstops.x.is_normally_open);
     let error = |text: &str| load(text).unwrap_err().to_string();
-    let none = "is no connector: its name on the board, up to 8 characters; perhaps ! before it";
+    let none = "is not a connector: its name on the board, up to 8 characters; perhaps ! before it";
     assert_eq!(error("[motors]\nm1 = \"M 1\""), format!("motors.m1 = \"M 1\" {none}"));
     for text in ["!", "123456789", "!!M1"] {
         assert_eq!(error(&format!("[endstops]\nz = \"{text}\"")), format!("endstops.z = {text:?} {none}"));

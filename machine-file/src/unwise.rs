@@ -41,7 +41,8 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     let line = line_acceleration(s);
     if line < s.print_acceleration.to_num::<f64>() {
         let text = format!(
-            "advance.time = {}: a line of 0.4 x 0.2 mm is accelerated at {line:.0} of print_acceleration = {} mm/s2, for the \
+            "advance.time = {}: a line of 0.4 x 0.2 mm is accelerated at {line:.0} of print_acceleration = {} mm/s2, \
+            for the \
              extruder has {} mm/s and {} mm/s2",
             s.advance.time, s.print_acceleration, s.axes.e.max_speed, s.axes.e.max_acceleration
         );
@@ -70,7 +71,8 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
         if from < Mm::ZERO || from + size > length {
             let (key, to) = (format!("bed.{side}"), from + size);
             let text = format!(
-                "{key} = {size}: the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}0 to {axis}{length}"
+                "{key} = {size}: the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}0 to \
+                {axis}{length}"
             );
             warn(&key, text);
         }
@@ -82,8 +84,8 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
         }
         if machine.board.is_some_and(|board| board.debug_sockets.contains(&connector)) {
             let text = format!(
-                "{key}: {connector} has a line of the debug port; once the board runs as this machine, a probe gets in only \
-                 while it holds the processor in reset, and there is no log"
+                "{key}: {connector} has a line of the debug port; while the board runs this machine, a debug probe \
+                connects only under reset, and there is no log"
             );
             warn(&key, text);
         }

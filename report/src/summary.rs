@@ -187,7 +187,7 @@ impl Summary {
             self.warnings_total += 1;
         }
         if asked.filament && !asked.dry_run && self.steps.e0 == 0 && settings.mechanism.fitted().has(Motor::E0) {
-            let why = format!("{}: filament was asked for and none moved: was the hotend cold?", self.file);
+            let why = format!("{}: filament was commanded, but none moved: was the hotend cold?", self.file);
             self.ok = false;
             self.failure.get_or_insert(why);
         }

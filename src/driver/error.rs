@@ -62,16 +62,16 @@ impl fmt::Display for DriverError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Silent => f.write_str("does not answer: is the motor supply on, its jumper set to UART?"),
-            Self::Garbled => f.write_str("answers, but unreadably: look at its UART wire"),
-            Self::NotTaken => f.write_str("does not take its configuration: look at its UART wire"),
-            Self::Differs(register) => write!(f, "holds another {} than it was told", register.name()),
-            Self::Microsteps => f.write_str("makes other microsteps than it was told"),
-            Self::LostConfiguration => f.write_str("was reset and lost its configuration: look at the motor supply"),
-            Self::WrongChip(version) => write!(f, "is no TMC2209: its version is {version:#04x}"),
-            Self::ShortCircuit => f.write_str("reports a short circuit: look at the motor and its cable"),
+            Self::Garbled => f.write_str("answers, but the answer is damaged: check its UART wire"),
+            Self::NotTaken => f.write_str("did not accept its configuration: check its UART wire"),
+            Self::Differs(register) => write!(f, "holds a different {} than the firmware wrote", register.name()),
+            Self::Microsteps => f.write_str("uses different microsteps than the firmware wrote"),
+            Self::LostConfiguration => f.write_str("was reset and lost its configuration: check the motor supply"),
+            Self::WrongChip(version) => write!(f, "is not a TMC2209: its version is {version:#04x}"),
+            Self::ShortCircuit => f.write_str("reports a short circuit: check the motor and its cable"),
             Self::OverTemperature => f.write_str("was too hot and switched itself off: cool it, or lower M906"),
             Self::ShutDown => f.write_str("had switched itself off: heat or a short circuit"),
-            Self::LowSupply => f.write_str("has too low a supply: look at the motor supply"),
+            Self::LowSupply => f.write_str("reports a low supply voltage: check the motor supply"),
         }
     }
 }
@@ -138,7 +138,7 @@ mod tests {
             "driver of motor 8 does not answer: is the motor supply on, its jumper set to UART?"
         );
         let fault = Fault { motor: Motor::Z2, error: DriverError::Differs(Register::Pwmconf) };
-        assert_eq!(fault.to_string(), "driver of motor Z2 holds another PWMCONF than it was told");
+        assert_eq!(fault.to_string(), "driver of motor Z2 holds a different PWMCONF than the firmware wrote");
     }
 
     #[test]

@@ -83,9 +83,9 @@ pub enum Plane {
 /// Why a line is not carried out although its command is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Flaw<'a> {
-    /// This is no letter with a number.
+    /// This is not a letter with a number.
     NoWord(&'a [u8]),
-    /// This is no name with `=` and the number that it needs.
+    /// This is not a name with `=` and the number that it needs.
     NoPair(&'a [u8]),
     /// This letter needs a number.
     NoNumber(u8),

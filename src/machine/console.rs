@@ -166,7 +166,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         main_loop.end_trim().await?;
         end_measuring(main_loop).await?;
         if main_loop.homed.stop() {
-            main_loop.reply(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
+            main_loop.reply(Answer::Line("echo:homing was interrupted, the position of the axis is unknown")).await?;
         }
         Ok(())
     }

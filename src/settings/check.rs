@@ -53,8 +53,8 @@ impl core::fmt::Display for SettingsError {
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
             Self::MicrostepsDiffer { motors: [a, b], microsteps: [of_a, of_b], keys: [key_a, key_b] } => write!(
                 f,
-                "motors {} and {} move the same axis with {of_a} and {of_b} microsteps, and one would go further than the \
-                 other: set {key_a}.microsteps and {key_b}.microsteps alike",
+                "motors {} and {} move the same axis with {of_a} and {of_b} microsteps, so one moves further than the \
+                other: set {key_a}.microsteps and {key_b}.microsteps alike",
                 a.name(),
                 b.name()
             ),

@@ -124,7 +124,7 @@ impl core::fmt::Display for SaveError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Storage(error) => error.fmt(f),
-            Self::NotKept => f.write_str("storage does not keep what is written"),
+            Self::NotKept => f.write_str("storage does not keep written data"),
             Self::TooLong => f.write_str("the settings are too long"),
             Self::Illegal(why) => why.fmt(f),
         }
@@ -271,7 +271,7 @@ mod tests {
         use std::string::ToString as _;
         assert_eq!([Slot::A.to_string(), Slot::B.to_string()], ["A", "B"]);
         let errors = [SaveError::Storage(StorageError::Failed), SaveError::NotKept, SaveError::TooLong];
-        let texts = ["storage does not answer", "storage does not keep what is written", "the settings are too long"];
+        let texts = ["storage does not answer", "storage does not keep written data", "the settings are too long"];
         assert_eq!(errors.map(|error| error.to_string()), texts);
         let illegal = SaveError::Illegal(SettingsError::OutOfRangeBeside("advance.window"));
         assert_eq!(illegal.to_string(), "advance.window is outside its legal range");

@@ -59,7 +59,7 @@ def run(program, file, _kind):
                 sys.stdout = shown
         failed = [line for line in uploaded if "open failed" in line]
         check(failed and TARGET in failed[0], f"the upload is answered with {uploaded[:5]}")
-        count = [line for line in uploaded if "lines not carried out" in line and "upload ended" in line]
+        count = [line for line in uploaded if "ignored lines" in line and "upload ended" in line]
         check(count and count[0].endswith(f": {len(commands)}"), f"of {len(commands)} lines it says {count}")
         check(all(float(cold[letter][1]) == 0 for letter in LETTERS), f"heated by the upload: {cold}")
         check(all(float(off[letter][1]) == 0 for letter in LETTERS), f"not off after the print: {off}")

@@ -39,13 +39,13 @@ struct Way {
 /// Conditions before the chip's own bootloader runs. It looks for hosts on USART3 too, and pulls up these pins: on the
 /// Octopus they are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
 const BEFORE_DFU: &str = "\
-before you set the BOOT0 jumper: unplug HE2 and HE3, for the chip's bootloader pulls their gates (PB10, PB11) up;
+before you set the BOOT0 jumper: unplug HE2 and HE3, because the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground";
 
 /// The same for the Spider; only its pins are known.
 const BEFORE_DFU_SPIDER: &str = "\
-before you set the BT0 jumper: unplug the bed and all heaters, for nobody has looked what the chip's bootloader does to
-their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground";
+before you set the BT0 jumper: unplug the bed and all heaters, because nobody has checked how the chip's bootloader
+drives their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground";
 
 /// Steps before the chip's own bootloader runs on a board.
 const fn before_dfu(board: Board) -> &'static str {

@@ -45,7 +45,11 @@ impl Eeprom {
             Ok(mut file) => {
                 cells.clear();
                 file.read_to_end(&mut cells).with_context(|| named("read"))?;
-                ensure!(cells.len() == SIZE, "{} is no image of an EEPROM: it has not {SIZE} bytes", path.display());
+                ensure!(
+                    cells.len() == SIZE,
+                    "{} is not an image of an EEPROM: its size is not {SIZE} bytes",
+                    path.display()
+                );
                 file
             }
             Err(error) if error.kind() == ErrorKind::NotFound => {

@@ -353,7 +353,7 @@ impl FileHost {
     fn hear_action(&mut self, action: &str) {
         match action {
             // It said why before.
-            "pause action:pause" => self.fail("the printer holds this line until somebody heats it or homes it"),
+            "pause action:pause" => self.fail("the printer holds this line until it is heated or homed"),
             "cancel action:cancel" => self.fail("the printer has ended the print"),
             // Waits that end by themselves need no user.
             "prompt_show" if !is_timed(&self.current().command) => self.paused = Some(self.now),

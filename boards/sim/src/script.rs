@@ -103,7 +103,7 @@ impl Host for Script {
         if matches(line, expected) {
             self.next += 1;
         } else if line != BUSY {
-            self.failure = Some(format!("line {number} wants \"{expected}\", the printer said \"{line}\""));
+            self.failure = Some(format!("line {number} expected \"{expected}\", the printer said \"{line}\""));
         }
     }
 
@@ -160,7 +160,7 @@ mod tests {
         script.send(&mut out);
         assert!(script.failure().is_some_and(|why| why.contains("not reached")));
         script.hear("okay");
-        assert_eq!(script.failure().unwrap(), "line 2 wants \"ok\", the printer said \"okay\"");
+        assert_eq!(script.failure().unwrap(), "line 2 expected \"ok\", the printer said \"okay\"");
         assert!(Script::new("M105").is_err());
     }
 }

@@ -236,10 +236,7 @@ fn a_model_that_no_such_heater_has_is_refused_and_the_heater_is_named() {
         ("M306 E0 P1", "echo:M306 ignored: P1 is out of range (5 to 200), stays 40"),
         ("M306 E0 L80", "echo:M306 ignored: L80 is out of range (0.1 to 60), stays 1.2"),
         ("M306 E-1 C10.8", "echo:M306 ignored: C10.8 is out of range (100 to 2"),
-        (
-            "M306 E0 P5",
-            "echo:M306 ignored: no such heater has this power with this model, set P, C, A, F, R and L in one line",
-        ),
+        ("M306 E0 P5", "echo:M306 ignored: this model does not fit this power, set P, C, A, F, R and L in one line"),
     ] {
         let heard = talk(&settings, 1000, &[line, "M306 E0", "M306 E-1"]);
         assert!(heard[0].starts_with(told), "{line}: {heard:?}");
@@ -277,7 +274,7 @@ fn diagnosis_has_the_fault_and_the_heaters() {
 #[test]
 fn a_tuning_of_a_hot_hotend_cools_it_first_and_says_so() {
     let heard = talk(&machine(&[Heater::Hotend]), 420_000, &["M109 S215", "M303 E0 S215 C3", "M105"]);
-    assert!(has(&heard, "echo:it is too hot to begin and cools first, M108 ends that"), "{heard:?}");
+    assert!(has(&heard, "echo:too hot to begin, it cools first; M108 ends this wait"), "{heard:?}");
     let found = heard.iter().find_map(|line| line.strip_prefix("echo:hotend: ")?.split_once(" J/K"));
     let capacity: f64 = found.unwrap().0.parse().unwrap();
     assert!((capacity - 10.8).abs() < 1.0, "{capacity}");

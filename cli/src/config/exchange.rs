@@ -59,10 +59,10 @@ pub(super) fn send(args: &Send) -> Result<u8> {
     let machine = machine_file::read(&args.file)?;
     let heard = args.port.talk(&lines_of(&machine.settings)?)?;
     if let Some(why) = heard.iter().find_map(|line| line.strip_prefix(REFUSED)) {
-        bail!("the board does not take it: {}", printable::line(why));
+        bail!("the board refused it: {}", printable::line(why));
     }
     let stored = heard.iter().find_map(|line| line.strip_prefix(STORED));
-    let stored = stored.context("the board does not say that it has stored it: does this firmware run on it?")?;
+    let stored = stored.context("the board did not confirm that it stored it: does it run this firmware?")?;
     println!("{}: stored {}", args.file.display(), printable::line(stored));
     Ok(DONE)
 }
@@ -99,7 +99,7 @@ fn machine_said(heard: &[String]) -> Result<Settings> {
         let piece = words.strip_prefix("AT=").and_then(|words| words.split_once(" HEX="));
         let (at, hex) = piece.with_context(|| format!("no piece of a machine: {}", printable::line(words)))?;
         ensure!(at.parse() == Ok(record.len()), "a piece of the machine is missing");
-        record.extend(bytes_of(hex).context("a piece of the machine is no hexadecimal number")?);
+        record.extend(bytes_of(hex).context("a piece of the machine is not a hexadecimal number")?);
     }
     bail!("the board says no machine: does this firmware run on it?")
 }

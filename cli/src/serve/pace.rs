@@ -26,7 +26,7 @@ pub(crate) fn parse(text: &str) -> Result<Speed, String> {
     match text.parse::<f64>() {
         _ if text == "max" => Ok(Speed::Max),
         Ok(times) if (0.01..=1000.0).contains(&times) => Ok(Speed::Times(times)),
-        _ => Err("a number from 0.01 to 1000 is wanted, or max".to_owned()),
+        _ => Err("expected a number from 0.01 to 1000, or max".to_owned()),
     }
 }
 

@@ -104,8 +104,8 @@ fn unlike(names: &[String], error: CalibrateError) -> anyhow::Error {
     let Some((name, Misfit { part, uncertainties })) = worst else { return error.into() };
     let (percent, uncertainties) = (100.0 * part, uncertainties.abs());
     anyhow!(
-        "no machine measures like this: of {name} the nearest one says {percent:+.0} %, {uncertainties:.0} uncertainties; look at \
-         its unit and measure it again, or look at the others if it stays"
+        "no machine measures like this: of {name} the nearest one says {percent:+.0} %, {uncertainties:.0} \
+        uncertainties; check its unit and measure it again; if it stays, check the others"
     )
 }
 

@@ -100,7 +100,7 @@ impl Compare {
 
 fn parse_force(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
-    legal.ok_or_else(|| format!("`{text}` is no force above 0"))
+    legal.ok_or_else(|| format!("`{text}` is not a force above 0"))
 }
 
 impl std::fmt::Display for Answer {

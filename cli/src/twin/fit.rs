@@ -60,7 +60,7 @@ impl Fit {
             ensure!(reach.has(*at), "({:.1}, {:.1}) mm is outside what the tool reaches", at.x, at.y);
         }
         let count = rung.iter().flat_map(|r| r.frequencies_hz).flatten().count();
-        ensure!(count >= 2, "two frequencies at least are wanted: belts and motors are two unknowns");
+        ensure!(count >= 2, "expected at least two frequencies: belts and motors are two unknowns");
         let law = |axis: Axis, index: usize| {
             let place = |r: &Rung| if index == 0 { r.at.x } else { r.at.y };
             let one = |r: &Rung| {
@@ -80,20 +80,20 @@ impl Fit {
 fn parse_rung(text: &str) -> Result<Rung, String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),
-        _ => Err(format!("`{part}` is no number")),
+        _ => Err(format!("`{part}` is not a number")),
     };
     let frequency = |part: &str| match part.trim() {
         "-" => Ok(None),
         part => match number(part)? {
             hz if (1.0..=5000.0).contains(&hz) => Ok(Some(hz)),
-            _ => Err(format!("`{part}` is no frequency from 1 to 5000 Hz")),
+            _ => Err(format!("`{part}` is not a frequency from 1 to 5000 Hz")),
         },
     };
     match text.split(',').collect::<Vec<_>>()[..] {
         [x, y, fx, fy] => {
             Ok(Rung { at: Place { x: number(x)?, y: number(y)? }, frequencies_hz: [frequency(fx)?, frequency(fy)?] })
         }
-        _ => Err("a place and two frequencies are wanted: X,Y,FX,FY".to_owned()),
+        _ => Err("expected a place and two frequencies: X,Y,FX,FY".to_owned()),
     }
 }
 

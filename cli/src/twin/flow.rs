@@ -71,7 +71,7 @@ pub(crate) struct Flow {
 /// A number between two others.
 fn parse(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let legal = |number: &f64| (least..=most).contains(number);
-    text.parse().ok().filter(legal).ok_or_else(|| format!("`{text}` is no number from {least} to {most}"))
+    text.parse().ok().filter(legal).ok_or_else(|| format!("`{text}` is not a number from {least} to {most}"))
 }
 
 /// A lag that a nozzle and its tube may have.

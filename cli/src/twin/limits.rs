@@ -62,20 +62,20 @@ impl LimitsArgs {
 
 fn parse_error(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v| *v > 0.0 && *v <= 10.0);
-    legal.ok_or_else(|| format!("`{text}` is no error above 0 and up to 10 mm"))
+    legal.ok_or_else(|| format!("`{text}` is not an error above 0 and up to 10 mm"))
 }
 
 fn parse_part(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v| *v > 0.0 && *v <= 1.0);
-    legal.ok_or_else(|| format!("`{text}` is no part above 0 and up to 1"))
+    legal.ok_or_else(|| format!("`{text}` is not a part above 0 and up to 1"))
 }
 
 fn parse_margin(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v| (0.0..1.0).contains(v));
-    legal.ok_or_else(|| format!("`{text}` is no part from 0 to below 1"))
+    legal.ok_or_else(|| format!("`{text}` is not a part from 0 to below 1"))
 }
 
 fn parse_speed(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v| (1.0..=2000.0).contains(v));
-    legal.ok_or_else(|| format!("`{text}` is no speed from 1 to 2000 mm/s"))
+    legal.ok_or_else(|| format!("`{text}` is not a speed from 1 to 2000 mm/s"))
 }

@@ -255,7 +255,7 @@ impl Reader<'_> {
     ) -> Result<Vec<(&'static str, Direction, &'v Spanned<f64>)>> {
         let both = keys.into_iter().zip([Direction::X, Direction::Y]).zip(values);
         let all: Vec<_> = both.filter_map(|((key, along), v)| v.as_ref().map(|v| (key, along, v))).collect();
-        ensure!(!all.is_empty(), "line {}: {wanted} is wanted beside this place", self.line(at));
+        ensure!(!all.is_empty(), "line {}: expected {wanted} beside this place", self.line(at));
         Ok(all)
     }
 }

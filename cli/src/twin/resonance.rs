@@ -49,5 +49,5 @@ impl Resonance {
 pub(super) fn parse_grid(text: &str) -> Result<[usize; 2], String> {
     let number = |part: &str| part.parse().ok().filter(|n| (2..=MOST).contains(n));
     let pair = text.split_once('x').and_then(|(n, m)| Some([number(n)?, number(m)?]));
-    pair.ok_or_else(|| format!("`{text}` is no grid like 7x7, of 2 to {MOST} columns and rows"))
+    pair.ok_or_else(|| format!("`{text}` is not a grid like 7x7, of 2 to {MOST} columns and rows"))
 }

@@ -186,17 +186,17 @@ impl SetupArgs {
 /// A number that is finite.
 pub(super) fn parse_finite(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-    number.ok_or_else(|| format!("{text} is no number"))
+    number.ok_or_else(|| format!("{text} is not a number"))
 }
 
 /// Two finite numbers.
 pub(super) fn parse_pair(text: &str) -> Result<[f64; 2], String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),
-        _ => Err(format!("`{part}` is no number")),
+        _ => Err(format!("`{part}` is not a number")),
     };
     match text.split(',').collect::<Vec<_>>()[..] {
         [x, y] => Ok([number(x)?, number(y)?]),
-        _ => Err("two numbers are wanted: X,Y".to_owned()),
+        _ => Err("expected two numbers: X,Y".to_owned()),
     }
 }

@@ -93,7 +93,7 @@ impl Sweep {
         match (&self.vary, &self.file) {
             (Some(vary), file) => self.vary(vary, file.as_deref()),
             (None, Some(file)) => self.study.answer(file, &self.json),
-            (None, None) => Err(anyhow!("a study is wanted, or --vary")),
+            (None, None) => Err(anyhow!("expected a study, or --vary")),
         }
     }
 

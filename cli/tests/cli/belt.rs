@@ -28,9 +28,9 @@ fn corehbot(arguments: &[&str]) -> Output {
 fn a_bad_value_is_one_line_and_nothing_is_begun() {
     let cartesian = examples("machines/cartesian.toml");
     for (arguments, said) in [
-        (&["--hit", "1,2,3"][..], "--hit 1,2,3: X,Y,N,MS is wanted"),
-        (&["--brake", "z1,3"], "--brake z1,3: `z1` is no belt motor: m1, m4, m8, m11"),
-        (&["--brake", "m1,-3"], "--brake m1,-3: `-3` is no force of 0 to 10,000 N"),
+        (&["--hit", "1,2,3"][..], "--hit 1,2,3: expected X,Y,N,MS"),
+        (&["--brake", "z1,3"], "--brake z1,3: `z1` is not a belt motor: m1, m4, m8, m11"),
+        (&["--brake", "m1,-3"], "--brake m1,-3: `-3` is not a force of 0 to 10,000 N"),
         (
             &["--settings", cartesian.to_str().unwrap()],
             "--plant belt: the belt plant knows CoreH-bot, CoreXY and AWD CoreXY; this mechanism is none of them",

@@ -175,7 +175,7 @@ fn every_move_of_every_layer_is_drawn_where_it_was_made() {
             next += 1;
             for line in &printed[begin..next] {
                 let off = distance(line.to, pair[0], pair[1]).max(distance(line.from, pair[0], pair[1]));
-                assert!(off <= 2.0 * TOLERANCE, "layer {layer}: {line:?} is no part of move {index}: {off} mm off");
+                assert!(off <= 2.0 * TOLERANCE, "layer {layer}: {line:?} is not a part of move {index}: {off} mm off");
                 let middle = [0, 1].map(|i| (line.from[i] + line.to[i]) / 2.0);
                 let off = distance(middle, pair[0], pair[1]);
                 assert!(off <= TOLERANCE, "layer {layer}: {line:?} is {off} mm off move {index}");

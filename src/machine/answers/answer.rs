@@ -38,7 +38,7 @@ pub(in crate::machine) enum Answer<'a> {
     Unknown(&'a [u8]),
     /// A line that is not in order.
     Malformed(Flaw<'a>),
-    /// A command, and the name of a word of it that is not obeyed.
+    /// A command, and the name of a word of it that is not supported.
     NotObeyed(&'static str, &'a [u8]),
     /// A value that was out of range.
     Clamp(Clamp),
@@ -76,7 +76,7 @@ pub(in crate::machine) enum Answer<'a> {
     Heat,
     /// Temperatures while a command waits for them, and the seconds that are missing.
     Heating(Option<u32>),
-    /// A heater that is waited for gets no warmer.
+    /// A heater that is waited for does not get warmer.
     NoRise(Heater),
     /// A heater that a command is for is not fitted, but others are.
     NoHeater(Heater),

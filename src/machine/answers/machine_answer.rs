@@ -14,7 +14,7 @@ pub(in crate::machine) enum MachineAnswer<'p> {
     End(usize),
     /// MACHINE_PUT or MACHINE_STORE refuse.
     Refused(MachineRefusal),
-    /// MACHINE_STORE did it: the record, and whether it counts from now on.
+    /// MACHINE_STORE did it: the record, and whether it takes effect at once.
     Stored(Receipt, bool),
 }
 

@@ -13,7 +13,7 @@ pub(in crate::machine) enum StorageNews {
     Saved(Receipt),
     /// M500 did not.
     NotSaved(SaveError),
-    /// M500 did not, for another machine was stored that counts after the next reset.
+    /// M500 stored nothing: a new machine is stored, which takes effect after the next reset.
     MachineWaits,
     /// M500 stored nothing because the board has no machine; the text gives the reason.
     NoMachine(&'static str),

@@ -121,7 +121,7 @@ pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
         Blocking::EmergencyStop => return Err(Interrupt::Halt),
         Blocking::Conditional => {
             main_loop
-                .reply(Answer::Line("Error:which lines run depends on this one, and this firmware would run them all"))
+                .reply(Answer::Line("Error:this line decides which lines run, and this firmware cannot skip lines"))
                 .await?;
             return Err(Interrupt::Halt);
         }

@@ -90,7 +90,7 @@ pub(in crate::machine) fn set_model(
     }
     if !is_plausible {
         return Answer::Line(
-            "echo:M306 ignored: no such heater has this power with this model, set P, C, A, F, R and L in one line",
+            "echo:M306 ignored: this model does not fit this power, set P, C, A, F, R and L in one line",
         );
     }
     *thermal = wanted;

@@ -246,8 +246,8 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::PowerLossRecovery(Some(true)) => {
             Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it")
         }
-        Command::Probing => Answer::Line("echo:nothing is probed by this firmware, ignored"),
-        Command::CancelObject => Answer::Line("echo:objects cannot be left out, ignored"),
+        Command::Probing => Answer::Line("echo:this firmware has no probing, ignored"),
+        Command::CancelObject => Answer::Line("echo:this firmware cannot leave out objects, ignored"),
         Command::Malformed(Flaw::Absent(absent)) if !notices.give_absent(absent.key()) => Answer::Nothing,
         Command::Malformed(flaw) => Answer::Malformed(flaw),
         Command::Unknown(text) => {

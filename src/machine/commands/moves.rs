@@ -186,7 +186,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         if self.notices.give(Notice::MotionBeforeHoming) {
             self.main_loop
-                .reply(Answer::Line("echo:motion before homing (G28), the ends of the axes are not known"))
+                .reply(Answer::Line("echo:motion before homing (G28): the ends of the axes are unknown"))
                 .await?;
         }
         Ok(true)
@@ -233,7 +233,12 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Reports once that a target was beyond the edge.
     pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
         if self.notices.give(Notice::Edge) {
-            self.main_loop.reply(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
+            self.main_loop
+                .reply(Answer::Line(
+                    "echo:target out of reach, moved to the edge of the reachable \
+                space",
+                ))
+                .await?;
         }
         Ok(())
     }

@@ -117,7 +117,7 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     Ok(Answer::Kept)
 }
 
-/// The answer to a word that is not obeyed: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour,
+/// The answer to a word that is not supported: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour,
 /// name).
 const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     match words.other {
@@ -152,7 +152,7 @@ async fn report_reason<P: PortSet, W: Pend>(
     first: Action<'static>,
 ) -> Result<(), Interrupt> {
     let (line, question) = match why {
-        Kept::Lost(_) => ("echo:print held: axes are not homed any more. Home them (G28), then send M24", LOST),
+        Kept::Lost(_) => ("echo:print held: axes are no longer homed. Home them (G28), then send M24", LOST),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
     };
     main_loop.hosts.notify_others(format_args!("{line}"));
@@ -392,7 +392,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     }
     Ok(match go_on(main_loop, modal, cold, true, None).await? {
         Going::On => Answer::Nothing,
-        Going::Not(_) => Answer::Line("echo:not resumed: axes are not homed any more. Home them (G28), then send M24"),
+        Going::Not(_) => Answer::Line("echo:not resumed: axes are no longer homed. Home them (G28), then send M24"),
     })
 }
 

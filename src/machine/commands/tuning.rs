@@ -73,7 +73,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         apply(&tuned, main_loop.heat_settings().heater_mut(heater));
     }
     main_loop.reply(Answer::Tuned(heater, tuned)).await?;
-    Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })
+    Ok(if applies { Answer::Nothing } else { Answer::Line("echo:settings are unchanged; M303 U1 uses the result") })
 }
 
 /// Why a tuning failed, and how to continue. Hosts look for Marlin's words.
@@ -119,7 +119,7 @@ async fn await_tuning<P: PortSet, W: Pend>(
                 Tuning::Cooling => {
                     if !core::mem::replace(&mut is_cooling, true) {
                         main_loop
-                            .reply(Answer::Line("echo:it is too hot to begin and cools first, M108 ends that"))
+                            .reply(Answer::Line("echo:too hot to begin, it cools first; M108 ends this wait"))
                             .await?;
                     }
                 }

@@ -104,7 +104,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Unknown(text) => to.put(&|replies| replies.unknown(text)),
             Answer::Malformed(flaw) => report_malformed(to, flaw),
             Answer::NotObeyed(command, word) => {
-                to.say(format_args!("echo:{command} {} is not obeyed by this firmware", Echo(word)));
+                to.say(format_args!("echo:{command} {} is not supported by this firmware", Echo(word)));
             }
             Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
             Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
@@ -113,7 +113,10 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
             Answer::NoRise(heater) => {
                 let name = heater.name();
-                to.say(format_args!("echo:{name} gets no warmer; the print ends if that goes on. M108 ends this wait"));
+                to.say(format_args!(
+                    "echo:{name} does not get warmer; the print ends if this continues. M108 ends \
+                    this wait"
+                ));
             }
             Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
             Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
@@ -142,12 +145,10 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
             Answer::NoCard(name) => {
                 let name = Echo(name);
-                to.say(format_args!(
-                    "echo:open failed, File: {name}. There is no card; lines up to M29 are not carried out"
-                ));
+                to.say(format_args!("echo:open failed, File: {name}. There is no card; lines up to M29 are ignored"));
             }
             Answer::UploadEnded(lines) => {
-                to.say(format_args!("echo:upload ended: there is no card, lines not carried out: {lines}"));
+                to.say(format_args!("echo:upload ended: there is no card, ignored lines: {lines}"));
             }
             Answer::Firmware => report_firmware(to, storage::is_present(&ports.storage), s),
             Answer::Endstops(pressed) => report_endstops(to, pressed, link.status().inputs(), &s.endstops),
@@ -187,9 +188,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Driver(motor, reading) => report_driver(to, (motor, reading), drivers, s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
             Answer::Storage(news) => report_storage(to, &news),
-            Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor was given power")),
+            Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),
-            Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor was given power")),
+            Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor got power")),
             Answer::HomingFailed { axis, why } => to.say(format_args!("Error:Homing failed: {axis} endstop {why}")),
         }
     }
@@ -240,10 +241,10 @@ fn report_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
 fn report_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
     match flaw {
         Flaw::NoWord(text) => {
-            to.say(format_args!("echo:line ignored: \"{}\" is no letter with a number", Echo(text)));
+            to.say(format_args!("echo:line ignored: \"{}\" is not a letter with a number", Echo(text)));
         }
         Flaw::NoPair(text) => {
-            to.say(format_args!("echo:line ignored: \"{}\" is no name with = and a number", Echo(text)));
+            to.say(format_args!("echo:line ignored: \"{}\" is not a name with = and a number", Echo(text)));
         }
         Flaw::NoNumber(letter) => to.say(format_args!("echo:line ignored: {} needs a number", letter as char)),
         Flaw::OutOfRange(text) => to.say(format_args!("echo:line ignored: {} is out of range", Echo(text))),

@@ -89,7 +89,10 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
         BeltAnswer::Aligned => {
             report_found(to, "echo:belt motors aligned: ", trimming, s);
             if trimming.has_new_phase() {
-                to.say(format_args!("echo:stored settings lack the new phase of the belt: M500 keeps it, and motors align as they get power"));
+                to.say(format_args!(
+                    "echo:stored settings lack the new phase of the belt: M500 stores it, and motors \
+                    align when they get power"
+                ));
             }
         }
         BeltAnswer::NotAligned(error) => to.say(format_args!("echo:belt motors not aligned: {error}")),
@@ -100,11 +103,14 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
         }
         BeltAnswer::Touched([x, y]) => {
             let (x, y) = (length(x, per_mm), length(y, per_mm));
-            to.say(format_args!("echo:the tool is beside its place by X{x} Y{y} mm"));
+            to.say(format_args!("echo:the tool is off its position by X{x} Y{y} mm"));
         }
         BeltAnswer::Diagnosis(Diagnosis::Nothing) => to.say(format_args!("echo:no motor has skipped")),
         BeltAnswer::Diagnosis(Diagnosis::Alike) => {
-            to.say(format_args!("echo:motors have skipped alike, or a switch has moved: the belt is not strained"));
+            to.say(format_args!(
+                "echo:all motors have skipped equally, or a switch has moved: the belt is not \
+                strained"
+            ));
         }
         BeltAnswer::Diagnosis(Diagnosis::Skip { motor, full_steps }) => {
             let name = Name(motor);
@@ -127,7 +133,7 @@ fn report_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Sett
     for (number, residual) in residuals.iter().enumerate() {
         let Some(Found { was, within, .. }) = trimming.found(number) else { continue };
         let (sum, was, within) = (Sum(residual), Thousandths(was), Thousandths(within));
-        to.say(format_args!("{begin}{sum} was {was} mm, is as wanted within {within} mm"));
+        to.say(format_args!("{begin}{sum} was {was} mm, is correct now within {within} mm"));
     }
 }
 

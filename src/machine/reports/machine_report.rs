@@ -11,7 +11,7 @@ pub(in crate::machine) fn report_machine(to: &mut Speaker<'_>, answer: &MachineA
         MachineAnswer::End(length) => to.say(format_args!("machine END={length}")),
         MachineAnswer::Refused(why) => to.say(format_args!("echo:machine not stored: {why}")),
         MachineAnswer::Stored(receipt, counts) => {
-            let since = if *counts { "it counts from now on" } else { "it counts after the next reset" };
+            let since = if *counts { "in effect now" } else { "in effect after the next reset" };
             to.say(format_args!("echo:machine stored {receipt}, {since}"));
         }
     }

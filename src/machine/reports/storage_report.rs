@@ -11,7 +11,10 @@ pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNew
         StorageNews::NoMachine(why) => to.say(format_args!("echo:Settings not stored: {why}")),
         StorageNews::NotSaved(error) => to.say(format_args!("echo:Settings not stored: {error}")),
         StorageNews::MachineWaits => {
-            to.say(format_args!("echo:Settings not stored: another machine is, which counts after the next reset"));
+            to.say(format_args!(
+                "echo:Settings not stored: a new machine is stored, which takes effect after the next \
+                reset"
+            ));
         }
         StorageNews::NotLoaded(why) => to.say(format_args!("echo:Settings unchanged: {why}")),
         StorageNews::Unchanged(error) => to.say(format_args!("echo:Settings unchanged: {error}")),
@@ -47,7 +50,7 @@ fn report_defaults(to: &mut Speaker<'_>) {
 /// Names stored settings that this firmware does not have; 0 is none.
 fn report_unknown(to: &mut Speaker<'_>, ids: [u16; 4]) {
     for id in ids.into_iter().filter(|id| *id > 0) {
-        to.say(format_args!("echo:stored setting {id} is of later firmware: it is kept and not used"));
+        to.say(format_args!("echo:stored setting {id} is of later firmware: kept, not used"));
     }
 }
 

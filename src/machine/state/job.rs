@@ -75,13 +75,13 @@ impl fmt::Display for JobEnd {
             Self::Cancelled => f.write_str("print cancelled, heaters are off"),
             Self::Unreachable { heater, at, target } => write!(
                 f,
-                "print ended, heaters are off: {} stays at {at} C and does not get to {target} C. \
-                 Choose a lower target, or look at its heater, its supply and what cools it",
+                "print ended, heaters are off: {} stays at {at} C and does not reach {target} C. Choose a lower \
+                target, or check its heater, its supply and draughts",
                 heater.name()
             ),
             Self::Unread { heater } => write!(
                 f,
-                "print ended, heaters are off: {} has no reading. Look at its sensor, its plug and its wire",
+                "print ended, heaters are off: {} has no reading. Check its sensor, its plug and its wire",
                 heater.name()
             ),
         }

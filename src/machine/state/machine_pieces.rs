@@ -10,7 +10,7 @@ pub(in crate::machine) const PIECE: usize = 24;
 pub(in crate::machine) struct MachinePieces {
     bytes: [u8; LONGEST],
     length: usize,
-    /// A machine was stored that counts after the next reset.
+    /// A machine was stored that takes effect after the next reset.
     pub is_stored: bool,
 }
 

@@ -141,8 +141,8 @@ fn errors_name_the_setting_that_is_wrong() {
                 microsteps: [16, 32],
                 keys: ["drivers.belt", "drivers.z"],
             },
-            "motors m1 and z1 move the same axis with 16 and 32 microsteps, and one would go further than the other: set \
-             drivers.belt.microsteps and drivers.z.microsteps alike",
+            "motors m1 and z1 move the same axis with 16 and 32 microsteps, so one moves further than the other: set \
+            drivers.belt.microsteps and drivers.z.microsteps alike",
         ),
         (SettingsError::NoSuchMicrosteps("drivers.z"), "drivers.z: microsteps are 1, 2, 4 and so on up to 256"),
     ];

@@ -72,9 +72,7 @@ pub enum FitError {
 impl std::fmt::Display for FitError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::TooAlike => {
-                f.write_str("two places are wanted, one near the middle of the axis and one near its end")
-            }
+            Self::TooAlike => f.write_str("expected two places, one near the middle of the axis and one near its end"),
             Self::NotStiffer => {
                 f.write_str("it rings no faster away from the middle, so belts cannot be what gives way")
             }

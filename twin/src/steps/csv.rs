@@ -34,9 +34,9 @@ impl std::fmt::Display for TraceError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Io(error) => write!(f, "cannot be read: {error}"),
-            Self::NotATrace => f.write_str("is no step trace of version 1"),
+            Self::NotATrace => f.write_str("is not a step trace of version 1"),
             Self::Head(what) => write!(f, "its head {what}"),
-            Self::Row(line) => write!(f, "line {line} is no tick with steps of -1, 0 or 1"),
+            Self::Row(line) => write!(f, "line {line} is not a tick with steps of -1, 0 or 1"),
             Self::Backward(line) => write!(f, "line {line} is earlier than the line before"),
         }
     }
@@ -120,7 +120,7 @@ fn head(comment: &str, header: &str) -> Result<StepTrace, TraceError> {
     let steps: Option<f64> = field("steps_per_mm").and_then(|list| list.split('/').next()?.parse().ok());
     let steps = steps.filter(|v| v.is_finite() && *v > 0.0).ok_or(TraceError::Head("does not give steps a mm"))?;
     let names = header.strip_prefix("tick,").ok_or(TraceError::Head("has no row of names"))?;
-    let rows = rows(kinematics).ok_or(TraceError::Head("has kinematics that are none"))?;
+    let rows = rows(kinematics).ok_or(TraceError::Head("has unknown kinematics"))?;
     let row_of = |name: &str| rows.iter().find(|(motor, _)| motor == name).map_or([0, 0], |(_, row)| *row);
     let columns: Vec<Column> =
         names.split(',').map(|name| Column { name: name.to_owned(), row: row_of(name) }).collect();
@@ -186,7 +186,8 @@ mod tests {
 
     #[test]
     fn other_machines_say_their_rows() {
-        let head = "# corehbot-trace v1 tick_hz=10000000 kinematics=m8(1,-1,0,0);m11(1,1,0,0) steps_per_mm=100/100/400/400\n\
+        let head = "# corehbot-trace v1 tick_hz=10000000 kinematics=m8(1,-1,0,0);m11(1,1,0,0) \
+            steps_per_mm=100/100/400/400\n\
                     tick,m1,m4,m8,m11,z1,z2,e0\n";
         let trace = read(head.as_bytes()).unwrap();
         assert_eq!((trace.columns[2].row, trace.columns[3].row), ([1, -1], [1, 1]));

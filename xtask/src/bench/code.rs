@@ -29,7 +29,7 @@ pub struct Code<'d> {
 impl<'d> Code<'d> {
     /// Reads an ELF file.
     pub fn read(elf: &'d [u8]) -> Result<Self> {
-        let file = File::parse(elf).context("the image is no ELF file")?;
+        let file = File::parse(elf).context("the image is not an ELF file")?;
         let section = |id: SectionId| -> Result<Reader<'d>> {
             let data = file.section_by_name(id.name()).map(|section| section.data()).transpose()?;
             Ok(EndianSlice::new(data.unwrap_or_default(), LittleEndian))

@@ -74,7 +74,7 @@ pub fn check() -> Result<Verdict> {
     }
     let compiler = checkout::compiler()?;
     if !compiler.starts_with(check::COMPILER) {
-        return Ok(Verdict::Skipped(format!("the figures are those of {}, and this is {compiler}", check::COMPILER)));
+        return Ok(Verdict::Skipped(format!("the figures were made by {}, and this is {compiler}", check::COMPILER)));
     }
     let (bench, baseline) = (Bench::prepare()?, checkout::root().join(check::BASELINE));
     let mut figures = bench.figures()?;

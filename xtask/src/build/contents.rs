@@ -93,7 +93,7 @@ fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
     // Short lines may stand elsewhere by chance.
     let mut lines = described().flat_map(|(row, text)| text.meaning.iter().map(move |line| (row, *line)));
     let (row, line) = lines.find(|(_, line)| line.len() > LONG && is_in_image(line))?;
-    Some(format!("what the setting {} means is in the image ({line:?}), which nobody reads there", row.id))
+    Some(format!("the meaning of the setting {} is in the image ({line:?}), where it only costs flash", row.id))
 }
 
 /// Characters of a text that stands nowhere by chance.

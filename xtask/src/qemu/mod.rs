@@ -101,5 +101,5 @@ pub fn read_gcode(path: &Path) -> Result<String> {
 fn parse_place(text: &str) -> Result<[Mm; 3], String> {
     let place: Option<Vec<Mm>> =
         text.split(',').map(|part| part.trim().parse().ok().and_then(Mm::checked_from_num::<f64>)).collect();
-    place.and_then(|place| place.try_into().ok()).ok_or_else(|| "three numbers are wanted: X,Y,Z".to_owned())
+    place.and_then(|place| place.try_into().ok()).ok_or_else(|| "expected three numbers: X,Y,Z".to_owned())
 }

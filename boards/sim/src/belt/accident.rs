@@ -72,9 +72,9 @@ pub enum AccidentError {
 impl std::fmt::Display for AccidentError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Parts(wanted) => write!(f, "{wanted} is wanted"),
+            Self::Parts(wanted) => write!(f, "expected {wanted}"),
             Self::Number(what, text) => write!(f, "`{text}` is no {what}"),
-            Self::Motor(name) => write!(f, "`{name}` is no belt motor: m1, m4, m8, m11"),
+            Self::Motor(name) => write!(f, "`{name}` is not a belt motor: m1, m4, m8, m11"),
         }
     }
 }
@@ -207,14 +207,14 @@ mod tests {
         let brief = Brake { motor: Motor::M8, force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
         assert_eq!("m8,40,2.5,30".parse(), Ok(brief));
         let hit = |text: &str| text.parse::<Hit>().unwrap_err().to_string();
-        assert_eq!(hit("1,2,3"), "X,Y,N,MS is wanted");
-        assert_eq!(hit("1,nan,3,4"), "`nan` is no position in mm");
-        assert_eq!(hit("1,2,-3,4"), "`-3` is no force of 0 to 10,000 N");
-        assert_eq!(hit("1,2,3,inf"), "`inf` is no time of 0 to 60,000 ms");
+        assert_eq!(hit("1,2,3"), "expected X,Y,N,MS");
+        assert_eq!(hit("1,nan,3,4"), "`nan` is not a position in mm");
+        assert_eq!(hit("1,2,-3,4"), "`-3` is not a force of 0 to 10,000 N");
+        assert_eq!(hit("1,2,3,inf"), "`inf` is not a time of 0 to 60,000 ms");
         let brake = |text: &str| text.parse::<Brake>().unwrap_err().to_string();
-        assert_eq!(brake("z1,3"), "`z1` is no belt motor: m1, m4, m8, m11");
-        assert_eq!(brake("m1"), "MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS is wanted");
-        assert_eq!(brake("m1,3,-1"), "`-1` is no time in s");
+        assert_eq!(brake("z1,3"), "`z1` is not a belt motor: m1, m4, m8, m11");
+        assert_eq!(brake("m1"), "expected MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS");
+        assert_eq!(brake("m1,3,-1"), "`-1` is not a time in s");
     }
 
     #[test]

@@ -39,7 +39,7 @@ const fn kind(name: &'static str, does: Does, says: &'static str) -> Kind {
 pub const KINDS: [Kind; 15] = [
     kind("open", Does::Sensor(SensorFault::Open), "a wire of the sensor is off"),
     kind("short", Does::Sensor(SensorFault::ShortToGround), "the sensor is shorted to ground"),
-    kind("frozen", Does::Sensor(SensorFault::Frozen), "the reading stays what it is"),
+    kind("frozen", Does::Sensor(SensorFault::Frozen), "the reading does not change any more"),
     kind(
         "loose",
         Does::Sensor(SensorFault::Intermittent { period_seconds: 2.0, open_seconds: 0.3 }),
@@ -113,16 +113,16 @@ pub enum AccidentError {
 impl fmt::Display for AccidentError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Form => f.write_str("WHAT[:WHERE]@TIME is wanted, such as open:hotend@60s"),
+            Self::Form => f.write_str("expected WHAT[:WHERE]@TIME, such as open:hotend@60s"),
             Self::Kind(text) => {
-                write!(f, "`{text}` is no accident; known are ")?;
+                write!(f, "`{text}` is not an accident; expected ")?;
                 for (place, kind) in KINDS.iter().enumerate() {
                     write!(f, "{}{}", if place > 0 { ", " } else { "" }, kind.name)?;
                 }
                 Ok(())
             }
-            Self::Where(kind, places, text) => write!(f, "`{text}` is no place for {kind}: {places}"),
-            Self::Time(text) => write!(f, "`{text}` is no time after power-up: 60s, 2.5m, 1h; a year at most"),
+            Self::Where(kind, places, text) => write!(f, "`{text}` is not a place for {kind}: {places}"),
+            Self::Time(text) => write!(f, "`{text}` is not a time after power-up: 60s, 2.5m, 1h; a year at most"),
         }
     }
 }
@@ -232,14 +232,14 @@ mod tests {
         assert_eq!(read("fan-dead:part@0s"), Ok(("fan-dead", Where::PartFan, 0.0)));
         assert_eq!(read("converter@2m"), Ok(("converter", Where::Machine, 120.0)));
         let wrong = |text: &str| read(text).unwrap_err();
-        assert_eq!(wrong("open"), "WHAT[:WHERE]@TIME is wanted, such as open:hotend@60s");
+        assert_eq!(wrong("open"), "expected WHAT[:WHERE]@TIME, such as open:hotend@60s");
         assert!(
-            wrong("opne@60s").starts_with("`opne` is no accident; known are open, short, frozen, loose, slipped, ")
+            wrong("opne@60s").starts_with("`opne` is not an accident; expected open, short, frozen, loose, slipped, ")
         );
-        assert_eq!(wrong("open:part@60s"), "`part` is no place for open: hotend, bed, chamber");
-        assert_eq!(wrong("fan-dead:bed@60s"), "`bed` is no place for fan-dead: hotend, part");
+        assert_eq!(wrong("open:part@60s"), "`part` is not a place for open: hotend, bed, chamber");
+        assert_eq!(wrong("fan-dead:bed@60s"), "`bed` is not a place for fan-dead: hotend, part");
         for time in ["60", "-1s", "nans", "infh", "s", "9000h"] {
-            let told = format!("`{time}` is no time after power-up: 60s, 2.5m, 1h; a year at most");
+            let told = format!("`{time}` is not a time after power-up: 60s, 2.5m, 1h; a year at most");
             assert_eq!(wrong(&format!("open@{time}")), told);
         }
     }

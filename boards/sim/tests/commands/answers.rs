@@ -63,7 +63,7 @@ fn velocity_limits_are_obeyed_word_by_word() {
     let heard =
         answers(&[line, "M204", "M205", "SET_VELOCITY_LIMIT", "SET_VELOCITY_LIMIT ACCEL_TO_DECEL=1500", "M503"]);
     for told in [
-        "echo:SET_VELOCITY_LIMIT VELOCITY is not obeyed by this firmware",
+        "echo:SET_VELOCITY_LIMIT VELOCITY is not supported by this firmware",
         "  M204 P2000 R3000 T2000",
         "  M205 X6 Y6 E5 S0 T0",
         "  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.75",

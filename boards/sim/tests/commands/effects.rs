@@ -31,7 +31,7 @@ fn a_line_that_is_ignored_changes_nothing() {
 
 #[test]
 fn moves_before_homing_are_warned_of_once_or_refused() {
-    let told = "echo:motion before homing (G28), the ends of the axes are not known";
+    let told = "echo:motion before homing (G28): the ends of the axes are unknown";
     let settings = Settings::prototype();
     let lines = ["G1 E5 F600", "G1 X5 F6000", "G1 Y5", "G2 X7 I1", "M114"];
     let heard = before_homing(&settings, &lines);

@@ -10,7 +10,7 @@ type Row = (&'static str, &'static [&'static str]);
 const SILENCE: &[&str] = &[];
 const HEATERS: &[&str] = &["echo:no heaters configured"];
 const UNTUNED: &[&str] = &["echo:no heaters configured, ignored"];
-const PROBE: &[&str] = &["echo:nothing is probed by this firmware, ignored"];
+const PROBE: &[&str] = &["echo:this firmware has no probing, ignored"];
 const PAUSED: &[&str] = &[
     "//action:paused",
     "//action:prompt_begin Paused",
@@ -78,7 +78,7 @@ const ROWS: &[Row] = &[
     ("M29", SILENCE),
     ("M125", &["//action:paused"]),
     ("M125 L1 X20 Z2 P1", &["//action:paused"]),
-    ("M600 N9", &["*", "*", "*", "*", "echo:M600 N is not obeyed by this firmware", "*", "*", "*"]),
+    ("M600 N9", &["*", "*", "*", "*", "echo:M600 N is not supported by this firmware", "*", "*", "*"]),
     ("M524", SILENCE),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
@@ -109,7 +109,7 @@ const ROWS: &[Row] = &[
     ("SET_PRESSURE_ADVANCE", &["echo:Advance K=0"]),
     ("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.3", SILENCE),
     ("SET_VELOCITY_LIMIT ACCEL=1000 ACCEL_TO_DECEL=500 SQUARE_CORNER_VELOCITY=5", SILENCE),
-    ("SET_VELOCITY_LIMIT VELOCITY=200", &["echo:SET_VELOCITY_LIMIT VELOCITY is not obeyed by this firmware"]),
+    ("SET_VELOCITY_LIMIT VELOCITY=200", &["echo:SET_VELOCITY_LIMIT VELOCITY is not supported by this firmware"]),
     ("SET_VELOCITY_LIMIT", &["  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.5"]),
     // Values out of range.
     ("M92 E0", &["echo:M92 ignored: E0 is out of range (1 to 25600), stays 400"]),
@@ -168,21 +168,21 @@ const ROWS: &[Row] = &[
     ("G1 X110 F0", &["echo:F0 is out of range, stays 3000"]),
     ("G1 X110 F-5", &["echo:F-5 is out of range, stays 3000"]),
     ("G1 X110 F999999", &["echo:F999999 is out of range, set to 180000"]),
-    ("G1 X99999999999", &["echo:target beyond the reachable space, moved to its edge"]),
+    ("G1 X99999999999", &["echo:target out of reach, moved to the edge of the reachable space"]),
     ("G92 X99999999999", &["echo:G92 ignored: X1000000000 is out of range (-10000 to 10000)"]),
     // Lines that are not in order.
     ("G1 Xabc", &["echo:line ignored: X needs a number"]),
-    ("G1 X1,5", &["echo:line ignored: \"X1,5\" is no letter with a number"]),
-    ("G1 X1.2.3", &["echo:line ignored: \"X1.2.3\" is no letter with a number"]),
-    ("G1 X10\x01", &["echo:line ignored: \"X10?\" is no letter with a number"]),
-    ("G1 X--5", &["echo:line ignored: \"X--5\" is no letter with a number"]),
+    ("G1 X1,5", &["echo:line ignored: \"X1,5\" is not a letter with a number"]),
+    ("G1 X1.2.3", &["echo:line ignored: \"X1.2.3\" is not a letter with a number"]),
+    ("G1 X10\x01", &["echo:line ignored: \"X10?\" is not a letter with a number"]),
+    ("G1 X--5", &["echo:line ignored: \"X--5\" is not a letter with a number"]),
     ("G1 U5", &["echo:line ignored: there is no axis U"]),
     ("G1 C5 Z1", &["echo:line ignored: C goes with X, Y and F alone"]),
     ("G1 X1 C5 F1200", &[]),
     ("G92 C0", &["echo:line ignored: there is no axis C"]),
     ("G90 G1 X10", &["echo:line ignored: G1 is a second command on it"]),
     ("G4 P-5", &["echo:line ignored: P-5 is out of range"]),
-    ("SET_VELOCITY_LIMIT ACCEL=fast", &["echo:line ignored: \"ACCEL=fast\" is no name with = and a number"]),
+    ("SET_VELOCITY_LIMIT ACCEL=fast", &["echo:line ignored: \"ACCEL=fast\" is not a name with = and a number"]),
     // The host's own.
     ("M105", &[]),
     ("M110 N5", SILENCE),
@@ -234,10 +234,10 @@ const ROWS: &[Row] = &[
     ("M486 S1", SILENCE),
     ("M486 ACube (1)*", SILENCE),
     ("M486 S-1", SILENCE),
-    ("M486 P1", &["echo:objects cannot be left out, ignored"]),
+    ("M486 P1", &["echo:this firmware cannot leave out objects, ignored"]),
     ("EXCLUDE_OBJECT_START NAME=cube", SILENCE),
     ("EXCLUDE_OBJECT_END NAME=cube", SILENCE),
-    ("EXCLUDE_OBJECT NAME=cube", &["echo:objects cannot be left out, ignored"]),
+    ("EXCLUDE_OBJECT NAME=cube", &["echo:this firmware cannot leave out objects, ignored"]),
     ("M555 X1 Y1 W9 H9", SILENCE),
     ("M862.1 P0.4", SILENCE),
     ("M862.3 P \"MK4S\"", SILENCE),
@@ -262,8 +262,8 @@ const ROWS: &[Row] = &[
     // The machine over the line.
     ("MACHINE_PUT AT=5 HEX=00", &["echo:machine not stored: the next piece belongs at 0"]),
     ("MACHINE_PUT AT=0 HEX=0g", &["echo:machine not stored: HEX needs two hexadecimal digits a byte"]),
-    ("MACHINE_PUT AT=x HEX=00", &["echo:line ignored: \"AT=x\" is no name with = and a number"]),
-    ("MACHINE_PUT HEX=00", &["echo:line ignored: \"HEX=00\" is no name with = and a number"]),
+    ("MACHINE_PUT AT=x HEX=00", &["echo:line ignored: \"AT=x\" is not a name with = and a number"]),
+    ("MACHINE_PUT HEX=00", &["echo:line ignored: \"HEX=00\" is not a name with = and a number"]),
     ("MACHINE_PUT AT=0 HEX=00", SILENCE),
     ("MACHINE_STORE", &["echo:machine not stored: empty"]),
     ("M304", UNTUNED),
@@ -271,7 +271,7 @@ const ROWS: &[Row] = &[
     ("M306 E-1 A3", UNTUNED),
     ("M306 E5", &["echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)"]),
     ("M104 Snan", &["echo:line ignored: S needs a number"]),
-    ("M140 S1,5", &["echo:line ignored: \"S1,5\" is no letter with a number"]),
+    ("M140 S1,5", &["echo:line ignored: \"S1,5\" is not a letter with a number"]),
     // Fans.
     ("M106", SILENCE),
     ("M106 S91.8", SILENCE),
@@ -288,7 +288,7 @@ const ROWS: &[Row] = &[
     ("M710 S128 D30", SILENCE),
     ("M710 S999 D9999", &["echo:M710 ignored: D9999 is out of range (0 to 3600), stays 60"]),
     ("M710 S999", &["echo:M710 S999 is out of range, set to 255"]),
-    ("M710 I1", &["echo:M710 I is not obeyed by this firmware"]),
+    ("M710 I1", &["echo:M710 I is not supported by this firmware"]),
     ("M710 R", SILENCE),
     ("M302", &["echo:Cold extrudes are enabled"]),
     ("M302 S170", &["echo:Cold extrudes are enabled, and cannot be forbidden without a heater"]),

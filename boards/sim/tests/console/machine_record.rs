@@ -49,7 +49,7 @@ fn a_machine_with_the_same_motors_counts_at_once_and_is_stored() {
     let mut lines = lines_of(&machine);
     lines.extend(["M113", "MACHINE_GET"].map(str::to_owned));
     let heard = say(&mut eeprom, &lines);
-    assert!(heard[0].starts_with("echo:machine stored (") && heard[0].ends_with("it counts from now on"), "{heard:?}");
+    assert!(heard[0].starts_with("echo:machine stored (") && heard[0].ends_with("in effect now"), "{heard:?}");
     assert_eq!(heard[1], "echo:M113 S9");
     assert_eq!(machine_said(&heard[2..]), machine);
     assert_eq!(say(&mut eeprom, &["M113".to_owned()]), ["echo:M113 S9"], "after a reset");
@@ -63,8 +63,8 @@ fn a_machine_with_other_motors_waits_for_a_reset_and_is_not_written_over() {
     let mut lines = lines_of(&machine);
     lines.extend(["M113", "M500"].map(str::to_owned));
     let heard = say(&mut eeprom, &lines);
-    assert!(heard[0].ends_with("it counts after the next reset"), "{heard:?}");
-    let waits = "echo:Settings not stored: another machine is, which counts after the next reset";
+    assert!(heard[0].ends_with("in effect after the next reset"), "{heard:?}");
+    let waits = "echo:Settings not stored: a new machine is stored, which takes effect after the next reset";
     assert_eq!(heard[1..], ["echo:M113 S2", waits]);
     assert_eq!(eeprom.settings(), Some(machine));
 }

@@ -59,7 +59,10 @@ fn a_machine_that_was_stopped_hundreds_of_times_still_moves() {
 fn a_quick_stop_while_homing_says_what_is_lost() {
     let (heard, outcome, _) = talk_to(&Settings::prototype(), Some([300.0, 0.0, 0.0]), &["G28 X", "~M410", "M119"]);
     assert!(!outcome.halted);
-    assert!(heard.contains(&"echo:homing was ended, the axis has no known position".to_owned()), "{heard:?}");
+    assert!(
+        heard.contains(&"echo:homing was interrupted, the position of the axis is unknown".to_owned()),
+        "{heard:?}"
+    );
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn said<'a>(heard: &'a [String], what: &str) -> Vec<&'a String> {
     heard.iter().filter(|line| line.contains(what)).collect()
 }
 
-const OPEN_FAILED: &str = "echo:open failed, File: test.gco. There is no card; lines up to M29 are not carried out";
+const OPEN_FAILED: &str = "echo:open failed, File: test.gco. There is no card; lines up to M29 are ignored";
 
 #[test]
 fn an_upload_of_pronsole_moves_nothing_and_a_print_after_it_does() {

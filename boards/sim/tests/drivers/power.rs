@@ -60,8 +60,8 @@ fn without_motor_supply_nothing_moves_and_nothing_is_lost() {
     ];
     let told = play(&drivers, acts, None);
     assert_eq!(told.errors().len(), 5, "{:?}", told.heard);
-    let error = "Error:driver of motor 1 does not answer: is the motor supply on, its jumper set to UART?; \
-                 no motor was given power";
+    let error = "Error:driver of motor 1 does not answer: is the motor supply on, its jumper set to UART?; no motor \
+        got power";
     assert!(told.errors().iter().all(|line| *line == error), "{:?}", told.heard);
     assert_eq!(told.heard.iter().filter(|line| *line == "ok").count(), 10);
     let positions: Vec<_> = told.heard.iter().filter(|line| line.starts_with("X:")).collect();
@@ -100,7 +100,7 @@ fn every_kind_of_bad_driver_is_named() {
         (|chip| chip.is_write_protected = true, "does not take its configuration"),
         (|chip| chip.is_deaf = true, "other microsteps"),
         (|chip| chip.answer_wrongly(chopconf::ADDRESS, 0x1500_0053), "other microsteps"),
-        (|chip| chip.answer_wrongly(IOIN, 0x2000_0000), "is no TMC2209: its version is 0x20"),
+        (|chip| chip.answer_wrongly(IOIN, 0x2000_0000), "is not a TMC2209: its version is 0x20"),
     ];
     for (harm, words) in cases {
         let drivers = Drivers::new();

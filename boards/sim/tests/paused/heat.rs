@@ -77,7 +77,7 @@ fn a_wait_for_a_heater_that_does_not_get_there_ends_the_job_and_not_the_machine(
         for line in ["G28", "M104 S150", "M190 S48"] {
             life.say_within(line, 90 * MINUTE);
         }
-        assert_eq!(life.count("echo:bed gets no warmer"), 1, "{:?}", life.heard.last());
+        assert_eq!(life.count("echo:bed does not get warmer"), 1, "{:?}", life.heard.last());
         assert_eq!(life.count("echo:print ended, heaters are off: bed stays at 4"), 1, "{:?}", life.heard.last());
         assert_eq!((life.count("//action:cancel action:cancel"), life.count("Error:"), life.count("!!")), (1, 0, 0));
         assert_eq!(life.targets(), [0.0, 0.0]);

@@ -19,7 +19,7 @@ fn a_line_that_has_lost_its_place_is_held_until_the_axes_are_homed() {
         life.put(0, "G1 X60 E2");
         life.rest(10_000);
         assert_eq!(life.count("//action:pause action:pause"), 1, "{:?}", life.heard);
-        assert_eq!(life.count("echo:print held: axes are not homed any more"), 1);
+        assert_eq!(life.count("echo:print held: axes are no longer homed"), 1);
         assert!(life.count("echo:busy: paused for user") >= 4);
         let oks = life.oks();
         life.switch_to(1);
@@ -93,7 +93,7 @@ fn a_macro_that_is_not_there_homes_nothing() {
         life.say("PRINT_START BED_TEMP=60");
         life.put(0, "G1 X110 E1 F6000");
         life.rest(3000);
-        assert_eq!(life.count("echo:print held: axes are not homed any more"), 1, "{:?}", life.heard);
+        assert_eq!(life.count("echo:print held: axes are no longer homed"), 1, "{:?}", life.heard);
         life.put(0, "M524");
         life.await_ok();
         life.await_ok();

@@ -33,7 +33,7 @@ fn words_of_the_line_choose_the_place_and_an_unhomed_or_cold_machine_stays() {
         // The line of M600 is kept, and the other host is served.
         life.put(0, "M600 X30 Z20 E4 N5");
         life.rest(5000);
-        assert_eq!(life.count("echo:M600 N is not obeyed by this firmware"), 1);
+        assert_eq!(life.count("echo:M600 N is not supported by this firmware"), 1);
         assert!(life.count("echo:busy: paused for user") >= 1, "{:?}", life.heard);
         life.switch_to(1);
         assert_eq!(place(life), [30.0, 10.0, 70.0, 1.0]);

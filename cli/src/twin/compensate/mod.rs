@@ -185,5 +185,5 @@ fn head(file: &Path) -> Result<String> {
 
 fn parse_width(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v| (0.3..=20.0).contains(v));
-    legal.ok_or_else(|| format!("`{text}` is no width from 0.3 to 20 ms"))
+    legal.ok_or_else(|| format!("`{text}` is not a width from 0.3 to 20 ms"))
 }

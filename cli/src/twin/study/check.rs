@@ -19,19 +19,19 @@ pub(super) fn check(study: &StudyToml) -> Checked<()> {
     let wrong = |key: &str, why: &str| Err(StudyError::value(key, why));
     let computes = |query| study.compute.contains(&query);
     if study.compute.is_empty() || has_twins(&study.compute) {
-        return wrong("compute", "wants at least one question, and none twice");
+        return wrong("compute", "needs at least one question, each only once");
     }
     if study.machines.is_empty() || has_twins(&study.machines) {
-        return wrong("machines", "wants at least one machine, and none twice");
+        return wrong("machines", "needs at least one machine, each only once");
     }
     if computes(QueryToml::Push) != study.push.is_some() {
-        return wrong("push", "wants its force, and `push` in compute; neither goes without the other");
+        return wrong("push", "`push` in compute and a force need each other");
     }
     if computes(QueryToml::Run) != study.run.is_some() {
-        return wrong("run", "wants its file, and `run` in compute; neither goes without the other");
+        return wrong("run", "`run` in compute and a file need each other");
     }
     if study.at.is_some() && study.worst_of.is_some() {
-        return wrong("worst_of", "is either this or `at`, not both");
+        return wrong("worst_of", "use either this or `at`, not both");
     }
     let grids = [("worst_of", study.worst_of), ("resonance.grid", Some(study.resonance.grid))];
     for (key, grid) in grids {
@@ -46,16 +46,16 @@ pub(super) fn check(study: &StudyToml) -> Checked<()> {
         return wrong("limits.torque", "above 0 and up to 1 is legal");
     }
     if study.at.is_some_and(|at| !at.iter().all(|v| v.is_finite())) {
-        return wrong("at", "wants two numbers");
+        return wrong("at", "needs two numbers");
     }
     if study.push.as_ref().is_some_and(|push| !push.force_n.iter().all(|v| v.is_finite())) {
-        return wrong("push.force_N", "wants two numbers");
+        return wrong("push.force_N", "needs two numbers");
     }
     if let Some(run) = &study.run {
         if run.begin.is_some_and(|begin| !begin.iter().all(|v| v.is_finite())) {
             return wrong(
                 "run.begin",
-                "wants two numbers: the tool's place in mm from motor 1's axis, which `twin run` calls --at",
+                "needs two numbers: the tool's place in mm from motor 1's axis, which `twin run` calls --at",
             );
         }
         if run.assume_homed.is_some_and(|place| !place.iter().all(|v| v.abs() <= FARTHEST_MM)) {
@@ -74,7 +74,7 @@ pub(super) fn design(study: &StudyToml) -> Checked<(Vec<String>, Design)> {
     let mut rows: Vec<_> = study.vary.iter().collect();
     rows.sort_by_key(|(key, _)| key.span().start);
     if rows.is_empty() {
-        return Err(StudyError::value("vary", "wants at least one number"));
+        return Err(StudyError::value("vary", "needs at least one number"));
     }
     for (key, axis) in &rows {
         legal(study, key.get_ref(), key.span().start, axis)?;
@@ -92,7 +92,7 @@ pub(super) fn design(study: &StudyToml) -> Checked<(Vec<String>, Design)> {
         }
         MethodToml::LatinHypercube => {
             let Some(samples) = study.samples.filter(|samples| (1..=MOST).contains(samples)) else {
-                return Err(StudyError::value("samples", format!("a latin-hypercube wants 1 to {MOST}")));
+                return Err(StudyError::value("samples", format!("a latin-hypercube needs 1 to {MOST}")));
             };
             let axes = axes.map(|(key, axis)| latin_axis(key, axis)).collect::<Checked<Vec<_>>>()?;
             Design::LatinHypercube(LatinHypercube::new(&axes, samples, study.seed.unwrap_or_default()))
@@ -113,14 +113,14 @@ pub(super) fn samples(design: &Design, machines: usize) -> Checked<usize> {
 fn legal(study: &StudyToml, key: &str, at: usize, axis: &AxisToml) -> Checked<()> {
     let values = match axis {
         AxisToml::Levels(levels) if levels.is_empty() => {
-            return Err(StudyError::value(format!("vary.{key}"), "wants at least one value"));
+            return Err(StudyError::value(format!("vary.{key}"), "needs at least one value"));
         }
         AxisToml::Levels(levels) => levels.clone(),
         AxisToml::Range(RangeToml { from, to, .. }) => vec![*from, *to],
     };
     for value in values {
         if !value.is_finite() {
-            return Err(StudyError::value(format!("vary.{key}"), format!("{value} is no number")));
+            return Err(StudyError::value(format!("vary.{key}"), format!("{value} is not a number")));
         }
         varied(&study.params, &[key.to_owned()], &[value]).map_err(|error| match error {
             NotVaried::Unknown { key, known } => StudyError::UnknownNumber { at, key, known },
@@ -137,7 +137,7 @@ fn grid_axis(key: &str, axis: &AxisToml) -> Checked<Vec<f64>> {
             Ok(levels([*from, *to], *count))
         }
         AxisToml::Range(_) => {
-            Err(StudyError::value(format!("vary.{key}"), format!("on a grid, a range wants a count of 2 to {MOST}")))
+            Err(StudyError::value(format!("vary.{key}"), format!("on a grid, a range needs a count of 2 to {MOST}")))
         }
     }
 }

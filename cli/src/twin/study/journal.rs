@@ -39,7 +39,7 @@ impl Journal {
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => bail!("{}: another process computes these samples", path.display()),
             Err(TryLockError::Error(error)) => eprintln!(
-                "corehbot: {} cannot be locked ({error}); see to it that no other process computes these samples",
+                "corehbot: {} cannot be locked ({error}); make sure that no other process computes these samples",
                 path.display()
             ),
             Ok(()) => {}
@@ -96,9 +96,9 @@ impl Journal {
                      machine; remove it, or name another output"
                 )
             }
-            Some(_) => bail!("is no journal of a study; remove it, or name another output"),
+            Some(_) => bail!("is not a journal of a study; remove it, or name another output"),
             None if head.as_bytes().starts_with(&bytes) => {}
-            None => bail!("is no journal of a study; remove it, or name another output"),
+            None => bail!("is not a journal of a study; remove it, or name another output"),
         }
         self.file.set_len(whole as u64).context("cannot cut it")?;
         if whole == 0 {

@@ -84,7 +84,7 @@ impl Options {
             (_, Some(number)) => one(&study, number, &stop),
             _ if self.plan => say(&format!("{}\n", line::head(&study)?), false).map(|()| DONE),
             (Some(output), _) => self.all(&study, (file, output), json, &stop),
-            (None, None) => bail!("a study wants an output (-o OUT.csv); or --sample I, or --plan"),
+            (None, None) => bail!("a study needs an output (-o OUT.csv); or --sample I, or --plan"),
         }
     }
 

@@ -194,7 +194,7 @@ impl std::fmt::Display for NoAnswer {
         match self {
             Self::OutOfReach(Place { x, y }) => write!(f, "the tool does not reach ({x:.1}, {y:.1})"),
             Self::NotHeld(error) => error.fmt(f),
-            Self::NotLoaded => f.write_str("what is played was not read"),
+            Self::NotLoaded => f.write_str("the G-code to play was not read"),
             Self::Run(error) => error.fmt(f),
         }
     }

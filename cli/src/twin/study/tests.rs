@@ -145,8 +145,8 @@ fn the_journal_of_another_study_and_what_is_none_are_refused() {
     assert_eq!(identity_on(&folder.path().join("s.toml"), read::PLATFORM), one.identity);
     // Comments and blanks make no other study.
     assert_eq!(study(folder.path(), &format!("# again\n{STUDY}")).unwrap().identity, one.identity);
-    assert!(refused(&one, "sample,machine\n").contains("is no journal"));
-    assert!(refused(&one, "my diary").contains("is no journal"));
+    assert!(refused(&one, "sample,machine\n").contains("is not a journal"));
+    assert!(refused(&one, "my diary").contains("is not a journal"));
     fs::write(&path, &journal).unwrap();
     let first = Journal::open(&output, &one).unwrap();
     assert!(format!("{:#}", Journal::open(&output, &one).unwrap_err()).contains("another process"));
@@ -303,7 +303,7 @@ fn what_is_wrong_with_a_study_is_said_with_its_place() {
         ("samples = 4", "samples = 900000", "s.toml:7:2: ", "more than 1000000"),
         ("to = 56000 }", "to = 56000, count = 3 }", "s.toml:8:1: ", "not in a count"),
         ("from = 20000", "from = -1", "s.toml:8:1: ", "belt_EA_N = -1 must be above 0"),
-        ("from = 20000", "from = nan", "s.toml:8:1: ", "is no number"),
+        ("from = 20000", "from = nan", "s.toml:8:1: ", "is not a number"),
         ("{ from = 20000, to = 56000 }", "[]", "s.toml:8:13: ", "at least one value"),
         ("{ from = 20000, to = 56000 }", "3", "s.toml:8:13: ", "a list of numbers"),
         ("at = [45.0, 200.0]", "at = [45.0]", "s.toml:3:", "length"),
