@@ -316,9 +316,9 @@ macro_rules! specs {
     };
 }
 // Types of the same shape are the same type: one of each.
-specs!(MmPerSec, MmPerSec2, StepsPerMm, Seconds, Celsius, Mm);
-const _: fn(Hertz, Ratio, Watts, JoulesPerKelvin, WattsPerKelvin) -> (MmPerSec, Seconds) =
-    |a, _: MmPerSec, _: MmPerSec, _: MmPerSec, b| (a, b);
+specs!(MmPerSec, MmPerSec2, StepsPerMm, Seconds, Celsius, Watts, Mm);
+const _: fn(Hertz, Ratio, JoulesPerKelvin, WattsPerKelvin) -> (MmPerSec, Seconds) =
+    |a, _: MmPerSec, _: MmPerSec, b| (a, b);
 
 /// Ranges of whole numbers as specs.
 macro_rules! whole {

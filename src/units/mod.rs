@@ -58,8 +58,10 @@ pub type Ratio = U16F16;
 /// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
 pub type Celsius = I12F20;
 
-/// A power in W; resolution 15 uW, range 65 kW.
-pub type Watts = U16F16;
+quantity! {
+    /// A power in W; resolution 15 uW, range 65 kW.
+    Watts(U16F16)
+}
 
 /// A heat capacity in J/K; resolution 15 millionths, range 65 kJ/K.
 pub type JoulesPerKelvin = U16F16;

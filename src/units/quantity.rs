@@ -186,6 +186,13 @@ macro_rules! quantity {
             }
         }
 
+        impl core::ops::MulAssign<<$number as fixed::traits::Fixed>::Bits> for $name {
+            #[inline(always)]
+            fn mul_assign(&mut self, times: <$number as fixed::traits::Fixed>::Bits) {
+                self.0 *= times;
+            }
+        }
+
         impl core::ops::Div<<$number as fixed::traits::Fixed>::Bits> for $name {
             type Output = Self;
 
