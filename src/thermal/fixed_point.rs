@@ -1,6 +1,6 @@
 //! Arithmetic of the thermal room: everything saturates, so that no input gives nonsense.
 
-use crate::units::{self, Ratio, Seconds};
+use crate::units::{self, Celsius, Ratio, Seconds};
 use fixed::FixedI32;
 use fixed::types::extra::{LeEqU32, Unsigned};
 use fixed::types::{I0F32, I8F24, I12F20};
@@ -24,6 +24,30 @@ pub fn part_per_period(lag: Seconds) -> I0F32 {
 pub fn times<F: Unsigned + LeEqU32>(value: I12F20, factor: FixedI32<F>) -> I12F20 {
     let product = i64::from(value.to_bits()) * i64::from(factor.to_bits());
     I12F20::from_bits(saturated(product >> F::U32))
+}
+
+/// A difference of temperatures as a plain number of K.
+#[inline(always)]
+pub const fn kelvin(difference: Celsius) -> I12F20 {
+    I12F20::from_bits(difference.to_bits())
+}
+
+/// The part of a difference of temperatures.
+#[inline(always)]
+pub fn part_of<F: Unsigned + LeEqU32>(difference: Celsius, part: FixedI32<F>) -> Celsius {
+    Celsius::from_bits(times(kelvin(difference), part).to_bits())
+}
+
+/// The power that a difference of temperatures drives, with a factor in W/K; or heat in J, with a factor in J/K.
+#[inline(always)]
+pub fn driven<F: Unsigned + LeEqU32>(difference: Celsius, factor: FixedI32<F>) -> Power {
+    times(kelvin(difference), factor)
+}
+
+/// The rise by a power, with a factor in K/W.
+#[inline(always)]
+pub fn rise<F: Unsigned + LeEqU32>(power: Power, factor: FixedI32<F>) -> Celsius {
+    Celsius::from_bits(times(power, factor).to_bits())
 }
 
 /// A product or quotient in 32 bits.

@@ -11,7 +11,7 @@
 //!              /   _/
 //! ```
 
-use super::fixed_point::{Power, RATE, saturated, times};
+use super::fixed_point::{Power, RATE, driven, kelvin, saturated};
 use super::room::ROOM;
 use crate::settings::HeaterModel;
 use crate::units::Celsius;
@@ -86,7 +86,7 @@ impl LagWatch {
     /// Follows a control period; `is_full` if the heater is at its limit, `is_warming` if heat was under way before it.
     pub fn look(&mut self, measured: Celsius, power: Power, is_full: bool, is_warming: bool) -> Option<Seen> {
         let LagNumbers { capacity, loss, lag: model_lag } = self.numbers;
-        let losses = times(measured.saturating_sub(ROOM), loss).max(Power::ZERO);
+        let losses = driven(measured.saturating_sub(ROOM), loss).max(Power::ZERO);
         let is_known = losses <= power / LOSSES;
         if !is_full || !is_known {
             self.begun_at = None;
@@ -114,7 +114,7 @@ impl LagWatch {
         let time = (i64::from(self.periods) << 24) / i64::from(RATE);
         let lag = time - (found << 16) / (slope >> 8).max(1);
         let is_other = slope > 0 && lag > TIMES * model_lag + (MORE_S << 24);
-        let slope = measured.saturating_sub(measured_before) / SLOPE_S;
+        let slope = kelvin(measured.saturating_sub(measured_before)) / SLOPE_S;
         is_other.then_some(Seen { lag, slope })
     }
 }

@@ -12,7 +12,7 @@
 //! a heavier block. It is a Luenberger observer with all three poles at the same place (K. Astrom and R. Murray,
 //! Feedback Systems, section 8.2).
 
-use super::fixed_point::{Power, RATE, over, part_per_period, saturated, times};
+use super::fixed_point::{Power, RATE, driven, kelvin, over, part_of, part_per_period, rise, saturated, times};
 use super::lag_watch::Seen;
 use super::room::ROOM;
 use crate::settings::{HeaterModel, HeaterSettings};
@@ -129,17 +129,17 @@ impl Observer {
         self.to_filament = past.filament;
         self.arriving = self.arriving.saturating_add(times(past.power.saturating_sub(self.arriving), n.element));
         let net = self.heat().saturating_sub(self.losses(self.block, self.to_filament));
-        let sensor_rise = times(self.block.saturating_sub(self.sensor), n.sensor);
-        self.block = self.block.saturating_add(times(net, n.warming));
+        let sensor_rise = part_of(self.block.saturating_sub(self.sensor), n.sensor);
+        self.block = self.block.saturating_add(rise(net, n.warming));
         self.sensor = self.sensor.saturating_add(sensor_rise);
         let Some(measured) = past.measured else { return };
         let innovation = measured.saturating_sub(self.sensor);
-        self.sensor = self.sensor.saturating_add(times(innovation, n.sensor_step));
-        self.block = self.block.saturating_add(times(innovation, n.block_step));
+        self.sensor = self.sensor.saturating_add(part_of(innovation, n.sensor_step));
+        self.block = self.block.saturating_add(part_of(innovation, n.block_step));
         if past.is_free {
-            self.drift = self.drift.saturating_add(times(innovation, n.drift_step));
+            self.drift = self.drift.saturating_add(driven(innovation, n.drift_step));
         } else if past.power > Power::ZERO {
-            let step = I8F24::saturating_from_num(innovation.wide_mul(n.gain_step));
+            let step = I8F24::saturating_from_num(kelvin(innovation).wide_mul(n.gain_step));
             self.gain = self.gain.saturating_add(step).clamp(GAIN[0], GAIN[1]);
         }
     }
@@ -168,7 +168,7 @@ impl Observer {
 
     /// Losses of a block at this temperature, with `filament` in W/K.
     fn losses(&self, block: Celsius, filament: I8F24) -> Power {
-        times(block.saturating_sub(ROOM), self.to_room.saturating_add(filament))
+        driven(block.saturating_sub(ROOM), self.to_room.saturating_add(filament))
     }
 
     /// The block's future excess temperature in K, if the heater gives the power for `target` from now on. It is the
@@ -178,10 +178,10 @@ impl Observer {
     pub fn excess(&self, target: Celsius, coming: I8F24) -> Celsius {
         let n = &self.numbers;
         let surplus = self.heat().saturating_sub(self.losses(self.block, I8F24::ZERO));
-        let promised = times(target.saturating_sub(ROOM), coming);
+        let promised = driven(target.saturating_sub(ROOM), coming);
         let on_its_way = times(n.heater_lag, surplus).saturating_sub(promised);
         // J times K a period for each W, times periods a second: K.
-        let on_its_way = times(on_its_way, n.warming).saturating_mul_int(RATE);
+        let on_its_way = rise(on_its_way, n.warming).saturating_mul_int(RATE);
         self.block.saturating_sub(target).saturating_add(on_its_way)
     }
 

@@ -1,7 +1,7 @@
 //! PID in Marlin's terms (M301): output of 0 to 255 from an error in K. The integral stops while the output is at a
 //! limit and would go beyond. The derivative is the measurement's, so that a new target causes no jump.
 
-use super::fixed_point::{RATE, saturated};
+use super::fixed_point::{RATE, kelvin, saturated};
 use crate::settings;
 use crate::units::{Celsius, Ratio};
 use fixed::types::I12F20;
@@ -36,7 +36,7 @@ impl Pid {
 
     /// The duty of 0 to 65,535 for the next control period, at most `most`.
     pub fn duty(&mut self, target: Celsius, measured: Celsius, most: u16) -> u16 {
-        let rise = measured.saturating_sub(self.last.unwrap_or(measured)).saturating_mul_int(RATE);
+        let rise = kelvin(measured.saturating_sub(self.last.unwrap_or(measured))).saturating_mul_int(RATE);
         self.rate = self.rate.saturating_add(rise.saturating_sub(self.rate) >> SMOOTHING);
         self.last = Some(measured);
         let error = target.saturating_sub(measured);
@@ -48,6 +48,7 @@ impl Pid {
             self.integral = I12F20::ZERO;
             return 0;
         }
+        let error = kelvin(error);
         let now = by(error, self.gains.p).saturating_add(self.integral).saturating_sub(by(self.rate, self.gains.d));
         let step = by(error, self.gains.i) / RATE;
         let limit = FULL.saturating_mul(I12F20::from_bits(i32::from(most) << 4));

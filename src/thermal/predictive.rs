@@ -5,7 +5,7 @@
 //! knows the power that was really given, so nothing winds up while the heater is at its limit, and its drift is the
 //! integral part.
 
-use super::fixed_point::{Power, times};
+use super::fixed_point::{Power, driven};
 use super::observer::Observer;
 use crate::units::Celsius;
 use fixed::types::I8F24;
@@ -23,6 +23,6 @@ pub struct Ahead {
 #[must_use]
 pub fn power(observer: &Observer, target: Celsius, ahead: Ahead) -> Power {
     let excess = observer.excess(target, ahead.coming);
-    let missing = times(observer.numbers().grip, Celsius::ZERO.saturating_sub(excess));
+    let missing = driven(Celsius::ZERO.saturating_sub(excess), observer.numbers().grip);
     observer.power(target, ahead.then, missing)
 }

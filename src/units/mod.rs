@@ -25,7 +25,7 @@ pub use ticks::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
 pub use wide::{mul_div, part_of, root};
 
 use fixed::types::{I12F20, I32F32, U8F24, U16F16, U24F8};
-use quantity::quantity;
+use quantity::{quantity, signed};
 
 /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
 pub type Mm = I32F32;
@@ -55,8 +55,11 @@ pub type Seconds = U8F24;
 /// A ratio; resolution 15 millionths.
 pub type Ratio = U16F16;
 
-/// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
-pub type Celsius = I12F20;
+quantity! {
+    /// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
+    Celsius(I12F20)
+}
+signed!(Celsius);
 
 quantity! {
     /// A power in W; resolution 15 uW, range 65 kW.

@@ -216,3 +216,37 @@ macro_rules! quantity {
     };
 }
 pub(super) use quantity;
+
+/// Adds to a quantity what only numbers with a sign have: the opposite, and magnitudes.
+macro_rules! signed {
+    ($($name:ident),+) => {
+        $(impl $name {
+            /// Its magnitude, within the range.
+            #[must_use]
+            #[inline(always)]
+            pub const fn saturating_abs(self) -> Self {
+                Self(self.0.saturating_abs())
+            }
+        }
+
+        impl core::ops::Neg for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
+
+        /// So many times halved; rounded down.
+        impl core::ops::Shr<u32> for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn shr(self, times: u32) -> Self {
+                Self(self.0 >> times)
+            }
+        })+
+    };
+}
+pub(super) use signed;

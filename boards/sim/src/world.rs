@@ -21,7 +21,7 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
-use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
+use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
@@ -365,7 +365,7 @@ impl<'w> World<'w> {
     /// Whether anything is to be warm, which takes its time.
     #[must_use]
     pub fn is_heating(&self) -> bool {
-        Heater::ALL.into_iter().any(|heater| self.status.heat().target(heater) > 0)
+        Heater::ALL.into_iter().any(|heater| self.status.heat().target(heater) > Celsius::ZERO)
     }
 
     /// The status shared by its contexts.

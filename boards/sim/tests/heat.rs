@@ -7,6 +7,7 @@ mod heat_talk;
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
+use corehbot::units::Celsius;
 use corehbot_rig::plant::HeaterFault;
 use corehbot_sim::world::World;
 use heat_talk::{machine, talk_with};
@@ -137,8 +138,8 @@ fn m112_switches_heaters_off() {
     let (heard, _) =
         talk_with(&machine(&[Heater::Hotend]), NoStorage, 3000, &["M106", "M104 S200", "2000:M112"], |now, world| {
             let heat = world.status().heat();
-            seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
-            seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
+            seen.0 |= now < 2000 && heat.target(Heater::Hotend) == Celsius::from_num(200);
+            seen.1 |= now > 2100 && heat.target(Heater::Hotend) > Celsius::ZERO;
         });
     assert_eq!(seen, (true, false), "{heard:?}");
 }

@@ -5,7 +5,7 @@ use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot::units::{Celsius, Mm, TICKS_PER_MS};
 use corehbot_rig::plant::HeaterFault;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, HeatPeriod, Sink, World};
@@ -31,7 +31,7 @@ impl Sink for Last {
             if heater.duty > 0 {
                 self.power = period.now;
             }
-            if heater.target > 0 {
+            if heater.target > Celsius::ZERO {
                 self.target = period.now;
             }
         }

@@ -261,11 +261,11 @@ mod tests {
         let settings = ThermalSettings::prototype();
         let mut orders = HeatOrders::new(&settings);
         orders.heat(Heater::Bed, Celsius::const_from_int(60));
-        assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
+        assert_eq!(orders.target(Heater::Bed, status.heat()), Celsius::from_num(60));
         assert!(orders.next(&settings, 0, || true).is_some());
-        assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
+        assert_eq!(orders.target(Heater::Bed, status.heat()), Celsius::from_num(60));
         status.heat().count_period();
         status.heat().count_period();
-        assert_eq!(orders.target(Heater::Bed, status.heat()), 0);
+        assert_eq!(orders.target(Heater::Bed, status.heat()), Celsius::ZERO);
     }
 }

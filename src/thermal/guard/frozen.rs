@@ -50,7 +50,7 @@ impl Frozen {
             *self = Self { least: measured, most: measured, duties: [mean; 2], mean: self.mean, still: 0 };
             return None;
         }
-        let is_held = hold.is_some_and(|target| target.abs_diff(measured).to_bits() <= HELD.to_bits().unsigned_abs());
+        let is_held = hold.is_some_and(|target| target.saturating_sub(measured).saturating_abs() <= HELD);
         // Where it is held, the power falls while it settles, and the reading may stay: only more power must show.
         let from = if is_held { mean } else { self.duties[1] };
         let change = from.saturating_sub(self.duties[0]);

@@ -6,7 +6,7 @@
 use super::{Alarm, Episode, Seen, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
-use crate::thermal::fixed_point::{Power, RATE, part_per_period, saturated, times};
+use crate::thermal::fixed_point::{Power, RATE, driven, part_per_period, saturated, times};
 use crate::thermal::room::ROOM;
 use crate::units::{Celsius, JoulesPerKelvin, Ratio};
 use fixed::types::{I0F32, I8F24};
@@ -110,7 +110,7 @@ impl HeatBalance {
             (i64::from(n.fan_loss.to_bits()) * i64::from(fan.to_bits())) >> Ratio::FRAC_NBITS,
         ));
         let leaving = n.loss.saturating_add(fan).saturating_add(filament);
-        let lost = times(measured.saturating_sub(ROOM), leaving).max(Power::ZERO);
+        let lost = driven(measured.saturating_sub(ROOM), leaving).max(Power::ZERO);
         let more = times(power.saturating_sub(balance.arriving), n.arrival);
         balance.arriving = balance.arriving.saturating_add(more);
         balance.given += i64::from(balance.arriving.to_bits());
