@@ -1,47 +1,55 @@
-//! Motors and endstops: their names, and sets of them as bits.
+//! Motors and endstops: their numbers, and sets of them as bits.
 //!
 //! The Z probe is an endstop, [`EndstopSet::PROBE`]. A board may have its pin (`Board::probe` in `wiring.rs` of the
 //! chip) and a machine a plug for it (`Settings::probe`). It is read like a switch (`step_pins.rs`), and M119 reports
 //! it. A move could watch for it (`watch` of a `Target`, motion/planner), but none does: no command lowers the tool
 //! onto the probe.
 
-/// The name of a motor; its number is its bit in a [`MotorSet`] and its column in a step trace.
-///
-/// Belt motors carry the number of their pulley in figure 5 of the CoreH-bot paper.
+pub mod prototype;
+
+/// Motors that a machine may have.
+pub const MOTORS: usize = 7;
+
+/// A motor by its number: its bit in a [`MotorSet`] and its column in a step trace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[repr(u8)]
-pub enum Motor {
-    /// Pulley 1, lower left.
-    M1,
-    /// Pulley 4, lower right.
-    M4,
-    /// Pulley 8, upper right.
-    M8,
-    /// Pulley 11, upper left.
-    M11,
-    /// Left ball screw.
-    Z1,
-    /// Right ball screw.
-    Z2,
-    /// Extruder.
-    E0,
-}
+pub struct Motor(u8);
 
 impl Motor {
     /// Every motor in the order of the trace's columns.
-    pub const ALL: [Self; 7] = [Self::M1, Self::M4, Self::M8, Self::M11, Self::Z1, Self::Z2, Self::E0];
+    pub const ALL: [Self; MOTORS] = {
+        let mut all = [Self(0); MOTORS];
+        let mut number = 0;
+        while number < MOTORS {
+            all[number] = Self(number as u8);
+            number += 1;
+        }
+        all
+    };
+
+    /// Its place in a list with one entry a motor.
+    #[must_use]
+    #[inline(always)]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Its number.
+    #[must_use]
+    pub const fn number(self) -> u8 {
+        self.0
+    }
 
     /// The motor's name as traces and reports print it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::M1 => "m1",
-            Self::M4 => "m4",
-            Self::M8 => "m8",
-            Self::M11 => "m11",
-            Self::Z1 => "z1",
-            Self::Z2 => "z2",
-            Self::E0 => "e0",
+            prototype::M1 => "m1",
+            prototype::M4 => "m4",
+            prototype::M8 => "m8",
+            prototype::M11 => "m11",
+            prototype::Z1 => "z1",
+            prototype::Z2 => "z2",
+            _ => "e0",
         }
     }
 }
@@ -54,19 +62,13 @@ pub struct MotorSet(pub u8);
 impl MotorSet {
     /// No motor.
     pub const NONE: Self = Self(0);
-    /// All seven motors.
-    pub const ALL: Self = Self(0x7F);
-    /// The four belt motors, which are switched on and off together.
-    pub const BELT: Self = Self(0x0F);
-    /// Both ball screws.
-    pub const Z: Self = Self(0x30);
-    /// The extruder.
-    pub const E: Self = Self(0x40);
+    /// Every motor.
+    pub const ALL: Self = Self(((1 << MOTORS) - 1) as u8);
 
     /// The set of one motor.
     #[must_use]
     pub const fn of(motor: Motor) -> Self {
-        Self(1 << motor as u8)
+        Self(1 << motor.0)
     }
 
     /// Whether `motor` is in the set.
@@ -74,7 +76,7 @@ impl MotorSet {
     // Called for every motor in every event, also in builds that inline nothing else.
     #[inline(always)]
     pub const fn has(self, motor: Motor) -> bool {
-        self.0 & (1 << motor as u8) != 0
+        self.0 & (1 << motor.0) != 0
     }
 
     /// Whether the set is empty.
@@ -162,7 +164,7 @@ impl Coupling {
 
     /// The steps of each motor, given the steps of the groups.
     #[must_use]
-    pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
+    pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; MOTORS] {
         Motor::ALL.map(|motor| {
             let count = |((with, against), count): (&(MotorSet, MotorSet), i32)| {
                 if with.has(motor) {

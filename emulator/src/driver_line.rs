@@ -6,7 +6,7 @@
 use crate::board::{Emulated, Port};
 use crate::hearing::{Heard, Hearing};
 use crate::wiring::{PORTS, Pin, Wiring};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, Motor, MotorSet};
 use corehbot_sim::tmc2209::Tmc2209;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
@@ -154,7 +154,7 @@ impl DriverLine {
 /// The drivers of a board.
 #[derive(Clone, Debug)]
 pub struct DriverLines {
-    lines: [DriverLine; Motor::ALL.len()],
+    lines: [DriverLine; MOTORS],
     masks: [u16; PORTS],
     seen: [(u16, u16); PORTS],
     /// Time of the first event of its own.
@@ -177,12 +177,12 @@ impl DriverLines {
     /// The driver of `motor`, to change something about it.
     pub fn of(&mut self, motor: Motor) -> &mut DriverLine {
         self.next = Some(0);
-        &mut self.lines[motor as usize]
+        &mut self.lines[motor.index()]
     }
 
     /// The chip of `motor`, so that the motor's state can act on it.
     pub const fn chip(&mut self, motor: Motor) -> &mut Tmc2209 {
-        &mut self.lines[motor as usize].chip
+        &mut self.lines[motor.index()].chip
     }
 
     /// Every driver.

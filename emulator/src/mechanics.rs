@@ -8,7 +8,7 @@
 use crate::driver_line::DriverLines;
 use crate::timer::NS_PER_TICK;
 use anyhow::{Context, Result};
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot_rig::Rig;
 use corehbot_sim::belt::figures::BeltFigures;
@@ -104,7 +104,7 @@ impl Mechanics {
 
     /// Steps of each motor.
     #[must_use]
-    pub fn counts(&self) -> [i32; Motor::ALL.len()] {
+    pub fn counts(&self) -> [i32; MOTORS] {
         self.rig.counts()
     }
 

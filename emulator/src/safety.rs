@@ -118,7 +118,7 @@ impl Safety {
 mod tests {
     use super::*;
     use crate::wiring::OCTOPUS;
-    use corehbot::motors::Motor;
+    use corehbot::motors::prototype;
 
     #[test]
     fn a_heater_on_a_timer_with_a_pulse_is_live() {
@@ -147,8 +147,8 @@ mod tests {
         safety.store(1, 5, Port::default(), false);
         assert!(safety.powered.is_empty());
         safety.store(2, 5, Port { outputs: 1 << 14, ..Port::default() }, false);
-        assert_eq!(safety.powered, MotorSet::of(Motor::M1));
-        assert_eq!(safety.dangers, [(2, Danger::PoweredBeforeStart(MotorSet::of(Motor::M1)))]);
+        assert_eq!(safety.powered, MotorSet::of(prototype::M1));
+        assert_eq!(safety.dangers, [(2, Danger::PoweredBeforeStart(MotorSet::of(prototype::M1)))]);
         safety.reset(9);
         assert!(safety.powered.is_empty());
     }

@@ -7,7 +7,7 @@
 use crate::board::Port;
 use crate::timer::Schedule;
 use crate::wiring::{PORTS, Wiring};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, MotorSet, prototype};
 
 /// Rises further apart than this belong to different events: 1 us, a twentieth of the closest spacing of one motor.
 pub const WINDOW_NS: u64 = 1000;
@@ -46,9 +46,9 @@ pub struct Recorder {
     levels: [u16; PORTS],
     high: MotorSet,
     forward: MotorSet,
-    rose: [u64; Motor::ALL.len()],
-    fell: [Option<u64>; Motor::ALL.len()],
-    turned: [Option<u64>; Motor::ALL.len()],
+    rose: [u64; MOTORS],
+    fell: [Option<u64>; MOTORS],
+    turned: [Option<u64>; MOTORS],
     open: bool,
     /// All events so far.
     pub events: Vec<StepEvent>,
@@ -64,8 +64,8 @@ pub struct Recorder {
 
 /// Pairs of motors that share a belt half, and must step in one store.
 const PAIRS: [MotorSet; 2] = [
-    MotorSet(MotorSet::of(Motor::M1).0 | MotorSet::of(Motor::M8).0),
-    MotorSet(MotorSet::of(Motor::M4).0 | MotorSet::of(Motor::M11).0),
+    MotorSet(MotorSet::of(prototype::M1).0 | MotorSet::of(prototype::M8).0),
+    MotorSet(MotorSet::of(prototype::M4).0 | MotorSet::of(prototype::M11).0),
 ];
 
 impl Recorder {
@@ -83,9 +83,9 @@ impl Recorder {
             levels: [0; PORTS],
             high: MotorSet::NONE,
             forward: MotorSet::NONE,
-            rose: [0; Motor::ALL.len()],
-            fell: [None; Motor::ALL.len()],
-            turned: [None; Motor::ALL.len()],
+            rose: [0; MOTORS],
+            fell: [None; MOTORS],
+            turned: [None; MOTORS],
             open: false,
             events: Vec::new(),
             pulse: Pulse { high: u64::MAX, low: u64::MAX, set_up: u64::MAX },
@@ -105,7 +105,7 @@ impl Recorder {
         self.levels[n] = levels;
         let (mut rises, mut falls) = (MotorSet::NONE, MotorSet::NONE);
         for slot in self.wiring.slots.iter().flatten() {
-            let i = slot.motor as usize;
+            let i = slot.motor.index();
             let one = MotorSet::of(slot.motor);
             if slot.dir.port == n && changed & slot.dir.mask() != 0 {
                 self.forward = MotorSet(self.forward.0 ^ one.0);
@@ -133,7 +133,7 @@ impl Recorder {
     }
 
     fn rise(&mut self, at: u64, rises: MotorSet, powered: MotorSet) {
-        for i in 0..Motor::ALL.len() {
+        for i in 0..MOTORS {
             if rises.0 & 1 << i != 0 {
                 let since = |then: Option<u64>| then.map_or(u64::MAX, |then| at - then);
                 self.pulse.low = self.pulse.low.min(since(self.fell[i]));

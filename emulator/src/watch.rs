@@ -17,7 +17,7 @@ use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
 use crate::wiring::{BRR, PORTS, SettingsMemory, Wiring};
-use corehbot::motors::{EndstopSet, Motor};
+use corehbot::motors::{EndstopSet, prototype};
 use corehbot::settings::Settings;
 use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
 use rigless::mcu::Operate;
@@ -203,7 +203,7 @@ impl Driver<Emulated> for Watch {
             Settled::Access { access, .. } => access,
             Settled::Stop(stop) => {
                 self.drivers.advance(session.board_mut(), stop.at);
-                self.heat.look(session.board_mut(), stop.at.0, self.mechanics.counts()[Motor::E0 as usize]);
+                self.heat.look(session.board_mut(), stop.at.0, self.mechanics.counts()[prototype::E0.index()]);
                 self.inject_while_hot(session, host, stop.at);
                 if self.mechanics.next().is_some_and(|next| next <= stop.at.0) {
                     self.press(session, stop.at);
@@ -250,7 +250,7 @@ impl Driver<Emulated> for Watch {
             self.safety.store(access.virtual_time.0, 0, port, self.greeted);
         }
         if is_port || HEATER_TIMER.contains(&access.address) {
-            self.heat.look(session.board_mut(), access.virtual_time.0, self.mechanics.counts()[Motor::E0 as usize]);
+            self.heat.look(session.board_mut(), access.virtual_time.0, self.mechanics.counts()[prototype::E0.index()]);
         }
         if is_port {
             self.port_written(session, host, access.virtual_time, port as usize);

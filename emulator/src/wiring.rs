@@ -4,7 +4,7 @@
 //! the same mistake here. Each board with an emulated image has a [`Wiring`] here and a test in `tests/machines.rs`.
 
 use corehbot::connectors::{Output, Sensor};
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet, prototype};
 
 /// Ports of the chip, GPIOA to GPIOH.
 pub const PORTS: usize = 8;
@@ -142,7 +142,7 @@ pub struct Wiring {
     /// The board's name.
     pub name: &'static str,
     /// One slot a motor, in the order of [`Motor::ALL`]; a bench rig has no slot for some.
-    pub slots: [Option<Slot>; Motor::ALL.len()],
+    pub slots: [Option<Slot>; MOTORS],
     /// A pressed endstop is high: a normally closed switch to ground with a pull-up, so a cut wire stops
     /// the machine.
     pub endstops: [(EndstopSet, Pin); 3],
@@ -186,13 +186,13 @@ pub const ROOM: u32 = 3152;
 pub static OCTOPUS: Wiring = Wiring {
     name: "octopus",
     slots: [
-        slot(Motor::M1, Pin::new('F', 13), Pin::new('F', 12), Pin::new('F', 14), Pin::new('C', 4)),
-        slot(Motor::M4, Pin::new('G', 0), Pin::new('G', 1), Pin::new('F', 15), Pin::new('D', 11)),
-        slot(Motor::M8, Pin::new('F', 9), Pin::new('F', 10), Pin::new('G', 2), Pin::new('F', 2)),
-        slot(Motor::M11, Pin::new('G', 4), Pin::new('C', 1), Pin::new('A', 0), Pin::new('C', 7)),
-        slot(Motor::Z1, Pin::new('F', 11), Pin::new('G', 3), Pin::new('G', 5), Pin::new('C', 6)),
-        slot(Motor::Z2, Pin::new('C', 13), Pin::new('F', 0), Pin::new('F', 1), Pin::new('E', 4)),
-        slot(Motor::E0, Pin::new('E', 2), Pin::new('E', 3), Pin::new('D', 4), Pin::new('E', 1)),
+        slot(prototype::M1, Pin::new('F', 13), Pin::new('F', 12), Pin::new('F', 14), Pin::new('C', 4)),
+        slot(prototype::M4, Pin::new('G', 0), Pin::new('G', 1), Pin::new('F', 15), Pin::new('D', 11)),
+        slot(prototype::M8, Pin::new('F', 9), Pin::new('F', 10), Pin::new('G', 2), Pin::new('F', 2)),
+        slot(prototype::M11, Pin::new('G', 4), Pin::new('C', 1), Pin::new('A', 0), Pin::new('C', 7)),
+        slot(prototype::Z1, Pin::new('F', 11), Pin::new('G', 3), Pin::new('G', 5), Pin::new('C', 6)),
+        slot(prototype::Z2, Pin::new('C', 13), Pin::new('F', 0), Pin::new('F', 1), Pin::new('E', 4)),
+        slot(prototype::E0, Pin::new('E', 2), Pin::new('E', 3), Pin::new('D', 4), Pin::new('E', 1)),
     ],
     endstops: [
         (EndstopSet::X, Pin::new('G', 6)),
@@ -247,13 +247,13 @@ pub static OCTOPUS: Wiring = Wiring {
 pub static SPIDER: Wiring = Wiring {
     name: "spider",
     slots: [
-        slot(Motor::M1, Pin::new('E', 11), Pin::new('E', 10), Pin::new('E', 9), Pin::new('E', 7)),
-        slot(Motor::M4, Pin::new('D', 8), Pin::new('B', 12), Pin::new('D', 9), Pin::new('E', 15)),
-        slot(Motor::M8, Pin::new('E', 2), Pin::new('E', 4), Pin::new('E', 3), Pin::new('C', 15)),
-        slot(Motor::M11, Pin::new('D', 14), Pin::new('D', 13), Pin::new('D', 15), Pin::new('D', 10)),
-        slot(Motor::Z1, Pin::new('D', 12), Pin::new('C', 4), Pin::new('E', 8), Pin::new('A', 15)),
-        slot(Motor::Z2, Pin::new('E', 1), Pin::new('E', 0), Pin::new('C', 5), Pin::new('D', 11)),
-        slot(Motor::E0, Pin::new('D', 5), Pin::new('D', 6), Pin::new('D', 4), Pin::new('D', 7)),
+        slot(prototype::M1, Pin::new('E', 11), Pin::new('E', 10), Pin::new('E', 9), Pin::new('E', 7)),
+        slot(prototype::M4, Pin::new('D', 8), Pin::new('B', 12), Pin::new('D', 9), Pin::new('E', 15)),
+        slot(prototype::M8, Pin::new('E', 2), Pin::new('E', 4), Pin::new('E', 3), Pin::new('C', 15)),
+        slot(prototype::M11, Pin::new('D', 14), Pin::new('D', 13), Pin::new('D', 15), Pin::new('D', 10)),
+        slot(prototype::Z1, Pin::new('D', 12), Pin::new('C', 4), Pin::new('E', 8), Pin::new('A', 15)),
+        slot(prototype::Z2, Pin::new('E', 1), Pin::new('E', 0), Pin::new('C', 5), Pin::new('D', 11)),
+        slot(prototype::E0, Pin::new('D', 5), Pin::new('D', 6), Pin::new('D', 4), Pin::new('D', 7)),
     ],
     endstops: [
         (EndstopSet::X, Pin::new('B', 14)),
@@ -289,10 +289,10 @@ const fn socket(motor: Motor, step: Pin, dir: Pin) -> Option<Slot> {
 pub static NUCLEO: Wiring = Wiring {
     name: "nucleo",
     slots: [
-        socket(Motor::M1, Pin::new('A', 10), Pin::new('B', 4)),
-        socket(Motor::M4, Pin::new('B', 3), Pin::new('B', 10)),
-        socket(Motor::M8, Pin::new('A', 6), Pin::new('A', 5)),
-        socket(Motor::M11, Pin::new('B', 5), Pin::new('A', 8)),
+        socket(prototype::M1, Pin::new('A', 10), Pin::new('B', 4)),
+        socket(prototype::M4, Pin::new('B', 3), Pin::new('B', 10)),
+        socket(prototype::M8, Pin::new('A', 6), Pin::new('A', 5)),
+        socket(prototype::M11, Pin::new('B', 5), Pin::new('A', 8)),
         None,
         None,
         None,
@@ -342,6 +342,6 @@ mod tests {
                 motors.filter_map(|(slot, motor)| slot.map(|slot| (slot, motor))).all(|(s, motor)| s.motor == motor)
             );
         }
-        assert_eq!((OCTOPUS.motors(), NUCLEO.motors()), (SPIDER.motors(), MotorSet::BELT));
+        assert_eq!((OCTOPUS.motors(), NUCLEO.motors()), (SPIDER.motors(), prototype::BELT));
     }
 }

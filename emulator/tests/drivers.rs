@@ -2,7 +2,7 @@
 
 use crate::common::{Bench, MS, drivers, firmware, print, root};
 use corehbot::driver::Name;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::driver_line::DriverLines;
@@ -44,7 +44,7 @@ fn assert_printed(seen: &Seen, gcode: &str) {
 
 #[test]
 fn a_driver_that_is_silent_from_the_start_keeps_all_motors_without_power() {
-    for motor in [Motor::M8, Motor::E0] {
+    for motor in [prototype::M8, prototype::E0] {
         let mut drivers = drivers();
         drivers.of(motor).chip.is_silent = true;
         assert_refused(&print_on(&drivers), &format!("motor {} does not answer", Name(motor)));
@@ -56,7 +56,7 @@ fn a_driver_that_is_silent_from_the_start_keeps_all_motors_without_power() {
 fn a_wire_that_is_shorted_keeps_all_motors_without_power() {
     for level in [false, true] {
         let mut drivers = drivers();
-        drivers.of(Motor::M1).short = Some(level);
+        drivers.of(prototype::M1).short = Some(level);
         assert_refused(&print_on(&drivers), "motor 1 ");
     }
 }
@@ -82,7 +82,7 @@ fn replies_that_are_damaged_now_and_then_are_asked_for_again() {
 #[test]
 fn replies_that_are_always_damaged_keep_all_motors_without_power() {
     let mut drivers = drivers();
-    drivers.of(Motor::M4).noise = 1;
+    drivers.of(prototype::M4).noise = 1;
     assert_refused(&print_on(&drivers), "motor 4");
 }
 
@@ -90,14 +90,14 @@ fn replies_that_are_always_damaged_keep_all_motors_without_power() {
 fn a_driver_that_says_other_microsteps_keeps_all_motors_without_power() {
     let mut drivers = drivers();
     let other = 0x1000_0053 | 5 << chopconf::MRES;
-    drivers.of(Motor::M11).chip.answer_wrongly(chopconf::ADDRESS, other);
+    drivers.of(prototype::M11).chip.answer_wrongly(chopconf::ADDRESS, other);
     assert_refused(&print_on(&drivers), "motor 11");
 }
 
 #[test]
 fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
     let mut drivers = drivers();
-    drivers.of(Motor::Z1).chip.is_deaf = true;
+    drivers.of(prototype::Z1).chip.is_deaf = true;
     assert_refused(&print_on(&drivers), "motor");
 }
 
@@ -130,15 +130,15 @@ fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u
 
 /// Steps by which the Z screws rise after an instant.
 fn raised(seen: &Seen, at: u64) -> i64 {
-    let later = seen.recorder.events.iter().filter(|event| event.at >= at && event.steps.has(Motor::Z1));
-    later.map(|event| if event.forward.has(Motor::Z1) { 1 } else { -1 }).sum()
+    let later = seen.recorder.events.iter().filter(|event| event.at >= at && event.steps.has(prototype::Z1));
+    later.map(|event| if event.forward.has(prototype::Z1) { 1 } else { -1 }).sum()
 }
 
 /// A driver that was reset makes the microsteps of its pins, eight instead of sixteen. If it turns the belt it is off
 /// within 100 ms, and the other three raise z by 10 mm and park the tool.
 #[test]
 fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of_its_belt_park_the_tool() {
-    for motor in [Motor::M1, Motor::M11] {
+    for motor in [prototype::M1, prototype::M11] {
         let fault = Injection::DriverReset { after: 45_000, motor };
         let reset = format!("motor {} was reset", Name(motor));
         let (off, _, seen) = off_after(fault, MotorSet::of(motor), &[&reset]);
@@ -154,7 +154,7 @@ fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of
 
 #[test]
 fn a_z_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
-    let fault = Injection::DriverReset { after: 46_000, motor: Motor::Z2 };
+    let fault = Injection::DriverReset { after: 46_000, motor: prototype::Z2 };
     assert!(off_after(fault, MotorSet::ALL, &["motor Z2 was reset"]).0 < 200 * MS);
 }
 
@@ -180,6 +180,6 @@ fn drivers_are_watched_while_motors_step_fast() {
     let failed = |line: &String| line.split_once(" failed exchanges")?.0.rsplit(' ').next()?.parse::<u32>().ok();
     let failed: Vec<u32> = seen.line.said.iter().filter_map(failed).collect();
     println!("failed exchanges: {failed:?}");
-    assert_eq!(failed.len(), Motor::ALL.len(), "{:?}", seen.line.said);
+    assert_eq!(failed.len(), MOTORS, "{:?}", seen.line.said);
     assert!(failed.iter().sum::<u32>() <= 6, "{failed:?}");
 }

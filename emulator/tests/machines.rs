@@ -3,7 +3,7 @@
 
 use crate::common::{Bench, bench_of, firmware, lines_of, plain_firmware, print_on, root};
 use corehbot::connectors::{ConnectorName, Heater};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::driver_line::DriverLines;
@@ -40,18 +40,18 @@ fn motors_on(bench: &Bench<'_>) -> MotorSet {
 /// QEMU prints with these files too (`xtask/src/test/compare.rs`).
 #[test]
 fn four_motors_drive_a_corexy() {
-    assert_eq!(motors_of("awd-corexy.toml"), MotorSet::BELT.with(MotorSet::of(Motor::Z1)));
+    assert_eq!(motors_of("awd-corexy.toml"), prototype::BELT.with(MotorSet::of(prototype::Z1)));
 }
 
 #[test]
 fn pulleys_may_have_different_sizes() {
-    let motors = [Motor::M8, Motor::M11, Motor::Z1].into_iter().map(MotorSet::of);
+    let motors = [prototype::M8, prototype::M11, prototype::Z1].into_iter().map(MotorSet::of);
     assert_eq!(motors_of("core-unequal.toml"), motors.fold(MotorSet::NONE, MotorSet::with));
 }
 
 #[test]
 fn a_corexyz_lifts_with_all_four() {
-    assert_eq!(motors_of("corexyz.toml"), MotorSet::BELT);
+    assert_eq!(motors_of("corexyz.toml"), prototype::BELT);
 }
 
 /// Motors 1 and 8 in each other's sockets, both reversed: the belt moves as before. The switches of x and y in each
@@ -64,7 +64,7 @@ fn motors_and_switches_are_where_the_file_has_them() {
     let [(_, x), (_, y), _] = &mut wiring.endstops;
     std::mem::swap(x, y);
     let bench = Bench { wiring: Box::leak(Box::new(wiring)), ..bench_of(machine_file::load(file).unwrap()) };
-    assert_eq!(motors_on(&bench), MotorSet::ALL.without(MotorSet::of(Motor::E0)));
+    assert_eq!(motors_on(&bench), MotorSet::ALL.without(MotorSet::of(prototype::E0)));
 }
 
 /// A switch that closes when it is pressed reads inverted.
@@ -158,7 +158,7 @@ fn a_machine_that_was_sent_is_there_after_a_reset() {
     assert_eq!((seen.end, &seen.line.failure, seen.line.resends), (End::Done, &None, 0));
     let told = |line: &&String| line.starts_with("echo:machine stored (") && line.ends_with("after the next reset");
     assert_eq!(seen.line.said.iter().filter(told).count(), 1, "{:?}", seen.line.said);
-    let motors = [Motor::M8, Motor::M11, Motor::Z1].into_iter().map(MotorSet::of);
+    let motors = [prototype::M8, prototype::M11, prototype::Z1].into_iter().map(MotorSet::of);
     let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
     assert_eq!(motors_on(&again), motors.fold(MotorSet::NONE, MotorSet::with));
 }
@@ -216,7 +216,7 @@ fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
 #[test]
 fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
     let mut wiring = OCTOPUS;
-    let slot = wiring.slots[Motor::M8 as usize].as_mut().unwrap();
+    let slot = wiring.slots[prototype::M8.index()].as_mut().unwrap();
     (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('A', 14));
     (slot.enable, slot.uart) = (Pin::new('E', 0), Some(Pin::new('D', 3)));
     wiring.endstops[1].1 = Pin::new('G', 15);
@@ -246,7 +246,7 @@ fn the_image_steps_on_a_spider() {
     let mut firmware = firmware();
     firmware.set_board("spider").unwrap();
     let mut wiring = SPIDER;
-    let slot = wiring.slots[Motor::M4 as usize].as_mut().unwrap();
+    let slot = wiring.slots[prototype::M4.index()].as_mut().unwrap();
     (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('C', 13));
     (slot.enable, slot.uart) = (Pin::new('E', 5), Some(Pin::new('C', 14)));
     wiring.endstops[0].1 = Pin::new('A', 1);

@@ -2,7 +2,7 @@
 
 use crate::common::{Bench, MS, lines_of, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
 use corehbot::connectors::ConnectorName;
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{EndstopSet, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::clock_tree::Defect;
 use corehbot_emulator::compare::{difference, of_motors, scheduled, timing};
@@ -27,7 +27,7 @@ fn check(seen: &Seen, gcode: &str, machine: &Settings) {
     seen.check_baud(250_000).unwrap();
     let all = scheduled(gcode, machine).unwrap();
     let host = of_motors(&all, NUCLEO.motors());
-    assert!(host.len() > 1000 && all.iter().any(|event| event.steps.has(Motor::Z1)));
+    assert!(host.len() > 1000 && all.iter().any(|event| event.steps.has(prototype::Z1)));
     let pins = &seen.recorder.events;
     if let Some(difference) = difference(pins, &host) {
         panic!("{difference}");
@@ -42,7 +42,7 @@ fn check(seen: &Seen, gcode: &str, machine: &Settings) {
     let pulse = seen.recorder.pulse;
     assert!(pulse.high >= 100 && pulse.low >= 100 && pulse.set_up >= 20, "{pulse:?}");
     // D8 gives power to all at once.
-    assert!(seen.safety.switched.iter().all(|(_, motors)| [MotorSet::NONE, MotorSet::BELT].contains(motors)));
+    assert!(seen.safety.switched.iter().all(|(_, motors)| [MotorSet::NONE, prototype::BELT].contains(motors)));
 }
 
 /// The image with a machine in it, as `corehbot image` makes it.

@@ -1,7 +1,7 @@
 //! The pins of the image show the same steps as the host simulator.
 
 use crate::common::{Bench, MS, firmware, from_home, heated_bench, print, print_on, root};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::heat::Climate;
@@ -94,7 +94,8 @@ fn the_other_examples_step_as_on_the_host() {
 #[test]
 fn a_belt_runs_round_as_on_the_host() {
     let seen = check_gcode("circulation", &from_home(&example("circulation")));
-    let alone = seen.recorder.events.iter().filter(|event| event.steps.has(Motor::M11) && !event.steps.has(Motor::M4));
+    let alone =
+        seen.recorder.events.iter().filter(|event| event.steps.has(prototype::M11) && !event.steps.has(prototype::M4));
     assert!(alone.count() > 1000, "pairs are parted while the belt runs round");
     let position = seen.line.said.iter().rfind(|line| line.starts_with("X:")).unwrap();
     assert!(position.starts_with("X:40.00 Y:40.00 Z:2.00 E:0.00 C:0.00 "), "{position}");

@@ -1,7 +1,7 @@
 //! Tests of machine_file.
 
 use super::*;
-use corehbot::motors::Motor;
+use corehbot::motors::prototype;
 use corehbot::settings::{CornerRule, ShaperKind, Thermistor, Wiring};
 use corehbot::units::{Hertz, Mm, MmPerSec, Seconds, StepsPerMm};
 
@@ -94,8 +94,8 @@ fn a_probe_is_plugged_in_by_name() {
 fn motors_and_switches_are_plugged_in_by_name() {
     let s = load("[motors]\nm1 = \"!M7\"\nz2 = \"\"\n[endstops]\ny = \"!E0DET\"").unwrap();
     let plug = |motor| (s.wiring.of(motor).connector.to_string(), s.wiring.of(motor).is_reversed);
-    assert_eq!(plug(Motor::M1), ("M7".to_owned(), true));
-    assert_eq!((plug(Motor::Z2), plug(Motor::E0)), ((String::new(), false), ("M6".to_owned(), false)));
+    assert_eq!(plug(prototype::M1), ("M7".to_owned(), true));
+    assert_eq!((plug(prototype::Z2), plug(prototype::E0)), ((String::new(), false), ("M6".to_owned(), false)));
     let y = s.wiring.endstops.y;
     assert_eq!((y.connector.as_str(), y.is_normally_open), ("E0DET", true));
     assert!(!s.wiring.endstops.x.is_normally_open);

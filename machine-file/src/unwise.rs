@@ -4,7 +4,7 @@ use super::Machine;
 use corehbot::connectors::Heater;
 use corehbot::kinematics::{Mechanism, direction};
 use corehbot::motion::advance_window;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, prototype};
 use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
 use corehbot::units::{Mm, Watts};
 
@@ -23,7 +23,7 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut warn = |key: &str, text: String| found.push((key.to_owned(), text));
     let groups =
-        [("belt", s.drivers.belt, MotorSet::BELT), ("z", s.drivers.z, MotorSet::Z), ("e", s.drivers.e, MotorSet::E)];
+        [("belt", s.drivers.belt, prototype::BELT), ("z", s.drivers.z, prototype::Z), ("e", s.drivers.e, prototype::E)];
     for (name, driver, motors) in groups {
         if driver.current_ma > MODULE_MA && s.mechanism.fitted().intersects(motors) {
             let key = format!("drivers.{name}.current_ma");
@@ -98,7 +98,7 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
-    if machine.board.is_some() && s.mechanism.fitted().has(Motor::E0) && !s.thermal.heaters.hotend.is_fitted {
+    if machine.board.is_some() && s.mechanism.fitted().has(prototype::E0) && !s.thermal.heaters.hotend.is_fitted {
         let text = "an extruder (e0) without a hotend: heating is ignored, and filament moves cold".to_owned();
         warn("heaters.hotend.is_fitted", text);
     }

@@ -13,7 +13,7 @@ mod store;
 pub use store::{Bounds, CHUNK, Chunk, Stored};
 
 use corehbot::kinematics::ForwardKinematics;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::Settings;
 use corehbot_sim::sampler::Counts;
 use corehbot_twin::contour::cut::ends;
@@ -56,7 +56,7 @@ pub struct Vertex {
 
 /// Follows the steps and stores the lines.
 pub struct ToolPath<F: Write> {
-    back: ForwardKinematics<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ MOTORS }>,
     /// mm a step of x, y and z.
     step: [f64; 3],
     origin: [f64; 3],
@@ -82,7 +82,7 @@ impl<F: Write> ToolPath<F> {
             step,
             origin,
             tolerance: step[0].max(step[1]),
-            counts: [0; Motor::ALL.len()],
+            counts: [0; MOTORS],
             filament: Filament::new(origin),
             places: vec![begin],
             store,

@@ -2,7 +2,7 @@
 
 use crate::printable::line;
 use corehbot::connectors::Heater;
-use corehbot::motors::Motor;
+use corehbot::motors::{MOTORS, Motor, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::belt::figures::BeltFigures;
@@ -32,8 +32,8 @@ pub struct PerMotor {
     pub e0: i64,
 }
 
-impl From<[i64; Motor::ALL.len()]> for PerMotor {
-    fn from([m1, m4, m8, m11, z1, z2, e0]: [i64; Motor::ALL.len()]) -> Self {
+impl From<[i64; MOTORS]> for PerMotor {
+    fn from([m1, m4, m8, m11, z1, z2, e0]: [i64; MOTORS]) -> Self {
         Self { m1, m4, m8, m11, z1, z2, e0 }
     }
 }
@@ -41,7 +41,7 @@ impl From<[i64; Motor::ALL.len()]> for PerMotor {
 impl PerMotor {
     /// The numbers in the order of [`Motor::ALL`].
     #[must_use]
-    pub const fn to_array(self) -> [i64; Motor::ALL.len()] {
+    pub const fn to_array(self) -> [i64; MOTORS] {
         [self.m1, self.m4, self.m8, self.m11, self.z1, self.z2, self.e0]
     }
 }
@@ -186,7 +186,7 @@ impl Summary {
             ));
             self.warnings_total += 1;
         }
-        if asked.filament && !asked.dry_run && self.steps.e0 == 0 && settings.mechanism.fitted().has(Motor::E0) {
+        if asked.filament && !asked.dry_run && self.steps.e0 == 0 && settings.mechanism.fitted().has(prototype::E0) {
             let why = format!("{}: filament was commanded, but none moved: was the hotend cold?", self.file);
             self.ok = false;
             self.failure.get_or_insert(why);

@@ -12,7 +12,7 @@ pub mod heat;
 pub mod plant;
 
 use corehbot::kinematics::ForwardKinematics;
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Settings};
 use corehbot::units::Mm;
 
@@ -22,10 +22,10 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 /// The simulated machine. An endstop is pressed while its axis is at its place or beyond.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
-    counts: [i32; Motor::ALL.len()],
+    counts: [i32; MOTORS],
     /// The tool's position from the motors: x, y and z as sums of their counts, ready for the step interrupt. Sums grow
     /// away from the switches.
-    weights: [[i32; Motor::ALL.len()]; 3],
+    weights: [[i32; MOTORS]; 3],
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],
     /// The switches that there are.
@@ -46,14 +46,14 @@ impl Rig {
             *steps = ((from_switch * i128::from(pitch.to_bits())) >> 48) as i32;
         }
         let back = settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
-        let (counts, weights) = ([0; Motor::ALL.len()], [[0; Motor::ALL.len()]; 3]);
+        let (counts, weights) = ([0; MOTORS], [[0; MOTORS]; 3]);
         let away = switches.map(|switch| match switch.end {
             AxisEnd::Min => 1,
             AxisEnd::Max => -1,
         });
         let mut rig = Self { counts, weights, start: [0; 3], inputs: EndstopSet::SWITCHES };
-        for motor in 0..Motor::ALL.len() {
-            let mut one = [0; Motor::ALL.len()];
+        for motor in 0..MOTORS {
+            let mut one = [0; MOTORS];
             one[motor] = 1;
             let axes = back.fractions(&one).into_iter().zip(steps).zip(away);
             for ((weights, start), (((weight, over), steps), away)) in
@@ -93,7 +93,7 @@ impl Rig {
 
     /// Steps of each motor since power-up, signed.
     #[must_use]
-    pub const fn counts(&self) -> [i32; Motor::ALL.len()] {
+    pub const fn counts(&self) -> [i32; MOTORS] {
         self.counts
     }
 
@@ -115,6 +115,7 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::prototype;
 
     #[test]
     fn the_switch_of_x_is_pressed_when_the_tool_gets_there() {
@@ -122,12 +123,12 @@ mod tests {
         let mut rig = Rig::new(&Settings::prototype(), Some(start));
         assert_eq!(rig.endstops(), EndstopSet::NONE);
         // To the left: 1 and 4 counter-clockwise, 8 and 11 clockwise.
-        let forward = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M4));
+        let forward = MotorSet::of(prototype::M1).with(MotorSet::of(prototype::M4));
         for _ in 0..79 {
-            rig.step(MotorSet::BELT, forward);
+            rig.step(prototype::BELT, forward);
         }
         assert_eq!(rig.endstops(), EndstopSet::NONE);
-        rig.step(MotorSet::BELT, forward);
+        rig.step(prototype::BELT, forward);
         assert_eq!(rig.endstops(), EndstopSet::X);
     }
 }

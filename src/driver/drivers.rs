@@ -7,7 +7,7 @@ use super::error::{DriverError, Fault, News};
 use super::reading::Reading;
 use super::run::{Job, Next, Run};
 use super::watch::Watch;
-use crate::motors::{Motor, MotorSet};
+use crate::motors::{MOTORS, Motor, MotorSet};
 use crate::port::{BusError, DriverBus, Frame};
 use crate::settings::Settings;
 use crate::units::Instant;
@@ -15,8 +15,6 @@ use turns::Turn;
 
 /// Greatest age of a proof in ms when power comes: seven quick proofs take 170 ms, and 400 with looks in between.
 const FRESH_MS: u32 = 500;
-
-const MOTORS: usize = Motor::ALL.len();
 
 /// The state of one driver.
 #[derive(Clone, Copy, Debug)]
@@ -296,10 +294,10 @@ impl Drivers {
     }
 
     fn get(&self, motor: Motor) -> Option<&Driver> {
-        self.drivers.get(motor as usize)
+        self.drivers.get(motor.index())
     }
 
     fn get_mut(&mut self, motor: Motor) -> Option<&mut Driver> {
-        self.drivers.get_mut(motor as usize)
+        self.drivers.get_mut(motor.index())
     }
 }

@@ -1,7 +1,7 @@
 //! Errors of a driver, with their remedies.
 
 use super::registers::{Register, drv_status, gstat};
-use crate::motors::Motor;
+use crate::motors::{Motor, prototype};
 use core::fmt;
 
 /// Error of a driver.
@@ -85,13 +85,13 @@ pub struct Name(pub Motor);
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.0 {
-            Motor::M1 => "1",
-            Motor::M4 => "4",
-            Motor::M8 => "8",
-            Motor::M11 => "11",
-            Motor::Z1 => "Z1",
-            Motor::Z2 => "Z2",
-            Motor::E0 => "E",
+            prototype::M1 => "1",
+            prototype::M4 => "4",
+            prototype::M8 => "8",
+            prototype::M11 => "11",
+            prototype::Z1 => "Z1",
+            prototype::Z2 => "Z2",
+            _ => "E",
         })
     }
 }
@@ -132,12 +132,12 @@ mod tests {
 
     #[test]
     fn a_fault_names_the_motor_and_what_to_do() {
-        let fault = Fault { motor: Motor::M8, error: DriverError::Silent };
+        let fault = Fault { motor: prototype::M8, error: DriverError::Silent };
         assert_eq!(
             fault.to_string(),
             "driver of motor 8 does not answer: is the motor supply on, its jumper set to UART?"
         );
-        let fault = Fault { motor: Motor::Z2, error: DriverError::Differs(Register::Pwmconf) };
+        let fault = Fault { motor: prototype::Z2, error: DriverError::Differs(Register::Pwmconf) };
         assert_eq!(fault.to_string(), "driver of motor Z2 holds a different PWMCONF than the firmware wrote");
     }
 

@@ -15,7 +15,7 @@
 //! gets a look every 168 ms.
 
 use super::run::Look;
-use crate::motors::{Motor, MotorSet};
+use crate::motors::{MOTORS, Motor, MotorSet};
 use crate::units::Instant;
 
 /// Least time in ms from one look to the next: an exchange and the next turn of the main loop.
@@ -74,15 +74,15 @@ pub(super) struct Wanted {
     pub has_look: bool,
 }
 
-/// The motors in turn.
+/// The motors in turn: the place of the next one.
 #[derive(Clone, Copy, Debug)]
-struct Round(Motor);
+struct Round(usize);
 
 impl Round {
     fn next(&mut self, of: MotorSet) -> Option<Motor> {
-        let mut order = Motor::ALL.into_iter().cycle().skip(self.0 as usize + 1).take(Motor::ALL.len());
+        let mut order = Motor::ALL.into_iter().cycle().skip(self.0).take(MOTORS);
         let next = order.find(|motor| of.has(*motor))?;
-        self.0 = next;
+        self.0 = next.index() + 1;
         Some(next)
     }
 }
@@ -106,7 +106,7 @@ pub(super) struct Watch {
 
 impl Watch {
     pub fn new() -> Self {
-        let round = Round(Motor::E0);
+        let round = Round(0);
         Self {
             urgent: MotorSet::NONE,
             at_once: MotorSet::NONE,

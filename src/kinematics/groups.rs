@@ -6,13 +6,17 @@
 use super::forward::{ForwardKinematics, greatest_divisor};
 use super::mechanism::{Mechanism, mirrored};
 use super::row::Row;
-use crate::motors::{Coupling, GroupSet, MOST_GROUPS, Motor, MotorSet};
+use crate::motors::{Coupling, GroupSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
 use crate::units::Steps;
 
-/// The first motor of a group in this list leads it, and this list orders the groups. So u = x + y, which motor 11
-/// turns forward, comes before v = x - y of motor 8: A and B of a CoreXY.
-const LEADERS: [Motor; Motor::ALL.len()] =
-    [Motor::M11, Motor::M8, Motor::M4, Motor::M1, Motor::Z1, Motor::Z2, Motor::E0];
+/// The first motor of a group in this order leads it, and this order is that of the groups: motors of x and y from the
+/// last to the first, then the others. So on a CoreH-bot u = x + y, which its fourth motor turns forward, comes before
+/// v = x - y of its third: A and B of a CoreXY.
+fn leaders(mechanism: &Mechanism) -> impl Iterator<Item = Motor> {
+    let belt = mechanism.belt_motors();
+    let others = Motor::ALL.into_iter().filter(move |motor| !belt.has(*motor));
+    Motor::ALL.into_iter().rev().filter(move |motor| belt.has(*motor)).chain(others)
+}
 
 /// One coordinate and the motors that it drives.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -29,7 +33,7 @@ pub struct Group {
 
 impl Group {
     /// No motors. All zeros, like every initial value here: such memory costs no flash.
-    const NONE: Self = Self { row: [0; 4], with: MotorSet::NONE, against: MotorSet::NONE, lead: Motor::M1 };
+    const NONE: Self = Self { row: [0; 4], with: MotorSet::NONE, against: MotorSet::NONE, lead: Motor::ALL[0] };
 
     /// The group's coordinate at a position in steps of x, y, z and e.
     #[must_use]
@@ -91,7 +95,7 @@ pub struct Groups {
 impl Groups {
     /// No motors at all.
     pub const NONE: Self = Self {
-        mechanism: Mechanism { rows: [[0; 4]; Motor::ALL.len()] },
+        mechanism: Mechanism { rows: [[0; 4]; MOTORS] },
         fitted: MotorSet::NONE,
         groups: [Group::NONE; MOST_GROUPS],
         back: ForwardKinematics::NONE,
@@ -104,11 +108,11 @@ impl Groups {
         let fitted = mechanism.fitted();
         let mut groups = Self { mechanism: *mechanism, fitted, ..Self::NONE };
         let mut taken = MotorSet::NONE;
-        for lead in LEADERS {
+        for lead in leaders(mechanism) {
             if taken.has(lead) || !fitted.has(lead) {
                 continue;
             }
-            let Some(&row) = mechanism.rows.get(lead as usize) else { continue };
+            let Some(&row) = mechanism.rows.get(lead.index()) else { continue };
             let (mut with, mut against) = (MotorSet::NONE, MotorSet::NONE);
             for (motor, its_row) in mechanism.motors() {
                 if its_row == row {
@@ -159,7 +163,7 @@ impl Groups {
 
     /// The steps of each motor, given the steps of the groups.
     #[must_use]
-    pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
+    pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; MOTORS] {
         self.coupling().motor_counts(counts)
     }
 

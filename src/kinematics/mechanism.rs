@@ -15,7 +15,7 @@
 
 use super::forward::{ForwardKinematics, is_held};
 use super::row::{Row, direction, multiple};
-use crate::motors::{MOST_GROUPS, Motor, MotorSet};
+use crate::motors::{MOST_GROUPS, MOTORS, Motor, MotorSet};
 use serde::{Deserialize, Serialize};
 
 /// The row of a motor that is not fitted.
@@ -33,18 +33,18 @@ pub const MOST_MULTIPLE: i8 = 16;
 #[serde(from = "i128", into = "i128")]
 pub struct Mechanism {
     /// The rows; [`check`](Self::check) verifies them.
-    pub rows: [Row; Motor::ALL.len()],
+    pub rows: [Row; MOTORS],
 }
 
 /// Bits of a direction: -2 (not legal) to 1.
 const ENTRY: u32 = 2;
 
 /// Bits of all directions.
-const DIRECTIONS: u32 = ENTRY * 4 * Motor::ALL.len() as u32;
+const DIRECTIONS: u32 = ENTRY * 4 * MOTORS as u32;
 
 /// Bits of a whole number, counted from 1.
 const MULTIPLE: u32 = 4;
-const _: () = assert!(MOST_MULTIPLE as u32 == 1 << MULTIPLE && DIRECTIONS + MULTIPLE * (Motor::ALL.len() as u32) < 127);
+const _: () = assert!(MOST_MULTIPLE as u32 == 1 << MULTIPLE && DIRECTIONS + MULTIPLE * (MOTORS as u32) < 127);
 
 /// Set if there are such numbers. Firmware without them reads 64 bits and refuses longer values.
 const UNLIKE: i128 = 1 << 120;
@@ -57,7 +57,7 @@ impl From<i128> for Mechanism {
         // Records with only ones keep their older format: one number with a sign.
         let is_plain = i128::from(directions) == packed && directions.unsigned_abs() < 1 << DIRECTIONS;
         let mut multiples = if is_plain { 0 } else { (packed & !UNLIKE) >> DIRECTIONS };
-        let mut mechanism = Self { rows: [NOT_FITTED; Motor::ALL.len()] };
+        let mut mechanism = Self { rows: [NOT_FITTED; MOTORS] };
         for row in &mut mechanism.rows {
             let multiple = (multiples as i8 & (MOST_MULTIPLE - 1)) + 1;
             multiples >>= MULTIPLE;
@@ -201,18 +201,15 @@ impl Mechanism {
     /// them, and do not move.
     #[must_use]
     pub const fn trimming() -> Self {
-        let mut rows = [NOT_FITTED; Motor::ALL.len()];
-        rows[Motor::M1 as usize] = [0, 0, 1, 0];
-        rows[Motor::Z1 as usize] = [1, 0, 0, 0];
-        rows[Motor::Z2 as usize] = [0, 1, 0, 0];
-        rows[Motor::E0 as usize] = [0, 0, 0, 1];
+        let mut rows = [NOT_FITTED; MOTORS];
+        [rows[0], rows[1], rows[2], rows[3]] = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
         Self { rows }
     }
 
     /// The axis with the lowest number that a motor moves.
     #[must_use]
     pub fn axis_of(&self, motor: Motor) -> Option<usize> {
-        self.rows.get(motor as usize).and_then(|row| row.iter().position(|times| *times != 0))
+        self.rows.get(motor.index()).and_then(|row| row.iter().position(|times| *times != 0))
     }
 
     /// Whether two axes need a motor together.
@@ -238,13 +235,13 @@ impl Mechanism {
 
     /// The count of each motor at a position of x, y, z and e.
     #[must_use]
-    pub fn inverse(&self, position: [i64; 4]) -> [i64; Motor::ALL.len()] {
+    pub fn inverse(&self, position: [i64; 4]) -> [i64; MOTORS] {
         self.rows.map(|row| row.into_iter().zip(position).map(|(times, steps)| i64::from(times) * steps).sum())
     }
 
     /// Forward kinematics from the motors' counts; `None` if they do not hold the tool.
     #[must_use]
-    pub fn forward_kinematics(&self) -> Option<ForwardKinematics<{ Motor::ALL.len() }>> {
+    pub fn forward_kinematics(&self) -> Option<ForwardKinematics<{ MOTORS }>> {
         ForwardKinematics::new(self.rows)
     }
 

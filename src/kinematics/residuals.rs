@@ -10,9 +10,7 @@
 //! rest position, up to two full steps away.
 
 use super::mechanism::Mechanism;
-use crate::motors::{Motor, MotorSet};
-
-const MOTORS: usize = Motor::ALL.len();
+use crate::motors::{MOTORS, Motor, MotorSet};
 
 /// Motors of x and y beyond the two needed.
 const MOST: usize = MOTORS - 2;
@@ -35,7 +33,7 @@ impl Residuals {
         let mut sums: heapless::Vec<Residual, MOTORS> = heapless::Vec::new();
         for motor in Motor::ALL.into_iter().filter(|motor| belt.has(*motor)) {
             let mut alone = [0; MOTORS];
-            alone[motor as usize] = 1;
+            alone[motor.index()] = 1;
             // There is a place for every motor.
             let _ = sums.push(alone);
         }

@@ -192,7 +192,7 @@ impl Settings {
     fn check_microsteps(&self) -> Result<(), SettingsError> {
         let rows = || Motor::ALL.into_iter().zip(self.mechanism.rows);
         for (a, row) in rows() {
-            for (b, other) in rows().skip(a as usize + 1) {
+            for (b, other) in rows().skip(a.index() + 1) {
                 let shares = row.iter().zip(other).any(|(times, others)| *times != 0 && others != 0);
                 let ((first, key), (second, other_key)) = (self.drivers.of(a), self.drivers.of(b));
                 let microsteps = [first.microsteps, second.microsteps];

@@ -2,7 +2,7 @@
 
 use super::rows::{Spec, rows};
 use super::{Range, Settings, ranges};
-use crate::motors::{Motor, MotorSet};
+use crate::motors::{Motor, prototype};
 use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
 
@@ -38,9 +38,9 @@ impl DriverGroups {
     /// The settings of a motor's driver, and their key in machine files.
     #[must_use]
     pub fn of(&self, motor: Motor) -> (&DriverSettings, &'static str) {
-        if MotorSet::BELT.has(motor) {
+        if prototype::BELT.has(motor) {
             (&self.belt, "drivers.belt")
-        } else if MotorSet::Z.has(motor) {
+        } else if prototype::Z.has(motor) {
             (&self.z, "drivers.z")
         } else {
             (&self.e, "drivers.e")

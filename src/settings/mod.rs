@@ -292,7 +292,7 @@ impl Settings {
             Some(2) => z,
             _ => e,
         };
-        let times = self.mechanism.rows.get(motor as usize).map_or(1, |row| multiple(*row)).max(1);
+        let times = self.mechanism.rows.get(motor.index()).map_or(1, |row| multiple(*row)).max(1);
         axis.steps_per_mm.saturating_mul_int(times.unsigned_abs().into())
     }
 

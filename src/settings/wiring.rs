@@ -4,7 +4,7 @@ use super::rows::{Field, Kind, Spec, Value, rows, text};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName, OCTOPUS};
 use crate::kinematics::Row;
-use crate::motors::Motor;
+use crate::motors::{MOTORS, Motor};
 use serde::{Deserialize, Serialize};
 
 /// Where motors and switches are plugged in. [`Settings::check_connectors`](super::Settings::check_connectors) holds it
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Wiring {
     /// By motor, in the order of [`Motor::ALL`].
-    pub motors: [MotorPlug; Motor::ALL.len()],
+    pub motors: [MotorPlug; MOTORS],
     /// The switch of each axis.
     pub endstops: Cartesian<EndstopPlug>,
 }
@@ -39,7 +39,7 @@ impl Wiring {
     /// The prototype on a board: each motor and switch in its place of the board's table.
     #[must_use]
     pub const fn usual(board: &BoardConnectors) -> Self {
-        let mut motors = [MotorPlug { connector: ConnectorName::NONE, is_reversed: false }; Motor::ALL.len()];
+        let mut motors = [MotorPlug::NONE; MOTORS];
         let (mut plugs, mut sockets): (&mut [MotorPlug], _) = (&mut motors, board.sockets);
         while let ([plug, other_plugs @ ..], [socket, other_sockets @ ..]) = (plugs, sockets) {
             plug.connector = *socket;
@@ -60,17 +60,16 @@ impl Wiring {
     /// Where `motor` is plugged in.
     #[must_use]
     pub const fn of(&self, motor: Motor) -> MotorPlug {
-        let [m1, m4, m8, m11, z1, z2, e0] = self.motors;
-        match motor {
-            Motor::M1 => m1,
-            Motor::M4 => m4,
-            Motor::M8 => m8,
-            Motor::M11 => m11,
-            Motor::Z1 => z1,
-            Motor::Z2 => z2,
-            Motor::E0 => e0,
+        match self.motors.as_slice().split_at_checked(motor.index()) {
+            Some((_, [plug, ..])) => *plug,
+            _ => MotorPlug::NONE,
         }
     }
+}
+
+impl MotorPlug {
+    /// Nothing is plugged in.
+    pub const NONE: Self = Self { connector: ConnectorName::NONE, is_reversed: false };
 }
 
 impl EndstopPlug {
@@ -126,7 +125,7 @@ impl Field for EndstopPlug {
 pub(super) mod motors {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut MotorPlug; Motor::ALL.len()] {
+    fn parts(s: &mut Settings) -> [&mut MotorPlug; MOTORS] {
         s.wiring.motors.each_mut()
     }
 
@@ -175,7 +174,7 @@ impl Field for Row {
 pub(super) mod mechanism {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Row; Motor::ALL.len()] {
+    fn parts(s: &mut Settings) -> [&mut Row; MOTORS] {
         s.mechanism.rows.each_mut()
     }
 

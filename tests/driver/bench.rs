@@ -1,7 +1,7 @@
 //! Drivers on a bus that answers as a test wants.
 
 use corehbot::driver::{DriverError, Drivers, Job, News, Register};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::{BusError, Coupling, DriverBus, Frame};
 use corehbot::settings::Settings;
 use corehbot::units::Instant;
@@ -121,7 +121,7 @@ impl Bench {
     /// With power for Z1.
     pub fn powered() -> Self {
         let mut bench = Self::new();
-        assert_eq!(bench.verify(Motor::Z1), Ok(()));
+        assert_eq!(bench.verify(prototype::Z1), Ok(()));
         assert_eq!(bench.power(Z1), Ok(()));
         bench.bus.requests.clear();
         bench
@@ -171,4 +171,4 @@ impl Bench {
     }
 }
 
-pub const Z1: MotorSet = MotorSet::of(Motor::Z1);
+pub const Z1: MotorSet = MotorSet::of(prototype::Z1);

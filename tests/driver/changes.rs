@@ -2,14 +2,14 @@
 
 use crate::bench::{Bench, CHOPCONF, Z1};
 use corehbot::driver::{Config, DriverError, Fault, News, Register};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 
 #[test]
 fn other_settings_reach_a_motor_with_power_and_other_microsteps_forbid_driving_until_then() {
     let mut bench = Bench::new();
     let mut settings = Settings::prototype();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.power(Z1), Ok(()));
     settings.drivers.z.current_ma = 500;
     bench.drivers.want(&settings);
@@ -21,20 +21,20 @@ fn other_settings_reach_a_motor_with_power_and_other_microsteps_forbid_driving_u
     assert!(!bench.drivers.is_drivable());
     bench.run(50);
     assert!(bench.drivers.is_drivable() && bench.drivers.is_configured());
-    assert_eq!(bench.drivers.known(Motor::Z1).0.unwrap().microsteps(), 32);
+    assert_eq!(bench.drivers.known(prototype::Z1).0.unwrap().microsteps(), 32);
 }
 
 #[test]
 fn a_motor_with_power_that_does_not_take_its_new_settings_is_a_fault() {
     let mut bench = Bench::new();
     let mut settings = Settings::prototype();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.power(Z1), Ok(()));
     bench.bus.lost = Some(Register::IholdIrun as usize);
     settings.drivers.z.current_ma = 500;
     bench.drivers.want(&settings);
     bench.run(300);
-    let fault = Fault { motor: Motor::Z1, error: DriverError::NotTaken };
+    let fault = Fault { motor: prototype::Z1, error: DriverError::NotTaken };
     assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[News::Stopped(fault)][..], Some(fault)));
     assert_eq!((bench.bus.powered, bench.drivers.powered()), (MotorSet::NONE, MotorSet::NONE));
 }
@@ -42,10 +42,10 @@ fn a_motor_with_power_that_does_not_take_its_new_settings_is_a_fault() {
 #[test]
 fn a_driver_that_holds_something_else_is_written_anew() {
     let mut bench = Bench::new();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
-    let config = Config::new(Motor::Z1, &Settings::prototype());
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
+    let config = Config::new(prototype::Z1, &Settings::prototype());
     bench.bus.registers[CHOPCONF] = 0x1000_0053;
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.bus.registers[CHOPCONF], config.value(Register::Chopconf));
 }
 

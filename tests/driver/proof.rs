@@ -2,49 +2,49 @@
 
 use crate::bench::{Bench, CHOPCONF, IFCNT, Z1};
 use corehbot::driver::{Config, DriverError, Drivers, Job, Reading, Register};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 
 #[test]
 fn the_flags_are_cleared_before_anything_is_counted_and_read_after_everything() {
     let mut bench = Bench::new();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     let registers: Vec<u8> = bench.bus.requests.iter().map(|(_, bytes)| bytes[2]).collect();
     let writes = [0x80, 0x90, 0x91, 0x93, 0x94, 0xA2, 0xC0, 0xC2, 0xEC, 0xF0];
     let (begin, end) = ([0x83, 0x06, 0x81, 0x02], [0x02, 0x00, 0x6C, 0x70, 0x01]);
     assert_eq!(registers, [&begin[..], &writes, &end].concat());
-    let config = Config::new(Motor::Z1, &Settings::prototype());
-    assert_eq!(bench.drivers.known(Motor::Z1), (Some(config), 0));
+    let config = Config::new(prototype::Z1, &Settings::prototype());
+    assert_eq!(bench.drivers.known(prototype::Z1), (Some(config), 0));
     assert_eq!(bench.bus.registers[CHOPCONF], config.value(Register::Chopconf));
 }
 
 #[test]
 fn power_needs_a_proof_of_every_driver_and_the_proof_must_be_new() {
     let mut bench = Bench::new();
-    assert_eq!(bench.power(Z1), Err(Motor::Z1));
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
-    assert_eq!(bench.power(MotorSet::Z), Err(Motor::Z2));
+    assert_eq!(bench.power(Z1), Err(prototype::Z1));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
+    assert_eq!(bench.power(prototype::Z), Err(prototype::Z2));
     assert_eq!(bench.bus.powered, MotorSet::NONE);
     bench.run(510);
-    assert_eq!(bench.power(Z1), Err(Motor::Z1), "too old");
+    assert_eq!(bench.power(Z1), Err(prototype::Z1), "too old");
     let before = bench.bus.requests.len();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.bus.requests.len() - before, 3, "a quick proof");
     assert_eq!(bench.power(Z1), Ok(()));
     assert_eq!(bench.bus.powered, Z1);
     // A proof is good for one time.
     assert_eq!(bench.power(MotorSet::NONE), Ok(()));
-    assert_eq!(bench.power(Z1), Err(Motor::Z1));
+    assert_eq!(bench.power(Z1), Err(prototype::Z1));
 }
 
 #[test]
 fn a_count_that_wraps_is_right_and_one_that_does_not_fit_is_not() {
     let mut bench = Bench::new();
     bench.bus.registers[IFCNT] = 250;
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     let mut bench = Bench::new();
     bench.bus.lost = Some(Register::IholdIrun as usize);
-    assert_eq!(bench.verify(Motor::Z1), Err(DriverError::NotTaken));
+    assert_eq!(bench.verify(prototype::Z1), Err(DriverError::NotTaken));
     let counts = bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == IFCNT as u8).count();
     assert_eq!(counts, 4 * 3, "four rounds, and the wrong count was read twice in each");
 }
@@ -55,7 +55,7 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
     let old = Settings::prototype();
     let mut new = old;
     new.drivers.z.current_ma = 500;
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.power(Z1), Ok(()));
     // A change under power proves its writes; the next change is under way when it is withdrawn.
     bench.drivers.want(&new);
@@ -65,33 +65,33 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
     bench.run_until(|bench| bench.count(0x90) == 3);
     bench.drivers.want(&new);
     bench.drivers.cut(&mut bench.bus);
-    assert_eq!(bench.drivers.known(Motor::Z1).0, Some(Config::new(Motor::Z1, &new)), "held as far as is known");
-    assert_eq!(bench.power(Z1), Err(Motor::Z1), "but the old current is on its way");
+    assert_eq!(bench.drivers.known(prototype::Z1).0, Some(Config::new(prototype::Z1, &new)), "held as far as is known");
+    assert_eq!(bench.power(Z1), Err(prototype::Z1), "but the old current is on its way");
 }
 
 #[test]
 fn an_answer_goes_to_the_last_who_asked() {
     let mut bench = Bench::new();
-    bench.drivers.ask(Job::Verify, Motor::M1);
+    bench.drivers.ask(Job::Verify, prototype::M1);
     bench.run(5);
-    bench.drivers.ask(Job::Read, Motor::M4);
+    bench.drivers.ask(Job::Read, prototype::M4);
     bench.run(100);
     let reading = bench.drivers.answer().unwrap().unwrap();
     assert_eq!(reading.microsteps(), Some(16));
-    assert!(bench.drivers.known(Motor::M1).0.is_some(), "the first job was done all the same");
+    assert!(bench.drivers.known(prototype::M1).0.is_some(), "the first job was done all the same");
     assert_eq!(bench.drivers.answer(), None);
 }
 
 #[test]
 fn a_proof_is_used_up_by_the_motor_that_gets_power_and_by_no_other() {
     let mut bench = Bench::new();
-    for motor in [Motor::Z1, Motor::Z2] {
+    for motor in [prototype::Z1, prototype::Z2] {
         assert_eq!(bench.verify(motor), Ok(()));
     }
     assert_eq!(bench.power(Z1), Ok(()));
-    assert_eq!(bench.power(MotorSet::Z), Ok(()), "Z2 has proved itself as well");
+    assert_eq!(bench.power(prototype::Z), Ok(()), "Z2 has proved itself as well");
     bench.drivers.cut(&mut bench.bus);
-    assert_eq!(bench.power(Z1), Err(Motor::Z1));
+    assert_eq!(bench.power(Z1), Err(prototype::Z1));
 }
 
 #[test]
@@ -100,11 +100,11 @@ fn while_a_driver_is_written_it_holds_nothing_that_counts() {
     let old = Settings::prototype();
     let mut new = old;
     new.drivers.z.current_ma = 500;
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     bench.drivers.want(&new);
-    bench.drivers.ask(Job::Verify, Motor::Z1);
+    bench.drivers.ask(Job::Verify, prototype::Z1);
     bench.run(10);
-    assert_eq!(bench.drivers.known(Motor::Z1).0, None, "without power all is written anew");
+    assert_eq!(bench.drivers.known(prototype::Z1).0, None, "without power all is written anew");
 
     let mut bench = Bench::powered();
     new.drivers.z.microsteps = 32;
@@ -120,17 +120,17 @@ fn while_a_driver_is_written_it_holds_nothing_that_counts() {
 fn nobody_asks_a_driver_without_a_wire_or_configures_one_whose_motor_has_power() {
     let settings = Settings::prototype();
     let mut bench = Bench::new();
-    bench.drivers = Drivers::new(MotorSet::Z, &settings);
+    bench.drivers = Drivers::new(prototype::Z, &settings);
     for job in [Job::Verify, Job::Read] {
-        bench.drivers.ask(job, Motor::M1);
+        bench.drivers.ask(job, prototype::M1);
         bench.run(10);
         assert_eq!(bench.drivers.answer(), Some(Ok(Reading::default())), "{job:?}");
     }
     assert_eq!(bench.bus.requests, []);
     let mut bench = Bench::powered();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.count(0x81), 0, "its flags stay");
-    bench.drivers.ask(Job::Read, Motor::Z1);
+    bench.drivers.ask(Job::Read, prototype::Z1);
     bench.run(100);
     assert_eq!(bench.drivers.answer().unwrap().unwrap().microsteps(), Some(16), "but it may be read");
 }

@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, GSTAT, Z1};
 use corehbot::driver::{DriverError, Fault, Job, News, Register};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::BusError;
 use corehbot::settings::Settings;
 
@@ -11,15 +11,15 @@ fn silence_is_believed_after_four_tries() {
     for (silent, expected) in [(3, Ok(())), (4, Err(DriverError::Silent))] {
         let mut bench = Bench::new();
         bench.bus.mishaps = (1..=silent).map(|n| (n, Err(BusError::Silent))).collect();
-        assert_eq!(bench.verify(Motor::M1), expected);
-        assert_eq!(bench.drivers.known(Motor::M1).1, silent as u16);
+        assert_eq!(bench.verify(prototype::M1), expected);
+        assert_eq!(bench.drivers.known(prototype::M1).1, silent as u16);
     }
 }
 
 #[test]
 fn registers_of_drivers_with_power_are_read_in_turn_a_hundred_and_twenty_times_a_second() {
     let mut bench = Bench::new();
-    for motor in [Motor::Z1, Motor::Z2] {
+    for motor in [prototype::Z1, prototype::Z2] {
         assert_eq!(bench.verify(motor), Ok(()));
         let on = bench.drivers.powered().with(MotorSet::of(motor));
         assert_eq!(bench.power(on), Ok(()));
@@ -43,17 +43,17 @@ fn registers_of_drivers_with_power_are_read_in_turn_a_hundred_and_twenty_times_a
 #[test]
 fn a_fault_takes_the_power_from_all_and_stays() {
     let mut bench = Bench::new();
-    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.power(Z1), Ok(()));
     bench.bus.registers[GSTAT] = 1;
     bench.run(110);
-    let fault = Fault { motor: Motor::Z1, error: DriverError::LostConfiguration };
+    let fault = Fault { motor: prototype::Z1, error: DriverError::LostConfiguration };
     assert_eq!((bench.bus.powered, bench.drivers.powered()), (MotorSet::NONE, MotorSet::NONE));
     assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[News::Stopped(fault)][..], Some(fault)));
     assert_eq!(bench.power(MotorSet::NONE), Ok(()));
     let before = bench.bus.requests.len();
     bench.run(500);
-    bench.drivers.ask(Job::Read, Motor::Z2);
+    bench.drivers.ask(Job::Read, prototype::Z2);
     bench.run(500);
     assert_eq!(bench.bus.requests.len(), before, "nobody talks any more");
 }
@@ -65,7 +65,7 @@ fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
     bench.bus.slowness = 15;
     let mut answers = 0;
     for _ in 0..30 {
-        bench.drivers.ask(Job::Read, Motor::Z2);
+        bench.drivers.ask(Job::Read, prototype::Z2);
         for _ in 0..300 {
             bench.run(1);
             if let Some(answer) = bench.drivers.answer() {
@@ -77,15 +77,15 @@ fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
     }
     assert_eq!(answers, 30);
     let of = |wanted| bench.bus.requests.iter().filter(|(motor, _)| *motor == wanted).count();
-    let (looks, reads) = (of(Motor::Z1), of(Motor::Z2));
+    let (looks, reads) = (of(prototype::Z1), of(prototype::Z2));
     assert!(reads == 6 * 30 && looks.abs_diff(reads) <= 30, "{looks} {reads}");
     // Even with continuous requests, motors with power are polled.
     bench.bus.requests.clear();
     for _ in 0..1000 {
-        bench.drivers.ask(Job::Read, Motor::Z2);
+        bench.drivers.ask(Job::Read, prototype::Z2);
         bench.run(1);
     }
-    assert!(bench.bus.requests.iter().filter(|(motor, bytes)| *motor == Motor::Z1 && bytes[2] == 1).count() > 5);
+    assert!(bench.bus.requests.iter().filter(|(motor, bytes)| *motor == prototype::Z1 && bytes[2] == 1).count() > 5);
     // And a change gets its turn: every second exchange, after the six of a report under way. It has eighteen.
     let mut settings = Settings::prototype();
     settings.drivers.z.current_ma = 500;
@@ -102,7 +102,7 @@ fn what_a_look_finds_after_the_power_has_gone_is_no_fault() {
     bench.drivers.cut(&mut bench.bus);
     bench.run(100);
     assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[][..], None));
-    assert_eq!(bench.drivers.known(Motor::Z1).0, None, "but it has everything to prove");
+    assert_eq!(bench.drivers.known(prototype::Z1).0, None, "but it has everything to prove");
 }
 
 #[test]
@@ -113,14 +113,14 @@ fn heat_is_reported_once() {
     // The pre-warning, bit 0 of DRV_STATUS.
     bench.bus.registers[Register::DrvStatus as usize] = 1;
     bench.run(500);
-    assert_eq!(bench.news, [News::Hot(Motor::Z1)]);
+    assert_eq!(bench.news, [News::Hot(prototype::Z1)]);
     assert_eq!(bench.bus.powered, Z1, "it is still at work");
 }
 
 /// The four motors of a belt, all others too.
 fn belt() -> Bench {
     let mut bench = Bench::new();
-    bench.drivers.watch_closely(MotorSet::BELT);
+    bench.drivers.watch_closely(prototype::BELT);
     for motor in Motor::ALL {
         assert_eq!(bench.verify(motor), Ok(()));
         let on = bench.drivers.powered().with(MotorSet::of(motor));
@@ -139,10 +139,10 @@ fn a_belt_motor_without_supply_is_noticed_within_100_ms_whenever_it_fails_and_wh
         for is_busy in [false, true] {
             let mut bench = belt();
             if is_busy {
-                bench.drivers.ask(Job::Read, Motor::E0);
+                bench.drivers.ask(Job::Read, prototype::E0);
             }
             bench.run(wait);
-            let motor = [Motor::M1, Motor::M4, Motor::M8, Motor::M11][wait as usize % 4];
+            let motor = [prototype::M1, prototype::M4, prototype::M8, prototype::M11][wait as usize % 4];
             bench.bus.silent = MotorSet::of(motor);
             let begin = bench.ms;
             while bench.news.is_empty() && bench.ms < begin + 1000 {
@@ -178,11 +178,11 @@ fn why_a_driver_has_switched_itself_off_is_asked_before_it_is_told() {
 fn after_a_fault_the_others_go_on_and_are_looked_at_at_once() {
     let mut bench = belt();
     bench.is_limping = true;
-    bench.bus.silent = MotorSet::of(Motor::M8);
+    bench.bus.silent = MotorSet::of(prototype::M8);
     while bench.news.is_empty() {
         bench.run(1);
     }
-    let others = MotorSet::ALL.without(MotorSet::of(Motor::M8));
+    let others = MotorSet::ALL.without(MotorSet::of(prototype::M8));
     assert_eq!((bench.bus.powered, bench.drivers.powered(), bench.drivers.are_unseen()), (others, others, true));
     bench.run(56);
     assert!(!bench.drivers.are_unseen(), "six looks of 8 ms");
@@ -192,14 +192,14 @@ fn after_a_fault_the_others_go_on_and_are_looked_at_at_once() {
     bench.drivers.want(&settings);
     bench.bus.requests.clear();
     bench.run(200);
-    assert!(bench.bus.requests.iter().all(|(motor, bytes)| bytes.len() == 4 && *motor != Motor::M8));
-    assert_eq!(bench.power(others.with(MotorSet::of(Motor::M8))), Err(Motor::M8));
+    assert!(bench.bus.requests.iter().all(|(motor, bytes)| bytes.len() == 4 && *motor != prototype::M8));
+    assert_eq!(bench.power(others.with(MotorSet::of(prototype::M8))), Err(prototype::M8));
     assert_eq!(bench.bus.powered, others);
     // A second fault is reported, and the first one stays the reason.
-    bench.bus.silent = MotorSet::of(Motor::M8).with(MotorSet::of(Motor::M1));
+    bench.bus.silent = MotorSet::of(prototype::M8).with(MotorSet::of(prototype::M1));
     bench.is_limping = false;
     bench.run(100);
-    let [first, second] = [Motor::M8, Motor::M1].map(|motor| Fault { motor, error: DriverError::Silent });
+    let [first, second] = [prototype::M8, prototype::M1].map(|motor| Fault { motor, error: DriverError::Silent });
     assert_eq!(bench.news, [News::Stopped(first), News::Stopped(second)]);
     assert_eq!((bench.drivers.fault(), bench.bus.powered), (Some(first), MotorSet::NONE));
 }
@@ -210,7 +210,7 @@ fn a_motor_that_pulls_against_nobody_is_noticed_no_later_than_it_was() {
     for wait in 0..200 {
         let mut bench = belt();
         bench.run(wait);
-        let motor = [Motor::Z1, Motor::Z2, Motor::E0][wait as usize % 3];
+        let motor = [prototype::Z1, prototype::Z2, prototype::E0][wait as usize % 3];
         bench.bus.silent = MotorSet::of(motor);
         let begin = bench.ms;
         while bench.news.is_empty() && bench.ms < begin + 1000 {

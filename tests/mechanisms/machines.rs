@@ -51,5 +51,5 @@ pub fn settings(mechanism: Mechanism) -> Settings {
 /// The sum of counts that no position changes; 0 where there is none.
 pub fn strain(groups: &Groups, counts: &[i64; 7]) -> i64 {
     let constraint = groups.constraint().unwrap_or_default();
-    groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead as usize]).sum()
+    groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead.index()]).sum()
 }

@@ -2,7 +2,7 @@
 
 use super::belt_equations::{BeltSteps, ToolSteps, forward, inverse, residual};
 use corehbot::kinematics::{Group, Groups, Mechanism};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 
 /// The paper's table of signs: +x turns 1 and 4 clockwise, 8 and 11 counter-clockwise; +y turns 1 and
 /// 11 counter-clockwise, 4 and 8 clockwise.
@@ -46,17 +46,17 @@ fn the_mechanism_says_what_the_equations_say() {
 
 #[test]
 fn a_step_of_one_motor_alone_strains_the_belt() {
-    let pair = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M8));
+    let pair = MotorSet::of(prototype::M1).with(MotorSet::of(prototype::M8));
     let is_unstrained = |steps, forward| Mechanism::corehbot().is_unstrained(steps, forward);
-    assert!(is_unstrained(pair, MotorSet::of(Motor::M8)));
+    assert!(is_unstrained(pair, MotorSet::of(prototype::M8)));
     assert!(!is_unstrained(pair, pair));
-    assert!(!is_unstrained(MotorSet::of(Motor::M8), pair));
-    assert!(is_unstrained(MotorSet::Z, MotorSet::NONE));
-    assert!(!is_unstrained(MotorSet::Z, MotorSet::of(Motor::Z1)));
+    assert!(!is_unstrained(MotorSet::of(prototype::M8), pair));
+    assert!(is_unstrained(prototype::Z, MotorSet::NONE));
+    assert!(!is_unstrained(prototype::Z, MotorSet::of(prototype::Z1)));
     // A motor that is not there does not step.
     let mut bare = Mechanism::corehbot();
-    bare.rows[Motor::E0 as usize] = [0; 4];
-    assert!(!bare.is_unstrained(MotorSet::E, MotorSet::E) && bare.is_unstrained(pair, MotorSet::of(Motor::M8)));
+    bare.rows[prototype::E0.index()] = [0; 4];
+    assert!(!bare.is_unstrained(prototype::E, prototype::E) && bare.is_unstrained(pair, MotorSet::of(prototype::M8)));
 }
 
 /// u = x + y leads with motor 11, v = x - y with motor 8.
@@ -66,10 +66,10 @@ fn the_motors_come_in_two_pairs() {
     let of = |lead, row, with, against| Group { row, with, against, lead };
     let one = MotorSet::of;
     let expected = [
-        of(Motor::M11, [1, 1, 0, 0], one(Motor::M11), one(Motor::M4)),
-        of(Motor::M8, [1, -1, 0, 0], one(Motor::M8), one(Motor::M1)),
-        of(Motor::Z1, [0, 0, 1, 0], MotorSet::Z, MotorSet::NONE),
-        of(Motor::E0, [0, 0, 0, 1], MotorSet::E, MotorSet::NONE),
+        of(prototype::M11, [1, 1, 0, 0], one(prototype::M11), one(prototype::M4)),
+        of(prototype::M8, [1, -1, 0, 0], one(prototype::M8), one(prototype::M1)),
+        of(prototype::Z1, [0, 0, 1, 0], prototype::Z, MotorSet::NONE),
+        of(prototype::E0, [0, 0, 0, 1], prototype::E, MotorSet::NONE),
     ];
     assert_eq!(groups.iter().take(4).copied().collect::<Vec<_>>(), expected);
     assert!(!groups.is_redundant());

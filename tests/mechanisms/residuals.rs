@@ -2,7 +2,7 @@
 
 use super::machines::{COREXYZ, MACHINES, UNEQUAL, settings};
 use corehbot::kinematics::{Groups, Mechanism, Residual, Residuals};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use proptest::prelude::*;
 
 fn residuals(mechanism: &Mechanism) -> Residuals {
@@ -50,7 +50,7 @@ fn only_a_closed_belt_over_all_its_motors_runs_round() {
 
 #[test]
 fn who_can_pull_against_others_gets_power_alone() {
-    let belt = [Motor::M1, Motor::M4, Motor::M8, Motor::M11];
+    let belt = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
     let one_by_one = |mechanism: &Mechanism| {
         let residuals = residuals(mechanism);
         let mut missing = mechanism.fitted();
@@ -62,11 +62,11 @@ fn who_can_pull_against_others_gets_power_alone() {
         turns
     };
     let corehbot = one_by_one(&Mechanism::corehbot());
-    let screws = set(&[Motor::Z1, Motor::Z2, Motor::E0]);
+    let screws = set(&[prototype::Z1, prototype::Z2, prototype::E0]);
     assert_eq!(corehbot, [set(&belt[..1]).with(screws), set(&belt[1..2]), set(&belt[2..3]), set(&belt[3..])]);
     let awd = MACHINES.iter().find(|(name, _)| *name == "awd corexy").unwrap().1;
-    let (first, second) = (set(&[Motor::M1, Motor::M4]), set(&[Motor::M8, Motor::M11]));
-    assert_eq!(one_by_one(&awd), [first.with(set(&[Motor::Z1, Motor::E0])), second]);
+    let (first, second) = (set(&[prototype::M1, prototype::M4]), set(&[prototype::M8, prototype::M11]));
+    assert_eq!(one_by_one(&awd), [first.with(set(&[prototype::Z1, prototype::E0])), second]);
     let corexy = MACHINES.iter().find(|(name, _)| *name == "corexy").unwrap().1;
     assert_eq!(one_by_one(&corexy), [corexy.fitted()]);
 }
@@ -74,11 +74,11 @@ fn who_can_pull_against_others_gets_power_alone() {
 #[test]
 fn opponents_are_the_motors_of_the_same_belt() {
     let of = |mechanism: &Mechanism, motor| residuals(mechanism).with_opponents(MotorSet::of(motor));
-    assert_eq!(of(&Mechanism::corehbot(), Motor::M8), MotorSet::BELT);
-    assert_eq!(of(&Mechanism::corehbot(), Motor::Z1), MotorSet::of(Motor::Z1));
+    assert_eq!(of(&Mechanism::corehbot(), prototype::M8), prototype::BELT);
+    assert_eq!(of(&Mechanism::corehbot(), prototype::Z1), MotorSet::of(prototype::Z1));
     let awd = MACHINES.iter().find(|(name, _)| *name == "awd corexy").unwrap().1;
-    assert_eq!(of(&awd, Motor::M11), set(&[Motor::M4, Motor::M11]));
-    assert_eq!(residuals(&awd).motors(), MotorSet::BELT);
+    assert_eq!(of(&awd, prototype::M11), set(&[prototype::M4, prototype::M11]));
+    assert_eq!(residuals(&awd).motors(), prototype::BELT);
 }
 
 #[test]

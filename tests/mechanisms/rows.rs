@@ -3,7 +3,7 @@
 use super::belt_equations::{BeltSteps, residual};
 use super::machines::{COREXYZ, COREXYZ_THREE, E, MACHINES, NONE, Z, all, settings};
 use corehbot::kinematics::{ForwardKinematics, Groups, Mechanism, MechanismError, Row};
-use corehbot::motors::Motor;
+use corehbot::motors::{Motor, prototype};
 use corehbot::units::{Steps, StepsPerMm};
 use proptest::prelude::*;
 
@@ -120,22 +120,22 @@ fn counts_that_do_not_agree_are_read_by_least_squares() {
 fn what_is_no_machine_is_refused() {
     let with = |motor: Motor, row: Row| {
         let mut mechanism = Mechanism::corehbot();
-        mechanism.rows[motor as usize] = row;
+        mechanism.rows[motor.index()] = row;
         mechanism.check()
     };
     for (name, mechanism) in all() {
         assert_eq!(mechanism.check(), Ok(()), "{name}");
     }
-    assert_eq!(with(Motor::M8, [2, 1, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
-    assert_eq!(with(Motor::M8, [17, 17, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
-    assert_eq!(with(Motor::M8, [i8::MIN, i8::MIN, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
-    assert_eq!(with(Motor::Z1, [0, 0, 4, 0]), Err(MechanismError::Multiples));
+    assert_eq!(with(prototype::M8, [2, 1, 0, 0]), Err(MechanismError::Entry(prototype::M8)));
+    assert_eq!(with(prototype::M8, [17, 17, 0, 0]), Err(MechanismError::Entry(prototype::M8)));
+    assert_eq!(with(prototype::M8, [i8::MIN, i8::MIN, 0, 0]), Err(MechanismError::Entry(prototype::M8)));
+    assert_eq!(with(prototype::Z1, [0, 0, 4, 0]), Err(MechanismError::Multiples));
     // Two motors of one coordinate with different pulleys: more motors that differ than axes.
-    assert_eq!(with(Motor::M8, [2, -2, 0, 0]), Err(MechanismError::Multiples));
-    assert_eq!(with(Motor::Z1, [0, 0, 1, 1]), Err(MechanismError::Mixed(Motor::Z1)));
-    assert_eq!(with(Motor::E0, NONE), Err(MechanismError::NotDriven("e")));
+    assert_eq!(with(prototype::M8, [2, -2, 0, 0]), Err(MechanismError::Multiples));
+    assert_eq!(with(prototype::Z1, [0, 0, 1, 1]), Err(MechanismError::Mixed(prototype::Z1)));
+    assert_eq!(with(prototype::E0, NONE), Err(MechanismError::NotDriven("e")));
     // Three pairs and the screws are four coordinates, but the second screw is a fifth next to the extruder.
-    assert_eq!(with(Motor::M1, [1, 0, 0, 0]), Ok(()));
+    assert_eq!(with(prototype::M1, [1, 0, 0, 0]), Ok(()));
     let crowd = Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] };
     assert_eq!(crowd.check(), Err(MechanismError::TooManyGroups));
     let loose = Mechanism { rows: [[1, 1, 0, 0], [-1, -1, 0, 0], NONE, NONE, Z, Z, E] };
@@ -169,5 +169,5 @@ fn every_mechanism_is_stored() {
             assert_eq!(i64::try_from(packed).is_ok(), times == 1, "{motor} {times}");
         }
     }
-    assert_eq!(Mechanism::from(0b10).check(), Err(MechanismError::Entry(Motor::M1)));
+    assert_eq!(Mechanism::from(0b10).check(), Err(MechanismError::Entry(prototype::M1)));
 }

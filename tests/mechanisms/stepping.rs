@@ -4,7 +4,7 @@ use super::line::{Step, generate_on, plan};
 use super::machines::{COREXYZ, MACHINES, UNEQUAL, all, settings, strain};
 use super::zigzag::tool;
 use corehbot::kinematics::{Groups, Mechanism};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, prototype};
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps, StepsPerMm};
 use proptest::prelude::*;
 
@@ -55,7 +55,7 @@ pub fn add(counts: &mut [i64; 7], step: &Step) {
 fn motors_of_different_pulleys_keep_their_places() {
     let mut s = settings(UNEQUAL);
     (s.axes.x.steps_per_mm, s.axes.y.steps_per_mm) = (StepsPerMm::from_num(20), StepsPerMm::from_num(20));
-    assert_eq!([Motor::M11, Motor::M8].map(|motor| s.steps_per_mm(motor)), [80, 100].map(StepsPerMm::from_num));
+    assert_eq!([prototype::M11, prototype::M8].map(|motor| s.steps_per_mm(motor)), [80, 100].map(StepsPerMm::from_num));
     let counted = |targets: &[([f64; 4], f64)]| {
         let mut counts = [0i64; 7];
         generate_on(&plan(targets, &s), &s).iter().for_each(|step| add(&mut counts, step));
@@ -86,7 +86,7 @@ fn every_machine_is_as_fast_as_its_motors() {
             let ticks: Vec<u64> = steps.iter().filter(|step| step.steps.has(motor)).map(|step| step.tick).collect();
             ticks.windows(65).map(|w| 64e7 / (w[64] - w[0]) as f64 / 80.0).fold(0.0, f64::max)
         };
-        Motor::ALL.into_iter().filter(|m| !MotorSet::E.has(*m)).map(rate).fold(0.0, f64::max)
+        Motor::ALL.into_iter().filter(|m| !prototype::E.has(*m)).map(rate).fold(0.0, f64::max)
     };
     let most = 450.0;
     for (mechanism, to, expected) in [

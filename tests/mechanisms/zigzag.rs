@@ -27,7 +27,7 @@ fn sequential(mechanism: &Mechanism, axis: usize, order: &[Motor]) -> (f64, i64)
     let mut counts = [0; 7];
     let (mut worst, mut worst_strain) = (0f64, 0);
     for motor in order {
-        counts[*motor as usize] = wanted[*motor as usize];
+        counts[motor.index()] = wanted[motor.index()];
         worst = worst.max(lateral(&tool(mechanism, &counts), axis));
         let [n1, n4, n8, n11, ..] = counts;
         worst_strain = worst_strain.max((n1 - n4 + n8 - n11).abs());
@@ -58,7 +58,7 @@ fn is_near(a: f64, b: f64) -> bool {
 /// Stepping them in one instant, as the next test shows of our generator, makes it 0.
 #[test]
 fn sequential_steps_zig_zag() {
-    use Motor::{M1, M4, M8, M11};
+    use corehbot::motors::prototype::{M1, M4, M8, M11};
     let root = |x: f64| x.sqrt();
     // A CoreXY by half a step, whichever motor is first.
     for axis in 0..2 {

@@ -6,7 +6,7 @@ use super::dice::Dice;
 use super::line::{Step, generate, plan, target};
 use super::speeds::speeds;
 use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner, WHOLE};
-use corehbot::motors::Motor;
+use corehbot::motors::{Motor, prototype};
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, Steps};
 use proptest::prelude::*;
@@ -216,17 +216,17 @@ proptest! {
         let mut last = [None::<u64>; 7];
         for s in &steps {
             let has = |m| s.steps.has(m);
-            prop_assert_eq!(has(Motor::M1), has(Motor::M8));
-            prop_assert_eq!(has(Motor::M4), has(Motor::M11));
-            prop_assert_eq!(has(Motor::Z1), has(Motor::Z2));
+            prop_assert_eq!(has(prototype::M1), has(prototype::M8));
+            prop_assert_eq!(has(prototype::M4), has(prototype::M11));
+            prop_assert_eq!(has(prototype::Z1), has(prototype::Z2));
             for (motor, last) in Motor::ALL.into_iter().zip(&mut last) {
                 if has(motor) {
                     prop_assert!(last.is_none_or(|l| s.tick >= l + MIN_STEP_INTERVAL), "{motor:?} at {}", s.tick);
                     *last = Some(s.tick);
                 }
             }
-            prop_assert!(!has(Motor::M1) || s.forward.has(Motor::M1) != s.forward.has(Motor::M8));
-            prop_assert!(!has(Motor::M4) || s.forward.has(Motor::M4) != s.forward.has(Motor::M11));
+            prop_assert!(!has(prototype::M1) || s.forward.has(prototype::M1) != s.forward.has(prototype::M8));
+            prop_assert!(!has(prototype::M4) || s.forward.has(prototype::M4) != s.forward.has(prototype::M11));
         }
         prop_assert!(steps.windows(2).all(|w| w[0].tick <= w[1].tick));
         let [n1, n4, n8, n11, ..] = counts(&steps);

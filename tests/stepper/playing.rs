@@ -5,7 +5,8 @@ use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,
 };
-use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, StepPort};
+use corehbot::motors::prototype;
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::{Late, Overload, Status};
 use corehbot::units::{Mm, MmPerSec};
@@ -57,7 +58,7 @@ impl StepPort for Pins<'_> {
 /// The group of v = x - y: motor 8 turns with it, motor 1 against it.
 const V: GroupSet = GroupSet(2);
 /// The motors of that group.
-const PAIR: MotorSet = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M8));
+const PAIR: MotorSet = MotorSet::of(prototype::M1).with(MotorSet::of(prototype::M8));
 /// Where v falls, and where it grows.
 const DOWN: GroupSet = GroupSet::NONE;
 const UP: GroupSet = V;

@@ -46,7 +46,8 @@ const fn slot(step: (Port, u8), dir: (Port, u8)) -> Slot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::port::{Motor, MotorSet};
+    use corehbot::motors::prototype;
+    use corehbot::port::MotorSet;
 
     #[test]
     fn the_table_is_sound() {
@@ -84,7 +85,7 @@ mod tests {
     #[test]
     fn one_line_gives_power_to_all_motors_if_any_wants_it() {
         let usual = BOARD.usual();
-        for motors in [MotorSet::of(Motor::M4), MotorSet::BELT] {
+        for motors in [MotorSet::of(prototype::M4), prototype::BELT] {
             assert_eq!(usual.enable_lines(motors, Port::A), 1 << 9);
         }
         assert_eq!(usual.enable_lines(MotorSet::NONE, Port::A), 0);

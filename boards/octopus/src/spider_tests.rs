@@ -3,7 +3,8 @@
 use crate::spider::BOARD;
 use corehbot::connectors::SPIDER;
 use corehbot::kinematics::{Groups, Mechanism};
-use corehbot::port::{GroupSet, Motor, MotorSet, OutputSet};
+use corehbot::motors::prototype;
+use corehbot::port::{GroupSet, MotorSet, OutputSet};
 use corehbot_stm32f446::wiring::port_writes::StepWrites;
 use corehbot_stm32f446::wiring::{Pin, Port};
 
@@ -31,8 +32,8 @@ fn each_pair_steps_by_one_store_and_nothing_of_the_prototype_is_slow() {
     assert_eq!((usual.uarts(), usual.slow()), (MotorSet::ALL, MotorSet::NONE));
     let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
     assert_eq!(writes.beyond_quick(), GroupSet::NONE);
-    for (pair, port) in [([Motor::M1, Motor::M8], Port::E), ([Motor::M4, Motor::M11], Port::D)] {
-        let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
+    for (pair, port) in [([prototype::M1, prototype::M8], Port::E), ([prototype::M4, prototype::M11], Port::D)] {
+        let wanted = pair.map(|m| 1 << m.number()).iter().sum::<u8>();
         let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
         let values = writes.of(groups.unwrap());
         let used: Vec<_> = writes.ports.iter().zip(values).filter(|(_, value)| **value != 0).collect();

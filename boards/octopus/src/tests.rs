@@ -4,7 +4,8 @@ use crate::IMAGE;
 use crate::wiring::{BOARD, PRO};
 use corehbot::connectors::{BoardConnectors, ConnectorName, OCTOPUS};
 use corehbot::kinematics::{Groups, Mechanism};
-use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, Output};
+use corehbot::motors::prototype;
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, Output};
 use corehbot::settings::Settings;
 use corehbot::storage::{boards_of, choose_board};
 use corehbot_stm32f446::wiring::port_writes::StepWrites;
@@ -72,8 +73,8 @@ fn each_pair_steps_by_one_store() {
     let machine = Groups::new(&Mechanism::corehbot()).coupling();
     let usual = BOARD.usual();
     let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
-    for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
-        let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
+    for (pair, port) in [([prototype::M1, prototype::M8], Port::F), ([prototype::M4, prototype::M11], Port::G)] {
+        let wanted = pair.map(|m| 1 << m.number()).iter().sum::<u8>();
         let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
         let values = writes.of(groups.unwrap());
         let used: Vec<_> = writes.ports.iter().zip(values).filter(|(_, value)| **value != 0).collect();
@@ -88,13 +89,13 @@ fn all_but_the_screws_step_quickly() {
     let usual = BOARD.usual();
     let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
     let slow = machine.motors(writes.beyond_quick());
-    assert_eq!(slow.0, usual.slow().0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
+    assert_eq!(slow.0, usual.slow().0 | 1 << prototype::Z1.number(), "the right screw takes the left one along");
 }
 
 #[test]
 fn all_four_belt_motors_get_power_by_three_stores() {
     let usual = BOARD.usual();
-    let stores = Port::ALL.into_iter().filter(|port| usual.enable_lines(MotorSet::BELT, *port) != 0);
+    let stores = Port::ALL.into_iter().filter(|port| usual.enable_lines(prototype::BELT, *port) != 0);
     assert_eq!(stores.collect::<Vec<_>>(), [Port::A, Port::F, Port::G]);
 }
 
@@ -119,7 +120,7 @@ fn a_machine_is_plugged_in_where_it_says() {
     let mut machine = Settings::prototype();
     let (plugged, usual) = (BOARD.plugged(&machine).unwrap(), BOARD.usual());
     assert_eq!((plugged.slots, plugged.reversed, plugged.slow()), (usual.slots, MotorSet::NONE, usual.slow()));
-    assert_eq!(usual.slow(), MotorSet::of(Motor::Z2), "on PC13");
+    assert_eq!(usual.slow(), MotorSet::of(prototype::Z2), "on PC13");
     assert_eq!((plugged.endstops, plugged.normally_open), (usual.endstops, EndstopSet::NONE));
     // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
     let [m1, _, _, _, z1, z2, _] = &mut machine.wiring.motors;
@@ -127,11 +128,11 @@ fn a_machine_is_plugged_in_where_it_says() {
     (m1.is_reversed, *z1) = (true, *m1);
     std::mem::swap(&mut machine.wiring.endstops.x, &mut machine.wiring.endstops.z);
     machine.wiring.endstops.x.is_normally_open = true;
-    machine.mechanism.rows[Motor::Z1 as usize] = [0; 4];
+    machine.mechanism.rows[prototype::Z1.index()] = [0; 4];
     let plugged = BOARD.plugged(&machine).unwrap();
     let [m1, m4, m8, m11, _, z2, e0] = usual.slots;
     assert_eq!(plugged.slots, [z2, m4, m8, m11, None, m1, e0]);
-    assert_eq!((plugged.reversed, plugged.slow()), (MotorSet::of(Motor::M1), MotorSet::of(Motor::M1)));
+    assert_eq!((plugged.reversed, plugged.slow()), (MotorSet::of(prototype::M1), MotorSet::of(prototype::M1)));
     let [x, y, z] = usual.endstops;
     assert_eq!((plugged.endstops, plugged.normally_open), ([z, y, x], EndstopSet::X));
     machine.wiring.motors[0].connector = ConnectorName::lit("M7");

@@ -31,7 +31,7 @@ use crate::limits::{Limit, Limits, belts};
 use crate::sampler::{Counts, LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
 use corehbot::kinematics::{ForwardKinematics, Group, Groups, Residual, Residuals};
 use corehbot::motion::MIN_STEP_INTERVAL;
-use corehbot::motors::{MOST_GROUPS, Motor, MotorSet};
+use corehbot::motors::{MOST_GROUPS, MOTORS, Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use std::f64::consts::SQRT_2;
@@ -94,12 +94,12 @@ pub struct Checker {
     /// The constraint from [`Groups::constraint`].
     constraint: Option<[i32; MOST_GROUPS]>,
     /// Tick of each motor's last pulse.
-    last_pulse: [Option<u64>; Motor::ALL.len()],
+    last_pulse: [Option<u64>; MOTORS],
     /// The strain of a closed belt.
     residuals: Option<Residuals>,
     /// Motors that may be trimmed, and how far each was trimmed: a motor that steps alone in an instant.
     trims: MotorSet,
-    trimmed: [i64; Motor::ALL.len()],
+    trimmed: [i64; MOTORS],
     is_consistent: bool,
     findings: Findings,
 }
@@ -115,10 +115,10 @@ impl Checker {
             changes: Changes::new(s, limits),
             constraint: Groups::new(&s.mechanism).constraint(),
             last_tick: 0,
-            last_pulse: [None; Motor::ALL.len()],
+            last_pulse: [None; MOTORS],
             residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
             trims: if limits.trims { Residuals::new(&s.mechanism, s.belt.is_closed).motors() } else { MotorSet::NONE },
-            trimmed: [0; Motor::ALL.len()],
+            trimmed: [0; MOTORS],
             is_consistent: true,
             findings: Findings::default(),
         }
@@ -155,7 +155,7 @@ impl Checker {
 
     /// Ends the run, which should have made `expected` steps.
     #[must_use]
-    pub fn finish(mut self, expected: Option<[i32; Motor::ALL.len()]>) -> Findings {
+    pub fn finish(mut self, expected: Option<[i32; MOTORS]>) -> Findings {
         let counts = self.untrimmed();
         let (strain, residual) = (self.strain(&counts), self.residual(&counts));
         if residual != 0 {
@@ -233,7 +233,7 @@ impl Checker {
     fn strain(&self, counts: &Counts) -> Option<(i64, i64)> {
         let constraint = self.constraint?;
         let parts =
-            self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead as usize]);
+            self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead.index()]);
         let most = constraint.iter().map(|times| i64::from(times.abs())).sum::<i64>() / 2;
         Some((parts.sum(), most))
     }
@@ -241,7 +241,7 @@ impl Checker {
 
 /// Whether the motors of a group have made the same steps, and motors in the opposite direction the opposite ones.
 fn is_together(group: &Group, counts: &Counts) -> bool {
-    let at = counts[group.lead as usize];
+    let at = counts[group.lead.index()];
     // A loop, because it runs at every event.
     for (motor, count) in Motor::ALL.into_iter().zip(counts) {
         if (group.with.has(motor) && *count != at) || (group.against.has(motor) && *count != -at) {
@@ -253,7 +253,7 @@ fn is_together(group: &Group, counts: &Counts) -> bool {
 
 /// The measurement of the coordinates.
 struct Gauge {
-    back: ForwardKinematics<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ MOTORS }>,
     belts: Vec<Group>,
     /// In the order of [`Limits::of`]; empty if there is nothing to judge.
     coordinates: Vec<Coordinate>,
@@ -262,7 +262,7 @@ struct Gauge {
 impl Gauge {
     fn new(s: &Settings, limits: &Limits) -> Self {
         let back = s.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
-        let parts = back.fractions(&[0; Motor::ALL.len()]).map(|(_, over)| over);
+        let parts = back.fractions(&[0; MOTORS]).map(|(_, over)| over);
         let parts = parts.into_iter().chain(std::iter::repeat(1));
         let judged = if limits.is_judged { &limits.of[..] } else { &[] };
         let both = judged.iter().zip(parts).enumerate();
@@ -272,7 +272,7 @@ impl Gauge {
 
     fn measure(&mut self, findings: &mut Findings, sample: &Sample) {
         let axes = self.back.fractions(&sample.counts).map(|(sum, _)| sum);
-        let belts = self.belts.iter().map(|belt| sample.counts[belt.lead as usize]);
+        let belts = self.belts.iter().map(|belt| sample.counts[belt.lead.index()]);
         for (coordinate, at) in self.coordinates.iter_mut().zip(axes.into_iter().chain(belts)) {
             if let Some(excess) = coordinate.measure(at) {
                 findings.add(sample.tick, || excess.to_string());

@@ -63,7 +63,7 @@ impl Drivers {
 
     /// The chip of a motor, to read and to break.
     pub fn chip(&self, motor: Motor) -> RefMut<'_, Tmc2209> {
-        RefMut::map(self.chips.borrow_mut(), |chips| &mut chips[motor as usize])
+        RefMut::map(self.chips.borrow_mut(), |chips| &mut chips[motor.index()])
     }
 
     /// Motors that the firmware has switched on.

@@ -4,7 +4,7 @@
 //! need positions on a regular grid. A pause longer than any such window is cut short: every difference in
 //! it is zero anyway, and a print may dwell for minutes.
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::units::TICKS_PER_SECOND;
 
 /// Samples a second.
@@ -17,7 +17,7 @@ pub const SAMPLE_TICKS: u64 = (TICKS_PER_SECOND / SAMPLES_PER_SECOND) as u64;
 pub const LONGEST_WINDOW: usize = 512;
 
 /// Steps of each motor since the start, in the order of [`Motor::ALL`].
-pub type Counts = [i64; Motor::ALL.len()];
+pub type Counts = [i64; MOTORS];
 
 /// Positions at one instant.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,7 +36,7 @@ pub struct Sampler {
 
 impl Default for Sampler {
     fn default() -> Self {
-        Self { now: Sample { tick: 0, counts: [0; Motor::ALL.len()] } }
+        Self { now: Sample { tick: 0, counts: [0; MOTORS] } }
     }
 }
 
@@ -77,13 +77,14 @@ impl Sampler {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::prototype;
 
     #[test]
     fn samples_are_evenly_spaced_and_hold_what_happened_before() {
         let mut sampler = Sampler::default();
         let mut seen = Vec::new();
         for i in 1..=10 {
-            sampler.event(i * 2000, MotorSet::of(Motor::E0), MotorSet::E, |s| seen.push((s.tick, s.counts[6])));
+            sampler.event(i * 2000, MotorSet::of(prototype::E0), prototype::E, |s| seen.push((s.tick, s.counts[6])));
         }
         assert_eq!(seen, [(0, 0), (5000, 2), (10_000, 5), (15_000, 7)]);
         assert_eq!(sampler.counts()[6], 10);

@@ -7,7 +7,7 @@
 use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler};
 use crate::series::{Bin, Series};
 use corehbot::kinematics::ForwardKinematics;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::Settings;
 
 /// Window over which the tool's speed is measured.
@@ -23,14 +23,14 @@ const RATE_WINDOW: usize = (RATE_WINDOW_MS * SAMPLES_PER_SECOND / 1000) as usize
 pub struct Tally {
     sampler: Sampler,
     measure: Measure,
-    pulses: [u64; Motor::ALL.len()],
+    pulses: [u64; MOTORS],
     events: u64,
 }
 
 /// Measurements on samples.
 struct Measure {
     /// Where motors bring the tool.
-    back: ForwardKinematics<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ MOTORS }>,
     /// mm a step of x, y and z.
     step: [f64; 3],
     origin: [f64; 3],
@@ -57,7 +57,7 @@ pub struct Figures {
     /// Step events.
     pub events: u64,
     /// Pulses of each motor, whatever their direction.
-    pub pulses: [u64; Motor::ALL.len()],
+    pub pulses: [u64; MOTORS],
     /// Where each motor ended, in steps from where it began.
     pub position: Counts,
     /// Greatest speed of the tool in mm/s.
@@ -83,7 +83,7 @@ impl Tally {
             peak_rate: 0.0,
             series: Series::default(),
         };
-        Self { sampler: Sampler::default(), measure, pulses: [0; Motor::ALL.len()], events: 0 }
+        Self { sampler: Sampler::default(), measure, pulses: [0; MOTORS], events: 0 }
     }
 
     /// One instant in which `steps` move, each forward or backward.
@@ -157,13 +157,14 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::prototype;
     use corehbot::units::TICKS_PER_SECOND;
 
     /// One second along +x at 100 mm/s from (10, 20, 0): all four motors step every 125 us.
     fn run() -> Figures {
         let mut tally = Tally::new(&Settings::prototype(), [10.0, 20.0, 0.0]);
         for i in 1..=8000 {
-            tally.event(i * 1250, MotorSet::BELT, MotorSet(0x0C));
+            tally.event(i * 1250, prototype::BELT, MotorSet(0x0C));
         }
         tally.finish(u64::from(TICKS_PER_SECOND))
     }

@@ -4,7 +4,7 @@
 //! one tick is the most that cannot run into the next event. Events at the same tick share a pulse.
 
 use ::vcd::{IdCode, TimescaleUnit, Value, Writer};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, Motor, MotorSet};
 use std::io::{self, Write};
 
 /// Writes events as a VCD file.
@@ -12,8 +12,8 @@ use std::io::{self, Write};
 /// An I/O error is kept and returned by [`finish`](Self::finish), so that a sink need not fail.
 pub struct VcdWriter<W: Write> {
     out: Writer<W>,
-    step: [IdCode; Motor::ALL.len()],
-    dir: [IdCode; Motor::ALL.len()],
+    step: [IdCode; MOTORS],
+    dir: [IdCode; MOTORS],
     high: MotorSet,
     forward: MotorSet,
     tick: u64,
@@ -30,7 +30,7 @@ impl<W: Write> VcdWriter<W> {
         out.comment("CoreH-bot step events; the tick is motion time")?;
         out.timescale(100, TimescaleUnit::NS)?;
         out.add_module("corehbot")?;
-        let mut step = [IdCode::FIRST; Motor::ALL.len()];
+        let mut step = [IdCode::FIRST; MOTORS];
         let mut dir = step;
         for (i, motor) in Motor::ALL.iter().enumerate() {
             step[i] = out.add_wire(1, &format!("{}_step", motor.name()))?;
@@ -99,7 +99,7 @@ impl<W: Write> VcdWriter<W> {
 
 fn change<W: Write>(
     out: &mut Writer<W>,
-    wires: &[IdCode; Motor::ALL.len()],
+    wires: &[IdCode; MOTORS],
     which: MotorSet,
     values: MotorSet,
 ) -> io::Result<()> {

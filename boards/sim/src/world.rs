@@ -16,7 +16,7 @@ use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
-use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, Motor, MotorSet};
+use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, MotorSet, prototype};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
@@ -124,15 +124,15 @@ struct Turned {
     coupling: Coupling,
     /// Counts of groups and motors when they were coupled so.
     since: [i32; MOST_GROUPS],
-    before: [i32; Motor::ALL.len()],
+    before: [i32; MOTORS],
 }
 
 impl Turned {
     const fn new(coupling: Coupling) -> Self {
-        Self { coupling, since: [0; MOST_GROUPS], before: [0; Motor::ALL.len()] }
+        Self { coupling, since: [0; MOST_GROUPS], before: [0; MOTORS] }
     }
 
-    fn motors(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
+    fn motors(&self, counts: [i32; MOST_GROUPS]) -> [i32; MOTORS] {
         let since = std::array::from_fn(|group| counts[group].wrapping_sub(self.since[group]));
         let turned = self.coupling.motor_counts(since);
         std::array::from_fn(|motor| self.before[motor].wrapping_add(turned[motor]))
@@ -285,7 +285,7 @@ impl<'w> World<'w> {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
             self.befall();
             self.thermal.period();
-            let extruded = self.turned.motors(self.counts.read())[Motor::E0 as usize];
+            let extruded = self.turned.motors(self.counts.read())[prototype::E0.index()];
             self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
             if self.thermal.port().plant().is_some() {
                 let period = self.heat_period();

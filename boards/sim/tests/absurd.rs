@@ -2,7 +2,7 @@
 //! next right line reaches its place to the step.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::check::Checker;
@@ -44,7 +44,7 @@ impl Sink for Steps {
                 *count += if forward.has(motor) { 1 } else { -1 };
             }
         }
-        self.extruder += u64::from(steps.has(Motor::E0));
+        self.extruder += u64::from(steps.has(prototype::E0));
         for (reach, at) in self.reach.iter_mut().zip(tool(self.counts)) {
             *reach = [reach[0].min(at), reach[1].max(at)];
         }

@@ -2,7 +2,7 @@
 //! the same events.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
@@ -87,7 +87,7 @@ impl Sink for Walk {
             return;
         }
         let was_near = self.next > 0 && self.is_near(self.next - 1);
-        for (count, motor) in self.counts.iter_mut().zip([Motor::M11, Motor::M8]) {
+        for (count, motor) in self.counts.iter_mut().zip([prototype::M11, prototype::M8]) {
             if steps.has(motor) {
                 *count += if forward.has(motor) { 1 } else { -1 };
             }

@@ -1,7 +1,7 @@
 //! M410: the machine slows down along its path, as its accelerations allow, and knows where it is.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::check::{Checker, Findings};
@@ -37,7 +37,8 @@ impl Sink for Steps {
         bench.checker.event(tick, steps, forward);
         bench.tick = tick;
         let before = bench.tool();
-        for (count, motor) in bench.counts.iter_mut().zip([Motor::M11, Motor::M8, Motor::Z1, Motor::E0]) {
+        for (count, motor) in bench.counts.iter_mut().zip([prototype::M11, prototype::M8, prototype::Z1, prototype::E0])
+        {
             if steps.has(motor) {
                 *count += if forward.has(motor) { 1 } else { -1 };
             }

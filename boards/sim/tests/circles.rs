@@ -1,7 +1,7 @@
 //! Circles from text to step times: the tool runs round them at one speed, however the slicer writes them.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
@@ -17,7 +17,7 @@ struct Crossings {
 
 impl Sink for Crossings {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        for ((at, all), motor) in self.at.iter_mut().zip(&mut self.all).zip([Motor::M11, Motor::M8]) {
+        for ((at, all), motor) in self.at.iter_mut().zip(&mut self.all).zip([prototype::M11, prototype::M8]) {
             if steps.has(motor) {
                 let before = *at;
                 *at += if forward.has(motor) { 1 } else { -1 };

@@ -1,7 +1,7 @@
 //! Moves so short that the queues hold little time: the look-ahead must not be given up for that.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
@@ -53,7 +53,7 @@ struct Fastest {
 
 impl Sink for Fastest {
     fn event(&mut self, tick: u64, steps: MotorSet, _forward: MotorSet) {
-        self.count += u32::from(steps.has(Motor::M8));
+        self.count += u32::from(steps.has(prototype::M8));
         let ticks = tick - self.since;
         if ticks >= 50_000 {
             self.speed = self.speed.max(f64::from(self.count) / 80.0 / (ticks as f64 / 1e7));

@@ -4,7 +4,7 @@
 #[path = "common/lines.rs"]
 mod lines;
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Sink, run};
@@ -16,8 +16,8 @@ struct Extruder(i64);
 
 impl Sink for Extruder {
     fn event(&mut self, _tick: u64, steps: MotorSet, forward: MotorSet) {
-        if steps.has(Motor::E0) {
-            self.0 += if forward.has(Motor::E0) { 1 } else { -1 };
+        if steps.has(prototype::E0) {
+            self.0 += if forward.has(prototype::E0) { 1 } else { -1 };
         }
     }
 }

@@ -1,7 +1,7 @@
 //! M220 counts at once, also for queued moves; neither it nor M221 makes the machine exceed its limits.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Ratio};
 use corehbot_sim::check::{Checker, Findings};
@@ -22,7 +22,7 @@ impl Sink for Speed<'_> {
     fn event(&mut self, tick: u64, steps: MotorSet, _forward: MotorSet) {
         self.tick.set(tick);
         let (since, count) = self.window;
-        let count = count + u32::from(steps.has(Motor::M8));
+        let count = count + u32::from(steps.has(prototype::M8));
         if tick - since < 20_000 {
             self.window = (since, count);
             return;

@@ -2,7 +2,7 @@
 //! motion.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::{Settings, ShaperKind};
 use corehbot::units::{Hertz, Mm, Seconds};
@@ -24,7 +24,8 @@ impl Sink for Steps<'_> {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.checker.event(tick, steps, forward);
         self.tick.set(tick);
-        for (count, motor) in self.counts.iter_mut().zip([Motor::M11, Motor::M8, Motor::Z1, Motor::E0]) {
+        for (count, motor) in self.counts.iter_mut().zip([prototype::M11, prototype::M8, prototype::Z1, prototype::E0])
+        {
             if steps.has(motor) {
                 *count += if forward.has(motor) { 1 } else { -1 };
             }

@@ -2,7 +2,7 @@
 //! speed, and reports that in M122. Hosts that are just fast enough leave no trace.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Seconds, TICKS_PER_MS};
@@ -21,7 +21,7 @@ struct Steps {
 impl Sink for Steps {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.checker.event(tick, steps, forward);
-        for (at, motor) in self.at.iter_mut().zip([Motor::M8, Motor::E0]) {
+        for (at, motor) in self.at.iter_mut().zip([prototype::M8, prototype::E0]) {
             if steps.has(motor) {
                 *at += if forward.has(motor) { 1 } else { -1 };
             }

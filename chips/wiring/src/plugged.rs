@@ -1,6 +1,7 @@
 //! A board with a machine plugged into it.
 
 use corehbot::connectors::ConnectorName;
+use corehbot::motors::MOTORS;
 use corehbot::port::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
 
@@ -12,7 +13,7 @@ pub struct Plugged {
     /// The board.
     pub board: &'static Board,
     /// The drivers by motor; a motor without one is counted, but does not turn.
-    pub slots: [Option<Slot>; Motor::ALL.len()],
+    pub slots: [Option<Slot>; MOTORS],
     /// Motors with a direction line that is low for forward.
     pub reversed: MotorSet,
     /// Switches of x, y and z: closed at rest, so that a broken wire reads as pressed.
@@ -36,7 +37,7 @@ impl Board {
     /// The board with the prototype plugged in, each motor and each switch in its place of the table.
     #[must_use]
     pub fn usual(&'static self) -> Plugged {
-        let mut slots = [None; Motor::ALL.len()];
+        let mut slots = [None; MOTORS];
         slots.iter_mut().zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
         let mut endstops = [Pin::new(Port::A, 0); 3];
         endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = *input);
@@ -49,7 +50,7 @@ impl Board {
     /// A plugged-in part without a connector on the board.
     pub fn plugged(&'static self, machine: &Settings) -> Result<Plugged, ConnectorError> {
         machine.check_connectors(self.connectors)?;
-        let mut plugged = Plugged { slots: [None; Motor::ALL.len()], ..self.usual() };
+        let mut plugged = Plugged { slots: [None; MOTORS], ..self.usual() };
         let fitted = machine.mechanism.fitted();
         for (motor, place) in Motor::ALL.into_iter().zip(&mut plugged.slots).filter(|(motor, _)| fitted.has(*motor)) {
             let plug = machine.wiring.of(motor);
@@ -87,20 +88,20 @@ impl Board {
 impl Plugged {
     /// Step pins by motor.
     #[must_use]
-    pub fn step_pins(&self) -> [Option<Pin>; Motor::ALL.len()] {
+    pub fn step_pins(&self) -> [Option<Pin>; MOTORS] {
         self.slots.map(|slot| slot.map(|slot| slot.step))
     }
 
     /// Direction pins by motor.
     #[must_use]
-    pub fn dir_pins(&self) -> [Option<Pin>; Motor::ALL.len()] {
+    pub fn dir_pins(&self) -> [Option<Pin>; MOTORS] {
         self.slots.map(|slot| slot.map(|slot| slot.dir))
     }
 
     /// Motors with a slow step pin, which needs a longer pulse.
     #[must_use]
     pub fn slow(&self) -> MotorSet {
-        motors(|motor| self.slots[motor as usize].is_some_and(|slot| slot.step.is_slow()))
+        motors(|motor| self.slots[motor.index()].is_some_and(|slot| slot.step.is_slow()))
     }
 
     /// The enable lines of `motors` in `port`.
@@ -113,7 +114,7 @@ impl Plugged {
     /// The UART of `motor`'s driver.
     #[must_use]
     pub fn uart(&self, motor: Motor) -> Option<Pin> {
-        self.slots[motor as usize].and_then(|slot| slot.uart)
+        self.slots[motor.index()].and_then(|slot| slot.uart)
     }
 
     /// Motors with a driver that has a UART.

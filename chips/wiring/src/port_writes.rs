@@ -1,10 +1,9 @@
 //! Port writes: a table of the values to store to the ports' set/reset registers (BSRR) for each set of motor groups.
 
-use corehbot::kinematics::SETS;
-use corehbot::motors::{Coupling, MOST_GROUPS};
-use corehbot::port::{GroupSet, Motor, MotorSet};
-
 use crate::{Pin, Port};
+use corehbot::kinematics::SETS;
+use corehbot::motors::{Coupling, MOST_GROUPS, MOTORS};
+use corehbot::port::{GroupSet, MotorSet};
 
 /// Ports that the step pins of all motors may be spread over.
 pub const STEP_PORTS: usize = 4;
@@ -41,7 +40,7 @@ impl<const PORTS: usize> PortWrites<PORTS> {
     /// Writes that set the step pins of the motors in the groups and leave the other pins. Pins on one port too many
     /// get no write; [`can_hold`](Self::can_hold) reports that. The ports of motors that are not `slow` come first.
     #[must_use]
-    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, coupling: &Coupling) -> Self {
+    pub fn pulses(pins: [Option<Pin>; MOTORS], slow: MotorSet, coupling: &Coupling) -> Self {
         let of = |are_slow| {
             let motors = pins.iter().enumerate();
             motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).filter_map(|(_, pin)| *pin)
@@ -60,14 +59,14 @@ impl<const PORTS: usize> PortWrites<PORTS> {
     /// Writes that set the direction pins if the coordinates of the groups grow and all other coordinates fall. A pin
     /// is high for a motor that turns forward, or backward if it is `reversed`.
     #[must_use]
-    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, coupling: &Coupling) -> Self {
+    pub fn levels(pins: [Option<Pin>; MOTORS], reversed: MotorSet, coupling: &Coupling) -> Self {
         let high = |set| MotorSet(coupling.forward_motors(set).0 ^ reversed.0);
         let ports = Ports::of(pins.into_iter().flatten());
         Self::new(pins, ports, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
 
     fn new(
-        pins: [Option<Pin>; Motor::ALL.len()],
+        pins: [Option<Pin>; MOTORS],
         ports: Ports<PORTS>,
         motors: impl Fn(GroupSet) -> MotorSet,
         value: impl Fn(Pin, bool) -> u32,
@@ -123,13 +122,14 @@ mod tests {
     use super::*;
     use crate::bits;
     use corehbot::kinematics::{Groups, Mechanism};
+    use corehbot::motors::{Motor, prototype};
 
     #[test]
     fn writes_hold_the_bits_of_exactly_the_motors_asked_for() {
         let pins =
             [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
         let pins = pins.map(|(port, number)| Pin::new(port, number));
-        let reversed = MotorSet::of(Motor::M4);
+        let reversed = MotorSet::of(prototype::M4);
         let machine = Groups::new(&Mechanism::corehbot()).coupling();
         let pins_of = pins.map(Some);
         let pulses = StepWrites::pulses(pins_of, MotorSet::NONE, &machine);

@@ -2,7 +2,8 @@
 
 use super::*;
 use corehbot::connectors::{BoardConnectors, NUCLEO, SIM};
-use corehbot::port::{Motor, MotorSet};
+use corehbot::motors::prototype;
+use corehbot::port::MotorSet;
 
 const NAMES: BoardConnectors =
     BoardConnectors { sockets: NUCLEO.sockets.split_at(1).0, endstops: NUCLEO.endstops, debug_sockets: &[], ..SIM };
@@ -36,7 +37,7 @@ fn a_uart_pin_has_no_other_job() {
         (board.problem(), board.usual().uarts())
     };
     assert_eq!(uarts(None), (None, MotorSet::NONE));
-    assert_eq!(uarts(Some(Pin::new(Port::B, 8))), (None, MotorSet::of(Motor::M1)));
+    assert_eq!(uarts(Some(Pin::new(Port::B, 8))), (None, MotorSet::of(prototype::M1)));
     for taken in [1, 2, 5] {
         assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
     }

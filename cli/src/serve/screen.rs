@@ -1,7 +1,7 @@
 //! The screen: one line on a terminal with the printer's state.
 
 use corehbot::kinematics::ForwardKinematics;
-use corehbot::motors::Motor;
+use corehbot::motors::MOTORS;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
 use corehbot_sim::world::World;
@@ -24,7 +24,7 @@ pub(crate) struct Screen {
     /// The printer's last temperature report.
     temperatures: String,
     /// Where motors bring the tool.
-    back: ForwardKinematics<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ MOTORS }>,
     /// Where the tool stood at power-up, in mm.
     start: [f64; 3],
     /// Steps a mm of x, y and z.

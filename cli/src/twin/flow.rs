@@ -19,7 +19,7 @@ use super::answer::Json;
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot::motion::{Tap, advance_window, taps};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{Range, Settings, Shaper, ShaperKind, ranges};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, TICKS_PER_SECOND};
 use corehbot_sim::file_line::{command_of, words};
@@ -264,7 +264,7 @@ struct Print {
 
 impl Sink for Print {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        for (line, motor) in self.lines.iter_mut().zip([Motor::M11, Motor::M8, Motor::E0]) {
+        for (line, motor) in self.lines.iter_mut().zip([prototype::M11, prototype::M8, prototype::E0]) {
             if steps.has(motor) {
                 let way = if forward.has(motor) { 1 } else { -1 };
                 line.crossings.push((tick, line.count as f64 + 0.5 * f64::from(way)));

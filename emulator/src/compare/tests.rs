@@ -2,15 +2,16 @@
 
 use super::*;
 use crate::timer::NS_PER_TICK;
+use corehbot::motors::prototype;
 
 fn event(due: u32, lag: u32, late: i64) -> StepEvent {
     let schedule = Schedule { due, lag, stretched: 0, late };
     let at = u64::from(due) * NS_PER_TICK + late as u64;
-    StepEvent { at, steps: MotorSet::BELT, forward: MotorSet::NONE, spread: 8, schedule: Some(schedule) }
+    StepEvent { at, steps: prototype::BELT, forward: MotorSet::NONE, spread: 8, schedule: Some(schedule) }
 }
 
 fn planned(tick: u64) -> Scheduled {
-    Scheduled { tick, steps: MotorSet::BELT, forward: MotorSet::NONE }
+    Scheduled { tick, steps: prototype::BELT, forward: MotorSet::NONE }
 }
 
 #[test]

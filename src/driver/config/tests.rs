@@ -1,13 +1,14 @@
 //! Tests of config.
 
 use super::*;
+use crate::motors::prototype;
 use crate::settings::ranges;
 use crate::units::MmPerSec;
 
 fn config(change: impl FnOnce(&mut DriverSettings)) -> Config {
     let mut s = Settings::prototype();
     change(&mut s.drivers.belt);
-    Config::new(Motor::M8, &s)
+    Config::new(prototype::M8, &s)
 }
 
 #[test]
@@ -75,7 +76,7 @@ fn the_threshold_is_a_time_between_two_of_256_steps() {
 #[test]
 fn each_motor_has_the_settings_of_its_group() {
     let s = Settings::prototype();
-    assert_eq!(Config::new(Motor::M1, &s), Config::new(Motor::M11, &s));
-    assert_ne!(Config::new(Motor::Z1, &s), Config::new(Motor::M1, &s));
-    assert_eq!(Config::new(Motor::Z1, &s), Config::new(Motor::Z2, &s));
+    assert_eq!(Config::new(prototype::M1, &s), Config::new(prototype::M11, &s));
+    assert_ne!(Config::new(prototype::Z1, &s), Config::new(prototype::M1, &s));
+    assert_eq!(Config::new(prototype::Z1, &s), Config::new(prototype::Z2, &s));
 }

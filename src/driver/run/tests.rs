@@ -1,10 +1,11 @@
 //! Tests of run.
 
 use super::*;
+use crate::motors::prototype;
 use crate::settings::Settings;
 
 fn run(job: Job) -> Run {
-    Run::new(Motor::M1, job, Config::new(Motor::M1, &Settings::prototype()), false)
+    Run::new(prototype::M1, job, Config::new(prototype::M1, &Settings::prototype()), false)
 }
 
 #[test]

@@ -3,9 +3,10 @@
 extern crate std;
 
 use super::*;
+use crate::motors::prototype;
 use std::vec::Vec;
 
-const BELT: MotorSet = MotorSet::BELT;
+const BELT: MotorSet = prototype::BELT;
 
 /// Owner and time in ms of each slot, for so many seconds.
 fn slots(urgent: MotorSet, watched: MotorSet, has_job: bool, seconds: u32) -> Vec<(u32, Slot)> {
@@ -92,10 +93,10 @@ fn without_motors_that_can_pull_against_each_other_all_drivers_are_alike() {
 #[test]
 fn a_driver_that_is_written_is_not_asked_for_its_chopper() {
     let mut watch = Watch::new();
-    let wanted = Wanted { watched: MotorSet::ALL, writing: Some(Motor::Z2), has_job: false, has_look: false };
+    let wanted = Wanted { watched: MotorSet::ALL, writing: Some(prototype::Z2), has_job: false, has_look: false };
     for ms in 0..1000 {
         let slot = watch.next(wanted, Instant::default().after_ms(ms * SLOT_MS));
-        assert_ne!(slot, Slot::Background(Motor::Z2, Look::Chopper));
+        assert_ne!(slot, Slot::Background(prototype::Z2, Look::Chopper));
     }
 }
 
@@ -103,7 +104,7 @@ fn a_driver_that_is_written_is_not_asked_for_its_chopper() {
 fn drivers_that_are_to_be_asked_at_once_are_asked_one_after_the_other_until_they_are_well() {
     let mut watch = Watch::new();
     watch.hurry(BELT);
-    let watched = MotorSet::ALL.without(MotorSet::of(Motor::M8));
+    let watched = MotorSet::ALL.without(MotorSet::of(prototype::M8));
     let wanted = Wanted { watched, writing: None, has_job: true, has_look: false };
     watch.ask_at_once(MotorSet::ALL);
     let mut asked = MotorSet::NONE;

@@ -70,6 +70,7 @@ pub(in crate::machine) fn diagnose(
 mod tests {
     use super::*;
     use crate::kinematics::Residuals;
+    use crate::motors::prototype;
 
     const FULL_STEP: i32 = 16;
 
@@ -83,9 +84,12 @@ mod tests {
     fn each_skip_of_the_table_names_its_motor() {
         // A skip of one turn forward: motor, its direction in x and y, its part of the residual (equations 8 to 11 of
         // the paper).
-        for (motor, x, y, part) in
-            [(Motor::M1, -1, 1, 1), (Motor::M4, -1, -1, -1), (Motor::M8, 1, -1, 1), (Motor::M11, 1, 1, -1)]
-        {
+        for (motor, x, y, part) in [
+            (prototype::M1, -1, 1, 1),
+            (prototype::M4, -1, -1, -1),
+            (prototype::M8, 1, -1, 1),
+            (prototype::M11, 1, 1, -1),
+        ] {
             for way in [-1, 1] {
                 let found = corehbot([7 * x * way, 25 * y * way], 64 * part * way + 5);
                 assert_eq!(found, Diagnosis::Skip { motor, full_steps: 4 * way });

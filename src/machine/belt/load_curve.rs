@@ -14,7 +14,7 @@
 //! (c). The only assumption is that the reading falls equally on both sides. Friction rounds the tip of the curve, so
 //! u0 comes from the arms alone.
 
-use crate::motors::{Motor, MotorSet};
+use crate::motors::{MOTORS, Motor, MotorSet};
 
 /// Fractions of a reading and of a step in which means are counted.
 pub(super) const PARTS: i64 = 256;
@@ -28,7 +28,7 @@ const AT_LIMIT: u32 = 4;
 
 /// Readings of each motor in one direction with one trim.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Readings([Sum; Motor::ALL.len()]);
+pub(super) struct Readings([Sum; MOTORS]);
 
 /// Readings of a motor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,7 +44,7 @@ struct Sum {
 impl Readings {
     /// Adds a motor's load reading (SG_RESULT, ten bits).
     pub fn note(&mut self, motor: Motor, reading: u32) {
-        if let Some(sum) = self.0.get_mut(motor as usize) {
+        if let Some(sum) = self.0.get_mut(motor.index()) {
             sum.count += 1;
             sum.sum = sum.sum.saturating_add(reading);
             sum.squares = sum.squares.saturating_add(reading.saturating_mul(reading));
@@ -62,7 +62,7 @@ impl Readings {
 
     /// Load of these motors; `None` if one of them has too few readings.
     fn load(&self, motors: MotorSet) -> Option<Load> {
-        let mut each = [Mean::default(); Motor::ALL.len()];
+        let mut each = [Mean::default(); MOTORS];
         let (mut all, mut number) = (Mean::default(), 0);
         for ((motor, sum), own) in Motor::ALL.into_iter().zip(self.0).zip(&mut each) {
             if !motors.has(motor) {
@@ -106,7 +106,7 @@ pub(super) struct Load {
     /// Over all motors.
     all: Mean,
     /// Of each of them.
-    each: [Mean; Motor::ALL.len()],
+    each: [Mean; MOTORS],
     /// The motor without torque left, if there is one.
     at_limit: Option<Motor>,
 }
@@ -139,7 +139,7 @@ pub(super) fn without_torque(loads: &[Load]) -> Option<Motor> {
 /// the middle. An inverted curve falls as much as the other curves rise; a quarter of that is enough.
 pub(super) fn dragged(loads: [Load; 3]) -> Option<Motor> {
     let own = |index: usize| rise(loads.map(|load| load.each.get(index).copied().unwrap_or_default()));
-    let most = (0..Motor::ALL.len()).map(|index| own(index).mean).max().unwrap_or_default();
+    let most = (0..MOTORS).map(|index| own(index).mean).max().unwrap_or_default();
     let is_dragged = |Mean { mean, variance }: Mean| mean < 0 && -4 * mean > most && mean * mean > 36 * variance;
     Motor::ALL.into_iter().enumerate().find(|(index, _)| is_dragged(own(*index))).map(|(_, motor)| motor)
 }
@@ -242,10 +242,11 @@ pub(super) const fn thousandths(parts: i64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motors::prototype;
 
     fn load(mean: i64) -> Load {
         let all = Mean { mean: mean * PARTS, variance: PARTS };
-        Load { all, each: [Mean::default(); Motor::ALL.len()], at_limit: None }
+        Load { all, each: [Mean::default(); MOTORS], at_limit: None }
     }
 
     /// 400 without load, 2 less a step.
@@ -286,16 +287,16 @@ mod tests {
 
     #[test]
     fn a_mean_needs_readings_of_every_motor() {
-        let both = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M4));
+        let both = MotorSet::of(prototype::M1).with(MotorSet::of(prototype::M4));
         let mut readings = Readings::default();
         for n in 0..100 {
-            readings.note(Motor::M1, 300 + n % 2 * 2);
+            readings.note(prototype::M1, 300 + n % 2 * 2);
         }
         assert_eq!(readings.load(both), None);
-        let one = readings.load(MotorSet::of(Motor::M1)).unwrap();
+        let one = readings.load(MotorSet::of(prototype::M1)).unwrap();
         assert_eq!(one.all.mean, 301 * PARTS);
         for _ in 0..100 {
-            readings.note(Motor::M4, 200);
+            readings.note(prototype::M4, 200);
         }
         let two = readings.load(both).unwrap();
         assert_eq!(two.all.mean, (301 + 200) * PARTS / 2);
@@ -307,23 +308,23 @@ mod tests {
 
     #[test]
     fn a_motor_without_torque_is_named_although_the_mean_is_as_that_of_others() {
-        let motors = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M4));
+        let motors = MotorSet::of(prototype::M1).with(MotorSet::of(prototype::M4));
         let read = |zeros: u32| {
             let mut readings = Readings::default();
-            (0..40).for_each(|n| readings.note(Motor::M4, if n < zeros { 0 } else { 300 }));
-            (0..40).for_each(|_| readings.note(Motor::M1, 300));
+            (0..40).for_each(|n| readings.note(prototype::M4, if n < zeros { 0 } else { 300 }));
+            (0..40).for_each(|_| readings.note(prototype::M1, 300));
             readings
         };
-        assert_eq!((read(9).at_limit(motors), read(10).at_limit(motors)), (None, Some(Motor::M4)));
-        assert_eq!(read(40).at_limit(MotorSet::of(Motor::M1)), None);
+        assert_eq!((read(9).at_limit(motors), read(10).at_limit(motors)), (None, Some(prototype::M4)));
+        assert_eq!(read(40).at_limit(MotorSet::of(prototype::M1)), None);
         // With one motor alone, or with all of them, the driver measures nothing.
-        assert_eq!(read(40).at_limit(MotorSet::of(Motor::M4)), None);
+        assert_eq!(read(40).at_limit(MotorSet::of(prototype::M4)), None);
         let stroke = load_of_stroke(&read(0), &read(40), motors);
-        assert_eq!(stroke.and_then(|load| load.at_limit), Some(Motor::M4));
+        assert_eq!(stroke.and_then(|load| load.at_limit), Some(prototype::M4));
         // A few readings are not enough.
         let mut readings = Readings::default();
-        (1..LEAST_READINGS).for_each(|_| readings.note(Motor::M1, 0));
-        (0..40).for_each(|_| readings.note(Motor::M4, 300));
+        (1..LEAST_READINGS).for_each(|_| readings.note(prototype::M1, 0));
+        (0..40).for_each(|_| readings.note(prototype::M4, 300));
         assert_eq!(readings.at_limit(motors), None);
     }
 
@@ -331,14 +332,16 @@ mod tests {
     /// twin.
     #[test]
     fn a_motor_that_is_dragged_is_named_and_one_that_rubs_is_not() {
-        let motors =
-            [Motor::M1, Motor::M4, Motor::M8].map(MotorSet::of).into_iter().fold(MotorSet::NONE, MotorSet::with);
+        let motors = [prototype::M1, prototype::M4, prototype::M8]
+            .map(MotorSet::of)
+            .into_iter()
+            .fold(MotorSet::NONE, MotorSet::with);
         let stroke = |own: u32, others: u32| {
             let mut readings = Readings::default();
             for n in 0..25_u32 {
-                readings.note(Motor::M1, own + n % 5);
-                readings.note(Motor::M4, others + n % 7);
-                readings.note(Motor::M8, others + n % 3);
+                readings.note(prototype::M1, own + n % 5);
+                readings.note(prototype::M4, others + n % 7);
+                readings.note(prototype::M8, others + n % 3);
             }
             load_of_stroke(&readings, &readings, motors).unwrap()
         };
@@ -346,9 +349,9 @@ mod tests {
             (0, (330, 330), (390, 390), None),
             (20, (278, 330), (278, 388), None),
             (50, (101, 331), (100, 378), None),
-            (60, (110, 306), (43, 372), Some(Motor::M1)),
-            (70, (118, 232), (51, 300), Some(Motor::M1)),
-            (95, (101, 90), (39, 154), Some(Motor::M1)),
+            (60, (110, 306), (43, 372), Some(prototype::M1)),
+            (70, (118, 232), (51, 300), Some(prototype::M1)),
+            (95, (101, 90), (39, 154), Some(prototype::M1)),
         ] {
             let [arm, middle] = [arms, middle].map(|(own, others)| stroke(own, others));
             assert_eq!(dragged([arm, middle, arm]), expected, "{newtons}");
@@ -359,10 +362,10 @@ mod tests {
 
     #[test]
     fn what_differs_between_there_and_back_is_no_spread() {
-        let motor = MotorSet::of(Motor::M1);
+        let motor = MotorSet::of(prototype::M1);
         let of = |reading: u32| {
             let mut readings = Readings::default();
-            (0..50_u32).for_each(|n| readings.note(Motor::M1, reading + n % 2 * 2));
+            (0..50_u32).for_each(|n| readings.note(prototype::M1, reading + n % 2 * 2));
             readings
         };
         let same = load_of_stroke(&of(300), &of(300), motor).unwrap();

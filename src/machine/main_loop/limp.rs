@@ -46,7 +46,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// the motion ends and all motors lose their power, at once.
     pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {
         let driver::Fault { motor, .. } = fault;
-        let cause = fault::Fault { cause: Cause::Driver, subject: motor as u8, value: 0, limit: 0 };
+        let cause = fault::Fault { cause: Cause::Driver, subject: motor.number(), value: 0, limit: 0 };
         if !self.may_limp(motor) {
             self.stop_and_cut();
             self.link.status().fault().set(cause);

@@ -175,6 +175,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motors::prototype;
 
     #[test]
     fn phases_differ_by_half_a_turn_at_most() {
@@ -187,8 +188,8 @@ mod tests {
     fn the_last_motor_of_a_residual_is_found() {
         let residual = [1, -1, 1, -1, 0, 0, 0];
         let of = |motors: &[Motor]| motors.iter().fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(*motor)));
-        assert_eq!(only_one(&residual, of(&[Motor::M11, Motor::Z1])), Some((Motor::M11, -1)));
-        assert_eq!(only_one(&residual, of(&[Motor::M8, Motor::M11])), None);
+        assert_eq!(only_one(&residual, of(&[prototype::M11, prototype::Z1])), Some((prototype::M11, -1)));
+        assert_eq!(only_one(&residual, of(&[prototype::M8, prototype::M11])), None);
         assert_eq!(only_one(&residual, MotorSet::NONE), None);
     }
 }

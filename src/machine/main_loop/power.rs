@@ -6,12 +6,13 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::motors::MOTORS;
 use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
 use crate::units::Instant;
 
 /// Proofs requested until motors have power. Usually seven configurations and seven quick proofs suffice. If the first
 /// proofs expire before the last ones arrive, the wire is too bad to print with.
-const MOST_PROOFS: usize = 6 * Motor::ALL.len();
+const MOST_PROOFS: usize = 6 * MOTORS;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Whether these motors have power, and their steps are of the size that is counted on.

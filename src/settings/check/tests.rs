@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::*;
+use crate::motors::prototype;
 use crate::settings::{AxisEnd, Range};
 use crate::units::{Hertz, Ratio};
 use std::string::{String, ToString as _};
@@ -114,7 +115,6 @@ fn axes_that_share_motors_are_named_in_pairs() {
 
 #[test]
 fn a_motor_has_the_resolution_of_its_axis() {
-    use crate::motors::Motor;
     let none = [0; 4];
     let rows = [[1, 0, 0, 0], [0, 1, 0, 0], none, none, [0, 0, 1, 0], none, [0, 0, 0, 1]];
     let mut s = Settings { mechanism: crate::kinematics::Mechanism { rows }, ..Settings::prototype() };
@@ -122,7 +122,7 @@ fn a_motor_has_the_resolution_of_its_axis() {
     for (axis, number) in axes.into_iter().zip(1..) {
         axis.steps_per_mm = StepsPerMm::const_from_int(number);
     }
-    let motors = [Motor::M1, Motor::M4, Motor::Z1, Motor::E0];
+    let motors = [prototype::M1, prototype::M4, prototype::Z1, prototype::E0];
     assert_eq!(motors.map(|motor| s.steps_per_mm(motor).to_num::<u32>()), [1, 2, 3, 4]);
 }
 
@@ -137,7 +137,7 @@ fn errors_name_the_setting_that_is_wrong() {
         (SettingsError::ResolutionsDiffer("x and y"), "x and y share motors: their steps_per_mm must be equal"),
         (
             SettingsError::MicrostepsDiffer {
-                motors: [Motor::M1, Motor::Z1],
+                motors: [prototype::M1, prototype::Z1],
                 microsteps: [16, 32],
                 keys: ["drivers.belt", "drivers.z"],
             },
@@ -204,7 +204,7 @@ fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ()
     };
     assert_eq!(machine(z, z, z, 16, 16), Ok(()));
     assert_eq!(machine(z, z, z, 32, 32), Ok(()));
-    assert_eq!(machine(z, z, z, 16, 32), differ([Motor::M1, Motor::Z1], [16, 32]));
+    assert_eq!(machine(z, z, z, 16, 32), differ([prototype::M1, prototype::Z1], [16, 32]));
     // Other microsteps of another axis do not matter, nor do the extruder's.
     assert_eq!(machine([0; 4], [0; 4], z, 16, 32), Ok(()));
     let mut alone = Settings::prototype();
@@ -220,6 +220,6 @@ fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ()
     };
     assert_eq!(belts([1, 1, 0, 0], [2, -2, 0, 0], 16, 32), Ok(()));
     assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 16), Ok(()));
-    assert_eq!(belts([1, 1, 0, 0], [1, -1, 0, 0], 16, 32), differ([Motor::M11, Motor::Z1], [16, 32]));
-    assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 32), differ([Motor::M11, Motor::Z1], [16, 32]));
+    assert_eq!(belts([1, 1, 0, 0], [1, -1, 0, 0], 16, 32), differ([prototype::M11, prototype::Z1], [16, 32]));
+    assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 32), differ([prototype::M11, prototype::Z1], [16, 32]));
 }

@@ -5,6 +5,7 @@ extern crate std;
 use super::*;
 use crate::connectors::{NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
 use crate::kinematics::Mechanism;
+use crate::motors::prototype;
 use crate::settings::Wiring;
 use std::format;
 use std::string::{String, ToString};
@@ -17,7 +18,7 @@ fn error(settings: &Settings, board: &'static BoardConnectors) -> String {
 
 fn plugged(motor: Motor, name: &str) -> Settings {
     let mut s = Settings::prototype();
-    s.wiring.motors[motor as usize].connector = ConnectorName::lit(name);
+    s.wiring.motors[motor.index()].connector = ConnectorName::lit(name);
     s
 }
 
@@ -38,20 +39,20 @@ fn a_machine_that_names_no_connectors_is_plugged_in_as_usual_on_its_board() {
     assert!(s.check_connectors(&SPIDER).is_err());
     s.name_connectors(&SPIDER);
     assert_eq!(s.check_connectors(&SPIDER), Ok(()));
-    assert_eq!(s.wiring.of(Motor::M1).connector.as_str(), "X-MOT");
-    let mut named = plugged(Motor::M1, "M7");
+    assert_eq!(s.wiring.of(prototype::M1).connector.as_str(), "X-MOT");
+    let mut named = plugged(prototype::M1, "M7");
     named.name_connectors(&SPIDER);
-    assert_eq!(named.wiring.of(Motor::M1).connector.as_str(), "M7", "what is named stays");
+    assert_eq!(named.wiring.of(prototype::M1).connector.as_str(), "M7", "what is named stays");
 }
 
 #[test]
 fn a_board_has_no_other_connectors_than_its_own() {
     let has = "it has M0, M1, M2, M3, M4, M5, M6, M7";
     assert_eq!(
-        error(&plugged(Motor::M1, "M8"), &OCTOPUS),
+        error(&plugged(prototype::M1, "M8"), &OCTOPUS),
         format!("motor m1: the BTT Octopus has no connector M8; {has}")
     );
-    assert_eq!(plugged(Motor::M1, "M8").check_connectors(&SIM), Ok(()), "the simulator has any");
+    assert_eq!(plugged(prototype::M1, "M8").check_connectors(&SIM), Ok(()), "the simulator has any");
     let mut s = Settings::prototype();
     s.wiring.endstops.y.connector = ConnectorName::lit("J27");
     let has = format!("it has {INPUTS}");
@@ -77,8 +78,8 @@ fn a_board_without_that_sensor_is_refused() {
 
 #[test]
 fn nothing_is_plugged_in_twice() {
-    assert_eq!(error(&plugged(Motor::E0, "M4"), &OCTOPUS), "motor m8 and motor e0 have the same connector, M4");
-    assert_eq!(error(&plugged(Motor::E0, "M4"), &SIM), "motor m8 and motor e0 have the same connector, M4");
+    assert_eq!(error(&plugged(prototype::E0, "M4"), &OCTOPUS), "motor m8 and motor e0 have the same connector, M4");
+    assert_eq!(error(&plugged(prototype::E0, "M4"), &SIM), "motor m8 and motor e0 have the same connector, M4");
     let mut s = Settings::prototype();
     s.wiring.endstops.z.connector = s.wiring.endstops.x.connector;
     assert_eq!(error(&s, &OCTOPUS), "endstop of x and endstop of z have the same connector, X-STOP");
@@ -106,13 +107,13 @@ fn a_probe_is_plugged_in_where_the_board_has_an_input_for_it_or_not_at_all() {
 #[test]
 fn what_is_fitted_is_plugged_in_and_what_is_not_need_not_be() {
     let has = "the BTT Octopus has M0, M1, M2, M3, M4, M5, M6, M7";
-    assert_eq!(error(&plugged(Motor::Z2, ""), &OCTOPUS), format!("motor z2: it has no connector; {has}"));
-    let mut s = plugged(Motor::Z2, "");
+    assert_eq!(error(&plugged(prototype::Z2, ""), &OCTOPUS), format!("motor z2: it has no connector; {has}"));
+    let mut s = plugged(prototype::Z2, "");
     s.mechanism = Mechanism { rows: s.mechanism.rows.map(|row| if row == [0, 0, 1, 0] { [0; 4] } else { row }) };
-    s.mechanism.rows[Motor::Z1 as usize] = [0, 0, 1, 0];
+    s.mechanism.rows[prototype::Z1.index()] = [0, 0, 1, 0];
     assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
     // A motor that is not fitted takes no socket from another.
-    s.wiring.motors[Motor::Z2 as usize].connector = ConnectorName::lit("M0");
+    s.wiring.motors[prototype::Z2.index()].connector = ConnectorName::lit("M0");
     assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
     s.wiring.endstops.x.connector = ConnectorName::NONE;
     assert_eq!(error(&s, &OCTOPUS), format!("endstop of x: it has no connector; the BTT Octopus has {INPUTS}"));
@@ -122,7 +123,7 @@ fn what_is_fitted_is_plugged_in_and_what_is_not_need_not_be() {
 fn a_bench_has_sockets_for_some() {
     let s = Settings { wiring: Wiring::usual(&NUCLEO), ..Settings::prototype() };
     assert_eq!(s.check_connectors(&NUCLEO), Ok(()));
-    assert_eq!([Motor::M8, Motor::Z1].map(|motor| s.wiring.of(motor).connector.to_string()), ["A", ""]);
+    assert_eq!([prototype::M8, prototype::Z1].map(|motor| s.wiring.of(motor).connector.to_string()), ["A", ""]);
     assert_eq!(
         error(&s, &OCTOPUS),
         "motor m1: the BTT Octopus has no connector X; it has M0, M1, M2, M3, M4, M5, M6, M7"

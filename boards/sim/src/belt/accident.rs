@@ -4,7 +4,7 @@
 //! its motion for a time. The force opposes motion up to a limit in newtons; a tool that has stopped is held, and not
 //! thrown back. A brake rubs on a rotor from some motion time on, for good or for a time.
 
-use corehbot::motors::Motor;
+use corehbot::motors::{Motor, prototype};
 use corehbot::units::TICKS_PER_MS;
 
 /// The tool is at a place when it is so near, in mm.
@@ -118,7 +118,7 @@ impl std::str::FromStr for Brake {
             [motor, force, from, ms] => (motor, force, from, Some(ms)),
             _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS")),
         };
-        let belt = [Motor::M1, Motor::M4, Motor::M8, Motor::M11];
+        let belt = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
         let found = belt.into_iter().find(|known| known.name() == motor.trim());
         let from_s = number(from, "time in s", [0.0, LATEST_S])?;
         Ok(Self {
@@ -202,9 +202,9 @@ mod tests {
     #[test]
     fn accidents_are_read_or_named() {
         assert_eq!("100,85.5,200,30".parse(), Ok(Hit { at_mm: [100.0, 85.5], force_n: 200.0, ms: 30.0 }));
-        assert_eq!("m11,40".parse(), Ok(Brake { motor: Motor::M11, force_n: 40.0, from_s: 0.0, ms: None }));
-        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: Motor::M1, force_n: 40.0, from_s: 2.5, ms: None }));
-        let brief = Brake { motor: Motor::M8, force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
+        assert_eq!("m11,40".parse(), Ok(Brake { motor: prototype::M11, force_n: 40.0, from_s: 0.0, ms: None }));
+        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: prototype::M1, force_n: 40.0, from_s: 2.5, ms: None }));
+        let brief = Brake { motor: prototype::M8, force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
         assert_eq!("m8,40,2.5,30".parse(), Ok(brief));
         let hit = |text: &str| text.parse::<Hit>().unwrap_err().to_string();
         assert_eq!(hit("1,2,3"), "expected X,Y,N,MS");

@@ -126,6 +126,7 @@ fn machine(mut rows: Vec<[i8; 2]>) -> Option<Machine> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::prototype;
     use corehbot_machine_file as machine_file;
     use std::path::Path;
 
@@ -138,11 +139,12 @@ mod tests {
     fn machines_that_the_twin_knows_are_found_by_their_motors() {
         let of = |file| layout(file).unwrap();
         let corehbot = of("prototype.toml");
-        let each = [Motor::M1, Motor::M4, Motor::M8, Motor::M11].map(|motor| MotorDrive { motor, sense: 1 });
+        let each =
+            [prototype::M1, prototype::M4, prototype::M8, prototype::M11].map(|motor| MotorDrive { motor, sense: 1 });
         assert_eq!(corehbot, Layout { machine: Machine::CoreHBot, drives: each.to_vec() });
         let motors = |layout: Layout| layout.drives.iter().map(|d| (d.motor, d.sense)).collect::<Vec<_>>();
         assert_eq!(of("corexy.toml").machine, Machine::CoreXy);
-        assert_eq!(motors(of("corexy.toml")), [(Motor::M11, 1), (Motor::M8, 1)]);
+        assert_eq!(motors(of("corexy.toml")), [(prototype::M11, 1), (prototype::M8, 1)]);
         let awd = of("awd-corexy.toml");
         assert_eq!(awd.machine, Machine::AwdCoreXy);
         // Motors 1 and 8 of the twin pull one belt, which the file gives to motors 4 and 11.

@@ -39,7 +39,7 @@ mod timeline;
 use crate::drivers::Drivers;
 use crate::tmc2209::Tmc2209;
 use accident::{AccidentState, Accidents};
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{EndstopSet, Motor, MotorSet, prototype};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
@@ -202,7 +202,7 @@ impl BeltPlant {
         self.attend(now, chips.powered());
         self.timeline.event(now, tick);
         self.rig.step(steps, forward);
-        self.has_begun |= steps.has(Motor::E0) || self.met.iter().all(Option::is_some);
+        self.has_begun |= steps.has(prototype::E0) || self.met.iter().all(Option::is_some);
         if self.layout.drives.iter().all(|drive| !steps.has(drive.motor)) {
             return;
         }

@@ -1,6 +1,7 @@
 //! Tests of trace.
 
 use super::*;
+use corehbot::motors::prototype;
 
 fn header() -> Header {
     (&Settings::prototype()).into()
@@ -64,6 +65,6 @@ fn a_full_disk_is_reported_at_the_end() {
         }
     }
     let mut writer = TraceWriter::new(Some(Full), header());
-    writer.event(1, MotorSet::E, MotorSet::E);
+    writer.event(1, prototype::E, prototype::E);
     assert_eq!(writer.finish().unwrap_err().kind(), io::ErrorKind::StorageFull);
 }

@@ -1,7 +1,7 @@
 //! Alignment: motors that strain the belt are turned until they do not, or the host is told that it failed.
 
 use crate::printer::{Printed, of_each, plant_of, print_as, print_on, seeds};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{Alignment, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::belt::BeltPlant;
@@ -120,14 +120,14 @@ fn motors_that_turn_for_y_alone_are_measured_along_y() {
     let printed = print_as(&settings, &mut None, Some(START), &["M915", "M400"]);
     assert!(has(&printed, "not aligned: the loads that the drivers measure do not change"), "{:?}", printed.heard);
     let number = |motors: MotorSet| printed.events.iter().filter(|(_, steps, _)| *steps == motors.0).count();
-    let both = MotorSet::of(Motor::M8).with(MotorSet::of(Motor::M11));
+    let both = MotorSet::of(prototype::M8).with(MotorSet::of(prototype::M11));
     // Three strains, a stroke of 60 mm there and back for each. Motor 1 is homed twice, from X60.
-    assert!(number(both) > 3 * 2 * 60 * 80 && number(MotorSet::of(Motor::M1)) < 2 * 80 * 80, "{}", number(both));
+    assert!(number(both) > 3 * 2 * 60 * 80 && number(MotorSet::of(prototype::M1)) < 2 * 80 * 80, "{}", number(both));
 }
 
 #[test]
 fn a_driver_that_falls_silent_ends_it_as_it_ends_a_print() {
-    let drivers = corehbot_sim::drivers::Drivers::with_lines(MotorSet::ALL.without(MotorSet::of(Motor::M4)));
+    let drivers = corehbot_sim::drivers::Drivers::with_lines(MotorSet::ALL.without(MotorSet::of(prototype::M4)));
     let mut desk = corehbot_sim::world::Desk::new(1);
     let mut host = crate::printer::Lines::new(["M915", "M400"]);
     let start = Some(START.map(Mm::from_num));

@@ -1,7 +1,7 @@
 //! M915 that is ended by M410, and on a machine of two belts.
 
 use crate::printer::{Events, Lines, Printed, plant_of, print_as};
-use corehbot::motors::Motor;
+use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
@@ -60,7 +60,7 @@ fn stopped<const N: usize>(settings: &Settings, lines: [&str; N], at: u64) -> (P
 
 /// Checks the configuration in the drivers, not the settings.
 fn assert_in_spread_cycle(drivers: &Drivers) {
-    for motor in [Motor::M1, Motor::M4, Motor::M8, Motor::M11] {
+    for motor in [prototype::M1, prototype::M4, prototype::M8, prototype::M11] {
         let gconf = drivers.chip(motor).register(gconf::ADDRESS);
         assert!(gconf & gconf::EN_SPREADCYCLE != 0, "{motor:?} {gconf:#x}");
     }

@@ -2,7 +2,7 @@
 
 use crate::printer::Lines;
 use corehbot::connectors::Heater;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -150,8 +150,8 @@ impl Sink for &Seen {
         if self.motion.get().is_none() {
             self.motion.set(Some(self.now.get()));
         }
-        if steps.has(Motor::Z1) {
-            self.z_steps.set(self.z_steps.get() + if forward.has(Motor::Z1) { 1 } else { -1 });
+        if steps.has(prototype::Z1) {
+            self.z_steps.set(self.z_steps.get() + if forward.has(prototype::Z1) { 1 } else { -1 });
         }
     }
 
@@ -240,7 +240,7 @@ fn assert_parked(story: &Story, motor: Motor, words: &str, near: f64, relaxing_m
     );
 }
 
-const BELT: [Motor; 4] = [Motor::M1, Motor::M4, Motor::M8, Motor::M11];
+const BELT: [Motor; 4] = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
 
 #[test]
 fn a_motor_that_fails_in_mid_print_is_off_within_100_ms_and_the_others_park_the_tool() {
@@ -285,10 +285,10 @@ fn the_heaters_are_off_from_the_first_moment_on() {
         &settings,
         Some(START),
         &[&heat[..], &perimeters()].concat(),
-        &[(700.0, Event::Harm(Motor::M8, NO_SUPPLY))],
+        &[(700.0, Event::Harm(prototype::M8, NO_SUPPLY))],
     );
-    assert_parked(&story, Motor::M8, "does not answer", 1.0, 0.0);
-    let (noticed, last) = (story.events[0] + story.off_after(0, Motor::M8), story.last_duty);
+    assert_parked(&story, prototype::M8, "does not answer", 1.0, 0.0);
+    let (noticed, last) = (story.events[0] + story.off_after(0, prototype::M8), story.last_duty);
     // A control period is 20 ms.
     assert!(last > story.events[0] - 100.0 && last <= noticed + 20.0, "{last} {noticed}");
 }
@@ -315,18 +315,19 @@ fn a_dip_of_the_whole_supply_cuts_everything_at_once() {
 
 #[test]
 fn a_second_fault_ends_the_limp_by_cutting_everything() {
-    for (second, harm) in [(Motor::M11, NO_SUPPLY), (Motor::M4, SHORT)] {
+    for (second, harm) in [(prototype::M11, NO_SUPPLY), (prototype::M4, SHORT)] {
         for wait in [20.0, 150.0, 700.0, 3000.0] {
-            let first = Event::Harm(Motor::M1, NO_SUPPLY);
+            let first = Event::Harm(prototype::M1, NO_SUPPLY);
             // The limp begins within 100 ms of the first.
             let story = story(&[(500.0, first), (100.0 + wait, Event::Harm(second, harm))]);
-            assert!(story.off_after(0, Motor::M1) <= 100.0);
+            assert!(story.off_after(0, prototype::M1) <= 100.0);
             assert_cut(&story, 1, 100.0, "a second driver");
             // The first one is the reason.
             assert!(story.has("(driver of motor 1 "), "{:?}", story.heard);
         }
     }
-    let story = story(&[(500.0, Event::Harm(Motor::M1, NO_SUPPLY)), (900.0, Event::Harm(Motor::Z2, NO_SUPPLY))]);
+    let story =
+        story(&[(500.0, Event::Harm(prototype::M1, NO_SUPPLY)), (900.0, Event::Harm(prototype::Z2, NO_SUPPLY))]);
     assert_cut(&story, 1, 207.0, "a Z driver");
 }
 
@@ -334,7 +335,7 @@ fn a_second_fault_ends_the_limp_by_cutting_everything() {
 fn m112_and_m410_end_the_limp_by_cutting_everything() {
     for line in ["M112", "M410"] {
         for wait in [400.0, 3000.0] {
-            let story = story(&[(500.0, Event::Harm(Motor::M8, NO_SUPPLY)), (wait, Event::Say(line))]);
+            let story = story(&[(500.0, Event::Harm(prototype::M8, NO_SUPPLY)), (wait, Event::Say(line))]);
             assert_cut(&story, 1, 2.0, line);
         }
     }
@@ -346,7 +347,7 @@ fn whoever_does_not_know_where_the_tool_is_or_moves_it_otherwise_cuts_everything
         let first = first.iter().map(|line| (*line).to_owned());
         first.chain(["G4 P1".to_owned()]).chain(perimeters()).collect()
     };
-    let harm = |at| [(at, Event::Harm(Motor::M4, NO_SUPPLY))];
+    let harm = |at| [(at, Event::Harm(prototype::M4, NO_SUPPLY))];
     let prototype = Settings::prototype();
     for (what, start, first, at) in [
         ("in homing", None, &["G28"][..], 2000.0),
@@ -358,7 +359,7 @@ fn whoever_does_not_know_where_the_tool_is_or_moves_it_otherwise_cuts_everything
         assert_cut(&story, 0, 100.0, what);
     }
     // A Z screw and the extruder work without an opposing motor.
-    for motor in [Motor::Z1, Motor::E0] {
+    for motor in [prototype::Z1, prototype::E0] {
         assert_cut(&story(&[(500.0, Event::Harm(motor, NO_SUPPLY))]), 0, 207.0, motor.name());
     }
 }
@@ -367,7 +368,7 @@ fn whoever_does_not_know_where_the_tool_is_or_moves_it_otherwise_cuts_everything
 fn without_a_lift_everything_is_cut_at_once() {
     let mut settings = Settings::prototype();
     settings.belt.limp_lift = Mm::ZERO;
-    for (motor, harm) in [(Motor::M1, NO_SUPPLY), (Motor::M11, RESET)] {
+    for (motor, harm) in [(prototype::M1, NO_SUPPLY), (prototype::M11, RESET)] {
         let story = story_of(&settings, Some(START), &perimeters(), &[(500.0, Event::Harm(motor, harm))]);
         assert_cut(&story, 0, 100.0, "no lift");
         assert_eq!(story.raised_mm, 0.0);
@@ -379,7 +380,7 @@ fn without_a_lift_everything_is_cut_at_once() {
 fn z_is_not_raised_beyond_its_top() {
     let mut settings = Settings::prototype();
     settings.axes.z.length = Mm::from_num(14);
-    let story = story_of(&settings, Some(START), &perimeters(), &[(500.0, Event::Harm(Motor::M1, NO_SUPPLY))]);
+    let story = story_of(&settings, Some(START), &perimeters(), &[(500.0, Event::Harm(prototype::M1, NO_SUPPLY))]);
     assert!(story.has("tool parked, z raised by 4 mm") && (story.raised_mm - 4.0).abs() < 0.01, "{:?}", story.heard);
 }
 

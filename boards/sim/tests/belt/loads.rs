@@ -1,11 +1,11 @@
 //! Loads: the drivers' measurements of their motors.
 
 use crate::printer::{plant, print_on};
-use corehbot::motors::Motor;
+use corehbot::motors::{Motor, prototype};
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::tmc2209::SG_RESULT;
 
-const MOTORS: [Motor; 4] = [Motor::M1, Motor::M4, Motor::M8, Motor::M11];
+const MOTORS: [Motor; 4] = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
 
 fn measured(lines: &[&str], brakes: &[&str], on_belt: bool) -> [u32; 4] {
     let start = Some([150.0, 208.8, 10.0]);

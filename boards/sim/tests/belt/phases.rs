@@ -2,7 +2,7 @@
 //! power.
 
 use crate::printer::{Printed, of_each, plant_of, print_as, seeds};
-use corehbot::motors::Motor;
+use corehbot::motors::prototype;
 use corehbot::settings::{Belt, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::belt::accident::Accidents;
@@ -107,8 +107,8 @@ fn motors_that_lost_power_are_aligned_when_they_get_it_again() {
 #[test]
 fn a_motor_that_is_plugged_the_other_way_round_counts_the_other_way_round() {
     let mut reversed = Settings::prototype();
-    for motor in [Motor::M4, Motor::M11] {
-        reversed.wiring.motors[motor as usize].is_reversed = true;
+    for motor in [prototype::M4, prototype::M11] {
+        reversed.wiring.motors[motor.index()].is_reversed = true;
     }
     let plant_of = |settings: &Settings| {
         let setup = BeltSetup { seed: Some(11), ..BeltSetup::default() };

@@ -1,7 +1,7 @@
 //! Failures: drivers that are reset, hot or unreadable, and when the machine stops for it.
 
 use super::script::{LONG_MOVE, act, each, lines, play, play_with, say};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::units::TICKS_PER_MS;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::tmc2209;
@@ -16,7 +16,7 @@ fn a_driver_that_loses_its_registers_in_mid_move_stops_the_machine() {
         assert!(told.has("Error:Printer halted. kill() called! (driver of motor"), "{:?}", told.heard);
         assert!(told.has("was reset and lost its configuration"), "{:?}", told.heard);
         assert_eq!(drivers.enabled(), MotorSet::NONE);
-        let ms = if MotorSet::BELT.has(motor) { 100 } else { 200 };
+        let ms = if prototype::BELT.has(motor) { 100 } else { 200 };
         assert!(told.steps.aftermath_ms() <= ms, "{motor:?}: {} ms", told.steps.aftermath_ms());
     }
 }
@@ -43,7 +43,7 @@ fn every_failure_in_mid_move_is_named() {
     ];
     for (harm, words) in cases {
         let drivers = Drivers::new();
-        let strike = move |d: &Drivers| harm(&mut d.chip(Motor::M11));
+        let strike = move |d: &Drivers| harm(&mut d.chip(prototype::M11));
         let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
         assert!(told.outcome.halted && told.has("kill() called! (driver of motor 11") && told.has(words), "{words}");
         assert_eq!(drivers.enabled(), MotorSet::NONE);
@@ -69,7 +69,7 @@ fn a_driver_that_is_asked_twice_each_time_leaves_others_their_turn() {
 #[test]
 fn a_hot_driver_is_reported_once_and_works_on() {
     let drivers = Drivers::new();
-    let strike = |d: &Drivers| d.chip(Motor::E0).set(tmc2209::DRV_STATUS, 1);
+    let strike = |d: &Drivers| d.chip(prototype::E0).set(tmc2209::DRV_STATUS, 1);
     let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
     assert!(!told.outcome.halted);
     assert_eq!(told.heard.iter().filter(|line| line.contains("driver of motor E is hot")).count(), 1);
@@ -82,7 +82,7 @@ fn one_damaged_reply_never_matters() {
     for damage in damages {
         for number in 0..25 {
             let drivers = Drivers::new();
-            drivers.chip(Motor::M4).corrupt_reply(number, damage);
+            drivers.chip(prototype::M4).corrupt_reply(number, damage);
             let told = play(&drivers, lines(&["G1 X30 F3000", "M400", "G4 S3"]), None);
             assert_eq!(told.heard.iter().filter(|l| *l != "ok" && !l.contains("busy")).count(), 0, "{:?}", told.heard);
             assert_eq!(drivers.enabled(), MotorSet::ALL, "{damage:?} of reply {number}");
@@ -93,10 +93,10 @@ fn one_damaged_reply_never_matters() {
 #[test]
 fn a_driver_that_was_reset_while_it_had_no_power_is_configured_again() {
     let drivers = Drivers::new();
-    let acts = vec![say("G1 X5 F6000"), say("M84"), act(|d| d.chip(Motor::M4).reset()), say("G1 X9"), say("M400")];
+    let acts = vec![say("G1 X5 F6000"), say("M84"), act(|d| d.chip(prototype::M4).reset()), say("G1 X9"), say("M400")];
     let told = play(&drivers, acts, None);
     assert!(told.errors().is_empty() && !told.outcome.halted, "{:?}", told.heard);
-    assert_eq!(drivers.chip(Motor::M4).microsteps(), 16);
+    assert_eq!(drivers.chip(prototype::M4).microsteps(), 16);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn an_emergency_stop_is_heard_while_drivers_are_talked_to() {
 #[test]
 fn a_reset_is_not_hidden_by_a_change_that_is_under_way() {
     let drivers = Drivers::new();
-    let strike = |d: &Drivers| d.chip(Motor::M8).reset();
+    let strike = |d: &Drivers| d.chip(prototype::M8).reset();
     let acts = lines(&["M17", LONG_MOVE[0], "M906 X900", "M400"]);
     let told = play(&drivers, acts, Some((1, Box::new(strike))));
     assert!(told.outcome.halted && told.has("driver of motor 8 was reset"), "{:?}", told.heard);

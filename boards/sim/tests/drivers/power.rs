@@ -1,7 +1,7 @@
 //! Power: no motor gets it before its driver has shown its configuration.
 
 use super::script::{Steps, act, each, lines, play, say, script};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -26,7 +26,7 @@ fn a_healthy_machine_is_configured_before_its_first_step() {
         assert_eq!(chip.register(tmc2209::GSTAT), 0);
     }
     let hold = |motor| drivers.chip(motor).register(tmc2209::IHOLD_IRUN) & 0x1F;
-    assert_eq!((hold(Motor::M1), hold(Motor::Z1)), (12, 25));
+    assert_eq!((hold(prototype::M1), hold(prototype::Z1)), (12, 25));
 }
 
 #[test]
@@ -75,15 +75,15 @@ fn without_motor_supply_nothing_moves_and_nothing_is_lost() {
 fn one_bad_driver_keeps_the_power_from_all_but_only_where_it_is_needed() {
     let drivers = Drivers::new();
     let acts = vec![
-        act(|d| d.chip(Motor::M8).power_off()),
+        act(|d| d.chip(prototype::M8).power_off()),
         say("M17"),
         say("M17 Z"),
-        act(|d| assert_eq!(d.enabled(), MotorSet::Z)),
+        act(|d| assert_eq!(d.enabled(), prototype::Z)),
         say("M17 X"),
-        act(|d| assert_eq!(d.enabled(), MotorSet::Z)),
-        act(|d| d.chip(Motor::M8).power_on()),
+        act(|d| assert_eq!(d.enabled(), prototype::Z)),
+        act(|d| d.chip(prototype::M8).power_on()),
         say("M17 X"),
-        act(|d| assert_eq!(d.enabled(), MotorSet::Z.with(MotorSet::BELT))),
+        act(|d| assert_eq!(d.enabled(), prototype::Z.with(prototype::BELT))),
     ];
     let told = play(&drivers, acts, None);
     let errors = told.errors();
@@ -104,7 +104,7 @@ fn every_kind_of_bad_driver_is_named() {
     ];
     for (harm, words) in cases {
         let drivers = Drivers::new();
-        let told = play(&drivers, vec![act(|d| harm(&mut d.chip(Motor::Z2))), say("G1 Z5")], None);
+        let told = play(&drivers, vec![act(|d| harm(&mut d.chip(prototype::Z2))), say("G1 Z5")], None);
         assert_eq!(told.errors().len(), 1, "{:?}", told.heard);
         assert!(told.has("Error:driver of motor Z2") && told.has(words), "{words}: {:?}", told.heard);
         assert_eq!((told.steps.count, drivers.enabled()), (0, MotorSet::NONE));
@@ -153,9 +153,9 @@ fn drivers_without_a_wire_run_as_before() {
     assert_eq!(told.heard.iter().filter(|line| line.ends_with("no UART, set by its jumpers")).count(), 7);
     assert!(!told.has("M906 X"));
     assert_eq!(told.outcome.counts[3], 400);
-    assert_eq!(drivers.chip(Motor::M1).replies(), 0);
+    assert_eq!(drivers.chip(prototype::M1).replies(), 0);
     // Some drivers have a wire, some do not.
-    let drivers = Drivers::with_lines(MotorSet::BELT);
+    let drivers = Drivers::with_lines(prototype::BELT);
     let told = play(&drivers, lines(&["G1 X5 F6000", "M400", "M122"]), None);
     assert_eq!(drivers.enabled(), MotorSet::ALL);
     assert!(told.has("Driver 1: configured") && told.has("Driver Z1: no UART"));
@@ -197,14 +197,14 @@ fn motors_of_one_belt_get_power_one_after_another_and_lose_it_together() {
     run_on(&Settings::prototype(), None, NoStorage, &drivers, &mut [&mut watch], &mut Steps::default()).unwrap();
     let on = |motors: u8| MotorSet(motors);
     let sets: Vec<_> = watch.seen.iter().map(|(_, on)| *on).collect();
-    let one_by_one = [on(0b1), on(0b11), on(0b111), MotorSet::BELT];
-    let all = [on(0b1), on(0b11), on(0b111), MotorSet::BELT].map(|belt| belt.with(MotorSet::Z).with(MotorSet::E));
+    let one_by_one = [on(0b1), on(0b11), on(0b111), prototype::BELT];
+    let all = [on(0b1), on(0b11), on(0b111), prototype::BELT].map(|belt| belt.with(prototype::Z).with(prototype::E));
     let wanted: Vec<_> = [MotorSet::NONE]
         .into_iter()
         .chain(one_by_one)
         .chain([MotorSet::NONE])
         .chain(all)
-        .chain([MotorSet::ALL.without(MotorSet::E)])
+        .chain([MotorSet::ALL.without(prototype::E)])
         .collect();
     assert_eq!(sets, wanted);
     for belt in [&watch.seen[1..5], &watch.seen[6..10]] {

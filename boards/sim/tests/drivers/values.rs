@@ -1,7 +1,7 @@
 //! Values that M569, M906, M913 and M914 change, report and store.
 
 use super::script::{LONG_MOVE, Script, Steps, act, lines, play, say};
-use corehbot::motors::Motor;
+use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot_sim::drivers::Drivers;
@@ -20,7 +20,7 @@ fn microsteps_are_those_of_the_settings() {
         Script { drivers: &drivers, acts, is_awaiting: false, heard: Vec::new(), interjection: None, interjected: 0 };
     run_on(&settings, None, NoStorage, &drivers, &mut [&mut host], &mut Steps::default()).unwrap();
     let microsteps = |motor| drivers.chip(motor).microsteps();
-    assert_eq!((microsteps(Motor::M11), microsteps(Motor::Z1)), (64, 16));
+    assert_eq!((microsteps(prototype::M11), microsteps(prototype::Z1)), (64, 16));
 }
 
 #[test]
@@ -29,13 +29,13 @@ fn changes_reach_drivers_under_way_and_change_no_step() {
     let drivers = Drivers::new();
     let told = play(&drivers, lines(&[LONG_MOVE[0], "M906 X1200 Z400", "M914 Y50", "M400"]), None);
     assert_eq!((told.outcome.ticks, told.outcome.counts), (quiet.ticks, quiet.counts));
-    for motor in [Motor::M1, Motor::M4, Motor::M8, Motor::M11] {
+    for motor in [prototype::M1, prototype::M4, prototype::M8, prototype::M11] {
         assert!((drivers.chip(motor).run_current_ma() - 1200.0).abs() < 28.0);
         assert_eq!(drivers.chip(motor).register(tmc2209::SGTHRS), 50);
         assert_eq!(drivers.chip(motor).register(tmc2209::TCOOLTHRS), 0xF_FFFF);
     }
-    assert!((drivers.chip(Motor::Z2).run_current_ma() - 400.0).abs() < 16.0);
-    assert!((drivers.chip(Motor::E0).run_current_ma() - 800.0).abs() < 16.0);
+    assert!((drivers.chip(prototype::Z2).run_current_ma() - 400.0).abs() < 16.0);
+    assert!((drivers.chip(prototype::E0).run_current_ma() - 800.0).abs() < 16.0);
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn stealth_is_a_bit_of_gconf() {
     let drivers = Drivers::new();
     let is_spread = |motor| drivers.chip(motor).register(gconf::ADDRESS) & gconf::EN_SPREADCYCLE != 0;
     let told = play(&drivers, lines(&["M17", "M569 S1 X", "M913 X100", "M569", "M913", "M122"]), None);
-    assert_eq!((is_spread(Motor::M1), is_spread(Motor::M11), is_spread(Motor::Z1)), (false, false, true));
+    assert_eq!((is_spread(prototype::M1), is_spread(prototype::M11), is_spread(prototype::Z1)), (false, false, true));
     let modes: Vec<_> = told.heard.iter().filter(|line| line.contains("driver mode")).collect();
     let [stealth, spread] = ["stealthChop", "spreadCycle"];
     let expected = [("X", stealth), ("Y", stealth), ("Z", spread), ("E", spread)];
@@ -57,9 +57,9 @@ fn stealth_is_a_bit_of_gconf() {
 fn the_report_tells_of_each_driver() {
     let drivers = Drivers::new();
     let break_some = |d: &Drivers| {
-        d.chip(Motor::M8).is_silent = true;
-        d.chip(Motor::E0).set(tmc2209::DRV_STATUS, 1 << 8 | 1 << 6);
-        d.chip(Motor::E0).set(tmc2209::SG_RESULT, 123);
+        d.chip(prototype::M8).is_silent = true;
+        d.chip(prototype::E0).set(tmc2209::DRV_STATUS, 1 << 8 | 1 << 6);
+        d.chip(prototype::E0).set(tmc2209::SG_RESULT, 123);
     };
     let told = play(&drivers, vec![act(break_some), say("M122"), say("M17 Z"), say("M17 E"), say("M122")], None);
     let report: Vec<_> = told.heard.iter().map(String::as_str).collect();
@@ -112,7 +112,7 @@ fn values_are_stored_and_come_back() {
         let mut host = Script { drivers: &drivers, acts, is_awaiting: false, heard, interjection, interjected: 0 };
         let mut steps = Steps::default();
         run_on(&Settings::prototype(), None, &mut eeprom, &drivers, &mut [&mut host], &mut steps).unwrap();
-        let current = drivers.chip(Motor::M8).run_current_ma();
+        let current = drivers.chip(prototype::M8).run_current_ma();
         (host.heard, current)
     };
     talk(&["M906 X950 Z333", "M569 S1 E", "M913 E40.5", "M914 Z12", "M500"]);

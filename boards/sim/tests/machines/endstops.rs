@@ -1,7 +1,7 @@
 //! Endstops at either end and anywhere near it: after homing, the tool really is where the machine says.
 
 use super::print::{machines, print};
-use corehbot::motors::MotorSet;
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::check::Findings;
@@ -91,9 +91,9 @@ impl Sink for First {
 #[test]
 fn axes_are_homed_in_the_order_of_the_settings() {
     for (order, gcode, first) in [
-        ([HomedAxis::X, HomedAxis::Y, HomedAxis::Z], "G28\n", MotorSet::BELT),
-        ([HomedAxis::Z, HomedAxis::X, HomedAxis::Y], "G28\n", MotorSet::Z),
-        ([HomedAxis::Z, HomedAxis::X, HomedAxis::Y], "G28 Y X\n", MotorSet::BELT),
+        ([HomedAxis::X, HomedAxis::Y, HomedAxis::Z], "G28\n", prototype::BELT),
+        ([HomedAxis::Z, HomedAxis::X, HomedAxis::Y], "G28\n", prototype::Z),
+        ([HomedAxis::Z, HomedAxis::X, HomedAxis::Y], "G28 Y X\n", prototype::BELT),
     ] {
         let settings = Settings { homing_order: order, ..Settings::prototype() };
         let mut steps = First::default();

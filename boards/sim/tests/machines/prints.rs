@@ -28,8 +28,8 @@ fn every_machine_prints_a_file_and_ends_where_it_says() {
         let from = s.mechanism.inverse(steps_of(&s, [sx, sy, sz, 0.0]));
         let to = s.mechanism.inverse(steps_of(&s, [0.0, 200.0, 7.0, 0.0]));
         for (motor, row) in s.mechanism.motors().filter(|(_, row)| row[3] == 0) {
-            let way = to[motor as usize] - from[motor as usize];
-            assert_eq!(print.counts[motor as usize], way, "{name}: {} {row:?}", motor.name());
+            let way = to[motor.index()] - from[motor.index()];
+            assert_eq!(print.counts[motor.index()], way, "{name}: {} {row:?}", motor.name());
         }
     }
 }
@@ -101,7 +101,7 @@ fn motors_that_are_not_fitted_are_left_alone() {
         for motor in Motor::ALL {
             let (is_fitted, chip) = (fitted.has(motor), drivers.chip(motor));
             assert_eq!(chip.replies() > 0, is_fitted, "{name}: {}", motor.name());
-            assert!(is_fitted || steps.counts[motor as usize] == 0, "{name}: {}", motor.name());
+            assert!(is_fitted || steps.counts[motor.index()] == 0, "{name}: {}", motor.name());
         }
     }
 }

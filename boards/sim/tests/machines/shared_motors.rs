@@ -2,7 +2,7 @@
 
 use super::answers::answers;
 use super::print::{machines, print};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::{Cartesian, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::check::Findings;
@@ -40,7 +40,7 @@ fn after_homing_an_axis_moves_alone() {
             // Motors of different pulleys step as often as these say, and so hardly ever together.
             if s.mechanism.has_multiples() {
                 let steps = |motor: Motor| last.iter().filter(|steps| steps.has(motor)).count();
-                let (long, short) = (steps(Motor::M11), steps(Motor::M8));
+                let (long, short) = (steps(prototype::M11), steps(prototype::M8));
                 assert!((4 * short).abs_diff(5 * long) <= 9, "{letter}: {short} and {long}");
                 continue;
             }

@@ -11,7 +11,7 @@ use crate::stop::Stop;
 use crate::twin::source::{columns, step_mm};
 use crate::watched::Watched;
 use anyhow::{Context as _, Result, bail, ensure};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::trace::Header;
@@ -235,10 +235,10 @@ impl Sink for Counted<'_> {
 
 /// Where motors and tool are.
 struct Cursor {
-    back: corehbot::kinematics::ForwardKinematics<{ Motor::ALL.len() }>,
+    back: corehbot::kinematics::ForwardKinematics<{ MOTORS }>,
     /// mm a step of x, y, z and e.
     step: [f64; 4],
-    counts: [i64; Motor::ALL.len()],
+    counts: [i64; MOTORS],
     tick: u64,
 }
 
@@ -247,7 +247,7 @@ impl Cursor {
         let resolution = Header::from(settings).steps_per_mm;
         let back = settings.mechanism.forward_kinematics().unwrap_or(corehbot::kinematics::ForwardKinematics::NONE);
         let step = resolution.map(|steps| 1.0 / steps.to_num::<f64>());
-        Self { back, step, counts: [0; Motor::ALL.len()], tick: 0 }
+        Self { back, step, counts: [0; MOTORS], tick: 0 }
     }
 
     fn step(&mut self, event: &corehbot_twin::steps::Event) {

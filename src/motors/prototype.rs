@@ -1,0 +1,27 @@
+//! Motors of the prototype, the machine of the CoreH-bot paper. Only the default machine and tests name them.
+//!
+//! Belt motors carry the number of their pulley in figure 5 of the paper.
+
+use super::{Motor, MotorSet};
+
+/// Pulley 1, lower left.
+pub const M1: Motor = Motor(0);
+/// Pulley 4, lower right.
+pub const M4: Motor = Motor(1);
+/// Pulley 8, upper right.
+pub const M8: Motor = Motor(2);
+/// Pulley 11, upper left.
+pub const M11: Motor = Motor(3);
+/// Left ball screw.
+pub const Z1: Motor = Motor(4);
+/// Right ball screw.
+pub const Z2: Motor = Motor(5);
+/// Extruder.
+pub const E0: Motor = Motor(6);
+
+/// The four belt motors.
+pub const BELT: MotorSet = MotorSet(0x0F);
+/// Both ball screws.
+pub const Z: MotorSet = MotorSet(0x30);
+/// The extruder.
+pub const E: MotorSet = MotorSet(0x40);
