@@ -115,7 +115,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let Self { main_loop, states } = self;
         let (mut text, mut kept_text) = (Text::new(), Text::new());
         loop {
-            if main_loop.has_passed_test() {
+            if main_loop.heat.has_passed_test() && !main_loop.has_motion() {
                 note_self_test(main_loop).await?;
             }
             if main_loop.job.take_cancel() {

@@ -13,7 +13,7 @@ use crate::machine::state::clamps::Clamps;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::waiting::Waiting;
-use crate::port::Pend;
+use crate::port::{Pend, Storage};
 use crate::settings::Range;
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
@@ -170,20 +170,21 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     }
     let Some(number) = target else { return Ok(false) };
     let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
-    let Some(target) = clamps.near_of([code, "S"], number, range, Some(main_loop.target_of(heater))) else {
+    let Some(target) = clamps.near_of([code, "S"], number, range, Some(main_loop.heat.target(heater))) else {
         return Ok(false);
     };
     if target > Celsius::ZERO {
-        main_loop.test_before_heating();
+        let image = main_loop.storage().image();
+        main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
     } else if heater == Heater::Hotend && main_loop.job.is_printing() {
         // Nothing is printed without a hotend: files that do not switch the motors off end in this way.
         main_loop.job.end();
     }
     let least = if heater == Heater::Hotend { main_loop.settings.thermal.min_extrude } else { Celsius::ZERO };
     main_loop.job.note_target(heater, target, least);
-    main_loop.heat(heater, target);
-    main_loop.note_heaters_used();
-    main_loop.send_orders();
+    main_loop.heat.set_target(heater, target);
+    main_loop.heat.note_used(main_loop.now());
+    main_loop.heat.send(&main_loop.settings.thermal);
     Ok(true)
 }
 
@@ -216,7 +217,7 @@ pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
     if !main_loop.settings.thermal.has_heater() {
         return Ok(missing(main_loop, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
     }
-    let are_on = Heater::ALL.map(|heater| main_loop.target_of(heater) > Celsius::ZERO);
+    let are_on = Heater::ALL.map(|heater| main_loop.heat.target(heater) > Celsius::ZERO);
     await_heat(main_loop, are_on, true).await?;
     Ok(Answer::Nothing)
 }
@@ -228,8 +229,8 @@ async fn await_heat<P: PortSet, W: Pend>(
     cools: bool,
 ) -> Result<(), Interrupt> {
     let begun = main_loop.now();
-    let measured = main_loop.measured();
-    let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
+    let measured = main_loop.heat.measured();
+    let targets = Heater::ALL.map(|heater| main_loop.heat.target(heater));
     let mut awaited = heaters;
     for ((awaited, measured), target) in awaited.iter_mut().zip(measured).zip(targets) {
         *awaited &= cools || measured < target;
@@ -244,7 +245,7 @@ async fn await_heat<P: PortSet, W: Pend>(
     let (mut next_line, mut moves) = (begun, true);
     main_loop.come_again();
     while !main_loop.pauses.is_over() {
-        let (now, measured) = (main_loop.now(), main_loop.measured());
+        let (now, measured) = (main_loop.now(), main_loop.heat.measured());
         for heater in Heater::ALL.into_iter().filter(|heater| awaited[*heater as usize]) {
             if measured[heater as usize] > Celsius::MIN {
                 read[heater as usize] = now;
@@ -288,18 +289,18 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let Some(targets) = main_loop.job.targets() else { return Ok(()) };
-    let (measured, mut awaited, mut is_new) = (main_loop.measured(), [false; HEATERS], false);
+    let (measured, mut awaited, mut is_new) = (main_loop.heat.measured(), [false; HEATERS], false);
     for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(_, target)| *target > Celsius::ZERO) {
-        if main_loop.target_of(heater) != target {
-            main_loop.heat(heater, target);
+        if main_loop.heat.target(heater) != target {
+            main_loop.heat.set_target(heater, target);
             is_new = true;
         }
         awaited[heater as usize] = measured[heater as usize] < target.saturating_sub(NEAR);
     }
     if is_new {
         main_loop.reply(Answer::Line("echo:Heating again")).await?;
-        main_loop.note_heaters_used();
-        main_loop.send_orders();
+        main_loop.heat.note_used(main_loop.now());
+        main_loop.heat.send(&main_loop.settings.thermal);
     }
     await_heat(main_loop, awaited, false).await?;
     main_loop.job.forget_targets();
@@ -323,7 +324,7 @@ pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
 
 /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
 pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
-    main_loop.switch_off_heat();
+    main_loop.heat.switch_off(&main_loop.settings.thermal);
     if main_loop.job.is_printing() {
         main_loop.job.end();
     }

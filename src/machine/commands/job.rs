@@ -22,7 +22,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.pauses.end_command();
-    main_loop.switch_off_heat();
+    main_loop.heat.switch_off(&main_loop.settings.thermal);
     let is_wanted = why == JobEnd::Cancelled;
     if !is_wanted || main_loop.job.is_under_way() {
         main_loop.job.end_early();

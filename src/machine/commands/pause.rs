@@ -165,13 +165,13 @@ fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, 
     let program = Program {
         modal: *modal,
         commanded: main_loop.commanded,
-        fans: main_loop.commanded_fans(),
+        fans: main_loop.heat.commanded_fans(),
         dynamics: Dynamics::of(&main_loop.settings),
     };
-    let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
+    let targets = Heater::ALL.map(|heater| main_loop.heat.target(heater));
     let (host, homed) = (main_loop.hosts.serving(), main_loop.homed.axes());
     main_loop.job.pause(host, Break { program, homed, load }, targets);
-    main_loop.note_heaters_used();
+    main_loop.heat.note_used(main_loop.now());
 }
 
 /// The same, and the tool leaves the part if it printed, or if `parks` or a word of the line says so.
@@ -373,7 +373,7 @@ async fn blow_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     program: &Program,
 ) -> Result<(), Interrupt> {
-    for ((fan, before), now) in (0..).zip(program.fans).zip(main_loop.commanded_fans()) {
+    for ((fan, before), now) in (0..).zip(program.fans).zip(main_loop.heat.commanded_fans()) {
         if now == 0 && before > 0 {
             main_loop.set_fan(fan, before).await?;
         }

@@ -1,5 +1,5 @@
 //! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an
-//! update begins in `main_loop::heat_door` (`test_before_heating`).
+//! update begins in `main_loop::heat` (`test_before_heating`).
 //!
 //! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 
@@ -9,7 +9,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
-use crate::port::Pend;
+use crate::port::{Pend, Storage};
 
 /// SELF_TEST.
 pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
@@ -19,7 +19,8 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
         return Ok(Answer::Line("echo:no heaters configured, ignored"));
     }
     main_loop.finish().await?;
-    main_loop.begin_asked_test();
+    let image = main_loop.storage().image();
+    main_loop.heat.begin_asked_test(&main_loop.settings.thermal, image);
     main_loop.pauses.begin(Waiting::SelfTest);
     await_self_test(main_loop).await?;
     main_loop.pauses.end();
@@ -31,7 +32,7 @@ pub(in crate::machine) async fn await_self_test<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let mut next_line = main_loop.now();
-    while main_loop.is_testing() && !main_loop.pauses.is_over() {
+    while main_loop.heat.is_testing() && !main_loop.pauses.is_over() {
         if main_loop.now() >= next_line {
             next_line = next_line.after_ms(LINE_MS);
             main_loop.reply(Answer::Heating(None)).await?;

@@ -10,7 +10,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::waiting::Waiting;
-use crate::port::Pend;
+use crate::port::{Pend, Storage};
 use crate::settings::{HeaterSettings, Pid, Range, ranges};
 use crate::status::{Tuned, Tuning, TuningFailure};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
@@ -57,14 +57,15 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     main_loop.reply(Answer::Line("PID Autotune start")).await?;
     main_loop.pauses.begin(Waiting::Tuning);
-    main_loop.test_before_heating();
+    let image = main_loop.storage().image();
+    main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
     await_self_test(main_loop).await?;
-    main_loop.order_tuning(heater, target, cycles as u8);
+    main_loop.heat.tune(heater, target, cycles as u8);
     let found = await_tuning(main_loop, heater).await;
     main_loop.pauses.end();
     // Done, failed or ended by M108, M410: in any case it is over.
-    main_loop.heat(heater, Celsius::ZERO);
-    main_loop.send_orders();
+    main_loop.heat.set_target(heater, Celsius::ZERO);
+    main_loop.heat.send(&main_loop.settings.thermal);
     let tuned = match found? {
         Ok(tuned) => tuned,
         Err(failure) => return Ok(Answer::Line(way_out(failure))),
@@ -102,7 +103,7 @@ async fn await_tuning<P: PortSet, W: Pend>(
 ) -> Result<Result<Tuned, Option<TuningFailure>>, Interrupt> {
     // The first state reported is still the state of an earlier tuning.
     let status = main_loop.status();
-    while !main_loop.are_orders_gone() {
+    while !main_loop.heat.are_orders_gone() {
         main_loop.poll().await?;
     }
     let begun = status.heat().periods();

@@ -67,9 +67,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.stop_and_cut();
         self.link.status().set_awaiting_input(true);
         self.hosts.count_as_new();
-        self.heat_orders.switch_off();
-        self.heat_orders.note_motors(false);
-        self.fan_schedule.clear();
+        self.heat.drop_all();
+        self.heat.note_motors(false);
         let reason = match (self.drivers.fault(), self.link.status().fault().fault()) {
             (Some(fault), _) => Reason::Driver(fault),
             (None, Some(fault)) => Reason::Fault(fault),
@@ -141,7 +140,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     async fn poll_halted(&mut self, are_new: &mut [bool; LINES]) {
         self.hosts.send();
         self.link.status().heat().beat_of_console();
-        self.send_orders();
+        self.heat.send(&self.settings.thermal);
         yield_once(false).await;
         self.is_to_restart |= self.hosts.receive().restart;
         self.hosts.note_opened(are_new);

@@ -1,12 +1,18 @@
-//! Heat, a part of every turn: queued orders, faults, filament, the self-test, and heaters that are not in use. The
-//! orders of commands are in [`heat_door`](super::heat_door).
+//! Heaters and fans as commands order them: the orders on their way, the fans that wait for their moves, the
+//! self-tests, and when heaters were last used.
+//!
+//! The heater control runs in another context and has the guards. This owner alone sends it orders. [`heat_turn`] is
+//! its part of every turn.
+//!
+//! [`heat_turn`]: super::heat_turn
 
-use crate::connectors::Heater;
-use crate::machine::interrupt::Interrupt;
-use crate::machine::main_loop::MainLoop;
-use crate::machine::ports::PortSet;
-use crate::port::Pend;
-use crate::status::SelfTest;
+use crate::connectors::{FANS, HEATERS, Heater};
+use crate::machine::state::fan_schedule::FanSchedule;
+use crate::machine::state::heat_orders::HeatOrders;
+use crate::machine::state::self_tests::SelfTests;
+use crate::settings::ThermalSettings;
+use crate::status::{Heat, SelfTest};
+use crate::thermal::{Orders, test_subject};
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
 /// Interval of the heat work, in ms: a quarter of a control period.
@@ -15,120 +21,230 @@ const TURN_MS: u32 = 5;
 /// Interval of the look-ahead's filament report: a fraction of any heater's lag.
 const AHEAD_MS: u32 = 50;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// The part of every turn that handles heat. A fault ends the motion here and now.
-    pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
-        let faults = self.link.status().fault();
-        if faults.is_set() && !self.limping.allows(faults.more()) {
-            return Err(Interrupt::Halt);
-        }
-        if now < self.heat_due {
-            return Ok(());
-        }
-        self.heat_due = now.after_ms(TURN_MS);
-        self.follow_fans();
-        self.heat_orders.note_motors(!self.drivers.powered().is_empty());
-        self.watch_heaters(now);
-        self.watch_idleness(now);
-        self.send_orders();
-        self.follow_self_test();
-        if self.settings.thermal.heater(Heater::Hotend).is_fitted {
-            self.report_filament(now);
-        }
-        Ok(())
-    }
+/// The orders for heaters and fans, and their readings.
+pub(in crate::machine) struct Heaters<'m> {
+    status: &'m Heat,
+    /// The queue to the heater control, and the orders still to be queued.
+    queue: Orders<'m>,
+    orders: HeatOrders,
+    fans: FanSchedule,
+    self_tests: SelfTests,
+    /// When heaters were last used.
+    used: Instant,
+    /// When the heat work, and the filament report to the heater control, are due next.
+    due: Instant,
+    ahead_due: Instant,
+}
 
-    /// Hands on the orders for which there is room.
-    pub fn send_orders(&mut self) {
-        let (heat, thermal) = (self.link.status().heat(), &self.settings.thermal);
-        let (period, fitted) = (heat.periods(), |heater: &Heater| thermal.heater(*heater).is_fitted);
-        let are_read = || Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
-        while self.orders.ready()
-            && let Some(order) = self.heat_orders.next(thermal, period, are_read)
-        {
-            let _ = self.orders.enqueue(order);
+impl<'m> Heaters<'m> {
+    pub(super) const fn new(status: &'m Heat, queue: Orders<'m>, thermal: &ThermalSettings, now: Instant) -> Self {
+        Self {
+            status,
+            queue,
+            orders: HeatOrders::new(thermal),
+            fans: FanSchedule::new(),
+            self_tests: SelfTests::new(),
+            used: now,
+            due: now,
+            ahead_due: now,
         }
     }
 
-    /// Fan speeds that are due among the moves.
-    fn follow_fans(&mut self) {
-        if self.fan_schedule.is_empty() {
-            return;
-        }
-        let (planned, _) = self.planner.planned();
-        self.fan_schedule.note_left(planned.wrapping_sub(self.planner.len() as u32), self.link.entries());
-        while let Some((fan, speed)) = self.fan_schedule.take(self.link.entries_done()) {
-            self.heat_orders.set_fan(fan, speed);
-        }
+    /// The temperature of each heater; the lowest possible value without a reading.
+    pub fn measured(&self) -> [Celsius; HEATERS] {
+        Heater::ALL.map(|heater| self.status.measured(heater).unwrap_or(Celsius::MIN))
     }
 
     /// The target of a heater; 0 is off.
-    pub fn target_of(&self, heater: Heater) -> Celsius {
-        self.heat_orders.target(heater, self.link.status().heat())
+    pub fn target(&self, heater: Heater) -> Celsius {
+        self.orders.target(heater, self.status)
     }
 
-    /// Switches heaters off that were not used for long enough, in every state of the Console. In a print they are
-    /// heated again before it continues.
-    fn watch_heaters(&mut self, now: Instant) {
-        if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
-            self.heaters_used = now;
+    /// Sets the target of a heater; 0 is off. It is sent with the next orders.
+    pub fn set_target(&mut self, heater: Heater, target: Celsius) {
+        self.orders.heat(heater, target);
+    }
+
+    /// The heaters are in use.
+    pub const fn note_used(&mut self, now: Instant) {
+        self.used = now;
+    }
+
+    /// Heaters and fans go off, and no fan waits for its turn.
+    pub fn switch_off(&mut self, thermal: &ThermalSettings) {
+        self.drop_all();
+        self.send(thermal);
+    }
+
+    /// Finds out how a heater behaves.
+    pub const fn tune(&mut self, heater: Heater, target: Celsius, cycles: u8) {
+        self.orders.tune(heater, target, cycles);
+    }
+
+    /// Hands on the orders for which there is room.
+    pub fn send(&mut self, thermal: &ThermalSettings) {
+        let heat = self.status;
+        let (period, fitted) = (heat.periods(), |heater: &Heater| thermal.heater(*heater).is_fitted);
+        let are_read = || Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
+        while self.queue.ready()
+            && let Some(order) = self.orders.next(thermal, period, are_read)
+        {
+            let _ = self.queue.enqueue(order);
         }
-        let (idle_min, paused_min) = (self.settings.thermal.idle_min, self.settings.pause.heat_off_min);
-        let minutes = u32::from(if self.job.is_paused() { idle_min.min(paused_min) } else { idle_min }).max(1);
-        if now < self.heaters_used.after_ms(minutes * 60_000) {
-            return;
+    }
+
+    /// Whether all orders except fan speeds have left.
+    pub const fn are_orders_gone(&self) -> bool {
+        self.orders.is_empty()
+    }
+
+    /// The speed of each fan that was commanded last, of 65,535.
+    pub const fn commanded_fans(&self) -> [u16; FANS] {
+        self.fans.commanded()
+    }
+
+    /// Heaters are about to be switched on: those that were not tested since the last update, with this `image`, are
+    /// tested first. Their targets wait in the thermal context.
+    pub fn test_before_heating(&mut self, thermal: &ThermalSettings, image: Option<u32>) {
+        let Some(image) = image else { return };
+        let subject = test_subject(thermal, image);
+        if self.self_tests.is_needed(subject) {
+            self.begin_test(subject, false, thermal);
         }
-        self.heaters_used = now;
-        let targets = Heater::ALL.map(|heater| self.target_of(heater));
+    }
+
+    /// The user has asked for a self-test.
+    pub fn begin_asked_test(&mut self, thermal: &ThermalSettings, image: Option<u32>) {
+        if !self.self_tests.is_under_way() {
+            self.begin_test(test_subject(thermal, image.unwrap_or_default()), true, thermal);
+        }
+    }
+
+    fn begin_test(&mut self, subject: u32, is_asked: bool, thermal: &ThermalSettings) {
+        self.self_tests.begin(subject, is_asked);
+        self.orders.test();
+        self.send(thermal);
+    }
+
+    /// Whether a self-test is under way.
+    pub const fn is_testing(&self) -> bool {
+        self.self_tests.is_under_way()
+    }
+
+    /// The subject of the self-test passed before the start, if there is one.
+    pub const fn know_passed_test(&mut self, passed: Option<u32>) {
+        self.self_tests.know(passed);
+    }
+
+    /// Whether a passed self-test is not stored yet.
+    pub const fn has_passed_test(&self) -> bool {
+        self.self_tests.has_news()
+    }
+
+    /// The subject of a passed test.
+    pub fn take_passed_test(&mut self) -> Option<u32> {
+        self.self_tests.take_news()
+    }
+
+    /// Settings of heaters or fans may have changed.
+    pub(super) const fn note_settings(&mut self) {
+        self.orders.note_settings();
+    }
+
+    /// Motors have power, or none has.
+    pub(super) const fn note_motors(&mut self, are_on: bool) {
+        self.orders.note_motors(are_on);
+    }
+
+    /// Heaters and fans are to go off, and no fan waits for its turn.
+    pub(super) fn drop_all(&mut self) {
+        self.orders.switch_off();
+        self.fans.clear();
+    }
+
+    /// Whether the heat work is due.
+    pub(super) fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = now >= self.due;
+        if is_due {
+            self.due = now.after_ms(TURN_MS);
+        }
+        is_due
+    }
+
+    /// Takes a fan's speed, of 65,535. Where nothing moves and no fan waits, it counts at once; else the caller has it
+    /// wait for its move, and this is false.
+    pub(super) fn set_fan(&mut self, fan: u8, speed: u16, has_motion: bool) -> bool {
+        self.fans.note_commanded(fan, speed);
+        let is_now = !has_motion && self.fans.is_empty();
+        if is_now {
+            self.orders.set_fan(fan, speed);
+        }
+        is_now
+    }
+
+    /// Whether another fan may wait for its move.
+    pub(super) fn has_room_for_fan(&self) -> bool {
+        self.fans.has_room()
+    }
+
+    /// A fan takes its speed when so many planned moves are done.
+    pub(super) fn set_fan_after(&mut self, moves: u32, fan: u8, speed: u16) {
+        self.fans.add(moves, fan, speed);
+    }
+
+    /// Whether a fan waits for its move.
+    pub(super) fn has_fans_waiting(&self) -> bool {
+        !self.fans.is_empty()
+    }
+
+    /// Fans take their speeds when so many planned moves have left the look-ahead, in `entries` of the queue, of which
+    /// `done` are made.
+    pub(super) fn follow_fans(&mut self, moves: u32, entries: u32, done: u32) {
+        self.fans.note_left(moves, entries);
+        while let Some((fan, speed)) = self.fans.take(done) {
+            self.orders.set_fan(fan, speed);
+        }
+    }
+
+    /// Switches heaters off that were not used for so many minutes, and returns their targets if one was on.
+    pub(super) fn switch_off_unused(&mut self, now: Instant, minutes: u32) -> Option<[Celsius; HEATERS]> {
+        if now < self.used.after_ms(minutes * 60_000) {
+            return None;
+        }
+        self.used = now;
+        let targets = Heater::ALL.map(|heater| self.target(heater));
         if targets.iter().all(|target| *target <= Celsius::ZERO) {
-            return;
-        }
-        if self.job.is_under_way() {
-            self.job.remember_targets(targets);
+            return None;
         }
         for heater in Heater::ALL {
-            self.heat_orders.heat(heater, Celsius::ZERO);
+            self.orders.heat(heater, Celsius::ZERO);
         }
-        self.hosts.notify_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
+        Some(targets)
     }
 
-    /// Reports the heat that the filament takes from the hotend.
-    fn report_filament(&mut self, now: Instant) {
-        let [.., at] = self.real_steps();
-        let heat = self.link.status().heat();
-        heat.set_extruded_um(self.planner.filament_um(at) as u32);
+    /// Reports the filament that has left the hotend. Returns the ticks within which the filament to come counts, if
+    /// its report is due.
+    pub(super) fn note_extruded(&mut self, um: u32, thermal: &ThermalSettings, now: Instant) -> Option<u64> {
+        self.status.set_extruded_um(um);
         if now < self.ahead_due {
-            return;
+            return None;
         }
         self.ahead_due = now.after_ms(AHEAD_MS);
-        let thermal = &self.settings.thermal;
         let lag = u64::from(thermal.heater(Heater::Hotend).model.heater_lag.to_bits());
-        let ticks = (lag * u64::from(TICKS_PER_SECOND)) >> 24;
-        let ahead = self.planner.filament_within(ticks, at, self.link.left());
+        Some((lag * u64::from(TICKS_PER_SECOND)) >> 24)
+    }
+
+    /// Reports the heat that the filament to come takes from the hotend.
+    pub(super) fn note_ahead(&self, um: [i64; 2], thermal: &ThermalSettings) {
         let heat_of = |um: i64| {
             let bits = i128::from(um.max(0)) * i128::from(thermal.filament.to_bits()) / 1000;
             u32::try_from(bits).unwrap_or(u32::MAX)
         };
-        self.link.status().heat().set_filament_ahead(ahead.map(heat_of));
+        self.status.set_filament_ahead(um.map(heat_of));
     }
 
-    /// Reports how a self-test ended. A failed test is a fault, which has its own report.
-    fn follow_self_test(&mut self) {
-        let heat = self.link.status().heat();
-        let state = heat.self_test();
-        let Some(end) = self.self_tests.follow(!self.heat_orders.is_test_waiting(), heat.periods(), state) else {
-            return;
-        };
-        self.hosts.notify_all(match end {
-            SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
-            SelfTest::PutOff => {
-                format_args!(
-                    "echo:Heaters are not tested since the update: one is at 50 C, was just on, cools or has no reading. \
-                     Heating goes on, watched by all guards; the self-test comes before the first heating from the \
-                     cold, or with SELF_TEST"
-                )
-            }
-            SelfTest::None | SelfTest::Testing => format_args!("echo:Self-test ended"),
-        });
+    /// How a self-test ended, once.
+    pub(super) fn follow_self_test(&mut self) -> Option<SelfTest> {
+        self.self_tests.follow(!self.orders.is_test_waiting(), self.status.periods(), self.status.self_test())
     }
 }

@@ -23,8 +23,7 @@
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
 //! | [`power`] | power for the motors, and exchanges with their drivers |
-//! | [`heat`] | queued orders for heaters and fans, and checks while they are on |
-//! | [`heat_door`] | heater and fan orders of commands |
+//! | [`heat`], [`heat_turn`] | orders for heaters and fans; their part of a turn |
 //! | [`scrub`] | whether settings in RAM are unchanged |
 //! | [`limp`] | a motor of a belt has failed, and the others park the tool |
 //! | [`halted`] | after a stop: replies to hosts until M999 |
@@ -38,7 +37,7 @@ mod door;
 mod halted;
 mod hear;
 mod heat;
-mod heat_door;
+mod heat_turn;
 mod limp;
 mod phase;
 mod power;
@@ -50,6 +49,7 @@ mod stream;
 mod take_over;
 pub(in crate::machine) mod trim;
 
+use self::heat::Heaters;
 use self::settings::SettingsInUse;
 use crate::driver::Drivers;
 use crate::kinematics::Groupings;
@@ -61,14 +61,11 @@ use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::advance_in_use::AdvanceInUse;
 use crate::machine::state::circulation::Circulation;
 use crate::machine::state::commanded::Commanded;
-use crate::machine::state::fan_schedule::FanSchedule;
-use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::machine::state::job::Job;
 use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::{Homed, RealPosition};
-use crate::machine::state::self_tests::SelfTests;
 use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
@@ -93,6 +90,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     /// The progress of the present answer.
     progress: Progress,
     pub settings: SettingsInUse,
+    pub heat: Heaters<'m>,
     pub commanded: Commanded,
     pub homed: Homed,
     real: RealPosition<'m>,
@@ -109,16 +107,6 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     advance_in_use: AdvanceInUse,
     /// M999 came after M112.
     is_to_restart: bool,
-    /// The queue to the heaters and fans, and the orders still to be queued.
-    orders: Orders<'m>,
-    heat_orders: HeatOrders,
-    fan_schedule: FanSchedule,
-    self_tests: SelfTests,
-    /// When heaters were last used.
-    heaters_used: Instant,
-    /// When the heat work, and the filament report to the heater control, are due next.
-    heat_due: Instant,
-    ahead_due: Instant,
 }
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Ports<S, D, K, T>, W> {
@@ -136,6 +124,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
         let [x, y, z] = start.unwrap_or_default();
         let Ports { serial, drivers: bus, clock, storage } = ports;
         let now = clock.now();
+        let heat = Heaters::new(link.status().heat(), orders, &settings.thermal, now);
         let drivers = Drivers::new(bus.lines(), &settings);
         Self {
             ports: Devices { drivers: bus, clock, storage },
@@ -147,6 +136,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             turn_began: now,
             progress: Progress::default(),
             settings: SettingsInUse::new(settings, now),
+            heat,
             commanded: Commanded::new([x, y, z]),
             homed: Homed::new([start.is_some(); 3]),
             real: RealPosition::new(groupings),
@@ -159,13 +149,6 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             job: Job::new(),
             advance_in_use: AdvanceInUse::new(),
             is_to_restart: false,
-            orders,
-            heat_orders: HeatOrders::new(&settings.thermal),
-            fan_schedule: FanSchedule::new(),
-            self_tests: SelfTests::new(),
-            heaters_used: now,
-            heat_due: now,
-            ahead_due: now,
         }
     }
 }

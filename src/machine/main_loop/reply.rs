@@ -82,7 +82,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// The temperatures of the heaters.
     fn temperatures(&self) -> Temperatures {
-        Temperatures::new(&self.settings.thermal, self.link.status().heat(), |heater| self.target_of(heater))
+        Temperatures::new(&self.settings.thermal, self.link.status().heat(), |heater| self.heat.target(heater))
     }
 
     fn reply_answer(&mut self, answer: &Answer<'_>) {
@@ -91,7 +91,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
         }
         let temperatures = self.temperatures();
-        let targets = Heater::ALL.map(|heater| self.target_of(heater));
+        let targets = Heater::ALL.map(|heater| self.heat.target(heater));
         let Self { hosts, progress, settings, planner, link, ports, homed, drivers, trimming, .. } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);

@@ -182,7 +182,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// The settings of heaters and fans, to change them.
     pub fn heat_settings(&mut self) -> &mut ThermalSettings {
         self.close_line();
-        self.heat_orders.note_settings();
+        self.heat.note_settings();
         &mut self.settings.now.thermal
     }
 }

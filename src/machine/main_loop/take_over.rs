@@ -63,7 +63,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
         self.settings.replace(&wanted);
         self.drivers.want(&wanted);
-        self.heat_orders.note_settings();
+        self.heat.note_settings();
         if is_same {
             return self.follow().await;
         }

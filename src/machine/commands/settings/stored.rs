@@ -96,7 +96,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     let passed = storage::passed_test(&mut paced).await;
     paced.into_result()?;
     // A note that cannot be read costs a test, and no more.
-    main_loop.know_passed_test(passed.unwrap_or_default());
+    main_loop.heat.know_passed_test(passed.unwrap_or_default());
     Ok(Answer::Storage(StorageNews::loaded(&survey)))
 }
 
@@ -104,7 +104,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    let Some(tested) = main_loop.take_passed_test() else { return Ok(()) };
+    let Some(tested) = main_loop.heat.take_passed_test() else { return Ok(()) };
     let mut paced = Paced::new(main_loop);
     let _ = storage::note_passed_test(&mut paced, tested).await;
     paced.into_result()

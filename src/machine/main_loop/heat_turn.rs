@@ -1,0 +1,90 @@
+//! Heat, a part of every turn: queued orders, faults, filament, the self-test, and heaters that are not in use.
+
+use crate::connectors::Heater;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::status::SelfTest;
+use crate::units::Instant;
+
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+    /// The part of every turn that handles heat. A fault ends the motion here and now.
+    pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
+        let faults = self.link.status().fault();
+        if faults.is_set() && !self.limping.allows(faults.more()) {
+            return Err(Interrupt::Halt);
+        }
+        if !self.heat.is_due(now) {
+            return Ok(());
+        }
+        if self.heat.has_fans_waiting() {
+            let (planned, _) = self.planner.planned();
+            let left = planned.wrapping_sub(self.planner.len() as u32);
+            self.heat.follow_fans(left, self.link.entries(), self.link.entries_done());
+        }
+        self.heat.note_motors(!self.drivers.powered().is_empty());
+        self.watch_heaters(now);
+        self.watch_idleness(now);
+        self.heat.send(&self.settings.thermal);
+        self.follow_self_test();
+        if self.settings.thermal.heater(Heater::Hotend).is_fitted {
+            self.report_filament(now);
+        }
+        Ok(())
+    }
+
+    /// Switches heaters off that were not used for long enough, in every state of the Console. In a print they are
+    /// heated again before it continues.
+    fn watch_heaters(&mut self, now: Instant) {
+        if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
+            self.heat.note_used(now);
+        }
+        let (idle_min, paused_min) = (self.settings.thermal.idle_min, self.settings.pause.heat_off_min);
+        let minutes = u32::from(if self.job.is_paused() { idle_min.min(paused_min) } else { idle_min }).max(1);
+        let Some(targets) = self.heat.switch_off_unused(now, minutes) else { return };
+        if self.job.is_under_way() {
+            self.job.remember_targets(targets);
+        }
+        self.hosts.notify_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
+    }
+
+    /// Reports the heat that the filament takes from the hotend.
+    fn report_filament(&mut self, now: Instant) {
+        let [.., at] = self.real_steps();
+        let thermal = &self.settings.thermal;
+        if let Some(ticks) = self.heat.note_extruded(self.planner.filament_um(at) as u32, thermal, now) {
+            self.heat.note_ahead(self.planner.filament_within(ticks, at, self.link.left()), thermal);
+        }
+    }
+
+    /// Reports how a self-test ended. A failed test is a fault, which has its own report.
+    fn follow_self_test(&mut self) {
+        let Some(end) = self.heat.follow_self_test() else { return };
+        self.hosts.notify_all(match end {
+            SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
+            SelfTest::PutOff => {
+                format_args!(
+                    "echo:Heaters are not tested since the update, for one is at 50 C or has no reading. Heating goes on, \
+                     watched by all guards; the self-test comes before the first heating from the cold, or with SELF_TEST"
+                )
+            }
+            SelfTest::None | SelfTest::Testing => format_args!("echo:Self-test ended"),
+        });
+    }
+
+    /// Sets a fan to `speed`, of 65,535, when the planned moves are done. If too many fans wait already, it waits as a
+    /// move does that finds the look-ahead full: only as long as that changes no speed of a move.
+    pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
+        self.close_line();
+        if self.heat.set_fan(fan, speed, self.has_motion()) {
+            return Ok(());
+        }
+        while !self.heat.has_room_for_fan() && !self.planner.lacks_moves() {
+            self.policy.note_full();
+            self.poll().await?;
+        }
+        self.heat.set_fan_after(self.planner.planned().0, fan, speed);
+        Ok(())
+    }
+}
