@@ -92,7 +92,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             for host in 0..main_loop.hosts.len() {
                 main_loop.hosts.switch_to(host);
                 main_loop.reply(Answer::Start).await?;
-                if let Some(why) = main_loop.refusal() {
+                if let Some(why) = main_loop.power.refusal() {
                     main_loop.reply(Answer::NoMachine(why)).await?;
                 }
                 main_loop.reply(found).await?;

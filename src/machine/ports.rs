@@ -32,10 +32,3 @@ impl<S: Serial, D: DriverBus, K: Clock, T: Storage> PortSet for Ports<S, D, K, T
     type Clock = K;
     type Storage = T;
 }
-
-/// The ports of `P` without the lines to the hosts.
-pub(super) struct Devices<P: PortSet> {
-    pub drivers: P::Drivers,
-    pub clock: P::Clock,
-    pub storage: P::Storage,
-}

@@ -192,7 +192,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     motors: MotorSet,
 ) -> Result<(), BeltError> {
-    if !motors.without(main_loop.uarts()).is_empty() {
+    if !motors.without(main_loop.power.uarts()).is_empty() {
         return Err(AlignError::NoUart.into());
     }
     main_loop.finish().await?;
@@ -373,7 +373,7 @@ pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(main_loop: &MainL
     }
     let motors = main_loop.settings.residuals().motors();
     // Motors without UART cannot be aligned, so they need not be.
-    !motors.is_empty() && motors.without(main_loop.uarts()).is_empty()
+    !motors.is_empty() && motors.without(main_loop.power.uarts()).is_empty()
 }
 
 /// A skip of one turn is always within the search range, with any strain of power-up.

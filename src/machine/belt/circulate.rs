@@ -35,7 +35,7 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
     speed: MmPerSec,
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    main_loop.power(main_loop.groups().mechanism().belt_motors()).await?;
+    main_loop.power_up(main_loop.groups().mechanism().belt_motors()).await?;
     // The motors' position, which may differ from the end of the last move (`motion::stepgen::alignment`).
     let ([x, y, ..], [.., z, e]) = (main_loop.real_steps(), main_loop.planned_end());
     let [.., z_mm, _] = main_loop.planned_end_mm();

@@ -18,7 +18,7 @@ pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
     }
     main_loop.reply(Answer::Belt(BeltAnswer::State)).await?;
     // Drivers are read only at rest: in motion their positions would change between the replies.
-    if main_loop.trimming.is_aligned() && !main_loop.has_motion() && main_loop.has_power(residuals.motors()) {
+    if main_loop.trimming.is_aligned() && !main_loop.has_motion() && main_loop.power.is_on(residuals.motors()) {
         for (number, residual) in residuals.iter().enumerate() {
             if let Some(strain) = main_loop.strain(number, residual).await? {
                 main_loop.reply(Answer::Belt(BeltAnswer::Fields(strain))).await?;

@@ -49,7 +49,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
         return Ok(Answer::Belt(BeltAnswer::NoResidual));
     }
     let [x, y, _] = main_loop.homed.axes();
-    if !(main_loop.trimming.is_aligned() && x && y && main_loop.has_power(residuals.motors())) {
+    if !(main_loop.trimming.is_aligned() && x && y && main_loop.power.is_on(residuals.motors())) {
         return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
     }
     let lift = lift(main_loop).await?;
@@ -75,7 +75,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
         if is_anywhere_aside(main_loop, again) {
             main_loop.reply(Answer::Belt(BeltAnswer::Touched(again))).await?;
             answer = BeltAnswer::Diagnosis(Diagnosis::Several);
-        } else if main_loop.has_power(residuals.motors()) {
+        } else if main_loop.power.is_on(residuals.motors()) {
             main_loop.homed.believe(&homed);
             main_loop.trimming = trimming;
         }

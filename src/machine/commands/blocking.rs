@@ -125,7 +125,7 @@ pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
                 .await?;
             return Err(Interrupt::Halt);
         }
-        Blocking::EnableMotors(flags) => main_loop.power(motors_of(main_loop.groups(), flags)).await?,
+        Blocking::EnableMotors(flags) => main_loop.power_up(motors_of(main_loop.groups(), flags)).await?,
         Blocking::DisableMotors(flags) => {
             main_loop.finish().await?;
             main_loop.unpower(motors_of(main_loop.groups(), flags));

@@ -23,7 +23,7 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     modal: &Modal,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
-    if main_loop.uarts().is_empty() {
+    if main_loop.power.uarts().is_empty() {
         return Answer::Line("echo:drivers are set by their jumpers");
     }
     if *words == AxisWords::default() {
@@ -88,7 +88,7 @@ pub(in crate::machine) async fn change_mode<P: PortSet, W: Pend>(
     axes: AxisFlags,
 ) -> Result<Answer<'static>, Interrupt> {
     let mut words = AxisWords::default();
-    if let Some(stealth) = stealth.filter(|_| !main_loop.uarts().is_empty()) {
+    if let Some(stealth) = stealth.filter(|_| !main_loop.power.uarts().is_empty()) {
         main_loop.finish().await?;
         words = mode_words(stealth, axes);
     }

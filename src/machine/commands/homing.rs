@@ -83,7 +83,7 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
 /// Power first: without it, nothing is homed and the axes stay homed.
 async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    main_loop.power(main_loop.groups().fitted()).await
+    main_loop.power_up(main_loop.groups().fitted()).await
 }
 
 async fn home_axes<P: PortSet, W: Pend>(

@@ -134,7 +134,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::Keepalive(seconds) => set_keepalive(seconds, &mut main_loop.live_settings(), clamps),
         Command::IdleTimeout { seconds } => {
-            main_loop.set_idle_timeout(seconds);
+            main_loop.power.set_idle_timeout(seconds, main_loop.now());
             Answer::Nothing
         }
         // Modes for later lines.

@@ -24,7 +24,7 @@ pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Pend>(
     order: MachineRecord<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(Answer::Machine(match order {
-        MachineRecord::Get => match main_loop.refusal() {
+        MachineRecord::Get => match main_loop.power.refusal() {
             Some(why) => MachineAnswer::Refused(MachineRefusal::NoMachine(why)),
             None => report_pieces(main_loop, pieces).await?,
         },
@@ -66,7 +66,7 @@ fn machine_that_came<P: PortSet, W: Pend>(
     pieces: &MachinePieces,
 ) -> Result<Settings, MachineRefusal> {
     let machine = machine_in(pieces.record()).map_err(MachineRefusal::Record)?;
-    machine.check_connectors(main_loop.connectors()).map_err(MachineRefusal::Connectors)?;
+    machine.check_connectors(main_loop.power.connectors()).map_err(MachineRefusal::Connectors)?;
     Ok(machine)
 }
 
@@ -80,7 +80,7 @@ async fn store_machine<P: PortSet, W: Pend>(
         Ok(receipt) => receipt,
         Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
     };
-    let counts = machine.is_built_as(&main_loop.settings) && main_loop.refusal().is_none();
+    let counts = machine.is_built_as(&main_loop.settings) && main_loop.power.refusal().is_none();
     pieces.is_stored = !counts;
     if counts {
         main_loop.use_settings(*machine).await?;

@@ -25,7 +25,7 @@ pub(super) async fn diagnose<P: PortSet, W: Pend>(
 ) -> Result<Answer<'static>, Interrupt> {
     let fitted = main_loop.groups().fitted();
     for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
-        let has_uart = main_loop.uarts().has(motor);
+        let has_uart = main_loop.power.uarts().has(motor);
         let reading = if has_uart { Some(main_loop.ask_driver(Job::Read, motor).await?) } else { None };
         main_loop.reply(Answer::Driver(motor, reading)).await?;
     }

@@ -43,7 +43,7 @@ async fn look_again<P: PortSet, W: Pend>(
         main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
         return Err(AlignError::Changed.into());
     }
-    if main_loop.has_power(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
+    if main_loop.power.is_on(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
 }
 
 /// Meets the switches of x and y, and backs off. Returns their distance in steps from the expected positions.

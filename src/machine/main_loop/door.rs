@@ -1,19 +1,18 @@
 //! The door: the parts of the main loop that a command may read and change at once.
 
 use super::MainLoop;
-use crate::connectors::BoardConnectors;
 use crate::gcode::Form;
 use crate::kinematics::Groups;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::message::Message;
-use crate::port::{Clock, DriverBus, Pend};
+use crate::port::{Clock, Pend};
 use crate::status::Status;
 use crate::units::{Instant, Mm, Steps};
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// The time.
     pub fn now(&self) -> Instant {
-        self.ports.clock.now()
+        self.clock.now()
     }
 
     /// The status that the contexts share.
@@ -23,22 +22,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// Memory for settings.
     pub const fn storage(&self) -> &P::Storage {
-        &self.ports.storage
+        &self.storage
     }
 
     /// The same, to read and write.
     pub const fn storage_mut(&mut self) -> &mut P::Storage {
-        &mut self.ports.storage
-    }
-
-    /// Why this board has no machine, if it has none.
-    pub fn refusal(&self) -> Option<&'static str> {
-        self.ports.drivers.refusal()
-    }
-
-    /// The board's connectors.
-    pub fn connectors(&self) -> &'static BoardConnectors {
-        self.ports.drivers.connectors()
+        &mut self.storage
     }
 
     /// Says a message to all hosts but the one being served; one that has no room for it misses it.
@@ -50,11 +39,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// if there is no such line.
     pub fn message_other(&mut self, place: usize, form: Form, text: &[u8]) -> bool {
         self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
-    }
-
-    /// M84 S.
-    pub fn set_idle_timeout(&mut self, seconds: u32) {
-        self.idle_timeout.set(seconds, self.ports.clock.now());
     }
 
     /// Whether no motion was requested since the start.

@@ -16,7 +16,7 @@ use crate::machine::interrupt::Restart;
 use crate::machine::main_loop::{MainLoop, yield_once};
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
-use crate::port::{Clock, LINES, Pend};
+use crate::port::{LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
 
 /// The greeting of a host. Not "start", which would be a reset (OctoPrint, comm.py).
@@ -69,7 +69,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.hosts.count_as_new();
         self.heat.drop_all();
         self.heat.note_motors(false);
-        let reason = match (self.drivers.fault(), self.link.status().fault().fault()) {
+        let reason = match (self.power.fault(), self.link.status().fault().fault()) {
             (Some(fault), _) => Reason::Driver(fault),
             (None, Some(fault)) => Reason::Fault(fault),
             (None, None) => Reason::Host,
@@ -88,7 +88,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let mut text = Text::new();
         while !self.is_to_restart {
             self.poll_halted(&mut are_new).await;
-            let now = self.ports.clock.now();
+            let now = self.now();
             while !self.is_to_restart
                 && let Some(asked) = self.hosts.next_line(now, (0, &|| Activity::Paused), &mut text)
             {

@@ -8,14 +8,14 @@ use crate::machine::ports::PortSet;
 use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::job::{Answered, Job, Kept};
 use crate::machine::state::waiting::Waiting;
-use crate::port::{Clock, DriverBus, MotorSet, Pend};
+use crate::port::Pend;
 use crate::protocol::Activity;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// No motor has power, and hosts are listened to from now on.
     pub fn begin(&mut self) {
-        self.ports.drivers.enable(MotorSet::NONE);
-        self.turn_began = self.ports.clock.now();
+        self.power.begin();
+        self.turn_began = self.now();
         self.hosts.open(self.turn_began);
     }
 

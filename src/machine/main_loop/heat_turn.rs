@@ -23,7 +23,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             let left = planned.wrapping_sub(self.planner.len() as u32);
             self.heat.follow_fans(left, self.link.entries(), self.link.entries_done());
         }
-        self.heat.note_motors(!self.drivers.powered().is_empty());
+        self.heat.note_motors(!self.power.powered().is_empty());
         self.watch_heaters(now);
         self.watch_idleness(now);
         self.heat.send(&self.settings.thermal);

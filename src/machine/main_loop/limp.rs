@@ -22,7 +22,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
+use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 
@@ -52,11 +52,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.link.status().fault().set(cause);
             return;
         }
-        self.drivers.go_on_without(motor, &mut self.ports.drivers);
+        self.power.go_on_without(motor);
         self.link.brake();
         let faults = self.link.status().fault();
         faults.set(cause);
-        self.limping.begin(self.ports.clock.now().after_ms(MOST_MS), faults.more());
+        self.limping.begin(self.now().after_ms(MOST_MS), faults.more());
         self.homed.release(MotorSet::of(motor), self.real.groups().mechanism());
         self.trimming.forget();
         let name = Name(motor);
@@ -68,14 +68,14 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let mechanism = self.real.groups().mechanism();
         let needed = mechanism.belt_motors().with(mechanism.motors_of(2));
         self.settings.belt.limp_lift > Mm::ZERO
-            && self.drivers.fault().is_none_or(|first| first.motor == motor)
+            && self.power.fault().is_none_or(|first| first.motor == motor)
             && !self.link.status().fault().is_set()
             && self.settings.residuals().motors().has(motor)
             && !mechanism.motors_of(2).has(motor)
             && self.homed.axes() == [true; 3]
             && self.real.grouping() == Grouping::Tool
             && !self.trimming.is_measuring()
-            && self.has_power(needed)
+            && self.power.is_on(needed)
     }
 
     /// Parks the tool, if no other fault comes. Afterwards all power is to be cut.
@@ -94,7 +94,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.slow_down().await?;
         self.drop_motion().await?;
         // A dip of the whole supply has reset the others as well.
-        self.until(|c| !c.drivers.are_unseen()).await?;
+        self.until(|c| !c.power.are_unseen()).await?;
         let mut place = self.planner.mm(self.planner.end());
         let [x, y, z, _] = &mut place;
         let raised = self.settings.belt.limp_lift.min(self.settings.axes.z.length.saturating_sub(*z)).max(Mm::ZERO);
@@ -104,7 +104,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let park = place_of([beside_x, beside_y], &place);
         self.go_gently(raise, self.settings.axes.z.max_speed).await?;
         self.go_gently(park, SPEED).await?;
-        let quiet = self.ports.clock.now().after_ms(RING_MS);
+        let quiet = self.now().after_ms(RING_MS);
         self.settle(quiet).await?;
         Ok(raised)
     }

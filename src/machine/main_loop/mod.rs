@@ -22,7 +22,7 @@
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
-//! | [`power`] | power for the motors, and exchanges with their drivers |
+//! | [`power`], [`powering`] | power for the motors, and exchanges with their drivers; the waits for it |
 //! | [`heat`], [`heat_turn`] | orders for heaters and fans; their part of a turn |
 //! | [`scrub`] | whether settings in RAM are unchanged |
 //! | [`limp`] | a motor of a belt has failed, and the others park the tool |
@@ -41,6 +41,7 @@ mod heat_turn;
 mod limp;
 mod phase;
 mod power;
+mod powering;
 mod regroup;
 mod reply;
 mod scrub;
@@ -50,18 +51,17 @@ mod take_over;
 pub(in crate::machine) mod trim;
 
 use self::heat::Heaters;
+use self::power::Power;
 use self::settings::SettingsInUse;
-use crate::driver::Drivers;
 use crate::kinematics::Groupings;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::ports::{Devices, PortSet, Ports};
+use crate::machine::ports::{PortSet, Ports};
 use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::advance_in_use::AdvanceInUse;
 use crate::machine::state::circulation::Circulation;
 use crate::machine::state::commanded::Commanded;
-use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::machine::state::job::Job;
 use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
@@ -78,7 +78,8 @@ use core::task::Poll;
 
 /// The state of the main loop, which runs during every wait.
 pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
-    ports: Devices<P>,
+    clock: P::Clock,
+    storage: P::Storage,
     pub hosts: Hosts<P::Serial>,
     link: Link<'m, W>,
     planner: Planner<'m>,
@@ -91,6 +92,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     progress: Progress,
     pub settings: SettingsInUse,
     pub heat: Heaters<'m>,
+    pub power: Power<P::Drivers>,
     pub commanded: Commanded,
     pub homed: Homed,
     real: RealPosition<'m>,
@@ -98,9 +100,6 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub trimming: Trimming,
     /// A motor of the belt has failed, and the others park the tool.
     limping: Limping,
-    /// The settings in the motor drivers, and the motors with power.
-    drivers: Drivers,
-    idle_timeout: IdleTimeout,
     pub pauses: Pauses,
     /// The state of the print.
     pub job: Job,
@@ -125,9 +124,9 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
         let Ports { serial, drivers: bus, clock, storage } = ports;
         let now = clock.now();
         let heat = Heaters::new(link.status().heat(), orders, &settings.thermal, now);
-        let drivers = Drivers::new(bus.lines(), &settings);
         Self {
-            ports: Devices { drivers: bus, clock, storage },
+            clock,
+            storage,
             hosts: Hosts::new(serial),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
@@ -137,14 +136,13 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             progress: Progress::default(),
             settings: SettingsInUse::new(settings, now),
             heat,
+            power: Power::new(bus, &settings, now),
             commanded: Commanded::new([x, y, z]),
             homed: Homed::new([start.is_some(); 3]),
             real: RealPosition::new(groupings),
             circulation: Circulation::new(),
             trimming: Trimming::new(),
             limping: Limping::new(),
-            drivers,
-            idle_timeout: IdleTimeout::new(now),
             pauses: Pauses::new(),
             job: Job::new(),
             advance_in_use: AdvanceInUse::new(),
@@ -188,7 +186,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// all other work of the turn: the abort that follows drops moves that are still handed on after M112.
     fn go_on(&mut self) -> Result<(), Interrupt> {
         self.link.status().heat().beat_of_console();
-        let now = self.ports.clock.now();
+        let now = self.now();
         self.turn_began = now;
         let emergency = self.receive();
         self.hosts.greet(Replies::start);

@@ -80,7 +80,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Before a motor gets power that is the last one of its residual, brings its field to its rotor.
     pub(super) async fn meet_phases(&mut self, residuals: &Residuals, next: MotorSet) -> Result<(), Interrupt> {
-        let missing = residuals.motors().without(self.drivers.powered());
+        let missing = residuals.motors().without(self.power.powered());
         for (number, residual) in residuals.iter().enumerate() {
             let Some((motor, times)) = only_one(residual, missing).filter(|(motor, _)| next.has(*motor)) else {
                 continue;
@@ -118,7 +118,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// not.
     pub(super) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
         let is_known = residuals.iter().enumerate().all(|(number, _)| self.settings.known_phase(number).is_some());
-        if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.has_power(residuals.motors()) {
+        if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.power.is_on(residuals.motors()) {
             return Ok(());
         }
         for (number, residual) in residuals.iter().enumerate() {

@@ -1,162 +1,147 @@
-//! Power for the motors: only with proof from their drivers, not a step longer. The motors of one belt get it in turn,
-//! or none of them gets it.
+//! Power of the motors: their drivers, the board's lines to them, and the time after which idle motors lose it.
+//!
+//! Invariant: a motor gets power only after its driver has just shown that it holds its settings (`driver::Drivers`).
+//! [`powering`](super::powering) has the waits for that.
 
-use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
-use crate::machine::answers::answer::Answer;
-use crate::machine::interrupt::Interrupt;
-use crate::machine::main_loop::MainLoop;
-use crate::machine::ports::PortSet;
-use crate::motors::MOTORS;
-use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
+use crate::connectors::BoardConnectors;
+use crate::driver::{DriverError, Drivers, Fault, Job, News, Reading};
+use crate::machine::state::idle_timeout::IdleTimeout;
+use crate::motors::Coupling;
+use crate::port::{DriverBus, Motor, MotorSet};
+use crate::settings::Settings;
 use crate::units::Instant;
 
-/// Proofs requested until motors have power. Usually seven configurations and seven quick proofs suffice. If the first
-/// proofs expire before the last ones arrive, the wire is too bad to print with.
-const MOST_PROOFS: usize = 6 * MOTORS;
+/// The drivers, and which motors have power.
+pub(in crate::machine) struct Power<D> {
+    bus: D,
+    /// The settings in the motor drivers, and the motors with power.
+    drivers: Drivers,
+    idle_timeout: IdleTimeout,
+}
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<D: DriverBus> Power<D> {
+    pub(super) fn new(bus: D, settings: &Settings, now: Instant) -> Self {
+        Self { drivers: Drivers::new(bus.lines(), settings), bus, idle_timeout: IdleTimeout::new(now) }
+    }
+
+    /// Why this board has no machine, if it has none.
+    pub fn refusal(&self) -> Option<&'static str> {
+        self.bus.refusal()
+    }
+
+    /// The board's connectors.
+    pub fn connectors(&self) -> &'static BoardConnectors {
+        self.bus.connectors()
+    }
+
+    /// Motors with a driver that has a UART.
+    pub const fn uarts(&self) -> MotorSet {
+        self.drivers.lines()
+    }
+
     /// Whether these motors have power, and their steps are of the size that is counted on.
-    pub fn has_power(&self, motors: MotorSet) -> bool {
+    pub fn is_on(&self, motors: MotorSet) -> bool {
         motors.without(self.drivers.powered()).is_empty() && self.drivers.is_drivable()
     }
 
-    /// Gives power to motors: to all of them, or, if one driver is not as it should be, to none.
-    ///
-    /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each
-    /// other get power one after another, and settle in between. Then only the last one's move to its rest strains the
-    /// belt. Talking to drivers and settling take up to a second and a half and happen before anything is planned, so
-    /// they change no step.
-    pub async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
-        if let Some(why) = self.ports.drivers.refusal() {
-            self.reply(Answer::Refused(why)).await?;
-            return Err(Interrupt::NoPower);
-        }
-        let residuals = self.settings.residuals();
-        self.drivers.watch_closely(residuals.motors());
-        let before = self.drivers.powered();
-        let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
-        // A phase does not show a skip: it applies to rotors that have just come to rest.
-        if result.is_ok() && !residuals.motors().without(before).is_empty() {
-            result = self.align_by_phases(&residuals).await;
-        }
-        if result.is_err() {
-            // Power for a part of a belt is worse than none.
-            self.unpower(self.drivers.powered().without(before));
-        }
-        result
+    /// M84 S.
+    pub const fn set_idle_timeout(&mut self, seconds: u32, now: Instant) {
+        self.idle_timeout.set(seconds, now);
     }
 
-    async fn power_in_turn(&mut self, motors: MotorSet, before: MotorSet) -> Result<(), Interrupt> {
-        let mut proofs = 0;
-        while !self.has_power(motors) {
-            let now = self.ports.clock.now();
-            let (powered, missing) = (self.drivers.powered(), motors.without(self.drivers.powered()));
-            if let Some(motor) = self.drivers.unproved(powered.with(missing), now) {
-                proofs += 1;
-                let proof = self.ask_driver(Job::Verify, motor).await?;
-                let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
-                if let Err(error) = proof {
-                    // Before the message to the host, which may be slow.
-                    self.unpower(self.drivers.powered().without(before));
-                    self.reply(Answer::NoPower(Fault { motor, error })).await?;
-                    return Err(Interrupt::NoPower);
-                }
-                continue;
-            }
-            let residuals = self.settings.residuals();
-            let next = residuals.first_of(missing);
-            self.meet_phases(&residuals, next).await?;
-            // All of them have proved their settings; proofs that are too old are requested again.
-            let now = self.ports.clock.now();
-            let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
-            // The idle timeout must not take it away before the move that it is for.
-            self.idle_timeout.note_motion(now);
-            if residuals.motors().intersects(next) {
-                self.settle(now.after_ms(self.settings.belt.settling_ms.into())).await?;
-            } else if !self.has_power(motors) {
-                // Other microsteps are being sent to motors that have power.
-                self.poll().await?;
-            }
-        }
-        Ok(())
+    /// A warning about the board's protection of its outputs, if it does not work.
+    pub(super) fn warning(&self) -> Option<&'static str> {
+        self.bus.warning()
     }
 
-    /// Lets rotors come to rest.
-    pub async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
-        while self.ports.clock.now() < until {
-            self.poll().await?;
-        }
-        Ok(())
+    /// The drivers, for reports.
+    pub(super) const fn drivers(&self) -> &Drivers {
+        &self.drivers
     }
 
-    /// Takes power from motors, and from all that would go on pulling at the same belt; the axes that they held are no
-    /// longer homed.
-    pub fn unpower(&mut self, motors: MotorSet) {
-        let motors = self.settings.residuals().with_opponents(motors);
-        let on = self.drivers.powered().without(motors);
-        // No motor gets power here, so no driver needs a proof.
-        let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
-        self.homed.release(motors, self.real.groups().mechanism());
-        let belt = self.settings.residuals().motors();
-        if belt.intersects(motors) {
-            self.trimming.forget();
-        }
+    /// The motors with power.
+    pub(super) const fn powered(&self) -> MotorSet {
+        self.drivers.powered()
     }
 
-    /// Takes power from all motors when nothing has moved for long enough. Called with the heat work, every 5 ms.
-    pub(super) fn watch_idleness(&mut self, now: Instant) {
-        let is_waiting = self.job.is_paused() || !self.pauses.waiting().is_idle_for_motors();
-        if is_waiting || self.has_motion() || self.trimming.is_measuring() {
-            self.idle_timeout.note_motion(now);
-        } else if self.idle_timeout.is_over(now, self.job.is_printing()) && !self.drivers.powered().is_empty() {
-            self.unpower(MotorSet::ALL);
-        }
+    /// No motor has power at the start.
+    pub(super) fn begin(&mut self) {
+        self.bus.enable(MotorSet::NONE);
+    }
+
+    /// Has the drivers hold the settings of these; they get them in the background.
+    pub(super) fn want(&mut self, wanted: &Settings) {
+        self.drivers.want(wanted);
+    }
+
+    /// Whether the drivers of motors with power hold the wanted settings.
+    pub(super) fn is_configured(&self) -> bool {
+        self.drivers.is_configured()
+    }
+
+    /// Whether there is a motor with power and a driver that was not looked at since a fault.
+    pub(super) fn are_unseen(&self) -> bool {
+        self.drivers.are_unseen()
     }
 
     /// Has a job done with one driver.
-    pub async fn ask_driver(&mut self, job: Job, motor: Motor) -> Result<Result<Reading, DriverError>, Interrupt> {
+    pub(super) fn ask(&mut self, job: Job, motor: Motor) {
         self.drivers.ask(job, motor);
-        loop {
-            if let Some(result) = self.drivers.answer() {
-                return Ok(result);
-            }
-            self.poll().await?;
-        }
     }
 
-    /// Ends the motion and takes the power from all motors, at once. In this order, so that the Stepper makes no step
-    /// without power.
-    pub(super) fn stop_and_cut(&mut self) {
-        self.link.abort();
-        self.drivers.cut(&mut self.ports.drivers);
-        self.limping.end();
+    /// The result of that, once.
+    pub(super) fn answer(&mut self) -> Option<Result<Reading, DriverError>> {
+        self.drivers.answer()
     }
 
-    /// Continues the work of the drivers. A fault ends the motion at once.
-    pub(super) fn tend_drivers(&mut self, now: Instant) -> Result<(), Interrupt> {
-        match self.drivers.step(&mut self.ports.drivers, now) {
-            Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
-            Some(News::Hot(motor)) => {
-                let name = Name(motor);
-                self.hosts.notify_all(format_args!(
-                    "echo:driver of motor {name} is hot and will switch itself off if it gets hotter"
-                ));
-            }
-            None => {}
-        }
-        // Asked at every turn: a command in the middle of a transfer may miss it once. Limp mode needs a fault.
-        if self.drivers.fault().is_none() {
-            return Ok(());
-        }
-        if self.limping.is_late(now) {
-            self.stop_and_cut();
-        }
-        if self.limping.is_wanted() {
-            Err(Interrupt::Limp)
-        } else if self.limping.is_under_way() {
-            Ok(())
-        } else {
-            Err(Interrupt::Halt)
-        }
+    /// These motors are looked at closely while they get power.
+    pub(super) fn watch_closely(&mut self, motors: MotorSet) {
+        self.drivers.watch_closely(motors);
+    }
+
+    /// A motor with a driver that needs a proof before these motors get power.
+    pub(super) fn unproved(&self, motors: MotorSet, now: Instant) -> Option<Motor> {
+        self.drivers.unproved(motors, now)
+    }
+
+    /// Gives power to these motors and to no others, if no driver lacks a proof.
+    pub(super) fn set(&mut self, on: MotorSet, now: Instant) {
+        // A proof that is too old is requested again.
+        let _ = self.drivers.power(on, &mut self.bus, now);
+    }
+
+    /// Takes power from all motors, at once.
+    pub(super) fn cut(&mut self) {
+        self.drivers.cut(&mut self.bus);
+    }
+
+    /// A motor with a driver that has failed loses its power, the others keep theirs.
+    pub(super) fn go_on_without(&mut self, motor: Motor) {
+        self.drivers.go_on_without(motor, &mut self.bus);
+    }
+
+    /// Has the step pins turn these motors for each group.
+    pub(super) fn couple(&mut self, coupling: &Coupling) {
+        self.bus.couple(coupling);
+    }
+
+    /// The first fault of a driver.
+    pub(super) const fn fault(&self) -> Option<Fault> {
+        self.drivers.fault()
+    }
+
+    /// Continues the work of the drivers.
+    pub(super) fn step(&mut self, now: Instant) -> Option<News> {
+        self.drivers.step(&mut self.bus, now)
+    }
+
+    /// Something moves, or is about to.
+    pub(super) const fn note_motion(&mut self, now: Instant) {
+        self.idle_timeout.note_motion(now);
+    }
+
+    /// Whether motors have power that nothing has used for long enough; in a print for longer.
+    pub(super) fn is_idle(&self, now: Instant, is_printing: bool) -> bool {
+        self.idle_timeout.is_over(now, is_printing) && !self.drivers.powered().is_empty()
     }
 }

@@ -11,7 +11,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::motors::Coupling;
-use crate::port::{DriverBus, EndstopSet, Pend};
+use crate::port::{EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
@@ -63,7 +63,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             // Unused groups are not scrubbed.
             self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
         }
-        self.ports.drivers.couple(coupling);
+        self.power.couple(coupling);
         let groups = self.real.groups();
         let planner = &mut self.planner;
         self.settings.of_grouping(grouping, |settings| planner.regroup(settings, groups));

@@ -25,10 +25,10 @@ use crate::machine::reports::report::{
 use crate::machine::reports::settings_report::{report_recovery, report_retraction, report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
-use crate::port::{DriverBus, Pend};
+use crate::port::Pend;
 use crate::protocol::{Echo, Replies};
 use crate::settings::{Settings, ranges};
-use crate::storage;
+use crate::storage::is_present;
 use crate::units::{Celsius, Instant};
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
@@ -92,7 +92,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
-        let Self { hosts, progress, settings, planner, link, ports, homed, drivers, trimming, .. } = self;
+        let Self { hosts, progress, settings, planner, link, homed, power, storage, trimming, .. } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -150,13 +150,13 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::UploadEnded(lines) => {
                 to.say(format_args!("echo:upload ended: there is no card, ignored lines: {lines}"));
             }
-            Answer::Firmware => report_firmware(to, storage::is_present(&ports.storage), s),
+            Answer::Firmware => report_firmware(to, is_present(storage), s),
             Answer::Endstops(pressed) => report_endstops(to, pressed, link.status().inputs(), &s.endstops),
             Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
             Answer::Heat => report_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
             Answer::Overload => {
                 report_overload(to, link.status().overload());
-                if let Some(warning) = ports.drivers.warning() {
+                if let Some(warning) = power.warning() {
                     to.say(format_args!("echo:{warning}"));
                 }
             }
@@ -168,7 +168,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 if !for_replay {
                     to.echo_settings();
                 }
-                report_settings(to, s, &retraction, !drivers.lines().is_empty());
+                report_settings(to, s, &retraction, !power.uarts().is_empty());
             }
             Answer::OneBelt(code) => {
                 to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
@@ -185,7 +185,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
             }
             Answer::DriverValues(value) => report_driver_values(to, value, s),
-            Answer::Driver(motor, reading) => report_driver(to, (motor, reading), drivers, s),
+            Answer::Driver(motor, reading) => report_driver(to, (motor, reading), power.drivers(), s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
             Answer::Storage(news) => report_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),

@@ -4,7 +4,7 @@
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
-use crate::port::{MotorSet, Pend};
+use crate::port::Pend;
 use crate::settings::{Advance, DriverGroups, Settings};
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
@@ -28,32 +28,27 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.advance_in_use.needs_rest(&self.settings, &Settings { advance, ..*self.settings })
     }
 
-    /// Motors with a driver that has a UART.
-    pub const fn uarts(&self) -> MotorSet {
-        self.drivers.lines()
-    }
-
     /// Applies new driver settings. The drivers get them in the background.
     pub fn use_driver_settings(&mut self, wanted: DriverGroups) {
         self.settings.replace_drivers(wanted);
-        self.drivers.want(&self.settings);
+        self.power.want(&self.settings);
     }
 
     /// Has drivers hold something else for a while, and waits until they do.
     pub async fn configure_drivers(&mut self, wanted: &Settings) -> Result<(), Interrupt> {
-        self.drivers.want(wanted);
+        self.power.want(wanted);
         self.await_drivers().await
     }
 
     /// Writes the settings to the drivers again, and waits until they hold them.
     pub async fn restore_drivers(&mut self) -> Result<(), Interrupt> {
-        self.drivers.want(&self.settings);
+        self.power.want(&self.settings);
         self.await_drivers().await
     }
 
     /// Waits until the drivers of motors with power hold the wanted settings.
     pub async fn await_drivers(&mut self) -> Result<(), Interrupt> {
-        self.until(|c| c.drivers.is_configured()).await
+        self.until(|c| c.power.is_configured()).await
     }
 
     /// Takes over other settings. Motion rests: a step must not change its size under way.
@@ -62,7 +57,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
         self.settings.replace(&wanted);
-        self.drivers.want(&wanted);
+        self.power.want(&wanted);
         self.heat.note_settings();
         if is_same {
             return self.follow().await;

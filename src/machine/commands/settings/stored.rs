@@ -86,7 +86,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
         Err(StorageError::Absent) => return Ok(Answer::Nothing),
         Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
     };
-    if main_loop.refusal().is_some() {
+    if main_loop.power.refusal().is_some() {
         return Ok(Answer::Nothing);
     }
     if let Some(stored) = survey.newest {
@@ -119,7 +119,7 @@ pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
     if pieces.is_stored {
         return Ok(StorageNews::MachineWaits);
     }
-    if let Some(why) = main_loop.refusal() {
+    if let Some(why) = main_loop.power.refusal() {
         return Ok(StorageNews::NoMachine(why));
     }
     let settings = *main_loop.settings;
@@ -143,7 +143,7 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
-    if let Some(why) = main_loop.refusal() {
+    if let Some(why) = main_loop.power.refusal() {
         return Ok(StorageNews::NotLoaded(why));
     }
     main_loop.finish().await?;

@@ -52,7 +52,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         if let Some(released) = self.planner.pop() {
             self.link.send(Work::Move(released));
             // It may be over before the next check for idleness.
-            self.idle_timeout.note_motion(now);
+            self.power.note_motion(now);
             return true;
         }
         if release == Release::Final {

@@ -11,15 +11,15 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{Clock, Pend};
+use crate::port::Pend;
 use crate::units::{Seconds, TICKS_PER_SECOND};
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Plans a move as soon as there is room for it.
     pub async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
         let motors = self.real.groups().fitted();
-        if !self.has_power(motors) && self.planner.is_move(target.position) {
-            self.power(motors).await?;
+        if !self.power.is_on(motors) && self.planner.is_move(target.position) {
+            self.power_up(motors).await?;
         }
         while !self.has_room() {
             self.policy.note_full();
@@ -62,7 +62,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// A move is about to be added. If an earlier one has left that would have been faster with it, the host was too
     /// slow.
     fn note_added(&mut self) {
-        if self.policy.add(self.ports.clock.now()) {
+        if self.policy.add(self.now()) {
             self.link.status().count_underrun();
         }
     }

@@ -5,7 +5,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
 use crate::motion::{Work, stiffenings, taps};
-use crate::port::{Clock, Pend};
+use crate::port::Pend;
 use crate::units::{Steps, SubTicks, TICKS_PER_MS};
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
@@ -22,7 +22,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             !c.has_motion()
         })
         .await?;
-        self.policy.come_to_rest(self.ports.clock.now());
+        self.policy.come_to_rest(self.now());
         Ok(())
     }
 
@@ -41,7 +41,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         self.link.restart();
         self.policy.note_awaited();
-        self.policy.come_to_rest(self.ports.clock.now());
+        self.policy.come_to_rest(self.now());
         let real = self.real_steps();
         self.planner.fall_short(real);
         self.note_path();
@@ -70,7 +70,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.release_all();
         let has_motion = self.has_motion();
         if !has_motion {
-            self.policy.come_to_rest(self.ports.clock.now());
+            self.policy.come_to_rest(self.now());
         }
         has_motion
     }
