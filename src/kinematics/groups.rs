@@ -9,13 +9,11 @@ use super::row::Row;
 use crate::motors::{Coupling, GroupSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
 use crate::units::Steps;
 
-/// The first motor of a group in this order leads it, and this order is that of the groups: motors of x and y from the
-/// last to the first, then the others. So on a CoreH-bot u = x + y, which its fourth motor turns forward, comes before
-/// v = x - y of its third: A and B of a CoreXY.
-fn leaders(mechanism: &Mechanism) -> impl Iterator<Item = Motor> {
-    let belt = mechanism.belt_motors();
-    let others = Motor::ALL.into_iter().filter(move |motor| !belt.has(*motor));
-    Motor::ALL.into_iter().rev().filter(move |motor| belt.has(*motor)).chain(others)
+/// The first motor of a group in this order leads it, and this order is that of the groups. Any order serves; with this
+/// one, u = x + y of a CoreH-bot's fourth motor comes before v = x - y of its third: A and B of a CoreXY.
+fn leaders() -> impl Iterator<Item = Motor> {
+    let (first, others) = Motor::ALL.split_at(4);
+    first.iter().rev().chain(others).copied()
 }
 
 /// One coordinate and the motors that it drives.
@@ -108,7 +106,7 @@ impl Groups {
         let fitted = mechanism.fitted();
         let mut groups = Self { mechanism: *mechanism, fitted, ..Self::NONE };
         let mut taken = MotorSet::NONE;
-        for lead in leaders(mechanism) {
+        for lead in leaders() {
             if taken.has(lead) || !fitted.has(lead) {
                 continue;
             }

@@ -202,7 +202,7 @@ impl Mechanism {
     #[must_use]
     pub const fn trimming() -> Self {
         let mut rows = [NOT_FITTED; MOTORS];
-        [rows[0], rows[1], rows[2], rows[3]] = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
+        [rows[0], rows[4], rows[5], rows[6]] = [[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]];
         Self { rows }
     }
 
