@@ -3,6 +3,20 @@
 //! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
 //! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
 //!
+//! A length is a number of millimetres, and nothing else:
+//!
+//! ```
+//! use corehbot::units::{Mm, Steps};
+//! let sum = Mm::ONE + Mm::ONE;
+//! ```
+//!
+//! So steps are no millimetres, and this does not compile:
+//!
+//! ```compile_fail,E0308
+//! use corehbot::units::{Mm, Steps};
+//! let sum = Mm::ONE + Steps::ONE;
+//! ```
+//!
 //! | file | for |
 //! |---|---|
 //! | `mod` | the quantities, one type for each unit |
@@ -30,10 +44,64 @@ use quantity::{quantity, signed};
 /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
 pub type Mm = I32F32;
 
-/// A position of one motor or axis in (micro)steps, with the fraction that lies between two steps;
-/// range +-2.1e9 steps. Arithmetic on absolute positions wraps (an extruder never comes back), so
-/// differences are taken with `wrapping_sub`.
-pub type Steps = I32F32;
+quantity! {
+    /// A position of one motor or axis in (micro)steps, with the fraction that lies between two steps;
+    /// range +-2.1e9 steps. Arithmetic on absolute positions wraps (an extruder never comes back), so
+    /// differences are taken with `wrapping_sub`.
+    Steps(I32F32)
+}
+signed!(Steps);
+
+impl Steps {
+    /// So many whole steps; the count wraps.
+    #[must_use]
+    #[inline(always)]
+    pub fn wrapping_from_num(count: i64) -> Self {
+        Self(I32F32::wrapping_from_num(count))
+    }
+
+    /// The sum, which wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_add(self, way: Self) -> Self {
+        Self(self.0.wrapping_add(way.0))
+    }
+
+    /// The difference of positions that may have wrapped.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_sub(self, from: Self) -> Self {
+        Self(self.0.wrapping_sub(from.0))
+    }
+
+    /// The opposite, which wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_neg(self) -> Self {
+        Self(self.0.wrapping_neg())
+    }
+
+    /// The magnitude, which wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_abs(self) -> Self {
+        Self(self.0.wrapping_abs())
+    }
+
+    /// So many times as far; wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_mul_int(self, times: i64) -> Self {
+        Self(self.0.wrapping_mul_int(times))
+    }
+
+    /// The nearest whole step, a half away from zero; wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_round(self) -> Self {
+        Self(self.0.wrapping_round())
+    }
+}
 
 /// A speed in mm/s; resolution 15 um/s, range 65 m/s.
 pub type MmPerSec = U16F16;

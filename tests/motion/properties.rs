@@ -239,7 +239,7 @@ proptest! {
         let moves = plan(&path, &settings);
         let steps = generate(&moves);
         let end = moves.last().map_or([Steps::ZERO; 4], |m| m.end);
-        let nearest = |v: Steps| (v + Steps::from_num(0.5)).floor().to_num::<i64>();
+        let nearest = |v: Steps| (v + Steps::from_num(0.5)).to_num::<i64>();
         let [n1, n4, n8, n11, z1, z2, e0] = counts(&steps);
         prop_assert_eq!((n4, n1), (-n11, -n8));
         prop_assert_eq!((z1, z2, e0), (nearest(end[2]), nearest(end[2]), nearest(end[3])));

@@ -33,7 +33,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let coupling = self.real.groups_in(Grouping::Trim).trim_coupling(motor);
         let [x, y] = [x, y].map(Steps::wrapping_round);
         self.couple(Grouping::Trim, &coupling, [x, y, Steps::ZERO, e]).await?;
-        self.plan_whole([x, y, Steps::wrapping_from_num(by), e], self.settings.belt.max_speed, false);
+        self.plan_whole([x, y, Steps::wrapping_from_num(i64::from(by)), e], self.settings.belt.max_speed, false);
         self.finish().await?;
         self.end_trim().await
     }
