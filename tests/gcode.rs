@@ -5,11 +5,14 @@
 mod support;
 
 use corehbot::connectors::Heater;
-use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, names, parse};
+use corehbot::gcode::{
+    AxisFlags, AxisWords, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, RefusedCommand,
+    ReportCommand, codes, names, parse,
+};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use support::bodies;
-use support::print::Printed;
+use support::print::{Printed, reduced};
 
 /// Decimal text as the nearest multiple of 2^-32. The written digits are doubled: bit after bit of the fraction falls
 /// out on the left, as in long multiplication by hand.
@@ -39,13 +42,13 @@ fn read(text: &str) -> Number {
 
 /// The command of a line in its canonical form.
 fn printed(line: &str) -> String {
-    Printed(parse(line.as_bytes())).to_string()
+    Printed(parse(line.as_bytes()), line.as_bytes()).to_string()
 }
 
 /// The number of a G1 line's X word.
 fn x_of(line: &str) -> Option<Number> {
     match parse(line.as_bytes()) {
-        Command::Line { to, .. } => to.x,
+        Command::Motion(MotionCommand::Line { to, .. }) => to.x,
         other => panic!("{line} became {other:?}"),
     }
 }
@@ -68,31 +71,53 @@ fn the_canonical_form() {
     }
 }
 
+struct Reduced(&'static str);
+
+impl std::fmt::Display for Reduced {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        reduced(f, self.0.as_bytes())
+    }
+}
+
+/// The form of commands that have none of their own.
+#[test]
+fn a_line_of_numbers_is_reduced_to_the_last_word_of_each_letter() {
+    for (line, expected) in [
+        ("m73 p5r 12 P6 ; x", "M73 R12 P6"),
+        ("M207S1 (F3) F-.5 \"Z9\" z+2", "M207 S1 F-.5 Z+2"),
+        ("M204 M1 P1", "M204 M1 P1"),
+    ] {
+        assert_eq!(Reduced(line).to_string(), expected);
+    }
+    for line in ["M207 S1 S2 F1800 Z.2", "M73 R5 P1 P2", "M302 P1 S170 S171"] {
+        assert_eq!(parse(Reduced(line).to_string().as_bytes()), parse(line.as_bytes()), "{line}");
+    }
+}
+
 /// Something like a number: as slicers write it, with too many digits, or broken.
 fn number_text() -> impl Strategy<Value = String> {
     prop_oneof!["[+-]?[0-9]{0,3}\\.?[0-9]{0,5}", "[+-]?[0-9]{1,12}\\.[0-9]{0,45}", "[0-9.+-]{0,8}",]
 }
 
-/// Beginnings of a line: every known code, and others like them.
+/// Beginnings of a line: codes with words, and others like codes. Those that are known are added to them.
 #[rustfmt::skip]
 const CODES: &[&str] = &[
-    "G0", "G1", "g1", "G01", "G2", "G3", "G4", "G17", "G20", "G21", "G28", "G90", "G91", "G92", "M17", "M18", "M84",
-    "M82", "M83", "M92", "M104", "M105", "M106", "M108", "M110", "M112", "M113", "M114", "M115", "M117", "M119",
-    "M122", "M155", "M200", "M201", "M203", "M204", "M205", "M211", "M220", "M221", "M302", "M400", "M410", "M500",
-    "M501", "M502", "M503", "M504", "M122", "M569 S1 X Y", "M906 X800 Z900", "M913 X100.5", "M914 Y70", "M915", "M915 D R", "T0", "T3",
-    "T300", "M862.3", "M593", "M593 X F60 D0.1 T2", "M593 F0", "M572", "M572 S0.05 W0.04", "M572 W0", "M900 K1e-05",
+    "g1", "G01", "M569 S1 X Y", "M906 X800 Z900", "M913 X100.5", "M914 Y70", "M915 D R", "T3", "T300", "M862.3",
+    "M593 X F60 D0.1 T2", "M593 F0", "M572 S0.05 W0.04", "M572 W0", "M900 K1e-05",
     "SET_VELOCITY_LIMIT ACCEL=500 ACCEL_TO_DECEL=250", "SET_VELOCITY_LIMIT VELOCITY=",
-    "SET_PRESSURE_ADVANCE ADVANCE=0.05", "M593 P\"mzv\"", "M302 S170", "M303", "SELF_TEST",
-    "MACHINE_GET", "MACHINE_PUT AT=24 HEX=00ff", "MACHINE_STORE", "M303 E-1 S60 U1", "M109", "M190 R60",
-    "M141", "M191", "M116", "M107", "M301", "M304", "M306", "M306 E-1 A0.08 F0.1", "M306 T", "M710", "M710 R", "M413",
-    "M622", "M221 T1", "M84 E1", "M301 E1", "M572 D1", "M900 S1 L2", "M906 I1 T2", "M140 P1 H2 I3", "M104 I1",
-    "M116 P1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "M81", "M999", "G18", "G19", "G29", "G80", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
-    "M118 A1", "M118 E1", "M486", "M876", "M24", "M25", "M111", "M154", "EXCLUDE_OBJECT_DEFINE NAME=x", "EXCLUDE_OBJECT_START NAME=x",
-    "if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"x\"", "EXCLUDE_OBJECT NAME=x", "EXCLUDE_OBJECT_END",
-    "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80", "M125", "M524",
-    "M140", "M142", "M150", "M202", "M217", "M240", "M290", "M300", "M355", "M403", "M420", "M425", "M530", "M532",
-    "M555", "M28", "M28 a.gco", "M29", "M601", "M602", "M623", "M851", "M870", "M907",
+    "SET_PRESSURE_ADVANCE ADVANCE=0.05", "M593 P\"mzv\"", "M302 S170", "MACHINE_PUT AT=24 HEX=00ff",
+    "M303 E-1 S60 U1", "M190 R60", "M306 E-1 A0.08 F0.1", "M306 T", "M710 R", "M221 T1", "M84 E1", "M301 E1",
+    "M572 D1", "M900 S1 L2", "M906 I1 T2", "M140 P1 H2 I3", "M104 I1", "M116 P1",
+    "SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "M118 A1", "M118 E1", "EXCLUDE_OBJECT_DEFINE NAME=x",
+    "EXCLUDE_OBJECT_START NAME=x", "if {1 > 2}", "elif true", "while true", "abort \"x\"", "EXCLUDE_OBJECT NAME=x",
+    "print_end", "M1234567", "(x) G1", "M28 a.gco",
 ];
+
+/// Beginnings of a line: every known code, and others like them.
+fn beginnings() -> Vec<String> {
+    let codes = codes().map(|(letter, number)| format!("{letter}{number}"));
+    codes.chain(names().map(str::to_owned)).chain(CODES.iter().map(|code| (*code).to_owned())).collect()
+}
 
 /// A line that is probably a command.
 fn line() -> impl Strategy<Value = String> {
@@ -104,10 +129,10 @@ fn line() -> impl Strategy<Value = String> {
         1 => "[;(][ -~]{0,9}",
         1 => "[ -~]{0,9}",
     ];
-    (proptest::sample::select(CODES), "[ ]?", proptest::collection::vec((word, extra), 0..6)).prop_map(
+    (proptest::sample::select(beginnings()), "[ ]?", proptest::collection::vec((word, extra), 0..6)).prop_map(
         |(code, gap, words)| {
             let words: String = words.into_iter().map(|(word, extra)| word + &extra).collect();
-            code.to_string() + &gap + &words
+            code + &gap + &words
         },
     )
 }
@@ -256,33 +281,40 @@ fn a_no_break_space_is_a_space_and_a_byte_order_mark_is_nothing() {
 
 #[test]
 fn an_exponent_is_an_extruder_word() {
-    let Command::Line { to, .. } = parse(b"G1 X1E5") else { panic!() };
+    let Command::Motion(MotionCommand::Line { to, .. }) = parse(b"G1 X1E5") else { panic!() };
     assert_eq!((to.x, to.e), (Some(Number::from(1)), Some(Number::from(5))));
 }
 
 #[test]
 fn custom_code_of_real_profiles() {
-    let e_zero = Command::SetPosition(AxisWords { e: Some(Number::ZERO), ..AxisWords::default() });
+    let e_zero =
+        Command::Motion(MotionCommand::SetPosition(AxisWords { e: Some(Number::ZERO), ..AxisWords::default() }));
     let x_and_y = AxisFlags { x: true, y: true, ..AxisFlags::default() };
     let heater = Heater::Hotend;
     for (line, expected) in [
         ("G92 E0; G1 E-10 F1200", e_zero),
-        ("G90;", Command::Absolute),
-        ("M109 S205;", Command::HeaterWait { heater, target: Some(Number::from(205)), cools: false }),
-        ("G4 ; wait", Command::Dwell { ms: 0 }),
-        ("G28 X0 Y0", Command::Home(x_and_y)),
-        ("G28 W", Command::Home(AxisFlags::default())),
-        ("M84 X Y E ;disable all but Z", Command::DisableMotors(AxisFlags { e: true, ..x_and_y })),
-        ("M115 U6.2.6+8948", Command::ReportFirmware),
+        ("G90;", Command::Motion(MotionCommand::Absolute)),
+        (
+            "M109 S205;",
+            Command::Heat(HeatCommand::HeaterWait { heater, target: Some(Number::from(205)), cools: false }),
+        ),
+        ("G4 ; wait", Command::Motion(MotionCommand::Dwell { ms: 0 })),
+        ("G28 X0 Y0", Command::Motion(MotionCommand::Home(x_and_y))),
+        ("G28 W", Command::Motion(MotionCommand::Home(AxisFlags::default()))),
+        ("M84 X Y E ;disable all but Z", Command::Motor(MotorCommand::DisableMotors(AxisFlags { e: true, ..x_and_y }))),
+        ("M115 U6.2.6+8948", Command::Report(ReportCommand::ReportFirmware)),
         ("M862.3 P \"MK4S\" ; printer model check", Command::Silent),
         ("M862.6 P \"Input shaper\"", Command::Silent),
         ("M486 ACube (1)*", Command::Silent),
         ("EXCLUDE_OBJECT_START NAME=cube", Command::Silent),
-        ("M117 E5 * ; x", Command::Message),
-        ("M400 U1", Command::Finish),
-        ("M106 S91.8", Command::FanSpeed { fan: 0, speed: read("91.8") }),
-        ("T0", Command::Tool),
-        ("M73 P0 R12", Command::Progress { percent: Some(Number::ZERO), minutes: Some(Number::from(12)) }),
+        ("M117 E5 * ; x", Command::Report(ReportCommand::Message)),
+        ("M400 U1", Command::Motion(MotionCommand::Finish)),
+        ("M106 S91.8", Command::Heat(HeatCommand::FanSpeed { fan: 0, speed: read("91.8") })),
+        ("T0", Command::Motion(MotionCommand::Tool)),
+        (
+            "M73 P0 R12",
+            Command::Job(JobCommand::Progress { percent: Some(Number::ZERO), minutes: Some(Number::from(12)) }),
+        ),
     ] {
         assert_eq!(parse(line.as_bytes()), expected, "{line}");
     }
@@ -301,7 +333,7 @@ const ANY_TEXT: [&[&str]; 5] = [
     &["M24", "M25", "M75", "M77", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
     // They are answered and not carried out.
     &["G29", "G30", "G80", "M48", "M290", "M420", "M622", "M623", "M851"],
-    // The machine has nothing to do for them (`gcode::quiet`).
+    // The machine has nothing to do for them (`gcode::commands::silent`).
     &[
         "M2", "M20", "M21", "M74", "M76", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355", "M403",
         "M425", "M530", "M532", "M555", "M870", "M907",
@@ -316,9 +348,10 @@ fn known_codes() -> impl Iterator<Item = String> {
 
 #[test]
 fn every_known_code_and_name_is_thrown_at_the_parser() {
-    let is_thrown = |code: &String| CODES.iter().any(|line| line.split([' ', '.']).next() == Some(code));
+    let thrown = beginnings();
+    let is_thrown = |code: &String| thrown.iter().any(|line| line.split([' ', '.']).next() == Some(code));
     let missing: Vec<_> = known_codes().chain(names().map(str::to_owned)).filter(|code| !is_thrown(code)).collect();
-    assert!(missing.is_empty(), "{missing:?} in CODES");
+    assert!(missing.is_empty(), "{missing:?} in the table of src/gcode/commands");
 }
 
 /// Named commands report errors in their words by their own reader, as `ACCEL=fast`.
@@ -338,14 +371,23 @@ fn a_code_without_a_row_in_the_grammar_takes_any_text_for_a_reason() {
     let [.., answered, silent] = ANY_TEXT;
     for code in answered {
         let command = parse(code.as_bytes());
-        let is_answered = matches!(command, Command::Probing | Command::ReportLevelling | Command::Conditional);
-        assert!(is_answered, "{code} does something: a row in src/gcode/grammar.rs");
+        let is_answered = matches!(
+            command,
+            Command::Refused(RefusedCommand::Probing)
+                | Command::Refused(RefusedCommand::ReportLevelling)
+                | Command::Refused(RefusedCommand::Conditional)
+        );
+        assert!(is_answered, "{code} does something: a grammar in its row (src/gcode/commands)");
     }
     for code in silent {
-        assert_eq!(parse(code.as_bytes()), Command::Silent, "{code} does something: a row in src/gcode/grammar.rs");
+        assert_eq!(
+            parse(code.as_bytes()),
+            Command::Silent,
+            "{code} does something: a grammar in its row (src/gcode/commands)"
+        );
     }
     let obeyed: BTreeSet<_> = known_codes().filter(is_obeyed).collect();
     let any_text: BTreeSet<_> = ANY_TEXT.concat().into_iter().map(str::to_owned).collect();
     let different: Vec<_> = obeyed.symmetric_difference(&any_text).collect();
-    assert!(different.is_empty(), "{different:?}: a row in src/gcode/grammar.rs, or a place in ANY_TEXT");
+    assert!(different.is_empty(), "{different:?}: a grammar in its row (src/gcode/commands), or a place in ANY_TEXT");
 }

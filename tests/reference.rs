@@ -1,20 +1,78 @@
-//! The tables of docs/reference against the code: every code of the parser and every fault has a row.
+//! The tables of docs/reference against the code. Those of codes are made from the rows of `gcode::commands`
+//! (`BLESS=1` writes them); every fault has a row.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::fault::{Cause, Fault};
-use corehbot::gcode::{Command, Flaw, names, parse};
+use corehbot::gcode::{Command, Flaw, Treatment, described, names, parse};
 use std::collections::BTreeMap;
 
-/// The firmware's treatment of a code, as the headings of gcode.md name it. M486 does something with a word alone.
-fn heading_of(code: &str) -> Option<&'static str> {
+/// The heading of a table in gcode.md, and the heads of its columns.
+const fn heading_of(treatment: Treatment) -> (&'static str, &'static [&'static str]) {
+    match treatment {
+        Treatment::CarriedOut => ("Carried out", &["code", "words", "does"]),
+        Treatment::Silent => ("Accepted silently", &["code", "why nothing is done"]),
+        Treatment::Refused => ("Refused", &["code", "answer"]),
+    }
+}
+
+/// The firmware's treatment of a code, as the parser has it. M486 does something with a word alone.
+fn treatment_of(code: &str) -> Option<Treatment> {
     match parse(code.as_bytes()) {
         Command::Unknown(_) => None,
         Command::Silent => match parse(format!("{code} S1").as_bytes()) {
-            Command::Silent | Command::Unknown(_) => Some("Accepted silently"),
-            _ => Some("Carried out"),
+            Command::Silent | Command::Unknown(_) => Some(Treatment::Silent),
+            _ => Some(Treatment::CarriedOut),
         },
-        Command::Probing | Command::ReportLevelling | Command::Conditional => Some("Refused"),
-        _ => Some("Carried out"),
+        Command::Refused(_) => Some(Treatment::Refused),
+        _ => Some(Treatment::CarriedOut),
+    }
+}
+
+/// The document with its tables made anew from the rows of `gcode::commands`, a table below each heading of a family.
+fn with_tables(document: &str) -> String {
+    let mut tables = BTreeMap::<&str, String>::new();
+    for line in described() {
+        let (_, heads) = heading_of(line.text.treatment);
+        let table = tables
+            .entry(line.family)
+            .or_insert_with(|| format!("| {} |\n|{}\n", heads.join(" | "), "---|".repeat(heads.len())));
+        let (letter, numbers) = line.codes;
+        let codes = numbers.iter().map(|number| format!("{letter}{number}"));
+        let names: Vec<_> = codes.chain(line.names.iter().map(|name| (*name).to_owned())).collect();
+        let words = line.text.words;
+        let words = match heads.len() {
+            2 => String::new(),
+            _ if words.is_empty() => " |".to_owned(),
+            _ => format!(" {words} |"),
+        };
+        *table += &format!("| {} |{words} {} |\n", names.join(", "), line.text.does);
+    }
+    let (mut made, mut heading, mut is_told) = (String::new(), "", false);
+    for line in document.lines() {
+        if line.starts_with('#') {
+            (heading, is_told) = (line.trim_start_matches(['#', ' ']), false);
+        }
+        match tables.get(heading) {
+            Some(_) if line.starts_with('|') && is_told => {}
+            Some(table) if line.starts_with('|') => {
+                made += table;
+                is_told = true;
+            }
+            _ => made += &format!("{line}\n"),
+        }
+    }
+    made
+}
+
+#[test]
+fn the_tables_of_codes_are_those_of_the_parser() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/reference/gcode.md");
+    let document = std::fs::read_to_string(path).unwrap();
+    let made = with_tables(&document);
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(path, &made).unwrap();
+    } else {
+        assert!(document == made, "BLESS=1 cargo test -p corehbot --test reference");
     }
 }
 
@@ -42,18 +100,18 @@ fn every_code_stands_once_in_the_reference_under_what_is_done_with_it() {
         }
         for code in cells[0].split(", ") {
             assert_eq!(told.insert(code, (heading, cells[1])), None, "{code} has two rows");
-            assert_eq!(heading_of(code), Some(heading), "{code}");
+            assert_eq!(treatment_of(code).map(|it| heading_of(it).0), Some(heading), "{code}");
         }
     }
     let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
     for code in codes.chain(["T0".to_owned()]).chain(names().map(str::to_owned)) {
-        let Some(heading) = heading_of(&code) else { continue };
+        let Some(treatment) = treatment_of(&code) else { continue };
         let (_, words) = told.get(code.as_str()).unwrap_or_else(|| panic!("gcode.md has no row for {code}"));
         for letter in b'A'..=b'Z' {
             let line = format!("{code} {}", letter as char);
             if matches!(parse(line.as_bytes()), Command::Malformed(Flaw::NoNumber(needed)) if needed == letter) {
                 let has_it = words.split([' ', ',', '(']).any(|word| word.as_bytes() == [letter]);
-                assert!(heading != "Carried out" || has_it, "{code} takes {}: {words}", letter as char);
+                assert!(treatment != Treatment::CarriedOut || has_it, "{code} takes {}: {words}", letter as char);
             }
         }
     }

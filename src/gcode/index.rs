@@ -1,17 +1,17 @@
 //! Index words: letters with a number that selects one of several parts. A command for a part that is not there does
 //! nothing and is refused by name; `M221 T1 S50` must not halve the flow of the only extruder.
 //!
-//! [`index_words`] is the table, read against Marlin 2.1 (`get_target_extruder_from_command` and the `I`, `E` and `D`
-//! of its commands), RepRapFirmware 3 and Prusa-Firmware-Buddy. Left out with a reason:
+//! The rows of commands name them (`commands`, `Grammar::parts`), read against Marlin 2.1
+//! (`get_target_extruder_from_command` and the `I`, `E` and `D` of its commands), RepRapFirmware 3 and
+//! Prusa-Firmware-Buddy. Left out with a reason:
 //!
 //! - P of M106 and M107: the machine knows its number of fans (`machine::commands::fans`).
-//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`heat::heater`). T of M306 requests a tuning, T of
+//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`commands::heat`). T of M306 requests a tuning, T of
 //!   M204 and M205 is for travel.
 //! - Reports (M105 T, M114, M122 P): their result does not depend on their words.
 //! - Pauses (M600 T): a print that needs its user waits, for any tool.
 //! - M104 T0, M106 P0, M200 D0, `G10 P0`, M141: slicers write them for machines with one extruder and no chamber.
 
-use super::code::Code;
 use super::number::Number;
 
 /// The part that a word addresses.
@@ -105,27 +105,6 @@ impl Absent<'_> {
     }
 }
 
-/// The index words of a code.
-pub(super) const fn index_words(code: Code) -> &'static [(u8, Part)] {
-    match (code.letter, code.number) {
-        (b'M', 17 | 18 | 84) => &[(b'E', Part::Extruder)],
-        (b'M', 92 | 200 | 201 | 203) => &[(b'T', Part::Extruder)],
-        (b'M', 104 | 109) => &[(b'T', Part::Tool), (b'I', Part::Preset)],
-        (b'M', 106) => &[(b'I', Part::Preset)],
-        (b'M', 116 | 207 | 208) => &[(b'P', Part::Tool)],
-        (b'M', 140 | 190) => &[(b'P', Part::Bed), (b'H', Part::Heater), (b'I', Part::Preset)],
-        (b'M', 141 | 191) => &[(b'P', Part::Chamber), (b'H', Part::Heater)],
-        (b'M', 221) => &[(b'T', Part::Extruder), (b'D', Part::Extruder)],
-        (b'M', 301) => &[(b'E', Part::Extruder), (b'H', Part::Heater), (b'T', Part::Tool)],
-        (b'M', 303) => &[(b'T', Part::Tool), (b'H', Part::Heater)],
-        (b'M', 304) => &[(b'H', Part::Heater), (b'T', Part::Tool)],
-        (b'M', 569 | 906 | 913 | 914) => &[(b'I', Part::Driver), (b'T', Part::Extruder)],
-        (b'M', 572) => &[(b'D', Part::Extruder)],
-        (b'M', 900) => &[(b'T', Part::Extruder), (b'S', Part::Slot), (b'L', Part::Other)],
-        _ => &[],
-    }
-}
-
 /// The part that a word is for, if it is for one that is not there.
 pub(super) fn absent(words: &[(u8, Part)], letter: u8, number: Option<Number>) -> Option<Part> {
     let (_, part) = words.iter().find(|(its, _)| *its == letter)?;
@@ -142,7 +121,7 @@ pub(super) fn absent_extruder<'a>(command: &'static str, name: &'a [u8]) -> Opti
 mod tests {
     extern crate std;
 
-    use super::super::command::Command;
+    use super::super::commands::Command;
     use super::super::parse::parse;
     use super::super::parts::Flaw;
     use super::*;

@@ -143,5 +143,10 @@ fn skip_number(mut text: &[u8]) -> &[u8] {
     text
 }
 
+/// The switch in S: S0 is off, any other S is on.
+pub(super) fn switch(text: &[u8]) -> Option<bool> {
+    last(text, b'S').map(|word| word.number != Some(Number::ZERO))
+}
+
 #[cfg(test)]
 mod tests;

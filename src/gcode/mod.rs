@@ -6,33 +6,27 @@
 //! `machine` carries the command out; room `protocol` has already removed a line's number and checksum. No state is
 //! kept: a line gives the same command after any other lines.
 //!
-//! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
-//! people), `heat` or `shaping`. `grammar` finds invalid lines, and `index` finds words for missing parts. `quiet`
-//! lists commands that need only `ok` because the machine has nothing to do for them.
+//! `parse` finds the code and its row in `commands`, where each family of commands has a file: the type, the reader of
+//! its words, its rules for them, and its line in docs/reference/gcode.md. `index` has the parts that words select. The
+//! other files read letters, numbers and axes.
 
 mod axes;
 mod code;
-mod command;
-mod grammar;
-mod heat;
+mod commands;
 mod index;
 mod lexer;
-mod m_codes;
-mod machine_record;
-mod named;
 mod number;
 mod parse;
 mod parts;
-mod quiet;
-mod shaping;
-mod text;
 
-pub use command::Command;
+pub use commands::{
+    Command, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, RefusedCommand, ReportCommand, SettingCommand,
+    ShaperName, Text, Treatment, codes, described, names,
+};
 pub use index::{Absent, Named, Part};
-pub use named::names;
 pub use number::Number;
 pub use parse::parse;
 pub use parts::{
-    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, ParkWords, Plane, VelocityWords,
+    ArcShape, ArcWords, Audience, AxisFlags, AxisWords, CornerWords, Flaw, Form, MachineRecord, ModelWords, ParkWords,
+    Plane, ShaperWords, TuningWords, VelocityWords,
 };
-pub use shaping::ShaperName;

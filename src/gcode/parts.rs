@@ -2,6 +2,7 @@
 
 use super::index::Absent;
 use super::number::Number;
+use crate::connectors::Heater;
 
 /// One value per axis, each only if the line gave it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -169,4 +170,63 @@ pub struct ModelWords {
     pub heater_lag: Option<Number>,
     /// H: heat that filament takes, J/(K mm).
     pub filament: Option<Number>,
+}
+
+/// The words of G2, G3.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ArcWords {
+    /// G2 runs clockwise, G3 counter-clockwise.
+    pub clockwise: bool,
+    /// The target.
+    pub to: AxisWords,
+    /// F, per minute.
+    pub feed: Option<Number>,
+    /// I, J, K or R.
+    pub shape: ArcShape,
+    /// P: total number of turns, at least 1 (RS-274/NGC section 3.5.3).
+    pub turns: u16,
+    /// Most decimals of its coordinates as they are written, up to 5: places that differ by less than the last may
+    /// be one.
+    pub decimals: u8,
+}
+
+/// The words of M303, M306 T.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TuningWords {
+    /// E: 0 the hotend, -1 the bed, -2 the chamber; `None` for another number.
+    pub heater: Option<Heater>,
+    /// S, in degrees Celsius.
+    pub target: Option<Number>,
+    /// C: swings.
+    pub cycles: Option<Number>,
+    /// U: whether to use the result.
+    pub applies: bool,
+}
+
+/// The words of M205.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct CornerWords {
+    /// J: junction deviation in units.
+    pub deviation: Option<Number>,
+    /// X, Y, Z, E: the speed jump allowed in a corner, units/s.
+    pub jerk: AxisWords,
+    /// S: least speed of a printing move, units/s.
+    pub min_feed: Option<Number>,
+    /// T: least speed of a travelling move, units/s.
+    pub min_travel: Option<Number>,
+    /// B: least time of a segment in us, which this firmware does not know.
+    pub min_segment: Option<Number>,
+}
+
+/// The words of M593.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ShaperWords {
+    /// X and Y.
+    pub axes: AxisFlags,
+    /// F, in Hz; 0 is off.
+    pub frequency: Option<Number>,
+    /// D: a ratio.
+    pub damping: Option<Number>,
+    /// T: which shaper.
+    pub kind: Option<Number>,
 }

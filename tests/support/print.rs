@@ -4,245 +4,324 @@ use core::fmt::{self, Display, Formatter, Write};
 
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    Absent, ArcShape, Audience, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Named, Number, ParkWords,
-    Part, Plane, VelocityWords,
+    Absent, ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Command, CornerWords, Flaw, Form, HeatCommand,
+    JobCommand, MachineRecord, MotionCommand, MotorCommand, Named, Number, ParkWords, Part, Plane, RefusedCommand,
+    ReportCommand, SettingCommand, ShaperWords, TuningWords, VelocityWords,
 };
 
 /// A command to be printed. One that represents a whole family is printed as one of it: M74 for silent ones. A line
 /// that is not in order is printed as one with the same flaw. In a text, `?` stands for every byte that is neither
 /// printable ASCII nor a tab.
-pub struct Printed<'c>(pub Command<'c>);
+///
+/// A command without a form of its own here is printed as the line that it was read from, reduced.
+pub struct Printed<'c>(pub Command<'c>, pub &'c [u8]);
 
 impl Display for Printed<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self.0 {
-            Command::Line { rapid, to, feed } => {
-                f.write_str(if rapid { "G0" } else { "G1" })?;
-                axes(f, to)?;
-                word(f, 'F', feed)
-            }
-            Command::Circulate { to, belt, feed } => {
-                f.write_str("G1")?;
-                axes(f, to)?;
-                word(f, 'C', Some(belt))?;
-                word(f, 'F', feed)
-            }
-            Command::Arc { clockwise, to, feed, shape, turns, decimals } => {
-                f.write_str(if clockwise { "G2" } else { "G3" })?;
-                let (i, j, k, r) = match shape {
-                    ArcShape::Centre { i, j, k } => (Some(i), Some(j), Some(k).filter(|k| *k != Number::ZERO), None),
-                    ArcShape::Radius(r) => (None, None, None, Some(r)),
-                    ArcShape::Missing => (None, None, None, None),
-                };
-                let all = [('X', to.x), ('Y', to.y), ('Z', to.z), ('I', i), ('J', j), ('K', k), ('R', r)];
-                let mut words: Vec<_> = all.into_iter().filter_map(|(l, n)| Some(format!("{l}{}", n?))).collect();
-                // One has as many decimals as the line has to show.
-                let shown = words.iter().map(|word| decimals_of(word)).max();
-                if let Some(last) = words.last_mut().filter(|_| shown < Some(usize::from(decimals))) {
-                    *last = padded(last, usize::from(decimals));
-                }
-                words.iter().try_for_each(|word| write!(f, " {word}"))?;
-                word(f, 'E', to.e)?;
-                if turns > 1 {
-                    write!(f, " P{turns}")?;
-                }
-                word(f, 'F', feed)
-            }
-            Command::Dwell { ms } => write!(f, "G4 P{ms}"),
-            Command::Retract => f.write_str("G10"),
-            Command::Recover => f.write_str("G11"),
-            Command::RetractSettings { length, feed, lift } => {
-                f.write_str("M207")?;
-                word(f, 'S', length)?;
-                word(f, 'F', feed)?;
-                word(f, 'Z', lift)
-            }
-            Command::RecoverSettings { extra, feed } => {
-                f.write_str("M208")?;
-                word(f, 'S', extra)?;
-                word(f, 'F', feed)
-            }
-            Command::Plane(Plane::Xy) => f.write_str("G17"),
-            Command::Plane(Plane::Zx) => f.write_str("G18"),
-            Command::Plane(Plane::Yz) => f.write_str("G19"),
-            Command::Inches => f.write_str("G20"),
-            Command::Millimetres => f.write_str("G21"),
-            Command::Home(named) => flags(f, "G28", named),
-            Command::Absolute => f.write_str("G90"),
-            Command::Relative => f.write_str("G91"),
-            Command::SetPosition(to) => axis_line(f, "G92", to),
-            Command::EnableMotors(named) => flags(f, "M17", named),
-            Command::DisableMotors(named) => flags(f, "M84", named),
-            Command::IdleTimeout { seconds } => write!(f, "M84 S{seconds}"),
-            Command::AbsoluteExtrusion => f.write_str("M82"),
-            Command::RelativeExtrusion => f.write_str("M83"),
-            Command::StepsPerMm(words) => axis_line(f, "M92", words),
-            Command::ReportTemperatures => f.write_str("M105"),
-            Command::Continue => f.write_str("M108"),
-            Command::LineNumber => f.write_str("M110"),
-            Command::EmergencyStop => f.write_str("M112"),
-            Command::Keepalive(seconds) => switch(f, "M113", seconds),
-            Command::ReportPosition { real } => f.write_str(if real { "M114 R" } else { "M114" }),
-            Command::ReportFirmware => f.write_str("M115"),
-            Command::Message => f.write_str("M117"),
-            Command::ReportEndstops => f.write_str("M119"),
-            Command::Diagnose => f.write_str("M122"),
-            Command::AutoReport(seconds) => switch(f, "M155", seconds),
-            Command::MaxAcceleration(words) => axis_line(f, "M201", words),
-            Command::MaxSpeed(words) => axis_line(f, "M203", words),
-            Command::Acceleration { print, retract, travel } => {
-                f.write_str("M204")?;
-                word(f, 'P', print)?;
-                word(f, 'R', retract)?;
-                word(f, 'T', travel)
-            }
-            Command::Corners { deviation, jerk, min_feed, min_travel, min_segment } => {
-                axis_line(f, "M205", jerk)?;
-                word(f, 'J', deviation)?;
-                word(f, 'S', min_feed)?;
-                word(f, 'T', min_travel)?;
-                word(f, 'B', min_segment)
-            }
-            Command::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
-            Command::FeedPercent(percent) => switch(f, "M220", percent),
-            Command::BackUpFeedPercent => f.write_str("M220 B"),
-            Command::RestoreFeedPercent => f.write_str("M220 R"),
-            Command::FlowPercent(percent) => switch(f, "M221", percent),
-            Command::Finish => f.write_str("M400"),
-            Command::QuickStop => f.write_str("M410"),
-            Command::SaveSettings => f.write_str("M500"),
-            Command::LoadSettings => f.write_str("M501"),
-            Command::DefaultSettings => f.write_str("M502"),
-            Command::ReportSettings { for_replay } => f.write_str(if for_replay { "M503 S0" } else { "M503" }),
-            Command::CheckStorage => f.write_str("M504"),
-            Command::Stealth { on: None, .. } => f.write_str("M569"),
-            Command::Stealth { on: Some(on), axes } => flags(f, if on { "M569 S1" } else { "M569 S0" }, axes),
-            Command::DriverCurrent(words) => axis_line(f, "M906", words),
-            Command::HybridThreshold(words) => axis_line(f, "M913", words),
-            Command::StallThreshold(words) => axis_line(f, "M914", words),
-            Command::AlignBelt { diagnoses, repairs } => {
-                f.write_str("M915")?;
-                f.write_str(if diagnoses { " D" } else { "" })?;
-                f.write_str(if repairs { " R" } else { "" })
-            }
-            Command::Shaper { axes, frequency, damping, kind } => {
-                flags(f, "M593", axes)?;
-                word(f, 'F', frequency)?;
-                word(f, 'D', damping)?;
-                word(f, 'T', kind)
-            }
-            Command::Advance { time, window } => {
-                f.write_str("M572")?;
-                word(f, 'S', time)?;
-                word(f, 'W', window)
-            }
-            Command::VelocityLimit(limit) => velocity_limit(f, limit),
-            Command::Tool => f.write_str("T0"),
-            Command::HeaterTarget { heater, target } => {
-                f.write_str(["M104", "M140", "M141"][heater as usize])?;
-                word(f, 'S', target)
-            }
-            Command::HeaterWait { heater, target, cools } => {
-                f.write_str(["M109", "M190", "M191"][heater as usize])?;
-                word(f, if cools { 'R' } else { 'S' }, target)
-            }
-            Command::AwaitHeaters => f.write_str("M116"),
-            Command::FanSpeed { fan, speed } => write!(f, "M106 P{fan} S{speed}"),
-            Command::Pid { heater, gains: [p, i, d] } => {
-                f.write_str(if heater == Heater::Bed { "M304" } else { "M301" })?;
-                word(f, 'P', p)?;
-                word(f, 'I', i)?;
-                word(f, 'D', d)
-            }
-            Command::TuneHeater { heater, target, cycles, applies } => {
-                write!(f, "M303 {}", index(heater))?;
-                word(f, 'S', target)?;
-                word(f, 'C', cycles)?;
-                f.write_str(if applies { " U1" } else { "" })
-            }
-            Command::SelfTest => f.write_str("SELF_TEST"),
-            Command::MachineRecord(MachineRecord::Get) => f.write_str("MACHINE_GET"),
-            Command::MachineRecord(MachineRecord::Store) => f.write_str("MACHINE_STORE"),
-            Command::MachineRecord(MachineRecord::Put { at, hex }) => {
-                write!(f, "MACHINE_PUT AT={at} HEX=")?;
-                write_text(f, hex)
-            }
-            Command::ColdExtrusion { least, allow } => {
-                switch(f, "M302", least)?;
-                word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))
-            }
-            Command::HeaterModel { heater, is_named, words } => {
-                write!(f, "M306 {}", if is_named { index(heater) } else { "" })?;
-                for (letter, number) in [
-                    ('P', words.power),
-                    ('C', words.capacity),
-                    ('A', words.loss),
-                    ('F', words.fan_loss),
-                    ('R', words.responsiveness),
-                    ('L', words.heater_lag),
-                    ('H', words.filament),
-                ] {
-                    word(f, letter, number)?;
-                }
-                Ok(())
-            }
-            Command::ControllerFan { speed, run_on, resets, other } => {
-                switch(f, "M710", speed)?;
-                word(f, 'D', run_on)?;
-                f.write_str(if resets { " R" } else { "" })?;
-                other.map_or(Ok(()), |letter| write!(f, " {}", letter as char))
-            }
-            Command::PowerOff => f.write_str("M81"),
-            Command::PowerLossRecovery(on) => switch(f, "M413", on.map(|on| Number::from(i32::from(on)))),
-            Command::Conditional => f.write_str("M622"),
-            Command::Restart => f.write_str("M999"),
+            Command::Motion(command) => motion(f, command, self.1),
+            Command::Motor(command) => motor(f, command, self.1),
+            Command::Setting(command) => setting(f, command, self.1),
+            Command::Heat(command) => heat(f, command, self.1),
+            Command::Job(command) => job(f, command, self.1),
+            Command::Report(command) => report(f, command, self.1),
+            Command::Refused(command) => refused(f, command),
             Command::Malformed(flaw) => malformed(f, flaw),
             Command::Silent => f.write_str("M74"),
-            Command::AwaitUser { filament: true, park, .. } => parked(f, "M600", 'E', park),
-            Command::AwaitUser { ms: 0, park, .. } if park == ParkWords::default() => f.write_str("M0"),
-            Command::AwaitUser { ms: 0, park, .. } => parked(f, "M601", 'E', park),
-            Command::AwaitUser { ms, .. } => write!(f, "M0 P{ms}"),
-            Command::Pause { parks: false, .. } => f.write_str("M25"),
-            Command::Pause { parks: true, park } => parked(f, "M125", 'L', park),
-            Command::BeginJob => f.write_str("M75"),
-            Command::EndJob => f.write_str("M77"),
-            Command::Cancel => f.write_str("M524"),
-            Command::BeginUpload(name) => {
-                f.write_str("M28 ")?;
-                write_text(f, name)
-            }
-            Command::EndUpload => f.write_str("M29"),
-            Command::Resume => f.write_str("M24"),
-            Command::Answer => f.write_str("M876"),
-            Command::Progress { percent, minutes } => {
-                f.write_str("M73")?;
-                word(f, 'P', percent)?;
-                word(f, 'R', minutes)
-            }
-            Command::Debug(bits) => switch(f, "M111", bits),
-            Command::AutoPosition(seconds) => switch(f, "M154", seconds),
-            Command::Tell { form, to, text } => {
-                f.write_str("M118 ")?;
-                match to {
-                    // The letters in front of a text end there, or the text could be taken for more of them.
-                    Audience::Sender => f.write_str("E0 ")?,
-                    Audience::All => f.write_str("P0 ")?,
-                    Audience::Line(line) => write!(f, "P{line} ")?,
-                }
-                f.write_str(match form {
-                    Form::Plain => "",
-                    Form::Echo => "E1 ",
-                    Form::Action => "A1 ",
-                })?;
-                write_text(f, text)
-            }
-            Command::ReportLevelling => f.write_str("M420"),
-            Command::Object(number) => write!(f, "M486 S{number}"),
-            Command::CancelObject => f.write_str("M486 C"),
-            Command::Probing => f.write_str("G29"),
             Command::Unknown(text) => write_text(f, text),
         }
     }
+}
+
+fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Result {
+    match command {
+        MotionCommand::Line { rapid, to, feed } => {
+            f.write_str(if rapid { "G0" } else { "G1" })?;
+            axes(f, to)?;
+            word(f, 'F', feed)
+        }
+        MotionCommand::Circulate { to, belt, feed } => {
+            f.write_str("G1")?;
+            axes(f, to)?;
+            word(f, 'C', Some(belt))?;
+            word(f, 'F', feed)
+        }
+        MotionCommand::Arc(ArcWords { clockwise, to, feed, shape, turns, decimals }) => {
+            f.write_str(if clockwise { "G2" } else { "G3" })?;
+            let (i, j, k, r) = match shape {
+                ArcShape::Centre { i, j, k } => (Some(i), Some(j), Some(k).filter(|k| *k != Number::ZERO), None),
+                ArcShape::Radius(r) => (None, None, None, Some(r)),
+                ArcShape::Missing => (None, None, None, None),
+            };
+            let all = [('X', to.x), ('Y', to.y), ('Z', to.z), ('I', i), ('J', j), ('K', k), ('R', r)];
+            let mut words: Vec<_> = all.into_iter().filter_map(|(l, n)| Some(format!("{l}{}", n?))).collect();
+            // One has as many decimals as the line has to show.
+            let shown = words.iter().map(|word| decimals_of(word)).max();
+            if let Some(last) = words.last_mut().filter(|_| shown < Some(usize::from(decimals))) {
+                *last = padded(last, usize::from(decimals));
+            }
+            words.iter().try_for_each(|word| write!(f, " {word}"))?;
+            word(f, 'E', to.e)?;
+            if turns > 1 {
+                write!(f, " P{turns}")?;
+            }
+            word(f, 'F', feed)
+        }
+        MotionCommand::Dwell { ms } => write!(f, "G4 P{ms}"),
+        MotionCommand::Retract => f.write_str("G10"),
+        MotionCommand::Recover => f.write_str("G11"),
+        MotionCommand::RetractSettings { length, feed, lift } => {
+            f.write_str("M207")?;
+            word(f, 'S', length)?;
+            word(f, 'F', feed)?;
+            word(f, 'Z', lift)
+        }
+        MotionCommand::RecoverSettings { extra, feed } => {
+            f.write_str("M208")?;
+            word(f, 'S', extra)?;
+            word(f, 'F', feed)
+        }
+        MotionCommand::Plane(Plane::Xy) => f.write_str("G17"),
+        MotionCommand::Plane(Plane::Zx) => f.write_str("G18"),
+        MotionCommand::Plane(Plane::Yz) => f.write_str("G19"),
+        MotionCommand::Inches => f.write_str("G20"),
+        MotionCommand::Millimetres => f.write_str("G21"),
+        MotionCommand::Home(named) => flags(f, "G28", named),
+        MotionCommand::Absolute => f.write_str("G90"),
+        MotionCommand::Relative => f.write_str("G91"),
+        MotionCommand::SetPosition(to) => axis_line(f, "G92", to),
+        MotionCommand::AbsoluteExtrusion => f.write_str("M82"),
+        MotionCommand::RelativeExtrusion => f.write_str("M83"),
+        MotionCommand::FeedPercent(percent) => switch(f, "M220", percent),
+        MotionCommand::BackUpFeedPercent => f.write_str("M220 B"),
+        MotionCommand::RestoreFeedPercent => f.write_str("M220 R"),
+        MotionCommand::FlowPercent(percent) => switch(f, "M221", percent),
+        MotionCommand::Finish => f.write_str("M400"),
+        MotionCommand::QuickStop => f.write_str("M410"),
+        MotionCommand::Tool => f.write_str("T0"),
+        _ => reduced(f, line),
+    }
+}
+
+fn motor(f: &mut Formatter<'_>, command: MotorCommand, line: &[u8]) -> fmt::Result {
+    match command {
+        MotorCommand::EnableMotors(named) => flags(f, "M17", named),
+        MotorCommand::DisableMotors(named) => flags(f, "M84", named),
+        MotorCommand::IdleTimeout { seconds } => write!(f, "M84 S{seconds}"),
+        MotorCommand::Stealth { on: None, .. } => f.write_str("M569"),
+        MotorCommand::Stealth { on: Some(on), axes } => flags(f, if on { "M569 S1" } else { "M569 S0" }, axes),
+        MotorCommand::DriverCurrent(words) => axis_line(f, "M906", words),
+        MotorCommand::HybridThreshold(words) => axis_line(f, "M913", words),
+        MotorCommand::StallThreshold(words) => axis_line(f, "M914", words),
+        MotorCommand::AlignBelt { diagnoses, repairs } => {
+            f.write_str("M915")?;
+            f.write_str(if diagnoses { " D" } else { "" })?;
+            f.write_str(if repairs { " R" } else { "" })
+        }
+        _ => reduced(f, line),
+    }
+}
+
+fn setting(f: &mut Formatter<'_>, command: SettingCommand<'_>, line: &[u8]) -> fmt::Result {
+    match command {
+        SettingCommand::StepsPerMm(words) => axis_line(f, "M92", words),
+        SettingCommand::MaxAcceleration(words) => axis_line(f, "M201", words),
+        SettingCommand::MaxSpeed(words) => axis_line(f, "M203", words),
+        SettingCommand::Acceleration { print, retract, travel } => {
+            f.write_str("M204")?;
+            word(f, 'P', print)?;
+            word(f, 'R', retract)?;
+            word(f, 'T', travel)
+        }
+        SettingCommand::Corners(CornerWords { deviation, jerk, min_feed, min_travel, min_segment }) => {
+            axis_line(f, "M205", jerk)?;
+            word(f, 'J', deviation)?;
+            word(f, 'S', min_feed)?;
+            word(f, 'T', min_travel)?;
+            word(f, 'B', min_segment)
+        }
+        SettingCommand::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
+        SettingCommand::SaveSettings => f.write_str("M500"),
+        SettingCommand::LoadSettings => f.write_str("M501"),
+        SettingCommand::DefaultSettings => f.write_str("M502"),
+        SettingCommand::ReportSettings { for_replay } => f.write_str(if for_replay { "M503 S0" } else { "M503" }),
+        SettingCommand::CheckStorage => f.write_str("M504"),
+        SettingCommand::Shaper(ShaperWords { axes, frequency, damping, kind }) => {
+            flags(f, "M593", axes)?;
+            word(f, 'F', frequency)?;
+            word(f, 'D', damping)?;
+            word(f, 'T', kind)
+        }
+        SettingCommand::Advance { time, window } => {
+            f.write_str("M572")?;
+            word(f, 'S', time)?;
+            word(f, 'W', window)
+        }
+        SettingCommand::VelocityLimit(limit) => velocity_limit(f, limit),
+        SettingCommand::MachineRecord(MachineRecord::Get) => f.write_str("MACHINE_GET"),
+        SettingCommand::MachineRecord(MachineRecord::Store) => f.write_str("MACHINE_STORE"),
+        SettingCommand::MachineRecord(MachineRecord::Put { at, hex }) => {
+            write!(f, "MACHINE_PUT AT={at} HEX=")?;
+            write_text(f, hex)
+        }
+        SettingCommand::PowerLossRecovery(on) => switch(f, "M413", on.map(|on| Number::from(i32::from(on)))),
+        _ => reduced(f, line),
+    }
+}
+
+fn heat(f: &mut Formatter<'_>, command: HeatCommand, line: &[u8]) -> fmt::Result {
+    match command {
+        HeatCommand::ReportTemperatures => f.write_str("M105"),
+        HeatCommand::HeaterTarget { heater, target } => {
+            f.write_str(["M104", "M140", "M141"][heater as usize])?;
+            word(f, 'S', target)
+        }
+        HeatCommand::HeaterWait { heater, target, cools } => {
+            f.write_str(["M109", "M190", "M191"][heater as usize])?;
+            word(f, if cools { 'R' } else { 'S' }, target)
+        }
+        HeatCommand::AwaitHeaters => f.write_str("M116"),
+        HeatCommand::FanSpeed { fan, speed } => write!(f, "M106 P{fan} S{speed}"),
+        HeatCommand::Pid { heater, gains: [p, i, d] } => {
+            f.write_str(if heater == Heater::Bed { "M304" } else { "M301" })?;
+            word(f, 'P', p)?;
+            word(f, 'I', i)?;
+            word(f, 'D', d)
+        }
+        HeatCommand::TuneHeater(TuningWords { heater, target, cycles, applies }) => {
+            write!(f, "M303 {}", index(heater))?;
+            word(f, 'S', target)?;
+            word(f, 'C', cycles)?;
+            f.write_str(if applies { " U1" } else { "" })
+        }
+        HeatCommand::SelfTest => f.write_str("SELF_TEST"),
+        HeatCommand::ColdExtrusion { least, allow } => {
+            switch(f, "M302", least)?;
+            word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))
+        }
+        HeatCommand::HeaterModel { heater, is_named, words } => {
+            write!(f, "M306 {}", if is_named { index(heater) } else { "" })?;
+            for (letter, number) in [
+                ('P', words.power),
+                ('C', words.capacity),
+                ('A', words.loss),
+                ('F', words.fan_loss),
+                ('R', words.responsiveness),
+                ('L', words.heater_lag),
+                ('H', words.filament),
+            ] {
+                word(f, letter, number)?;
+            }
+            Ok(())
+        }
+        HeatCommand::ControllerFan { speed, run_on, resets, other } => {
+            switch(f, "M710", speed)?;
+            word(f, 'D', run_on)?;
+            f.write_str(if resets { " R" } else { "" })?;
+            other.map_or(Ok(()), |letter| write!(f, " {}", letter as char))
+        }
+        HeatCommand::PowerOff => f.write_str("M81"),
+        _ => reduced(f, line),
+    }
+}
+
+fn job(f: &mut Formatter<'_>, command: JobCommand<'_>, line: &[u8]) -> fmt::Result {
+    match command {
+        JobCommand::Continue => f.write_str("M108"),
+        JobCommand::EmergencyStop => f.write_str("M112"),
+        JobCommand::Restart => f.write_str("M999"),
+        JobCommand::AwaitUser { filament: true, park, .. } => parked(f, "M600", 'E', park),
+        JobCommand::AwaitUser { ms: 0, park, .. } if park == ParkWords::default() => f.write_str("M0"),
+        JobCommand::AwaitUser { ms: 0, park, .. } => parked(f, "M601", 'E', park),
+        JobCommand::AwaitUser { ms, .. } => write!(f, "M0 P{ms}"),
+        JobCommand::Pause { parks: false, .. } => f.write_str("M25"),
+        JobCommand::Pause { parks: true, park } => parked(f, "M125", 'L', park),
+        JobCommand::BeginJob => f.write_str("M75"),
+        JobCommand::EndJob => f.write_str("M77"),
+        JobCommand::Cancel => f.write_str("M524"),
+        JobCommand::BeginUpload(name) => {
+            f.write_str("M28 ")?;
+            write_text(f, name)
+        }
+        JobCommand::EndUpload => f.write_str("M29"),
+        JobCommand::Resume => f.write_str("M24"),
+        JobCommand::Answer => f.write_str("M876"),
+        JobCommand::Progress { percent, minutes } => {
+            f.write_str("M73")?;
+            word(f, 'P', percent)?;
+            word(f, 'R', minutes)
+        }
+        JobCommand::Debug(bits) => switch(f, "M111", bits),
+        JobCommand::Object(number) => write!(f, "M486 S{number}"),
+        JobCommand::CancelObject => f.write_str("M486 C"),
+        _ => reduced(f, line),
+    }
+}
+
+fn report(f: &mut Formatter<'_>, command: ReportCommand<'_>, line: &[u8]) -> fmt::Result {
+    match command {
+        ReportCommand::LineNumber => f.write_str("M110"),
+        ReportCommand::Keepalive(seconds) => switch(f, "M113", seconds),
+        ReportCommand::ReportPosition { real } => f.write_str(if real { "M114 R" } else { "M114" }),
+        ReportCommand::ReportFirmware => f.write_str("M115"),
+        ReportCommand::Message => f.write_str("M117"),
+        ReportCommand::ReportEndstops => f.write_str("M119"),
+        ReportCommand::Diagnose => f.write_str("M122"),
+        ReportCommand::AutoReport(seconds) => switch(f, "M155", seconds),
+        ReportCommand::AutoPosition(seconds) => switch(f, "M154", seconds),
+        ReportCommand::Tell { form, to, text } => {
+            f.write_str("M118 ")?;
+            match to {
+                // The letters in front of a text end there, or the text could be taken for more of them.
+                Audience::Sender => f.write_str("E0 ")?,
+                Audience::All => f.write_str("P0 ")?,
+                Audience::Line(line) => write!(f, "P{line} ")?,
+            }
+            f.write_str(match form {
+                Form::Plain => "",
+                Form::Echo => "E1 ",
+                Form::Action => "A1 ",
+            })?;
+            write_text(f, text)
+        }
+        _ => reduced(f, line),
+    }
+}
+
+fn refused(f: &mut Formatter<'_>, command: RefusedCommand) -> fmt::Result {
+    match command {
+        RefusedCommand::Conditional => f.write_str("M622"),
+        RefusedCommand::ReportLevelling => f.write_str("M420"),
+        RefusedCommand::Probing => f.write_str("G29"),
+        _ => Err(fmt::Error),
+    }
+}
+
+/// A line of letters and numbers with the last word of each letter, without comments and texts in quotes.
+pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
+    let text = String::from_utf8_lossy(line).to_ascii_uppercase();
+    let (mut words, mut rest) = (Vec::<(char, String)>::new(), text.as_str());
+    while let Some(first) = rest.chars().next() {
+        let after = &rest[first.len_utf8()..];
+        rest = match first {
+            ';' => "",
+            '(' => after.split_once(')').map_or("", |(_, after)| after),
+            '"' => after.split_once('"').map_or("", |(_, after)| after),
+            'A'..='Z' => {
+                let number = after.trim_start();
+                let end = number.find(|c: char| !matches!(c, '0'..='9' | '.' | '+' | '-')).unwrap_or(number.len());
+                let (number, after) = number.split_at(end);
+                // The code stays in front.
+                let place = words.iter().skip(1).position(|(letter, _)| *letter == first);
+                place.map(|place| words.remove(place + 1));
+                words.push((first, number.to_owned()));
+                after
+            }
+            _ => after,
+        };
+    }
+    let words: Vec<_> = words.into_iter().map(|(letter, number)| format!("{letter}{number}")).collect();
+    f.write_str(&words.join(" "))
 }
 
 /// The number of a heater in E.

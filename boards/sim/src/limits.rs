@@ -21,7 +21,7 @@
 //! corner's own jump, may fall into one measurement.
 
 use crate::file_line::{command_of, words};
-use corehbot::gcode::{Command, Number, VelocityWords, parse};
+use corehbot::gcode::{Command, MotionCommand, Number, SettingCommand, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
@@ -186,16 +186,18 @@ impl Limits {
 
     /// Takes in the limits set by one command.
     fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
-        if let Command::Advance { time: Some(time), .. } = parse(command.as_bytes()) {
+        if let Command::Setting(SettingCommand::Advance { time: Some(time), .. }) = parse(command.as_bytes()) {
             // The firmware leaves other lines alone.
             widest.has_advance |= time > Number::ZERO && ranges::ADVANCE.holds(time.value().saturating_to_num());
             return;
         }
-        if let Command::VelocityLimit(VelocityWords { square_corner: Some(number), .. }) = parse(command.as_bytes()) {
+        if let Command::Setting(SettingCommand::VelocityLimit(VelocityWords { square_corner: Some(number), .. })) =
+            parse(command.as_bytes())
+        {
             widest.square = widest.square.max(number.value().to_num());
             return;
         }
-        if let Command::Circulate { .. } = parse(command.as_bytes()) {
+        if let Command::Motion(MotionCommand::Circulate { .. }) = parse(command.as_bytes()) {
             self.circulates |= s.belt.is_closed;
         }
         let mut words = words(command);

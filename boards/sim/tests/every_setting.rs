@@ -11,7 +11,7 @@ mod lines;
 #[path = "common/setting_lines.rs"]
 mod setting_lines;
 
-use corehbot::gcode::{Command, Number, parse};
+use corehbot::gcode::{Command, Number, SettingCommand, ShaperWords, parse};
 use corehbot::motors::Motor;
 use corehbot::port::NoStorage;
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
@@ -294,7 +294,9 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
         let name = name(kind);
         let settings = machine_file::load(&format!("[shaper.x]\nkind = \"{name}\"")).unwrap();
         assert_eq!(settings.shapers.x.kind, kind, "ShaperKind in src/settings/shaping.rs");
-        let Command::Shaper { kind: number, .. } = parse(format!("M593 X P\"{name}\" F50").as_bytes()) else {
+        let Command::Setting(SettingCommand::Shaper(ShaperWords { kind: number, .. })) =
+            parse(format!("M593 X P\"{name}\" F50").as_bytes())
+        else {
             panic!()
         };
         if kind == ShaperKind::None {

@@ -2,6 +2,9 @@
 
 extern crate std;
 
+use super::super::commands::{MotionCommand, MotorCommand, RefusedCommand, SettingCommand};
+use super::super::number::Number;
+use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Plane};
 use super::*;
 
 fn number(text: &str) -> Option<Number> {
@@ -10,7 +13,9 @@ fn number(text: &str) -> Option<Number> {
 
 #[test]
 fn a_slicers_move() {
-    let Command::Line { rapid: false, to, feed } = parse(b"G1 X.5 Y-12.345 E-.04 F1800") else { panic!() };
+    let Command::Motion(MotionCommand::Line { rapid: false, to, feed }) = parse(b"G1 X.5 Y-12.345 E-.04 F1800") else {
+        panic!()
+    };
     assert_eq!((to.x, to.y, to.z, to.e), (number("0.5"), number("-12.345"), None, number("-0.04")));
     assert_eq!(feed, number("1800"));
 }
@@ -23,7 +28,9 @@ fn the_last_of_two_equal_letters_wins() {
 #[test]
 fn a_spiral_hop_is_one_turn_without_x_and_y() {
     let command = parse(b"G3 Z.76 I.194 J1.201 P1  F30000");
-    let Command::Arc { clockwise: false, to, shape, turns: 1, .. } = command else { panic!() };
+    let Command::Motion(MotionCommand::Arc(ArcWords { clockwise: false, to, shape, turns: 1, .. })) = command else {
+        panic!()
+    };
     assert_eq!((to.x, to.y, to.z), (None, None, number("0.76")));
     let [i, j] = ["0.194", "1.201"].map(|text| number(text).unwrap());
     assert_eq!(shape, ArcShape::Centre { i, j, k: Number::ZERO });
@@ -33,35 +40,35 @@ fn a_spiral_hop_is_one_turn_without_x_and_y() {
 fn an_arc_turns_at_least_once() {
     for (text, expected) in [("", 1), ("P0", 1), ("P1", 1), ("P3", 3), ("P1e9", 1), ("P99999", u16::MAX)] {
         let line = std::format!("G2 X1 R5 {text}");
-        let Command::Arc { turns, .. } = parse(line.as_bytes()) else { panic!() };
+        let Command::Motion(MotionCommand::Arc(ArcWords { turns, .. })) = parse(line.as_bytes()) else { panic!() };
         assert_eq!(turns, expected, "{text}");
     }
 }
 
 #[test]
 fn an_arc_without_a_centre_says_so() {
-    let Command::Arc { shape, .. } = parse(b"G2 X1 Y1") else { panic!() };
+    let Command::Motion(MotionCommand::Arc(ArcWords { shape, .. })) = parse(b"G2 X1 Y1") else { panic!() };
     assert_eq!(shape, ArcShape::Missing);
-    let Command::Arc { shape, .. } = parse(b"G2 X1 Y1 I3 R-2") else { panic!() };
+    let Command::Motion(MotionCommand::Arc(ArcWords { shape, .. })) = parse(b"G2 X1 Y1 I3 R-2") else { panic!() };
     assert_eq!(shape, ArcShape::Radius(Number::from(-2)));
-    let Command::Arc { shape, .. } = parse(b"G2 X1 Y1 J3") else { panic!() };
+    let Command::Motion(MotionCommand::Arc(ArcWords { shape, .. })) = parse(b"G2 X1 Y1 J3") else { panic!() };
     let zero = Number::ZERO;
     assert_eq!(shape, ArcShape::Centre { i: zero, j: Number::from(3), k: zero });
-    let Command::Arc { shape, .. } = parse(b"G2 X1 Z1 K3") else { panic!() };
+    let Command::Motion(MotionCommand::Arc(ArcWords { shape, .. })) = parse(b"G2 X1 Z1 K3") else { panic!() };
     assert_eq!(shape, ArcShape::Centre { i: zero, j: zero, k: Number::from(3) });
 }
 
 #[test]
 fn dwelling_adds_seconds_and_milliseconds() {
-    assert_eq!(parse(b"G4"), Command::Dwell { ms: 0 });
-    assert_eq!(parse(b"G4 P250"), Command::Dwell { ms: 250 });
-    assert_eq!(parse(b"G4 S1.5 P1"), Command::Dwell { ms: 1501 });
-    assert_eq!(parse(b"G4 S999999999 P999999999"), Command::Dwell { ms: 1_000_000_000 });
+    assert_eq!(parse(b"G4"), Command::Motion(MotionCommand::Dwell { ms: 0 }));
+    assert_eq!(parse(b"G4 P250"), Command::Motion(MotionCommand::Dwell { ms: 250 }));
+    assert_eq!(parse(b"G4 S1.5 P1"), Command::Motion(MotionCommand::Dwell { ms: 1501 }));
+    assert_eq!(parse(b"G4 S999999999 P999999999"), Command::Motion(MotionCommand::Dwell { ms: 1_000_000_000 }));
 }
 
 #[test]
 fn homing_knows_flags_and_ignores_the_rest() {
-    let home = |x, y, z| Command::Home(AxisFlags { x, y, z, e: false });
+    let home = |x, y, z| Command::Motion(MotionCommand::Home(AxisFlags { x, y, z, e: false }));
     assert_eq!(parse(b"G28"), home(false, false, false));
     assert_eq!(parse(b"G28 X Y"), home(true, true, false));
     assert_eq!(parse(b"G28 X0 Y0"), home(true, true, false));
@@ -74,10 +81,10 @@ fn homing_knows_flags_and_ignores_the_rest() {
 #[test]
 fn naming_the_position() {
     let zero = Some(Number::ZERO);
-    let e = Command::SetPosition(AxisWords { e: zero, ..AxisWords::default() });
+    let e = Command::Motion(MotionCommand::SetPosition(AxisWords { e: zero, ..AxisWords::default() }));
     assert_eq!(parse(b"G92 E0; G1 E-10 F1200"), e);
     assert_eq!(parse(b"G92 E"), e);
-    let all = Command::SetPosition(AxisWords { x: zero, y: zero, z: zero, e: zero });
+    let all = Command::Motion(MotionCommand::SetPosition(AxisWords { x: zero, y: zero, z: zero, e: zero }));
     assert_eq!(parse(b"G92"), all);
 }
 
@@ -119,15 +126,18 @@ fn every_axis_has_its_value() {
     let to = AxisWords { x, y, z, e };
     for rapid in [true, false] {
         let line = std::format!("G{} X1 Y2 Z3 E4 F5", u8::from(!rapid));
-        assert_eq!(parse(line.as_bytes()), Command::Line { rapid, to, feed });
+        assert_eq!(parse(line.as_bytes()), Command::Motion(MotionCommand::Line { rapid, to, feed }));
     }
     let shape = ArcShape::Radius(Number::from(6));
     for clockwise in [true, false] {
         let line = std::format!("G{} X1 Y2 Z3 E4 F5 R6", if clockwise { 2 } else { 3 });
-        assert_eq!(parse(line.as_bytes()), Command::Arc { clockwise, to, feed, shape, turns: 1, decimals: 0 });
+        assert_eq!(
+            parse(line.as_bytes()),
+            Command::Motion(MotionCommand::Arc(ArcWords { clockwise, to, feed, shape, turns: 1, decimals: 0 }))
+        );
     }
-    assert_eq!(parse(b"G92 X1 Y2 Z3 E4"), Command::SetPosition(to));
-    assert_eq!(parse(b"M92 X1 Y2 Z3 E4"), Command::StepsPerMm(to));
+    assert_eq!(parse(b"G92 X1 Y2 Z3 E4"), Command::Motion(MotionCommand::SetPosition(to)));
+    assert_eq!(parse(b"M92 X1 Y2 Z3 E4"), Command::Setting(SettingCommand::StepsPerMm(to)));
     let none = AxisFlags::default();
     for (letter, axis) in [
         ('X', AxisFlags { x: true, ..none }),
@@ -135,29 +145,29 @@ fn every_axis_has_its_value() {
         ('Z', AxisFlags { z: true, ..none }),
         ('E', AxisFlags { e: true, ..none }),
     ] {
-        assert_eq!(parse(std::format!("M17 {letter}").as_bytes()), Command::EnableMotors(axis));
+        assert_eq!(parse(std::format!("M17 {letter}").as_bytes()), Command::Motor(MotorCommand::EnableMotors(axis)));
     }
 }
 
 #[test]
 fn every_g_code_has_its_command() {
     for (line, command) in [
-        ("G10", Command::Retract),
-        ("G10 S1", Command::Retract),
-        ("G11", Command::Recover),
+        ("G10", Command::Motion(MotionCommand::Retract)),
+        ("G10 S1", Command::Motion(MotionCommand::Retract)),
+        ("G11", Command::Motion(MotionCommand::Recover)),
         ("G12", Command::Silent),
-        ("G17", Command::Plane(Plane::Xy)),
-        ("G18", Command::Plane(Plane::Zx)),
-        ("G19", Command::Plane(Plane::Yz)),
-        ("G20", Command::Inches),
-        ("G21", Command::Millimetres),
-        ("G29", Command::Probing),
-        ("G30", Command::Probing),
+        ("G17", Command::Motion(MotionCommand::Plane(Plane::Xy))),
+        ("G18", Command::Motion(MotionCommand::Plane(Plane::Zx))),
+        ("G19", Command::Motion(MotionCommand::Plane(Plane::Yz))),
+        ("G20", Command::Motion(MotionCommand::Inches)),
+        ("G21", Command::Motion(MotionCommand::Millimetres)),
+        ("G29", Command::Refused(RefusedCommand::Probing)),
+        ("G30", Command::Refused(RefusedCommand::Probing)),
         // Mesh levelling of Prusa's firmware.
-        ("G80 N3", Command::Probing),
-        ("G90", Command::Absolute),
-        ("G91", Command::Relative),
-        ("T0", Command::Tool),
+        ("G80 N3", Command::Refused(RefusedCommand::Probing)),
+        ("G90", Command::Motion(MotionCommand::Absolute)),
+        ("G91", Command::Motion(MotionCommand::Relative)),
+        ("T0", Command::Motion(MotionCommand::Tool)),
     ] {
         assert_eq!(parse(line.as_bytes()), command, "{line}");
     }

@@ -1,19 +1,17 @@
-//! Dispatch of every command: immediate, or one that takes time.
+//! Dispatch of every command to its family.
 //!
 //! ```text
-//!   Command ──▶ immediate: one arm each ──┬──▶ Answer
-//!                                         └──▶ Blocking ──▶ blocking: one arm each, awaited ──▶ Answer
+//!   Command ──▶ motion, jobs, heat, settings, motors, reports, refused ──▶ Answer
 //! ```
 //!
-//! Neither match has a wildcard, so a new command does not compile before it has an arm in `immediate`. That arm
-//! carries it out or names it as a [`Blocking`](super::blocking::Blocking), which in turn needs an arm in `blocking`.
+//! Each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
+//! the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
 
-use super::blocking::carry_out_blocking;
-use super::immediate::{Outcome, carry_out_immediate};
-use super::job::{end_job, refuse};
+use super::job::{end_job, refuse, starts_print};
 use super::pause::end_keeping;
 use super::states::States;
-use crate::gcode::Command;
+use super::{heat, jobs, motion, motors, refused, reports, settings};
+use crate::gcode::{Command, Flaw};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -42,9 +40,21 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     if let Some(answer) = refuse(main_loop, command) {
         return Ok(answer);
     }
-    let done = match carry_out_immediate(main_loop, states, command) {
-        Outcome::Done(answer) => Ok(answer),
-        Outcome::TakesTime(command) => carry_out_blocking(main_loop, states, command).await,
+    let done = match *command {
+        Command::Motion(ref command) => motion::carry_out(main_loop, states, command).await,
+        Command::Job(ref command) => jobs::carry_out(main_loop, states, command).await,
+        Command::Heat(ref command) => heat::carry_out(main_loop, states, command).await,
+        Command::Setting(ref command) => settings::carry_out(main_loop, states, command).await,
+        Command::Motor(ref command) => motors::carry_out(main_loop, states, command).await,
+        Command::Report(ref command) => reports::carry_out(main_loop, states, command).await,
+        Command::Refused(command) => refused::carry_out(main_loop, command).await,
+        Command::Silent => Ok(Answer::Nothing),
+        Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
+        Command::Malformed(flaw) => Ok(Answer::Malformed(flaw)),
+        Command::Unknown(text) => {
+            note_unknown(main_loop, text);
+            Ok(Answer::Unknown(text))
+        }
     };
     match done {
         // `power` has reported the reason.
@@ -55,5 +65,15 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         }
         Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
         Err(interrupt) => Err(interrupt),
+    }
+}
+
+/// A name that is unknown may begin or end a print in other firmware.
+fn note_unknown<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, text: &[u8]) {
+    let host = main_loop.hosts.serving();
+    match starts_print(text) {
+        Some(true) => main_loop.job.begin_by_unknown_name(host),
+        Some(false) if main_loop.job.is_printing() => main_loop.job.end(),
+        Some(false) | None => {}
     }
 }

@@ -47,13 +47,6 @@ const UNREAD_MS: u32 = 2000;
 /// Interval of temperature lines in every wait.
 pub(super) const LINE_MS: u32 = 1000;
 
-/// The heater and the temperature of a line.
-#[derive(Clone, Copy)]
-pub(in crate::machine) struct TargetWords {
-    pub heater: Heater,
-    pub target: Option<Number>,
-}
-
 /// Whether heaters have been at their targets for long enough.
 struct Residency {
     since: Option<Instant>,
@@ -162,9 +155,8 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     notices: &mut Notices,
     clamps: &mut Clamps,
     code: &'static str,
-    words: &TargetWords,
+    (heater, target): (Heater, Option<Number>),
 ) -> Result<bool, Answer<'static>> {
-    let TargetWords { heater, target } = *words;
     if let Some(answer) = missing(main_loop, notices, heater) {
         return Err(answer);
     }
@@ -193,17 +185,17 @@ pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
-    words: &TargetWords,
+    (heater, target): (Heater, Option<Number>),
     cools: bool,
 ) -> Result<Answer<'static>, Interrupt> {
-    let code = ["M109", "M190", "M191"][words.heater as usize];
-    match set_target(main_loop, notices, clamps, code, words) {
+    let code = ["M109", "M190", "M191"][heater as usize];
+    match set_target(main_loop, notices, clamps, code, (heater, target)) {
         Err(answer) => return Ok(answer),
         Ok(false) => {}
         Ok(true) => {
             // Report clamped values before the wait, not minutes later.
             main_loop.reply_clamps(clamps).await?;
-            await_heat(main_loop, Heater::ALL.map(|other| other == words.heater), cools).await?;
+            await_heat(main_loop, Heater::ALL.map(|other| other == heater), cools).await?;
         }
     }
     Ok(Answer::Nothing)

@@ -1,7 +1,7 @@
 //! The end of a job by the firmware or by M524: the one place for every end of a print that leaves the machine usable.
 
 use super::pause::announce;
-use crate::gcode::{Command, Number};
+use crate::gcode::{Command, HeatCommand, JobCommand, MotionCommand, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -89,13 +89,18 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     }
     let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
     let is_of_print = match *command {
-        Command::Line { .. } | Command::Circulate { .. } | Command::Arc { .. } => true,
-        Command::Retract | Command::Recover | Command::Dwell { .. } => true,
-        Command::AwaitUser { .. } | Command::Pause { .. } | Command::AwaitHeaters | Command::TuneHeater { .. } => true,
-        Command::HeaterTarget { target, .. } | Command::HeaterWait { target, .. } => heats(target),
-        Command::Home(_) | Command::Continue => {
+        Command::Motion(MotionCommand::Home(_)) | Command::Job(JobCommand::Continue) => {
             main_loop.job.forgive();
             false
+        }
+        Command::Motion(ref command) => {
+            use MotionCommand::{Arc, Circulate, Dwell, Line, Recover, Retract};
+            matches!(command, Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. })
+        }
+        Command::Job(JobCommand::AwaitUser { .. } | JobCommand::Pause { .. }) => true,
+        Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_)) => true,
+        Command::Heat(HeatCommand::HeaterTarget { target, .. } | HeatCommand::HeaterWait { target, .. }) => {
+            heats(target)
         }
         _ => false,
     };

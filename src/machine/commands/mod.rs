@@ -1,8 +1,7 @@
 //! Commands: the effect of each one.
 //!
 //! ```text
-//!   Command ──▶ dispatch ──┬──▶ immediate ──▶ settings::set, drivers, retraction, modal state ...   done at once
-//!                          └──▶ blocking  ──▶ moves, homing, waits, settings::stored ...           awaited
+//!   Command ──▶ dispatch ──▶ its family: one match, an arm each ──▶ moves, homing, heating, settings::set ...
 //! ```
 //!
 //! The Console calls `carry_out` for a line and sends the returned answer, then the `ok`. A command is a function of
@@ -11,27 +10,16 @@
 //! three [`states`] that it names. Where several functions need the same four, they are methods of a struct that borrows them
 //! ([`moves::Moves`]).
 //!
-//! | looking for | see |
-//! |---|---|
-//! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`circulate`], [`retraction`] |
-//! | G28 | [`homing`], [`switch`] |
-//! | M17, M84, M122 | [`motors`] |
-//! | M915 | [`belt`], [`proof`] |
-//! | G4 | [`waits`] |
-//! | M0, M24, M25, M125, M600 | [`pause`] |
-//! | M75, M77, M524, the end of a print | [`job`] |
-//! | M104, M109, M116, M140, M141, M190, M191, M81 | [`heating`] |
-//! | M302 | [`cold_extrusion`] |
-//! | M303 | [`tuning`] |
-//! | SELF_TEST | [`self_test`] |
-//! | MACHINE_GET, MACHINE_PUT, MACHINE_STORE | [`machine_record`] |
-//! | M106, M107, M710 | [`fans`] |
-//! | M301, M304, M306 | [`heater_settings`] |
-//! | M593, M900, M572 | [`shaping`] |
-//! | M569, M906, M913, M914 | [`drivers`] |
-//! | M92, M201 to M205, M500 to M504 | [`settings`] |
-//! | state kept from line to line | [`states`] |
-//! | anything else | its arm in [`immediate`] or [`blocking`] |
+//! | family (the same in `gcode::commands`) | its arms | its work |
+//! |---|---|---|
+//! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`] (G10, G11), [`homing`], [`switch`] (G28), [`waits`] (G4) |
+//! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
+//! | heat and fans | [`heat`] | [`heating`], [`fans`], [`heater_settings`] (M301, M306), [`cold_extrusion`], [`tuning`], [`self_test`] |
+//! | settings | [`settings`] | [`shaping`] (M593, M900), [`machine_record`] |
+//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915) |
+//! | reports and messages | [`reports`] | [`messages`] |
+//! | refused | [`refused`] | |
+//! | state kept from line to line | | [`states`] |
 //!
 //! | word | means |
 //! |---|---|
@@ -40,23 +28,26 @@
 
 mod arcs;
 mod belt;
-mod blocking;
 mod circulate;
 mod cold_extrusion;
 pub(in crate::machine) mod dispatch;
 mod drivers;
 mod fans;
+mod heat;
 mod heater_settings;
 mod heating;
 mod homing;
-mod immediate;
 pub(in crate::machine) mod job;
+mod jobs;
 mod machine_record;
 mod messages;
+mod motion;
 mod motors;
 mod moves;
 pub(in crate::machine) mod pause;
 mod proof;
+mod refused;
+mod reports;
 mod retraction;
 mod self_test;
 pub(in crate::machine) mod settings;

@@ -1,14 +1,68 @@
-//! The motors: M17 and M84 for the motors of named axes, and M122 for drivers, belt, overload and heat.
+//! Motors, their drivers and belts, each by its command; and M122 for drivers, belt, overload and heat.
 
+use super::belt::{align_belt, examine_belt};
+use super::drivers::{change_mode, set_drivers};
+use super::job::end_by_line;
+use super::states::States;
 use crate::driver::Job;
-use crate::gcode::AxisFlags;
+use crate::gcode::{AxisFlags, MotorCommand};
 use crate::kinematics::Groups;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::belt::report::report_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, MotorSet, Pend};
+
+/// Carries out a command about motors.
+pub(super) async fn carry_out<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &MotorCommand,
+) -> Result<Answer<'static>, Interrupt> {
+    let States { modal, clamps, notices, .. } = states;
+    Ok(match *command {
+        MotorCommand::EnableMotors(flags) => {
+            main_loop.power_up(motors_of(main_loop.groups(), flags)).await?;
+            Answer::Nothing
+        }
+        MotorCommand::DisableMotors(flags) => return release(main_loop, states, flags).await,
+        MotorCommand::IdleTimeout { seconds } => {
+            main_loop.power.set_idle_timeout(seconds, main_loop.now());
+            Answer::Nothing
+        }
+        MotorCommand::Stealth { on, axes } => return change_mode(main_loop, modal, clamps, on, axes).await,
+        MotorCommand::DriverCurrent(ref words) => set_drivers(main_loop, DriverValue::Current, words, modal, clamps),
+        MotorCommand::HybridThreshold(ref words) => {
+            set_drivers(main_loop, DriverValue::HybridThreshold, words, modal, clamps)
+        }
+        MotorCommand::StallThreshold(ref words) => {
+            set_drivers(main_loop, DriverValue::StallThreshold, words, modal, clamps)
+        }
+        MotorCommand::AlignBelt { diagnoses: false, repairs: false } => return align_belt(main_loop, notices).await,
+        MotorCommand::AlignBelt { diagnoses: _, repairs } => return examine_belt(main_loop, notices, repairs).await,
+    })
+}
+
+/// M18, M84.
+async fn release<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    flags: AxisFlags,
+) -> Result<Answer<'static>, Interrupt> {
+    main_loop.finish().await?;
+    main_loop.unpower(motors_of(main_loop.groups(), flags));
+    states.notices.renew_for_position();
+    let all = !(flags.x || flags.y || flags.z || flags.e);
+    if all || flags.e {
+        main_loop.commanded.forget_retraction();
+    }
+    if all || flags.x || flags.y || flags.z {
+        end_by_line(main_loop, &mut states.modal).await?;
+    }
+    Ok(Answer::Nothing)
+}
 
 /// The motors that move the named axes; all if none is named.
 pub(super) fn motors_of(groups: &Groups, flags: AxisFlags) -> MotorSet {

@@ -6,7 +6,7 @@ use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
 use super::heating::heat_again;
 use super::pause::{Going, hold, resume_stream};
-use crate::gcode::{ArcShape, AxisWords, Number};
+use crate::gcode::{ArcWords, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::belt::align::lacks_alignment;
@@ -24,17 +24,6 @@ use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::Alignment;
 use crate::units::{Mm, MmPerSec, part_of};
-
-/// The arguments of G2 and G3.
-#[derive(Clone, Copy)]
-pub(in crate::machine) struct ArcWords<'c> {
-    pub clockwise: bool,
-    pub to: &'c AxisWords,
-    pub feed: Option<Number>,
-    pub shape: ArcShape,
-    pub turns: u16,
-    pub decimals: u8,
-}
 
 /// Keeps the tool within the reach of any machine; a point of an arc may lie beyond.
 fn bounded(position: [Mm; 4]) -> [Mm; 4] {
@@ -265,14 +254,14 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     }
 
     /// G2, G3. The axis across the plane and E run evenly along the arc.
-    pub async fn arc(&mut self, words: &ArcWords<'_>) -> Result<Answer<'static>, Interrupt> {
-        let mut wanted = self.wanted(words.to);
+    pub async fn arc(&mut self, words: &ArcWords) -> Result<Answer<'static>, Interrupt> {
+        let mut wanted = self.wanted(&words.to);
         let Asked { moves: [x, y, z], filament } = self.asked(&wanted);
         let [in_x, in_y, in_z, _] = join(self.modal.plane, [true, true], [false, false]);
         let asked = Asked { moves: [x || in_x, y || in_y, z || in_z], filament };
         match self.hold_back(asked).await? {
             Gate::Open => {}
-            Gate::Changed => wanted = self.wanted(words.to),
+            Gate::Changed => wanted = self.wanted(&words.to),
             Gate::Kept(answer) => return Ok(answer),
         }
         let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
@@ -298,7 +287,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.main_loop.commanded.leave_park(wanted.position, words.to, self.modal);
+        self.main_loop.commanded.leave_park(wanted.position, &words.to, self.modal);
         self.modal.feed = speed;
         let begin = self.main_loop.commanded.extrusion();
         let between = |from: Mm, to: Mm, part: u32| {

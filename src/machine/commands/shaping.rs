@@ -1,6 +1,6 @@
 //! Shaping: input shapers (M593) and pressure advance (M900, M572) as lines set them.
 
-use crate::gcode::{AxisFlags, Number, ShaperName};
+use crate::gcode::{Number, ShaperName, ShaperWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
 use crate::machine::interrupt::Interrupt;
@@ -11,15 +11,6 @@ use crate::motion::advance_window;
 use crate::port::Pend;
 use crate::settings::{Advance, Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio};
-
-/// The report of M593 about a shaper.
-#[derive(Clone, Copy)]
-pub(in crate::machine) struct ShaperWords {
-    pub axes: AxisFlags,
-    pub frequency: Option<Number>,
-    pub damping: Option<Number>,
-    pub kind: Option<Number>,
-}
 
 /// The kind of shaper with that number in M593 T.
 fn kind_of(number: Number) -> Option<ShaperKind> {

@@ -3,7 +3,7 @@
 use super::heating::{LINE_MS, model_of};
 use super::self_test::await_self_test;
 use crate::connectors::Heater;
-use crate::gcode::Number;
+use crate::gcode::{Number, TuningWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -21,15 +21,6 @@ const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
 
 /// Closer to a room's temperature there is no oscillation.
 const LEAST_TARGET: Celsius = Celsius::const_from_int(40);
-
-/// The arguments of M303.
-#[derive(Clone, Copy)]
-pub(in crate::machine) struct TuningWords {
-    pub heater: Option<Heater>,
-    pub target: Option<Number>,
-    pub cycles: Option<Number>,
-    pub applies: bool,
-}
 
 /// M303.
 pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(

@@ -3,7 +3,7 @@
 use super::asked::Asked;
 use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
-use crate::gcode::{self, Command};
+use crate::gcode::{self, Command, ReportCommand};
 use crate::port::{Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
 use crate::units::Instant;
@@ -129,7 +129,8 @@ impl<S: Serial> Host<S> {
             Incoming::Question { last } => Asked::Question(last),
         };
         // A line without an effect may be too long: the outline of an object, a message.
-        let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
+        let is_needed =
+            || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Report(ReportCommand::Message));
         let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
         let number = self.receiver.last_line();
         self.number = (number != last).then_some(number);

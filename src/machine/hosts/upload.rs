@@ -13,7 +13,7 @@
 //! Time does not end it: a host may be slow, and the rest of its file would then be carried out.
 
 use super::asked::Asked;
-use crate::gcode::{self, Command};
+use crate::gcode::{self, Command, HeatCommand, JobCommand, MotionCommand};
 use crate::units::Instant;
 
 /// Pronsole starts the file as soon as M28 is sent; this is more time than any computer takes.
@@ -39,7 +39,7 @@ enum State {
 /// Whether a line begins or ends an upload. M410 makes none of them forgotten: the lines behind it would be carried
 /// out.
 pub(super) fn is_mark(text: &[u8]) -> bool {
-    matches!(gcode::parse(text), Command::BeginUpload(_) | Command::EndUpload)
+    matches!(gcode::parse(text), Command::Job(JobCommand::BeginUpload(_) | JobCommand::EndUpload))
 }
 
 /// Whether a line is M115 and nothing else.
@@ -51,14 +51,15 @@ fn is_greeting(text: &[u8]) -> bool {
 const fn acts(command: &Command<'_>) -> bool {
     matches!(
         command,
-        Command::BeginUpload(_)
-            | Command::EndUpload
-            | Command::ReportTemperatures
-            | Command::EmergencyStop
-            | Command::QuickStop
-            | Command::Continue
-            | Command::Answer
-            | Command::Restart
+        Command::Job(
+            JobCommand::BeginUpload(_)
+                | JobCommand::EndUpload
+                | JobCommand::EmergencyStop
+                | JobCommand::Continue
+                | JobCommand::Answer
+                | JobCommand::Restart
+        ) | Command::Heat(HeatCommand::ReportTemperatures)
+            | Command::Motion(MotionCommand::QuickStop)
     )
 }
 

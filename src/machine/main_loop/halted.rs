@@ -7,7 +7,7 @@
 
 use crate::driver;
 use crate::fault::Fault;
-use crate::gcode::{self, Command};
+use crate::gcode::{self, Command, HeatCommand, JobCommand, MotionCommand, ReportCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::asked::Asked;
@@ -46,17 +46,15 @@ fn report_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
 const fn is_said_on_connecting(command: &Command<'_>) -> bool {
     matches!(
         command,
-        Command::AutoPosition(_)
-            | Command::AutoReport(_)
-            | Command::Debug(_)
-            | Command::FeedPercent(_)
-            | Command::FlowPercent(_)
-            | Command::Keepalive(_)
-            | Command::Message
-            | Command::Progress { .. }
-            | Command::ReportPosition { .. }
+        Command::Report(
+            ReportCommand::AutoPosition(_)
+                | ReportCommand::AutoReport(_)
+                | ReportCommand::Keepalive(_)
+                | ReportCommand::Message
+                | ReportCommand::ReportPosition { .. }
+        ) | Command::Job(JobCommand::Debug(_) | JobCommand::Progress { .. })
+            | Command::Motion(MotionCommand::FeedPercent(_) | MotionCommand::FlowPercent(_) | MotionCommand::Tool)
             | Command::Silent
-            | Command::Tool
     )
 }
 
@@ -120,8 +118,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             Asked::Question(last) => [Answer::Nothing, Answer::Question(last)],
             Asked::TooLong => return None,
             Asked::Command => match gcode::parse(text) {
-                Command::ReportTemperatures => [Answer::Nothing, Answer::Temperatures],
-                Command::ReportFirmware => [Answer::Firmware, Answer::Ok],
+                Command::Heat(HeatCommand::ReportTemperatures) => [Answer::Nothing, Answer::Temperatures],
+                Command::Report(ReportCommand::ReportFirmware) => [Answer::Firmware, Answer::Ok],
                 command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
                 _ => return None,
             },

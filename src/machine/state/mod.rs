@@ -2,7 +2,7 @@
 //! line.
 //!
 //! Each struct owns its fields. The main loop holds state that changes while a command waits. `commands::states` holds
-//! the rest: `immediate` and `blocking` pass each command the structs that it needs. Pure: nothing here knows either.
+//! the rest: each family in `commands` passes a command the structs that it needs. Pure: nothing here knows either.
 //!
 //! | looking for | see |
 //! |---|---|

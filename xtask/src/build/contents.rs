@@ -2,7 +2,8 @@
 
 use super::Elf;
 use anyhow::{Result, bail};
-use corehbot::settings::table::described;
+use corehbot::gcode::{self, Treatment};
+use corehbot::settings::table;
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags};
 
@@ -78,8 +79,7 @@ pub fn forbidden(elf: &Elf<'_>, has_plant: bool) -> Vec<String> {
     complaints
 }
 
-/// Says which setting has its meaning in the image: only programs on a computer show it, and all of them would take 8
-/// KB.
+/// Says which text for people is in the image: only programs on a computer show them, and all would take 14 KB.
 fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
     let sections: Vec<&[u8]> = elf
         .sections()
@@ -90,10 +90,15 @@ fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
         .filter_map(|section| section.data().ok())
         .collect();
     let is_in_image = |line: &str| sections.iter().any(|bytes| has(bytes, line.as_bytes()));
-    // Short lines may stand elsewhere by chance.
-    let mut lines = described().flat_map(|(row, text)| text.meaning.iter().map(move |line| (row, *line)));
-    let (row, line) = lines.find(|(_, line)| line.len() > LONG && is_in_image(line))?;
-    Some(format!("the meaning of the setting {} is in the image ({line:?}), where it only costs flash", row.id))
+    let line = texts().find(|line| line.len() > LONG && is_in_image(line))?;
+    Some(format!("{line:?} is in the image, where it only costs flash"))
+}
+
+/// What settings mean, and what codes do. The reference to refused codes has the words of their answers.
+fn texts() -> impl Iterator<Item = &'static str> {
+    let settings = table::described().flat_map(|(_, text)| text.meaning.iter().copied());
+    let codes = gcode::described().filter(|line| line.text.treatment != Treatment::Refused);
+    settings.chain(codes.map(|line| line.text.does))
 }
 
 /// Characters of a text that stands nowhere by chance.
@@ -106,8 +111,7 @@ fn has(bytes: &[u8], wanted: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{LONG, has, objection};
-    use corehbot::settings::table::described;
+    use super::{LONG, has, objection, texts};
 
     #[test]
     fn a_name_that_only_looks_like_arithmetic_is_none() {
@@ -121,8 +125,8 @@ mod tests {
     fn a_meaning_would_be_found_among_other_bytes() {
         assert!(has(b"\0\x01 Steps a millimetre (M92).\0", b" Steps a millimetre (M92)."));
         assert!(!has(b"", b" Steps"));
-        // Most settings have a line that is long enough to be looked for.
-        let long = described().filter(|(_, text)| text.meaning.iter().any(|line| line.len() > LONG)).count();
-        assert!(long > 80, "{long}");
+        // Most settings and codes have a line that is long enough to be looked for.
+        let long = texts().filter(|line| line.len() > LONG).count();
+        assert!(long > 150, "{long}");
     }
 }

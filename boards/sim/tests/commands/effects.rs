@@ -61,7 +61,7 @@ fn conditions_stop_the_print_with_a_reason() {
         let outcome = run(&Settings::prototype(), start, &mut host, &mut Deaf).unwrap();
         assert!(outcome.halted, "{line}");
         let [.., reason, halted] = host.heard.as_slice() else { panic!("{:?}", host.heard) };
-        assert!(reason.starts_with("Error:which lines run depends on this one"), "{line}: {reason}");
+        assert!(reason.starts_with("Error:this line decides which lines run"), "{line}: {reason}");
         assert!(halted.starts_with("Error:Printer halted. kill() called!"), "{line}: {halted}");
     }
 }

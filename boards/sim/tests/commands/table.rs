@@ -3,6 +3,7 @@
 use super::asker::answers;
 use corehbot::gcode::{Command, names, parse};
 use corehbot::protocol::BUSY_PAUSED;
+use std::collections::BTreeSet;
 
 /// Answers in front of the `ok`; an asterisk at the end stands for anything.
 type Row = (&'static str, &'static [&'static str]);
@@ -359,6 +360,6 @@ fn every_known_code_and_name_has_a_row() {
     let known: Vec<_> = codes.chain(names().map(str::to_owned)).collect();
     let begins = |line: &str, code: &String| line.split(['.', ' ']).next() == Some(code);
     let has_row = |code: &String| ROWS.iter().any(|(line, _)| begins(line, code));
-    let without: Vec<_> = known.into_iter().filter(|code| !has_row(code)).collect();
-    assert_eq!(without, ELSEWHERE.map(|(code, _)| code), "a row, or a place in ELSEWHERE");
+    let without: BTreeSet<_> = known.into_iter().filter(|code| !has_row(code)).collect();
+    assert_eq!(without, ELSEWHERE.map(|(code, _)| code.to_owned()).into(), "a row, or a place in ELSEWHERE");
 }

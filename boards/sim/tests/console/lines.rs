@@ -1,7 +1,7 @@
 //! Lines: each is answered once, whatever it holds. Conditions end the print: `commands/effects.rs`.
 
 use super::talk::{HOMED, keep, talk, talk_to};
-use corehbot::gcode::{Command, parse};
+use corehbot::gcode::{Command, JobCommand, MotionCommand, RefusedCommand, parse};
 use corehbot::settings::Settings;
 use corehbot_sim::eeprom::Eeprom;
 use proptest::prelude::*;
@@ -38,12 +38,17 @@ fn a_bad_line_costs_a_resend_and_nothing_else() {
 /// Whether a print stops at a line, or waits there for the user or for the time in the line. (It would also wait for
 /// heaters, but there are none.)
 fn stops(line: &str) -> bool {
-    use Command::{AwaitUser, Conditional, Dwell, EmergencyStop, Pause, Restart};
-    let command = parse(line.as_bytes());
+    let stops = match parse(line.as_bytes()) {
+        Command::Motion(command) => matches!(command, MotionCommand::Dwell { .. }),
+        Command::Job(command) => {
+            use JobCommand::{AwaitUser, EmergencyStop, Pause, Restart};
+            matches!(command, AwaitUser { .. } | EmergencyStop | Pause { .. } | Restart)
+        }
+        Command::Refused(command) => command == RefusedCommand::Conditional,
+        _ => false,
+    };
     // M112 is heard wherever it stands in a line; the two signs make a host wait.
-    matches!(command, AwaitUser { .. } | Conditional | Dwell { .. } | EmergencyStop | Pause { .. } | Restart)
-        || line.starts_with(['!', '~'])
-        || line.to_ascii_uppercase().replace(' ', "").contains("M112")
+    stops || line.starts_with(['!', '~']) || line.to_ascii_uppercase().replace(' ', "").contains("M112")
 }
 
 proptest! {

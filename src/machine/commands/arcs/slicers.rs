@@ -5,7 +5,7 @@ extern crate std;
 
 use super::angle::TURN;
 use super::arc::{Arc, ArcError, Shape, Way, split};
-use crate::gcode::{Command, parse};
+use crate::gcode::{ArcWords, Command, MotionCommand, parse};
 use crate::machine::state::modal::Modal;
 use crate::units::Mm;
 use proptest::prelude::*;
@@ -78,7 +78,9 @@ impl Writer {
 
     /// The arc that the machine makes of a line, from a place.
     fn read(self, line: &str, start: [Mm; 2]) -> Result<Arc, ArcError> {
-        let Command::Arc { clockwise, to, shape, turns, decimals, .. } = parse(line.as_bytes()) else {
+        let Command::Motion(MotionCommand::Arc(ArcWords { clockwise, to, shape, turns, decimals, .. })) =
+            parse(line.as_bytes())
+        else {
             panic!("{line}")
         };
         let modal = self.modal();

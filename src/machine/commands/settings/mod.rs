@@ -11,3 +11,57 @@
 
 pub(in crate::machine) mod set;
 pub(in crate::machine) mod stored;
+
+use super::machine_record::exchange_machine;
+use super::shaping::{change_advance, change_shapers};
+use super::states::States;
+use crate::gcode::SettingCommand;
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use set::{change_resolution, set_acceleration, set_corners, set_max_acceleration, set_max_speed, set_velocity_limit};
+use stored::{check_storage, load_settings, reset_settings, save_settings};
+
+/// Carries out a command about settings.
+pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &SettingCommand<'a>,
+) -> Result<Answer<'a>, Interrupt> {
+    let States { modal, retraction, clamps, notices, pieces, cold: _ } = states;
+    Ok(match *command {
+        SettingCommand::StepsPerMm(ref words) => return change_resolution(main_loop, clamps, words).await,
+        SettingCommand::MaxAcceleration(ref words) => {
+            set_max_acceleration(words, &mut main_loop.live_settings(), modal, clamps)
+        }
+        SettingCommand::MaxSpeed(ref words) => set_max_speed(words, &mut main_loop.live_settings(), modal, clamps),
+        SettingCommand::Acceleration { print, retract, travel } => {
+            set_acceleration([print, retract, travel], &mut main_loop.live_settings(), modal, clamps)
+        }
+        SettingCommand::Corners(ref words) => {
+            set_corners(words, &mut main_loop.live_settings(), modal, clamps, notices)
+        }
+        SettingCommand::VelocityLimit(ref words) => set_velocity_limit(words, &mut main_loop.live_settings(), clamps),
+        SettingCommand::SoftEndstops(None) => Answer::SoftEndstops,
+        SettingCommand::SoftEndstops(Some(on)) => {
+            main_loop.live_settings().set_soft_endstops(on);
+            Answer::Nothing
+        }
+        // M413 S0 is a no-op: power-loss recovery is always off.
+        SettingCommand::PowerLossRecovery(Some(false)) => Answer::Nothing,
+        SettingCommand::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),
+        SettingCommand::PowerLossRecovery(Some(true)) => {
+            Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it")
+        }
+        SettingCommand::Shaper(ref words) => return change_shapers(main_loop, clamps, words).await,
+        SettingCommand::Advance { time, window } => return change_advance(main_loop, clamps, time, window).await,
+        SettingCommand::SaveSettings => return save_settings(main_loop, pieces).await.map(Answer::Storage),
+        SettingCommand::LoadSettings => return load_settings(main_loop).await.map(Answer::Storage),
+        SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
+        SettingCommand::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
+        SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: *retraction, for_replay },
+        SettingCommand::MachineRecord(order) => return exchange_machine(main_loop, pieces, order).await,
+    })
+}

@@ -2,7 +2,7 @@
 //!
 //! Plain functions on [`LiveSettings`]: each changes a copy and puts it back. M92 alone needs the machine at rest.
 
-use crate::gcode::{AxisWords, Number, VelocityWords};
+use crate::gcode::{AxisWords, CornerWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
 use crate::machine::interrupt::Interrupt;
@@ -26,15 +26,6 @@ fn named<'a>(
         .into_iter()
         .enumerate()
         .filter_map(|(place, (axis, letter, word))| word.map(|n| (axis, letter, n, place)))
-}
-
-/// The words of M205.
-pub(in crate::machine) struct CornerWords {
-    pub deviation: Option<Number>,
-    pub jerk: AxisWords,
-    pub min_feed: Option<Number>,
-    pub min_travel: Option<Number>,
-    pub min_segment: Option<Number>,
 }
 
 /// The fastest legal speed of an axis of that resolution.

@@ -1,7 +1,7 @@
 //! Tests of grammar.
 
-use super::super::parse::parse;
 use super::*;
+use crate::gcode::parse::parse;
 
 fn flaw(line: &str) -> Option<Flaw<'_>> {
     match parse(line.as_bytes()) {

@@ -1,11 +1,12 @@
 //! Shaping: input shapers, pressure advance in the words of three firmwares, and Klipper's minimum cruise ratio.
 
-use super::axes::axis_flags;
-use super::command::Command;
-use super::index::absent_extruder;
-use super::lexer::{Words, is_blank};
-use super::number::Number;
-use super::parts::{AxisFlags, Flaw, VelocityWords};
+use super::Command;
+use super::settings::SettingCommand;
+use crate::gcode::axes::axis_flags;
+use crate::gcode::index::absent_extruder;
+use crate::gcode::lexer::{Words, is_blank};
+use crate::gcode::number::Number;
+use crate::gcode::parts::{AxisFlags, Flaw, ShaperWords, VelocityWords};
 use fixed::types::I32F32;
 
 /// The shapers of M593; the value of each is its number in M593 T (Prusa-Firmware-Buddy).
@@ -64,7 +65,12 @@ pub(super) fn shaper(text: &[u8]) -> Command<'static> {
     }
     let is_report = frequency.or(damping).or(kind).is_none();
     let named = if is_report { AxisFlags::default() } else { axis_flags(text) };
-    Command::Shaper { axes: AxisFlags { z: false, e: false, ..named }, frequency, damping, kind }
+    Command::Setting(SettingCommand::Shaper(ShaperWords {
+        axes: AxisFlags { z: false, e: false, ..named },
+        frequency,
+        damping,
+        kind,
+    }))
 }
 
 /// M900 K (Marlin). Slicers that are programs in Python write small numbers as `K1e-05`, which are two words.
@@ -77,7 +83,7 @@ pub(super) fn linear_advance(text: &[u8]) -> Command<'static> {
             _ => {}
         }
     }
-    Command::Advance { time, window: None }
+    Command::Setting(SettingCommand::Advance { time, window: None })
 }
 
 /// M572 S and W (RepRapFirmware, Prusa). D is the extruder (`index`).
@@ -90,7 +96,7 @@ pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
             _ => {}
         }
     }
-    Command::Advance { time, window }
+    Command::Setting(SettingCommand::Advance { time, window })
 }
 
 /// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper). EXTRUDER names the extruder; there is only one.
@@ -110,7 +116,7 @@ pub(super) fn set_pressure_advance(text: &[u8]) -> Command<'_> {
         let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
         *place = Some(number);
     }
-    Command::Advance { time, window }
+    Command::Setting(SettingCommand::Advance { time, window })
 }
 
 /// SET_VELOCITY_LIMIT (Klipper); without words a report.
@@ -133,7 +139,7 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
         let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
         *place = Some(number);
     }
-    Command::VelocityLimit(limit)
+    Command::Setting(SettingCommand::VelocityLimit(limit))
 }
 
 /// The words between blanks, up to a comment.

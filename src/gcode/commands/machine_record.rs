@@ -1,18 +1,11 @@
 //! The record of the machine, in pieces: MACHINE_GET, MACHINE_PUT AT=.. HEX=.., MACHINE_STORE. No firmware has codes
 //! for it, so they have names.
 
-use super::command::Command;
-use super::parts::{Flaw, MachineRecord};
+use super::Command;
+use super::settings::SettingCommand;
 use super::shaping::{named_value, words};
+use crate::gcode::parts::{Flaw, MachineRecord};
 use crate::text::read_digits;
-
-pub(super) const fn get(_: &[u8]) -> Command<'_> {
-    Command::MachineRecord(MachineRecord::Get)
-}
-
-pub(super) const fn store(_: &[u8]) -> Command<'_> {
-    Command::MachineRecord(MachineRecord::Store)
-}
 
 pub(super) fn put(text: &[u8]) -> Command<'_> {
     let (mut at, mut hex) = (None, None);
@@ -30,7 +23,7 @@ pub(super) fn put(text: &[u8]) -> Command<'_> {
         }
     }
     match (at, hex) {
-        (Some(at), Some(hex)) => Command::MachineRecord(MachineRecord::Put { at, hex }),
+        (Some(at), Some(hex)) => Command::Setting(SettingCommand::MachineRecord(MachineRecord::Put { at, hex })),
         _ => Command::Malformed(Flaw::NoPair(text.trim_ascii())),
     }
 }
@@ -41,7 +34,7 @@ mod tests {
 
     #[test]
     fn a_piece_of_a_machine_has_a_place_and_bytes() {
-        let piece = Command::MachineRecord(MachineRecord::Put { at: 32, hex: b"0aFF" });
+        let piece = Command::Setting(SettingCommand::MachineRecord(MachineRecord::Put { at: 32, hex: b"0aFF" }));
         assert_eq!([put(b"AT=32 HEX=0aFF"), put(b"hex=0aFF at=32")], [piece, piece]);
         for (text, word) in [
             ("AT= HEX=00", "AT="),

@@ -2,24 +2,26 @@
 
 extern crate std;
 
-use super::super::parse::parse;
 use super::*;
+use crate::gcode::parse::parse;
 
 fn number(text: &str) -> Option<Number> {
     Number::read(text.as_bytes()).map(|(number, _)| number)
 }
 
 fn advance(time: Option<&str>, window: Option<&str>) -> Command<'static> {
-    Command::Advance { time: time.and_then(number), window: window.and_then(number) }
+    Command::Setting(SettingCommand::Advance { time: time.and_then(number), window: window.and_then(number) })
 }
 
 #[test]
 fn shapers_of_one_axis_or_both() {
-    let shaper = |x, y, frequency, damping, kind| Command::Shaper {
-        axes: AxisFlags { x, y, z: false, e: false },
-        frequency: number(frequency),
-        damping: number(damping),
-        kind: number(kind),
+    let shaper = |x, y, frequency, damping, kind| {
+        Command::Setting(SettingCommand::Shaper(ShaperWords {
+            axes: AxisFlags { x, y, z: false, e: false },
+            frequency: number(frequency),
+            damping: number(damping),
+            kind: number(kind),
+        }))
     };
     assert_eq!(parse(b"M593 X F60 D.1 T2"), shaper(true, false, "60", "0.1", "2"));
     assert_eq!(parse(b"M593 F0"), shaper(false, false, "0", "", ""));
@@ -50,7 +52,7 @@ fn pressure_advance_in_three_dialects() {
 #[test]
 fn velocity_limits_in_the_words_of_klipper() {
     let limit = |line: &'static str| match parse(line.as_bytes()) {
-        Command::VelocityLimit(limit) => limit,
+        Command::Setting(SettingCommand::VelocityLimit(limit)) => limit,
         other => panic!("{line}: {other:?}"),
     };
     let none = VelocityWords::default();
@@ -74,7 +76,7 @@ fn velocity_limits_in_the_words_of_klipper() {
     );
     for others in ["VELOCITY=9 FOO=1", "FOO=1 velocity=9 BAR=3"] {
         let line = std::format!("SET_VELOCITY_LIMIT {others}");
-        let Command::VelocityLimit(limit) = parse(line.as_bytes()) else { panic!("{line}") };
+        let Command::Setting(SettingCommand::VelocityLimit(limit)) = parse(line.as_bytes()) else { panic!("{line}") };
         assert!(limit.other.is_some_and(|name| name.eq_ignore_ascii_case(b"VELOCITY")), "{line}");
     }
     assert_eq!(limit("SET_VELOCITY_LIMIT FOO=1 BAR=3"), VelocityWords { other: Some(b"FOO"), ..none });

@@ -1,0 +1,201 @@
+//! Heaters and fans.
+
+use super::Command;
+use super::grammar::Grammar;
+use super::row::Described;
+use crate::connectors::Heater;
+use crate::gcode::index::Part;
+use crate::gcode::lexer::{Words, last, number};
+use crate::gcode::number::Number;
+use crate::gcode::parts::{ModelWords, TuningWords};
+
+/// Heaters and fans.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum HeatCommand {
+    /// M104, M140, M141: set the target of a heater; no effect without S or R.
+    HeaterTarget {
+        /// Which heater.
+        heater: Heater,
+        /// S or R, in degrees Celsius.
+        target: Option<Number>,
+    },
+    /// M109, M190, M191: the same, and wait for the target; no effect without S or R.
+    HeaterWait {
+        /// Which heater.
+        heater: Heater,
+        /// S or R, in degrees Celsius.
+        target: Option<Number>,
+        /// Whether to wait while it cools, too (R).
+        cools: bool,
+    },
+    /// M116: wait for all heaters that are on.
+    AwaitHeaters,
+    /// M105: report temperatures.
+    ReportTemperatures,
+    /// M106, M107: set the speed of a fan, in its turn among the moves.
+    FanSpeed {
+        /// P: which fan; 255 for one that no machine has.
+        fan: u8,
+        /// S, of 255; 0 for M107.
+        speed: Number,
+    },
+    /// M301, M304: the gains of a heater's PID controller, or report.
+    Pid {
+        /// Which heater.
+        heater: Heater,
+        /// P, I, D.
+        gains: [Option<Number>; 3],
+    },
+    /// M302: the temperature below which no filament moves, or report.
+    ColdExtrusion {
+        /// S, in degrees Celsius.
+        least: Option<Number>,
+        /// P: whether filament may move at any temperature.
+        allow: Option<bool>,
+    },
+    /// M303, M306 T: find out how a heater behaves.
+    TuneHeater(TuningWords),
+    /// M306: the model of a heater, or report.
+    HeaterModel {
+        /// E, as for M303.
+        heater: Option<Heater>,
+        /// Whether there is an E.
+        is_named: bool,
+        /// Its numbers.
+        words: ModelWords,
+    },
+    /// M710: the fan of the controller, or report.
+    ControllerFan {
+        /// S, of 255.
+        speed: Option<Number>,
+        /// D: the run-on time in s.
+        run_on: Option<Number>,
+        /// R: as the machine was made.
+        resets: bool,
+        /// I or A; this firmware has neither.
+        other: Option<u8>,
+    },
+    /// SELF_TEST: find out whether each heater warms its own sensor.
+    SelfTest,
+    /// M81: everything off that can be switched off.
+    PowerOff,
+}
+
+pub(super) const ROWS: &[Described] = &[
+    Described::m(&[104, 109], |number, text| heat(target(Heater::Hotend, number == 109, text)))
+        .grammar(&Grammar::numbers(b"SRT").parts(&[(b'T', Part::Tool), (b'I', Part::Preset)]))
+        .does("S R T", "target of the hotend; M109 waits, R waits while it cools too"),
+    Described::m(&[140, 190], |number, text| heat(target(Heater::Bed, number == 190, text)))
+        .grammar(&Grammar::numbers(b"SR").parts(&[(b'P', Part::Bed), (b'H', Part::Heater), (b'I', Part::Preset)]))
+        .does("S R", "the same for the bed"),
+    Described::m(&[141, 191], |number, text| heat(target(Heater::Chamber, number == 191, text)))
+        .grammar(&Grammar::numbers(b"SR").parts(&[(b'P', Part::Chamber), (b'H', Part::Heater)]))
+        .does("S R", "the same for the chamber"),
+    Described::m(&[116], |_, _| heat(HeatCommand::AwaitHeaters))
+        .grammar(&Grammar::numbers(b"").parts(&[(b'P', Part::Tool)]))
+        .does("", "waits for all heaters that are on"),
+    Described::m(&[105], |_, _| heat(HeatCommand::ReportTemperatures)).does("", "reports temperatures"),
+    Described::m(&[106], |_, text| heat(fan(text, false)))
+        .grammar(&Grammar::numbers(b"SP").parts(&[(b'I', Part::Preset)]))
+        .does("P S", "fan P: S of 255"),
+    Described::m(&[107], |_, text| heat(fan(text, true))).grammar(&Grammar::numbers(b"P")).does("P", "fan P is off"),
+    Described::m(&[301], |_, text| heat(pid(Heater::Hotend, text)))
+        .grammar(&Grammar::numbers(b"PID").parts(&[(b'E', Part::Extruder), (b'H', Part::Heater), (b'T', Part::Tool)]))
+        .does("P I D", "PID gains of the hotend; or reports"),
+    Described::m(&[304], |_, text| heat(pid(Heater::Bed, text)))
+        .grammar(&Grammar::numbers(b"PID").parts(&[(b'H', Part::Heater), (b'T', Part::Tool)]))
+        .does("P I D", "the same for the bed"),
+    Described::m(&[302], |_, text| heat(cold_extrusion(text)))
+        .grammar(&Grammar::numbers(b"SP"))
+        .does("S P", "least temperature for filament; P1 allows any; or reports"),
+    Described::m(&[303], |_, text| heat(tune(text)))
+        .grammar(&Grammar::numbers(b"ECS").parts(&[(b'T', Part::Tool), (b'H', Part::Heater)]))
+        .does("E C S U", "finds gains and model by C swings around S; U1 uses them"),
+    Described::m(&[306], |_, text| heat(model(text)))
+        .grammar(&Grammar::numbers(b"EPCAFRLH"))
+        .does("E P C A F R L H", "model of a heater; T tunes; or reports"),
+    Described::m(&[710], |_, text| heat(controller_fan(text)))
+        .grammar(&Grammar::numbers(b"SD"))
+        .does("S D, R", "controller fan: speed, run-on in s; R restores; or reports"),
+    Described::name(&["SELF_TEST"], |_, _| heat(HeatCommand::SelfTest))
+        .does("", "tests that each heater warms its own sensor"),
+    // It must act in any case.
+    Described::m(&[81], |_, _| heat(HeatCommand::PowerOff)).does("", "heaters and fans off; the power supply stays on"),
+];
+
+const fn heat(command: HeatCommand) -> Option<Command<'static>> {
+    Some(Command::Heat(command))
+}
+
+/// M106 without S: full speed.
+const FULL_SPEED: i32 = 255;
+
+/// M104, M109 and those of bed and chamber. To set a target R is as good as S; with both it is S, as in Marlin.
+fn target(heater: Heater, waits: bool, text: &[u8]) -> HeatCommand {
+    let (heats, both) = (number(text, b'S'), number(text, b'R'));
+    let target = heats.or(both);
+    if waits {
+        HeatCommand::HeaterWait { heater, target, cools: heats.is_none() && both.is_some() }
+    } else {
+        HeatCommand::HeaterTarget { heater, target }
+    }
+}
+
+/// M106, and M107 with speed 0.
+fn fan(text: &[u8], stops: bool) -> HeatCommand {
+    let fan = number(text, b'P').map_or(0, |fan| u8::try_from(fan.to_int()).unwrap_or(u8::MAX));
+    let speed = if stops { Number::ZERO } else { number(text, b'S').unwrap_or(Number::from(FULL_SPEED)) };
+    HeatCommand::FanSpeed { fan, speed }
+}
+
+/// M301, M304.
+fn pid(heater: Heater, text: &[u8]) -> HeatCommand {
+    HeatCommand::Pid { heater, gains: [b'P', b'I', b'D'].map(|letter| number(text, letter)) }
+}
+
+/// The heater of E.
+fn heater(text: &[u8]) -> Option<Heater> {
+    match number(text, b'E').map_or(0, Number::to_int) {
+        0 => Some(Heater::Hotend),
+        -1 => Some(Heater::Bed),
+        -2 => Some(Heater::Chamber),
+        _ => None,
+    }
+}
+
+/// M303. U alone is U1.
+fn tune(text: &[u8]) -> HeatCommand {
+    let applies = last(text, b'U').is_some_and(|word| word.number != Some(Number::ZERO));
+    HeatCommand::TuneHeater(TuningWords {
+        heater: heater(text),
+        target: number(text, b'S'),
+        cycles: number(text, b'C'),
+        applies,
+    })
+}
+
+/// M306. With T it tunes and uses the result.
+fn model(text: &[u8]) -> HeatCommand {
+    let heater = heater(text);
+    if last(text, b'T').is_some() {
+        return HeatCommand::TuneHeater(TuningWords { heater, target: None, cycles: None, applies: true });
+    }
+    let [power, capacity, loss, fan_loss, responsiveness, heater_lag, filament] =
+        [b'P', b'C', b'A', b'F', b'R', b'L', b'H'].map(|letter| number(text, letter));
+    let words = ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament };
+    HeatCommand::HeaterModel { heater, is_named: last(text, b'E').is_some(), words }
+}
+
+/// M302. P0 forbids, any other P allows.
+fn cold_extrusion(text: &[u8]) -> HeatCommand {
+    let allow = number(text, b'P').map(|allow| allow != Number::ZERO);
+    HeatCommand::ColdExtrusion { least: number(text, b'S'), allow }
+}
+
+/// M710.
+fn controller_fan(text: &[u8]) -> HeatCommand {
+    let other = Words::new(text).map(|word| word.letter).find(|letter| matches!(letter, b'A' | b'I'));
+    let resets = last(text, b'R').is_some();
+    HeatCommand::ControllerFan { speed: number(text, b'S'), run_on: number(text, b'D'), resets, other }
+}

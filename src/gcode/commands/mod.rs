@@ -1,0 +1,68 @@
+//! Commands: the request in a line of G-code, as a type that cannot hold nonsense; and the table of all codes.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`motion`], [`job`], [`heat`], [`settings`], [`motors`], [`reports`], [`refused`], [`silent`] | a family: its type, its rows, the readers of its words |
+//! | [`shaping`], [`machine_record`] | readers of settings with words of several firmwares, and of records |
+//! | [`row`] | what a row is |
+//! | [`grammar`] | the rules for words, and the lines that break them |
+//! | [`table`] | the rows of all families |
+
+pub(super) mod grammar;
+mod heat;
+mod job;
+mod machine_record;
+pub(super) mod motion;
+mod motors;
+mod refused;
+mod reports;
+pub(super) mod row;
+mod settings;
+mod shaping;
+mod silent;
+pub(super) mod table;
+
+use super::parts::Flaw;
+pub use heat::HeatCommand;
+pub use job::JobCommand;
+pub use motion::MotionCommand;
+pub use motors::MotorCommand;
+pub use refused::RefusedCommand;
+pub use reports::ReportCommand;
+pub use row::{Text, Treatment};
+pub use settings::SettingCommand;
+pub use shaping::ShaperName;
+pub use table::{Line, codes, described, names};
+
+/// A command, by family; every one is answered with one `ok`. Lengths are in the units that G20/G21 chose.
+///
+/// A new one is a variant and a row of its family here, and an arm of the same family in `machine::commands`, for which
+/// the compiler asks. `boards/sim/tests/commands/table.rs` asks for a row with its answer, `tests/gcode.rs` for a
+/// grammar (without one any text is taken), and docs/reference/gcode.md is made from the row. By hand: a code that was
+/// ignored leaves `silent`; a code that hosts send to a stopped machine goes into `machine::main_loop::halted`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Command<'a> {
+    /// Moves, modes, overrides.
+    Motion(MotionCommand),
+    /// Jobs, pauses and waits.
+    Job(JobCommand<'a>),
+    /// Heaters and fans.
+    Heat(HeatCommand),
+    /// Settings, and where they are kept.
+    Setting(SettingCommand<'a>),
+    /// Motors, their drivers and belts.
+    Motor(MotorCommand),
+    /// Reports and messages.
+    Report(ReportCommand<'a>),
+    /// Known, and refused in words.
+    Refused(RefusedCommand),
+    /// A command that hosts and slicers send and that needs no answer but `ok`.
+    Silent,
+    /// A known command on a line that is not in order.
+    Malformed(Flaw<'a>),
+    /// Anything else, as it came.
+    Unknown(&'a [u8]),
+}
+
+#[cfg(test)]
+mod tests;

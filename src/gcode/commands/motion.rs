@@ -1,0 +1,312 @@
+//! Motion: moves, modes, overrides, retraction.
+
+use super::Command;
+use super::grammar::{Grammar, NO_AXES, in_order};
+use super::row::Described;
+use crate::gcode::axes::{axis_flags, take_axis};
+use crate::gcode::code::Code;
+use crate::gcode::index::{Absent, Named, Part};
+use crate::gcode::lexer::{Word, Words, last, number};
+use crate::gcode::number::Number;
+use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, Plane};
+
+/// Moves, modes, overrides, retraction.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum MotionCommand {
+    /// G0, G1: straight move.
+    Line {
+        /// Whether it was G0 (a travel move by intent).
+        rapid: bool,
+        /// The target.
+        to: AxisWords,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
+    /// G0, G1 with C: straight move in which a closed belt circulates.
+    Circulate {
+        /// The target.
+        to: AxisWords,
+        /// C: the target of the belt, in mm of belt.
+        belt: Number,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
+    /// G2, G3: arc or helix.
+    Arc(ArcWords),
+    /// G4: wait this many milliseconds after the motion so far.
+    Dwell {
+        /// S and P summed, in ms.
+        ms: u32,
+    },
+    /// G10: pull the filament back, and lift the tool.
+    Retract,
+    /// G11: undo G10.
+    Recover,
+    /// M207: settings of G10, or report.
+    RetractSettings {
+        /// S: length of filament.
+        length: Option<Number>,
+        /// F, per minute.
+        feed: Option<Number>,
+        /// Z: lift.
+        lift: Option<Number>,
+    },
+    /// M208: the additional amounts of G11, or report.
+    RecoverSettings {
+        /// S: filament that is pushed in addition.
+        extra: Option<Number>,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
+    /// G17, G18, G19: the plane of arcs.
+    Plane(Plane),
+    /// G20: lengths are inches.
+    Inches,
+    /// G21: lengths are millimetres.
+    Millimetres,
+    /// G28: home the named axes, all if none is named.
+    Home(AxisFlags),
+    /// G90: positions are absolute.
+    Absolute,
+    /// G91: positions are relative, E too.
+    Relative,
+    /// G92: the present position is called this from now on; all zero if no axis is named.
+    SetPosition(AxisWords),
+    /// M82: E is absolute.
+    AbsoluteExtrusion,
+    /// M83: E is relative.
+    RelativeExtrusion,
+    /// M400: wait until all motion is done.
+    Finish,
+    /// M410: stop the motion now and drop all queued moves.
+    QuickStop,
+    /// M220: feed override in percent, or report.
+    FeedPercent(Option<Number>),
+    /// M220 B: remember the feed override.
+    BackUpFeedPercent,
+    /// M220 R: go back to the remembered feed override.
+    RestoreFeedPercent,
+    /// M221: flow override in percent, or report.
+    FlowPercent(Option<Number>),
+    /// T0: choose the only tool.
+    Tool,
+}
+
+/// G0, G1. C is the belt's circulation, which not every machine has.
+const LINE: &Grammar = &Grammar::numbers(b"XYZECF").no_axes(b"ABUVW");
+
+/// Words, none of which needs a number.
+const WORDS: &Grammar = &Grammar::numbers(b"");
+
+pub(super) const ROWS: &[Described] = &[
+    Described::g(&[0, 1], |number, text| Some(line(Code { letter: b'G', number, subcode: 0 }, text)))
+        .does("X Y Z E F, C", "straight move; C runs a closed belt round, with X, Y and F alone"),
+    Described::g(&[2, 3], |number, text| motion(arc(number == 2, text)))
+        .grammar(&Grammar::numbers(b"XYZEFIJKRP").no_axes(NO_AXES).not_negative(b"P"))
+        .does(
+            "X Y Z E F I J K R P",
+            "arc or helix, clockwise or counter-clockwise; centre (I J K) or radius (R); P turns",
+        ),
+    Described::g(&[4], |_, text| motion(dwell(text)))
+        .grammar(&Grammar::numbers(b"PS").not_negative(b"PS"))
+        .does("P S", "waits for the motion, then P ms and S s"),
+    // With P or L it sets a tool's temperatures or offsets (RepRapFirmware).
+    Described::g(&[10], |_, text| {
+        let is_foreign = Words::new(text).any(|word| matches!(word.letter, b'P' | b'L'));
+        if is_foreign { None } else { motion(MotionCommand::Retract) }
+    })
+    .grammar(WORDS)
+    .does("", "retracts as M207 says; with P or L it is another firmware's command and unknown"),
+    Described::g(&[11], |_, _| motion(MotionCommand::Recover)).grammar(WORDS).does("", "undoes G10"),
+    Described::g(&[17, 18, 19], |number, _| {
+        motion(MotionCommand::Plane(match number {
+            17 => Plane::Xy,
+            18 => Plane::Zx,
+            _ => Plane::Yz,
+        }))
+    })
+    .grammar(WORDS)
+    .does("", "plane of arcs: XY, ZX, YZ"),
+    Described::g(&[20, 21], |number, _| {
+        motion(if number == 20 { MotionCommand::Inches } else { MotionCommand::Millimetres })
+    })
+    .grammar(WORDS)
+    .does("", "inches, millimetres"),
+    // With W, Prusa's G28 does not probe the bed.
+    Described::g(&[28], |_, text| motion(MotionCommand::Home(AxisFlags { e: false, ..axis_flags(text) })))
+        .grammar(&Grammar::numbers(b"").no_axes(b"ABCUV"))
+        .does("X Y Z", "homes the named axes, all without words"),
+    Described::g(&[90, 91], |number, _| {
+        motion(if number == 90 { MotionCommand::Absolute } else { MotionCommand::Relative })
+    })
+    .grammar(WORDS)
+    .does("", "absolute, relative (E too)"),
+    Described::g(&[92], |_, text| motion(MotionCommand::SetPosition(position(text))))
+        .grammar(&Grammar::numbers(b"").no_axes(NO_AXES))
+        .does("X Y Z E", "names the present position; all 0 without words"),
+    Described::m(&[82, 83], |number, _| {
+        motion(if number == 82 { MotionCommand::AbsoluteExtrusion } else { MotionCommand::RelativeExtrusion })
+    })
+    .grammar(WORDS)
+    .does("", "E absolute, relative"),
+    Described::m(&[400], |_, _| motion(MotionCommand::Finish))
+        .grammar(WORDS)
+        .does("", "waits until the motion has ended"),
+    // It must act in any case.
+    Described::m(&[410], |_, _| motion(MotionCommand::QuickStop))
+        .does("", "brakes along the path and drops queued moves; acts at once"),
+    Described::m(&[207], |_, text| {
+        let [length, feed, lift] = [b'S', b'F', b'Z'].map(|letter| number(text, letter));
+        motion(MotionCommand::RetractSettings { length, feed, lift })
+    })
+    .grammar(&Grammar::numbers(b"SFZ").parts(&[(b'P', Part::Tool)]))
+    .does("S F Z", "retraction: length, speed, lift; or reports"),
+    Described::m(&[208], |_, text| {
+        motion(MotionCommand::RecoverSettings { extra: number(text, b'S'), feed: number(text, b'F') })
+    })
+    .grammar(&Grammar::numbers(b"SF").parts(&[(b'P', Part::Tool)]))
+    .does("S F", "recovery: additional length, speed; or reports"),
+    Described::m(&[220], |_, text| motion(feed_percent(text)))
+        .grammar(&Grammar::numbers(b"S"))
+        .does("S, B, R", "feed in percent; B keeps it, R restores it; or reports"),
+    Described::m(&[221], |_, text| motion(MotionCommand::FlowPercent(number(text, b'S'))))
+        .grammar(&Grammar::numbers(b"STD").parts(&[(b'T', Part::Extruder), (b'D', Part::Extruder)]))
+        .does("S T D", "flow in percent; T and D name the extruder, 0; or reports"),
+    Described::t(|number, _| tool(number))
+        .does("", "the only tool; another one is answered `echo:T1 Invalid extruder` once a print"),
+];
+
+const fn motion(command: MotionCommand) -> Option<Command<'static>> {
+    Some(Command::Motion(command))
+}
+
+/// The highest number of a tool in any firmware; beyond it a T is something else, or damaged.
+const MOST_TOOLS: u16 = 255;
+
+/// T0, and the tools that there are not.
+const fn tool(number: u16) -> Option<Command<'static>> {
+    if number == 0 {
+        return motion(MotionCommand::Tool);
+    } else if number > MOST_TOOLS {
+        return None;
+    }
+    let command = Named::Code(b'T', number);
+    Some(Command::Malformed(Flaw::Absent(Absent { command, part: Part::Tool, which: b"" })))
+}
+
+/// G0 and G1. Only a line with unusual parts is parsed again.
+pub(in crate::gcode) fn line(code: Code, text: &[u8]) -> Command<'_> {
+    let mut to = AxisWords::default();
+    let mut feed = None;
+    let mut is_usual = true;
+    let mut words = Words::new(text);
+    for word in words.by_ref() {
+        is_usual &= word.number.is_some();
+        match word.letter {
+            b'X' => to.x = word.number,
+            b'Y' => to.y = word.number,
+            b'Z' => to.z = word.number,
+            b'E' => to.e = word.number,
+            b'F' => feed = word.number,
+            _ => is_usual = false,
+        }
+    }
+    let command = Command::Motion(MotionCommand::Line { rapid: code.number == 0, to, feed });
+    if is_usual && !words.has_skipped() { command } else { in_order(with_belt(command, text), LINE, code, text) }
+}
+
+/// A move in which the belt circulates too, if the line has a C.
+#[cold]
+#[inline(never)]
+fn with_belt<'a>(command: Command<'a>, text: &[u8]) -> Command<'a> {
+    match (command, Words::new(text).filter(|word| word.letter == b'C').last()) {
+        (Command::Motion(MotionCommand::Line { to, feed, .. }), Some(Word { number: Some(belt), .. })) => {
+            Command::Motion(MotionCommand::Circulate { to, belt, feed })
+        }
+        (command, _) => command,
+    }
+}
+
+/// G2 and G3. With a radius, I, J and K do not count (Marlin).
+fn arc(clockwise: bool, text: &[u8]) -> MotionCommand {
+    let mut to = AxisWords::default();
+    let (mut feed, mut i, mut j, mut k, mut radius, mut turns) = (None, None, None, None, None, None);
+    let mut decimals = 0;
+    let mut words = Words::new(text);
+    let mut remaining = text;
+    while let Some(word) = words.next() {
+        let written = remaining.get(..remaining.len() - words.remaining().len()).unwrap_or_default();
+        remaining = words.remaining();
+        if matches!(word.letter, b'X' | b'Y' | b'Z' | b'I' | b'J' | b'K' | b'R') {
+            decimals = decimals.max(decimals_of(written));
+        }
+        match word.letter {
+            b'F' => feed = word.number,
+            b'I' => i = word.number,
+            b'J' => j = word.number,
+            b'K' => k = word.number,
+            b'R' => radius = word.number,
+            b'P' => turns = word.number,
+            _ => take_axis(&mut to, word),
+        }
+    }
+    let shape = match radius {
+        Some(radius) => ArcShape::Radius(radius),
+        None if i.or(j).or(k).is_none() => ArcShape::Missing,
+        None => {
+            let [i, j, k] = [i, j, k].map(Option::unwrap_or_default);
+            ArcShape::Centre { i, j, k }
+        }
+    };
+    let turns = turns.map_or(1, Number::to_u32).clamp(1, u32::from(u16::MAX)) as u16;
+    MotionCommand::Arc(ArcWords { clockwise, to, feed, shape, turns, decimals })
+}
+
+/// Decimals that count: the fifth of an inch is a quarter of a micrometre.
+const MOST_DECIMALS: usize = 5;
+
+/// Decimals of the number that `written` ends with.
+fn decimals_of(written: &[u8]) -> u8 {
+    let number = written.rsplit(u8::is_ascii_alphabetic).next().unwrap_or_default();
+    let decimals = number.split(|byte| *byte == b'.').nth(1).unwrap_or_default();
+    decimals.iter().take_while(|byte| byte.is_ascii_digit()).take(MOST_DECIMALS).count() as u8
+}
+
+/// G4. The sum stays below the largest number, so that it can be printed and read again.
+fn dwell(text: &[u8]) -> MotionCommand {
+    let (mut milliseconds, mut seconds) = (Number::ZERO, Number::ZERO);
+    for word in Words::new(text) {
+        match word.letter {
+            b'P' => milliseconds = word.number.unwrap_or_default(),
+            b'S' => seconds = word.number.unwrap_or_default(),
+            _ => {}
+        }
+    }
+    let sum = u64::from(milliseconds.to_u32()) + seconds.to_thousandths().max(0) as u64;
+    MotionCommand::Dwell { ms: sum.min(Number::LIMIT as u64) as u32 }
+}
+
+/// The words of G92: a letter without a number is zero, and so is everything if there is no letter.
+fn position(text: &[u8]) -> AxisWords {
+    let mut words = AxisWords::default();
+    for word in Words::new(text) {
+        take_axis(&mut words, Word { number: Some(word.number.unwrap_or_default()), ..word });
+    }
+    if words == AxisWords::default() {
+        let zero = Some(Number::ZERO);
+        words = AxisWords { x: zero, y: zero, z: zero, e: zero };
+    }
+    words
+}
+
+/// M220. B and R stand alone in practice; with either of them S is ignored.
+fn feed_percent(text: &[u8]) -> MotionCommand {
+    if last(text, b'B').is_some() {
+        MotionCommand::BackUpFeedPercent
+    } else if last(text, b'R').is_some() {
+        MotionCommand::RestoreFeedPercent
+    } else {
+        MotionCommand::FeedPercent(number(text, b'S'))
+    }
+}

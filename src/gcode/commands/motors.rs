@@ -1,0 +1,105 @@
+//! Motors, their drivers and belts.
+
+use super::Command;
+use super::grammar::{Grammar, NO_AXES};
+use super::row::Described;
+use crate::gcode::axes::{axis_flags, axis_words};
+use crate::gcode::index::Part;
+use crate::gcode::lexer::{last, number, switch};
+use crate::gcode::parts::{AxisFlags, AxisWords};
+
+/// Motors, their drivers and belts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum MotorCommand {
+    /// M17: power the motors of the named axes, all if none is named.
+    EnableMotors(AxisFlags),
+    /// M18, M84: unpower the motors of the named axes, all if none is named.
+    DisableMotors(AxisFlags),
+    /// M18 S, M84 S: seconds without motion after which motors lose power; 0 is never.
+    IdleTimeout {
+        /// The time in s.
+        seconds: u32,
+    },
+    /// M569: stealthChop or spreadCycle for the named axes, all if none is named; or report.
+    Stealth {
+        /// S: whether it is stealthChop.
+        on: Option<bool>,
+        /// The axes.
+        axes: AxisFlags,
+    },
+    /// M906: run current in mA, or report.
+    DriverCurrent(AxisWords),
+    /// M913: speed above which spreadCycle replaces stealthChop, units/s, or report.
+    HybridThreshold(AxisWords),
+    /// M914: StallGuard threshold, or report.
+    StallThreshold(AxisWords),
+    /// M915: align the motors of one belt, or check them.
+    AlignBelt {
+        /// D: report changes since they were aligned.
+        diagnoses: bool,
+        /// R: the same, and set it right.
+        repairs: bool,
+    },
+}
+
+/// Words that select a driver.
+const DRIVERS: &[(u8, Part)] = &[(b'I', Part::Driver), (b'T', Part::Extruder)];
+
+/// A number for the drivers of each axis.
+const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES).parts(DRIVERS);
+
+pub(super) const ROWS: &[Described] = &[
+    Described::m(&[17], |_, text| motor(MotorCommand::EnableMotors(axis_flags(text))))
+        .grammar(&Grammar::numbers(b"").no_axes(NO_AXES).parts(&[(b'E', Part::Extruder)]))
+        .does("X Y Z E", "power for the named axes, all without words"),
+    Described::m(&[18, 84], |_, text| motor(release(text)))
+        .grammar(&Grammar::numbers(b"S").no_axes(NO_AXES).not_negative(b"S").parts(&[(b'E', Part::Extruder)]))
+        .does("X Y Z E, S", "power off; S sets the idle time in s, 0 is never"),
+    // With P it is RepRapFirmware's, and turns a motor round.
+    Described::m(&[569], |_, text| if last(text, b'P').is_none() { motor(stealth(text)) } else { None })
+        .grammar(&Grammar::numbers(b"").no_axes(NO_AXES).parts(DRIVERS))
+        .does("S X Y Z E", "stealthChop (1) or spreadCycle (0); or reports; with P unknown"),
+    Described::m(&[906], |_, text| motor(MotorCommand::DriverCurrent(axis_words(text))))
+        .grammar(AXES)
+        .does("X Y Z E", "run current in mA; or reports"),
+    Described::m(&[913], |_, text| motor(MotorCommand::HybridThreshold(axis_words(text))))
+        .grammar(AXES)
+        .does("X Y Z E", "speed above which stealthChop ends, mm/s; or reports"),
+    Described::m(&[914], |_, text| motor(MotorCommand::StallThreshold(axis_words(text))))
+        .grammar(AXES)
+        .does("X Y Z E", "StallGuard threshold; or reports"),
+    Described::m(&[915], |_, text| align(text)).grammar(&Grammar::numbers(b"")).does(
+        "D, R",
+        "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt.md#alignment-m915))",
+    ),
+];
+
+const fn motor(command: MotorCommand) -> Option<Command<'static>> {
+    Some(Command::Motor(command))
+}
+
+/// M18 and M84: with S a time, otherwise axes.
+fn release(text: &[u8]) -> MotorCommand {
+    match number(text, b'S') {
+        Some(seconds) => MotorCommand::IdleTimeout { seconds: seconds.to_u32() },
+        None => MotorCommand::DisableMotors(axis_flags(text)),
+    }
+}
+
+/// M569; a report is of all axes.
+fn stealth(text: &[u8]) -> MotorCommand {
+    let on = switch(text);
+    MotorCommand::Stealth { on, axes: if on.is_some() { axis_flags(text) } else { AxisFlags::default() } }
+}
+
+/// M915. RepRapFirmware's is another command; it has these words in addition to its axes, and a number at its R.
+fn align(text: &[u8]) -> Option<Command<'static>> {
+    let is_foreign = b"PSFHT".iter().any(|letter| last(text, *letter).is_some());
+    let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter));
+    let has_number = [diagnoses, repairs].into_iter().flatten().any(|word| word.number.is_some());
+    if is_foreign || has_number || diagnoses.is_some() && repairs.is_some() {
+        return None;
+    }
+    motor(MotorCommand::AlignBelt { diagnoses: diagnoses.is_some(), repairs: repairs.is_some() })
+}

@@ -1,0 +1,36 @@
+//! Commands that are refused in words, because their missing effect matters.
+
+use super::Command;
+use super::row::Described;
+
+/// Commands that are refused in words, because their missing effect matters.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum RefusedCommand {
+    /// G29, Prusa's G80 and their relatives: a command for a probe with which nothing is measured.
+    Probing,
+    /// M420: report on bed levelling; there is none.
+    ReportLevelling,
+    /// M622, M623, `if`, `while` and the like: which lines run depends on it, and this firmware runs them all.
+    Conditional,
+}
+
+/// They are answered whatever words they have.
+pub(super) const ROWS: &[Described] = &[
+    Described::g(&[29, 30, 80], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
+    Described::m(&[48, 290, 851], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
+    Described::m(&[420], |_, _| refused(RefusedCommand::ReportLevelling)).refused("bed levelling is off"),
+    Described::m(&[622, 623], |_, _| refused(RefusedCommand::Conditional)).refused(CONDITION),
+    // Conditions and loops of RepRapFirmware.
+    Described::name(&["if", "elif", "else", "while", "break", "continue", "abort"], |_, _| {
+        refused(RefusedCommand::Conditional)
+    })
+    .refused("the same"),
+];
+
+const NOT_PROBED: &str = "nothing is probed by this firmware";
+const CONDITION: &str = "a condition: the print is halted, because the firmware cannot skip lines";
+
+const fn refused(command: RefusedCommand) -> Option<Command<'static>> {
+    Some(Command::Refused(command))
+}

@@ -1,0 +1,163 @@
+//! Settings, and where they are kept.
+
+use super::Command;
+use super::grammar::{Grammar, NO_AXES};
+use super::machine_record;
+use super::row::Described;
+use super::shaping::{linear_advance, pressure_advance, set_pressure_advance, set_velocity_limit, shaper};
+use crate::gcode::axes::{axis_words, take_axis};
+use crate::gcode::index::Part;
+use crate::gcode::lexer::{Words, switch};
+use crate::gcode::number::Number;
+use crate::gcode::parts::{AxisWords, CornerWords, MachineRecord, ShaperWords, VelocityWords};
+
+/// Settings, and where they are kept.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum SettingCommand<'a> {
+    /// M92: steps a millimetre.
+    StepsPerMm(AxisWords),
+    /// M201: acceleration limits, units/s2.
+    MaxAcceleration(AxisWords),
+    /// M203: speed limits, units/s.
+    MaxSpeed(AxisWords),
+    /// M204: accelerations of printing, retracting and travelling moves, units/s2.
+    Acceleration {
+        /// P, or S.
+        print: Option<Number>,
+        /// R.
+        retract: Option<Number>,
+        /// T, or S.
+        travel: Option<Number>,
+    },
+    /// M205: corner speeds and least feeds.
+    Corners(CornerWords),
+    /// M211: keep moves inside the reachable space, or report.
+    SoftEndstops(Option<bool>),
+    /// M413: recovery from a loss of power, which this firmware cannot; or report.
+    PowerLossRecovery(Option<bool>),
+    /// M593: the input shapers of the named axes, both if none is named, or report.
+    Shaper(ShaperWords),
+    /// M900, M572, SET_PRESSURE_ADVANCE: pressure advance, or report.
+    Advance {
+        /// K or S, in s.
+        time: Option<Number>,
+        /// W: the time over which the speed is averaged, in s.
+        window: Option<Number>,
+    },
+    /// SET_VELOCITY_LIMIT: acceleration, corner speed and the part of a move over which its speed holds at least, or
+    /// report.
+    VelocityLimit(VelocityWords<'a>),
+    /// M500: keep the settings in storage.
+    SaveSettings,
+    /// M501: take the settings that are in storage.
+    LoadSettings,
+    /// M502: take the settings that the machine was made with.
+    DefaultSettings,
+    /// M503: report the settings as G-code.
+    ReportSettings {
+        /// S0: as lines that can be sent back unchanged, and nothing else.
+        for_replay: bool,
+    },
+    /// M504: look whether the settings in storage are whole.
+    CheckStorage,
+    /// MACHINE_GET, MACHINE_PUT, MACHINE_STORE: the machine, as a record in pieces.
+    MachineRecord(MachineRecord<'a>),
+}
+
+/// Words, none of which needs a number.
+const WORDS: &Grammar = &Grammar::numbers(b"");
+
+/// A number for each axis.
+const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES).parts(&[(b'T', Part::Extruder)]);
+
+pub(super) const ROWS: &[Described] = &[
+    Described::m(&[92], |_, text| setting(SettingCommand::StepsPerMm(axis_words(text))))
+        .grammar(AXES)
+        .does("X Y Z E", "steps per mm; or reports"),
+    Described::m(&[201, 203], |number, text| {
+        let words = axis_words(text);
+        setting(if number == 201 { SettingCommand::MaxAcceleration(words) } else { SettingCommand::MaxSpeed(words) })
+    })
+    .grammar(AXES)
+    .does("X Y Z E", "limits of acceleration, speed; or reports"),
+    Described::m(&[204], |_, text| setting(acceleration(text)))
+        .grammar(&Grammar::numbers(b"PRTS"))
+        .does("P R T S", "acceleration of printing, retracting, travel; S is P and T; or reports"),
+    Described::m(&[205], |_, text| setting(corners(text)))
+        .grammar(&Grammar::numbers(b"XYZEJSTB"))
+        .does("X Y Z E J S T B", "jerks, junction deviation, least feeds; B is not used; or reports"),
+    Described::m(&[211], |_, text| setting(SettingCommand::SoftEndstops(switch(text))))
+        .grammar(WORDS)
+        .does("S", "soft endstops; or reports"),
+    Described::m(&[413], |_, text| setting(SettingCommand::PowerLossRecovery(switch(text))))
+        .grammar(WORDS)
+        .does("S", "power-loss recovery: always off; S1 says so"),
+    Described::m(&[593], |_, text| Some(shaper(text)))
+        .grammar(&Grammar::numbers(b"FDTS").not_negative(b"F"))
+        .does("X Y F D T S P", "input shaper: frequency, damping (D or S), kind; or reports"),
+    Described::m(&[900], |_, text| Some(linear_advance(text)))
+        .grammar(&Grammar::numbers(b"KT").parts(&[(b'T', Part::Extruder), (b'S', Part::Slot), (b'L', Part::Other)]))
+        .does("K T", "pressure advance in s; or reports"),
+    Described::m(&[572], |_, text| Some(pressure_advance(text)))
+        .grammar(&Grammar::numbers(b"SWD").parts(&[(b'D', Part::Extruder)]))
+        .does("S W D", "pressure advance in s (S), its window (W); or reports"),
+    Described::name(&["SET_PRESSURE_ADVANCE"], |_, text| Some(set_pressure_advance(text)))
+        .does("ADVANCE= SMOOTH_TIME=", "M572 in Klipper's words"),
+    Described::name(&["SET_VELOCITY_LIMIT"], |_, text| Some(set_velocity_limit(text))).does(
+        "ACCEL= SQUARE_CORNER_VELOCITY= MINIMUM_CRUISE_RATIO= ACCEL_TO_DECEL=",
+        "acceleration, corner speed, cruise ratio; or reports",
+    ),
+    Described::m(&[500, 501, 502], |number, _| {
+        setting(match number {
+            500 => SettingCommand::SaveSettings,
+            501 => SettingCommand::LoadSettings,
+            _ => SettingCommand::DefaultSettings,
+        })
+    })
+    .does("", "saves, loads, restores the defaults"),
+    Described::m(&[503], |_, text| setting(SettingCommand::ReportSettings { for_replay: switch(text) == Some(false) }))
+        .does("S", "reports all settings; S0 as lines to send back"),
+    Described::m(&[504], |_, _| setting(SettingCommand::CheckStorage)).does("", "checks what is stored"),
+    Described::name(&["MACHINE_GET"], |_, _| setting(SettingCommand::MachineRecord(MachineRecord::Get)))
+        .does("", "the machine as a record in lines"),
+    Described::name(&["MACHINE_PUT"], |_, text| Some(machine_record::put(text)))
+        .does("AT= HEX=", "a piece of a record"),
+    Described::name(&["MACHINE_STORE"], |_, _| setting(SettingCommand::MachineRecord(MachineRecord::Store)))
+        .does("", "checks and stores the record"),
+];
+
+const fn setting(command: SettingCommand<'_>) -> Option<Command<'_>> {
+    Some(Command::Setting(command))
+}
+
+/// M204; S is the old name for printing and travelling at once.
+fn acceleration(text: &[u8]) -> SettingCommand<'static> {
+    let (mut print, mut retract, mut travel, mut both) = (None, None, None, None);
+    for word in Words::new(text) {
+        match word.letter {
+            b'P' => print = word.number,
+            b'R' => retract = word.number,
+            b'T' => travel = word.number,
+            b'S' => both = word.number,
+            _ => {}
+        }
+    }
+    SettingCommand::Acceleration { print: print.or(both), retract, travel: travel.or(both) }
+}
+
+/// M205.
+fn corners(text: &[u8]) -> SettingCommand<'static> {
+    let mut jerk = AxisWords::default();
+    let (mut deviation, mut min_feed, mut min_travel, mut min_segment) = (None, None, None, None);
+    for word in Words::new(text) {
+        match word.letter {
+            b'B' => min_segment = word.number,
+            b'J' => deviation = word.number,
+            b'S' => min_feed = word.number,
+            b'T' => min_travel = word.number,
+            _ => take_axis(&mut jerk, word),
+        }
+    }
+    SettingCommand::Corners(CornerWords { deviation, jerk, min_feed, min_travel, min_segment })
+}

@@ -1,0 +1,117 @@
+//! The table of all codes and names: the rows of each family, in one order.
+
+use super::row::{Begin, Described, Row, Text};
+use super::{heat, job, motion, motors, refused, reports, settings, silent};
+use crate::gcode::code::Code;
+
+/// The families with their headings in docs/reference/gcode.md. Arcs are frequent, so their family is the first.
+const FAMILIES: [(&str, &[Described]); 8] = [
+    ("Motion", motion::ROWS),
+    ("Jobs, pauses and waits", job::ROWS),
+    ("Heat and fans", heat::ROWS),
+    ("Settings", settings::ROWS),
+    ("Motors and drivers", motors::ROWS),
+    ("Reports and messages", reports::ROWS),
+    ("Accepted silently", silent::ROWS),
+    ("Refused", refused::ROWS),
+];
+
+const COUNT: usize = {
+    let (mut count, mut families) = (0, FAMILIES.as_slice());
+    while let [(_, rows), others @ ..] = families {
+        count += rows.len();
+        families = others;
+    }
+    count
+};
+
+/// All rows without their texts, which an image does not get.
+static ROWS: [Row; COUNT] = {
+    let mut all = [motion::ROWS[0].row; COUNT];
+    let (mut place, mut families) = (0, FAMILIES.as_slice());
+    while let [(_, rows), others @ ..] = families {
+        let mut rows = *rows;
+        while let [first, next @ ..] = rows {
+            all[place] = first.row;
+            place += 1;
+            rows = next;
+        }
+        families = others;
+    }
+    all
+};
+
+/// The row of a code.
+pub(in crate::gcode) fn row_of(code: Code) -> Option<&'static Row> {
+    ROWS.iter().find(|row| match row.begin {
+        Begin::Code(b'T', _) => code.letter == b'T' && code.subcode == 0,
+        Begin::Code(letter, numbers) => {
+            letter == code.letter && numbers.contains(&code.number) && (code.subcode == 0 || row.takes_subcodes)
+        }
+        Begin::Name(_) => false,
+    })
+}
+
+/// The row of a name.
+pub(in crate::gcode) fn row_of_name(name: &[u8]) -> Option<&'static Row> {
+    ROWS.iter().find(|row| match row.begin {
+        Begin::Name(names) => names.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())),
+        Begin::Code(..) => false,
+    })
+}
+
+/// The names that are known.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let names = |row: &'static Row| match row.begin {
+        Begin::Name(names) => names,
+        Begin::Code(..) => &[],
+    };
+    ROWS.iter().flat_map(names).copied()
+}
+
+/// The codes that are known, as letters and numbers.
+pub fn codes() -> impl Iterator<Item = (char, u16)> {
+    let codes = |row: &'static Row| match row.begin {
+        Begin::Code(letter, numbers) => (char::from(letter), numbers),
+        Begin::Name(_) => ('M', &[][..]),
+    };
+    ROWS.iter().map(codes).flat_map(|(letter, numbers)| numbers.iter().map(move |number| (letter, *number)))
+}
+
+/// A row for people: its family, its codes with their letter, its names, and its texts.
+pub struct Line {
+    /// The heading of its family.
+    pub family: &'static str,
+    /// The letter and the numbers of its codes.
+    pub codes: (char, &'static [u16]),
+    /// Its names.
+    pub names: &'static [&'static str],
+    /// Its texts.
+    pub text: &'static Text,
+}
+
+/// Every row for people. Not for images: the texts would be in them.
+pub fn described() -> impl Iterator<Item = Line> {
+    FAMILIES.iter().flat_map(|(family, rows)| {
+        rows.iter().map(|Described { row, text }| {
+            let (codes, names) = match row.begin {
+                Begin::Code(letter, numbers) => ((char::from(letter), numbers), &[][..]),
+                Begin::Name(names) => (('M', &[][..]), names),
+            };
+            Line { family, codes, names, text }
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_code_and_every_name_stands_once() {
+        assert_eq!(codes().count(), codes().collect::<BTreeSet<_>>().len());
+        assert_eq!(names().count(), names().collect::<BTreeSet<_>>().len());
+    }
+}

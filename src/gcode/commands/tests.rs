@@ -1,0 +1,239 @@
+//! Tests of the commands: what their words become.
+
+extern crate std;
+
+use super::*;
+use crate::connectors::Heater;
+use crate::gcode::number::Number;
+use crate::gcode::parse::parse;
+use crate::gcode::parts::{AxisFlags, AxisWords, CornerWords, ModelWords, ParkWords, TuningWords};
+
+#[test]
+fn a_t_word_is_not_a_tool_change() {
+    let five_hundred = Some(Number::from(500));
+    let expected =
+        Command::Setting(SettingCommand::Acceleration { print: five_hundred, retract: None, travel: five_hundred });
+    assert_eq!(parse(b"M204 P500 T500"), expected);
+    assert_eq!(parse(b"M204 S500"), expected);
+    let target = Some(Number::from(200));
+    assert_eq!(parse(b"M104 T0 S200"), Command::Heat(HeatCommand::HeaterTarget { heater: Heater::Hotend, target }));
+}
+
+#[test]
+fn releasing_motors_or_setting_their_timeout() {
+    assert_eq!(parse(b"M84 S0"), Command::Motor(MotorCommand::IdleTimeout { seconds: 0 }));
+    assert_eq!(parse(b"M18 S120.7"), Command::Motor(MotorCommand::IdleTimeout { seconds: 120 }));
+    assert_eq!(parse(b"M84"), Command::Motor(MotorCommand::DisableMotors(AxisFlags::default())));
+    let expected = Command::Motor(MotorCommand::DisableMotors(AxisFlags { x: true, y: true, z: false, e: true }));
+    assert_eq!(parse(b"M84 X Y E ;disable"), expected);
+}
+
+#[test]
+fn feed_override_in_its_three_forms() {
+    assert_eq!(parse(b"M220 S80"), Command::Motion(MotionCommand::FeedPercent(Some(Number::from(80)))));
+    assert_eq!(parse(b"M220"), Command::Motion(MotionCommand::FeedPercent(None)));
+    assert_eq!(parse(b"M220 B"), Command::Motion(MotionCommand::BackUpFeedPercent));
+    assert_eq!(parse(b"M220 R"), Command::Motion(MotionCommand::RestoreFeedPercent));
+}
+
+#[test]
+fn switches_and_flags() {
+    assert_eq!(parse(b"M211"), Command::Setting(SettingCommand::SoftEndstops(None)));
+    assert_eq!(parse(b"M211 S0"), Command::Setting(SettingCommand::SoftEndstops(Some(false))));
+    assert_eq!(parse(b"M211 S"), Command::Setting(SettingCommand::SoftEndstops(Some(true))));
+    assert_eq!(parse(b"M114 R"), Command::Report(ReportCommand::ReportPosition { real: true }));
+    assert_eq!(parse(b"M114 D"), Command::Report(ReportCommand::ReportPosition { real: false }));
+}
+
+#[test]
+fn drivers() {
+    let axes = AxisFlags { x: true, y: true, z: false, e: false };
+    assert_eq!(parse(b"M569 S1 X Y"), Command::Motor(MotorCommand::Stealth { on: Some(true), axes }));
+    assert_eq!(parse(b"M569"), Command::Motor(MotorCommand::Stealth { on: None, axes: AxisFlags::default() }));
+    assert_eq!(parse(b"M569 P0 S0"), Command::Unknown(b"M569 P0 S0"));
+    let words = AxisWords { x: Some(Number::from(900)), ..AxisWords::default() };
+    assert_eq!(parse(b"M906 X900"), Command::Motor(MotorCommand::DriverCurrent(words)));
+    assert_eq!(parse(b"M122"), Command::Report(ReportCommand::Diagnose));
+}
+
+#[test]
+fn the_belt_is_aligned_and_looked_at() {
+    let align = |diagnoses, repairs| Command::Motor(MotorCommand::AlignBelt { diagnoses, repairs });
+    assert_eq!(parse(b"M915"), align(false, false));
+    assert_eq!(parse(b"M915 D"), align(true, false));
+    assert_eq!(parse(b"M915 R"), align(false, true));
+    // Of another firmware, or two things at once.
+    for line in ["M915 D R", "M915 R1", "M915 D0", "M915 X S3", "M915 R F0", "M915 H200 T1"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()), "{line}");
+    }
+}
+
+#[test]
+fn what_cannot_be_done_has_a_name() {
+    assert_eq!(parse(b"M81"), Command::Heat(HeatCommand::PowerOff));
+    assert_eq!(parse(b"M413 S1"), Command::Setting(SettingCommand::PowerLossRecovery(Some(true))));
+    assert_eq!(parse(b"M413"), Command::Setting(SettingCommand::PowerLossRecovery(None)));
+    for line in ["M622 J1", "M623", "if {x > 1}", "while true", "  ELSE", "break", "{if layer}"] {
+        assert_eq!(parse(line.as_bytes()), Command::Refused(RefusedCommand::Conditional), "{line}");
+    }
+    for line in ["iffy", "elsewhere X", "O100 sub", "whilefoo"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()), "{line}");
+    }
+}
+
+#[test]
+fn keeping_settings() {
+    assert_eq!(parse(b"M500"), Command::Setting(SettingCommand::SaveSettings));
+    assert_eq!(parse(b"M501 ; as stored"), Command::Setting(SettingCommand::LoadSettings));
+    assert_eq!(parse(b"M502"), Command::Setting(SettingCommand::DefaultSettings));
+    assert_eq!(parse(b"M504"), Command::Setting(SettingCommand::CheckStorage));
+    assert_eq!(parse(b"M500.1"), Command::Unknown(b"M500.1"));
+}
+
+#[test]
+fn volumetric_extrusion_is_only_ever_switched_off() {
+    for line in ["M200 D0", "M200 S0 D1.75", "M200"] {
+        assert_eq!(parse(line.as_bytes()), Command::Silent);
+    }
+    for line in ["M200 D1.75", "M200 S1"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
+    }
+}
+
+#[test]
+fn progress_and_reports_by_themselves() {
+    let (five, twelve) = (Some(Number::from(5)), Some(Number::from(12)));
+    assert_eq!(parse(b"M73 P5 R12"), Command::Job(JobCommand::Progress { percent: five, minutes: twelve }));
+    assert_eq!(parse(b"M73 Q7 S3"), Command::Job(JobCommand::Progress { percent: None, minutes: None }));
+    assert_eq!(parse(b"M154 S5"), Command::Report(ReportCommand::AutoPosition(five)));
+    assert_eq!(parse(b"M155 S5"), Command::Report(ReportCommand::AutoReport(five)));
+    assert_eq!(parse(b"M876 S0"), Command::Job(JobCommand::Answer));
+}
+
+#[test]
+fn quiet_commands_swallow_any_text() {
+    for line in ["M74 W5", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M20"] {
+        assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
+    }
+    assert_eq!(parse(b"M117 E5 * ; x"), Command::Report(ReportCommand::Message));
+    assert_eq!(parse(b"M115 U6.2.6+8948"), Command::Report(ReportCommand::ReportFirmware));
+}
+
+#[test]
+fn heaters_and_fans() {
+    let number = |text: &str| Number::read(text.as_bytes()).map(|(number, _)| number);
+    let wait = |heater, target, cools| Command::Heat(HeatCommand::HeaterWait { heater, target, cools });
+    assert_eq!(parse(b"M109 S205;"), wait(Heater::Hotend, number("205"), false));
+    assert_eq!(parse(b"M190 R60"), wait(Heater::Bed, number("60"), true));
+    assert_eq!(parse(b"M191 R40 S50"), wait(Heater::Chamber, number("50"), false));
+    let chamber = Command::Heat(HeatCommand::HeaterTarget { heater: Heater::Chamber, target: number("45") });
+    assert_eq!(parse(b"M141 S45"), chamber);
+    assert_eq!(parse(b"M109"), wait(Heater::Hotend, None, false));
+    let fan = |fan, speed| Command::Heat(HeatCommand::FanSpeed { fan, speed: number(speed).unwrap() });
+    for (line, expected) in [
+        ("M106", fan(0, "255")),
+        ("M106 S91.8", fan(0, "91.8")),
+        ("M106 P2 S0", fan(2, "0")),
+        ("M106 P-1", fan(255, "255")),
+        ("M107 P3 S9", fan(3, "0")),
+    ] {
+        assert_eq!(parse(line.as_bytes()), expected, "{line}");
+    }
+    let tune = |heater, target, cycles, applies| {
+        Command::Heat(HeatCommand::TuneHeater(TuningWords { heater, target, cycles, applies }))
+    };
+    assert_eq!(parse(b"M303 E-1 S60 C8 U"), tune(Some(Heater::Bed), number("60"), number("8"), true));
+    assert_eq!(parse(b"M303 E-2 S45"), tune(Some(Heater::Chamber), number("45"), None, false));
+    assert_eq!(parse(b"M303 E7 U0"), tune(None, None, None, false));
+    assert_eq!(parse(b"M116"), Command::Heat(HeatCommand::AwaitHeaters));
+    assert_eq!(parse(b"M306 T"), tune(Some(Heater::Hotend), None, None, true));
+    let words = ModelWords { loss: number(".07"), ..ModelWords::default() };
+    for (line, heater, is_named) in [
+        ("M306 A.07", Heater::Hotend, false),
+        ("M306 E0 A.07", Heater::Hotend, true),
+        ("M306 E-1 A.07", Heater::Bed, true),
+    ] {
+        assert_eq!(
+            parse(line.as_bytes()),
+            Command::Heat(HeatCommand::HeaterModel { heater: Some(heater), is_named, words }),
+            "{line}"
+        );
+    }
+    for (line, least, allow) in [
+        ("M302", None, None),
+        ("M302 S0", number("0"), None),
+        ("M302 P1", None, Some(true)),
+        ("M302 S170 P0", number("170"), Some(false)),
+    ] {
+        assert_eq!(parse(line.as_bytes()), Command::Heat(HeatCommand::ColdExtrusion { least, allow }), "{line}");
+    }
+    for line in ["M104 S", "M109 Snan", "M190 Rinf", "M106 P", "M301 P I1", "M303 Cx", "M306 A", "M140 S1,5"] {
+        assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
+    }
+}
+
+#[test]
+fn every_code_has_its_command() {
+    let one = Some(Number::from(1));
+    let (none, no_flags) = (AxisWords::default(), AxisFlags::default());
+    for (line, command) in [
+        ("M17", Command::Motor(MotorCommand::EnableMotors(no_flags))),
+        ("M24", Command::Job(JobCommand::Resume)),
+        ("M602", Command::Job(JobCommand::Resume)),
+        ("M25", Command::Job(JobCommand::Pause { parks: false, park: ParkWords::default() })),
+        ("M48", Command::Refused(RefusedCommand::Probing)),
+        ("M290", Command::Refused(RefusedCommand::Probing)),
+        ("M851", Command::Refused(RefusedCommand::Probing)),
+        ("M82", Command::Motion(MotionCommand::AbsoluteExtrusion)),
+        ("M83", Command::Motion(MotionCommand::RelativeExtrusion)),
+        ("M92", Command::Setting(SettingCommand::StepsPerMm(none))),
+        ("M105", Command::Heat(HeatCommand::ReportTemperatures)),
+        ("M108", Command::Job(JobCommand::Continue)),
+        ("M110 N5", Command::Report(ReportCommand::LineNumber)),
+        ("M111 S1", Command::Job(JobCommand::Debug(one))),
+        ("M112", Command::Job(JobCommand::EmergencyStop)),
+        ("M113 S1", Command::Report(ReportCommand::Keepalive(one))),
+        ("M119", Command::Report(ReportCommand::ReportEndstops)),
+        ("M201", Command::Setting(SettingCommand::MaxAcceleration(none))),
+        ("M203", Command::Setting(SettingCommand::MaxSpeed(none))),
+        ("M207 S1 F1 Z1", Command::Motion(MotionCommand::RetractSettings { length: one, feed: one, lift: one })),
+        ("M207", Command::Motion(MotionCommand::RetractSettings { length: None, feed: None, lift: None })),
+        ("M208 S1", Command::Motion(MotionCommand::RecoverSettings { extra: one, feed: None })),
+        ("M208 F1", Command::Motion(MotionCommand::RecoverSettings { extra: None, feed: one })),
+        ("M221 S1", Command::Motion(MotionCommand::FlowPercent(one))),
+        ("M400", Command::Motion(MotionCommand::Finish)),
+        ("M410", Command::Motion(MotionCommand::QuickStop)),
+        ("M420 S1", Command::Refused(RefusedCommand::ReportLevelling)),
+        ("M503", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
+        ("M503 S", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
+        ("M503 S1", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
+        ("M503 S0", Command::Setting(SettingCommand::ReportSettings { for_replay: true })),
+        ("M913", Command::Motor(MotorCommand::HybridThreshold(none))),
+        ("M914", Command::Motor(MotorCommand::StallThreshold(none))),
+        ("M999", Command::Job(JobCommand::Restart)),
+    ] {
+        assert_eq!(parse(line.as_bytes()), command, "{line}");
+    }
+}
+
+#[test]
+fn letters_that_only_one_code_knows() {
+    let [one, two, three, four] = [1, 2, 3, 4].map(|n| Some(Number::from(n)));
+    let retract = Command::Setting(SettingCommand::Acceleration { print: one, retract: two, travel: three });
+    assert_eq!(parse(b"M204 P1 R2 T3 S4"), retract);
+    let expected = Command::Setting(SettingCommand::Corners(CornerWords {
+        deviation: one,
+        jerk: AxisWords { y: four, ..AxisWords::default() },
+        min_feed: two,
+        min_travel: three,
+        min_segment: four,
+    }));
+    assert_eq!(parse(b"M205 J1 S2 T3 B4 Y4"), expected);
+}
+
+#[test]
+fn a_subcode_makes_it_another_command() {
+    for line in ["M104.1 S200", "M204.1 P500", "M17.2", "M74.1"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
+    }
+}

@@ -1,0 +1,61 @@
+//! Heaters and fans, each by its command.
+
+use super::fans::{set_controller_fan, set_fan};
+use super::heater_settings::{set_model, set_pid};
+use super::heating::{await_heaters, heat_and_wait, model_of, set_target, switch_off};
+use super::self_test::test_heaters;
+use super::states::States;
+use super::tuning::tune;
+use crate::gcode::HeatCommand;
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::settings::ThermalSettings;
+
+/// Carries out a command about heat.
+pub(super) async fn carry_out<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &HeatCommand,
+) -> Result<Answer<'static>, Interrupt> {
+    let States { clamps, notices, cold, .. } = states;
+    Ok(match *command {
+        HeatCommand::HeaterTarget { heater, target } => {
+            let code = ["M104", "M140", "M141"][heater as usize];
+            set_target(main_loop, notices, clamps, code, (heater, target))
+                .map_or_else(|answer| answer, |_| Answer::Nothing)
+        }
+        HeatCommand::HeaterWait { heater, target, cools } => {
+            return heat_and_wait(main_loop, notices, clamps, (heater, target), cools).await;
+        }
+        HeatCommand::AwaitHeaters => return await_heaters(main_loop, notices).await,
+        HeatCommand::ReportTemperatures => Answer::Temperatures,
+        HeatCommand::FanSpeed { fan, speed } => return set_fan(main_loop, notices, clamps, fan, speed).await,
+        HeatCommand::Pid { heater, gains } => match model_of(main_loop, Some(heater)) {
+            Ok(_) => change_heat(main_loop, |s, _| set_pid(heater, gains, s.heater_mut(heater), clamps)),
+            Err(answer) => answer,
+        },
+        HeatCommand::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
+        HeatCommand::TuneHeater(ref words) => return tune(main_loop, clamps, words).await,
+        HeatCommand::HeaterModel { heater, is_named, ref words } => match model_of(main_loop, heater) {
+            Ok(heater) => change_heat(main_loop, |s, _| set_model(heater, is_named, words, s, clamps)),
+            Err(answer) => answer,
+        },
+        HeatCommand::ControllerFan { speed, run_on, resets, other } => {
+            change_heat(main_loop, |s, made| set_controller_fan([speed, run_on], resets, other, s, made, clamps))
+        }
+        HeatCommand::SelfTest => return test_heaters(main_loop).await,
+        HeatCommand::PowerOff => switch_off(main_loop),
+    })
+}
+
+/// Changes settings of heaters or fans, given the default settings, and reports them.
+fn change_heat<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    change: impl FnOnce(&mut ThermalSettings, &ThermalSettings) -> Answer<'static>,
+) -> Answer<'static> {
+    let defaults = main_loop.settings.defaults().thermal;
+    change(main_loop.heat_settings(), &defaults)
+}

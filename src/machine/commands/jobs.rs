@@ -1,0 +1,71 @@
+//! Jobs, pauses and waits, each by its command. [`job`](super::job) has the ends of a print.
+
+use super::job::end_by_line;
+use super::pause::{await_user, pause, resume};
+use super::states::States;
+use crate::gcode::{JobCommand, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::machine::state::clamps::Clamps;
+use crate::port::Pend;
+use crate::settings::Range;
+
+/// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
+const DRY_RUN: u32 = 8;
+
+/// Carries out a command about the job.
+pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &JobCommand<'a>,
+) -> Result<Answer<'a>, Interrupt> {
+    let States { modal, clamps, cold, .. } = states;
+    match *command {
+        JobCommand::AwaitUser { ms, filament, ref park } => {
+            return await_user(main_loop, modal, cold, (ms, filament), park).await;
+        }
+        JobCommand::Pause { parks, ref park } => return pause(main_loop, modal, cold, parks, park).await,
+        JobCommand::Resume => return resume(main_loop, modal, cold).await,
+        JobCommand::BeginJob => {
+            let host = main_loop.hosts.serving();
+            main_loop.job.begin(host);
+        }
+        JobCommand::EndJob => end_by_line(main_loop, modal).await?,
+        // The receive path has acted on them.
+        JobCommand::Cancel | JobCommand::Continue | JobCommand::Answer => {}
+        JobCommand::BeginUpload(name) => {
+            main_loop.hosts.begin_upload(main_loop.now());
+            return Ok(Answer::NoCard(name));
+        }
+        JobCommand::EndUpload => return Ok(main_loop.hosts.end_upload().map_or(Answer::Nothing, Answer::UploadEnded)),
+        JobCommand::Progress { percent, minutes } => note_progress(main_loop, clamps, percent, minutes),
+        JobCommand::Object(number) => {
+            let object = number.to_thousandths().div_euclid(1000) as i32;
+            main_loop.status().print_progress.set_object(object);
+        }
+        JobCommand::CancelObject => return Ok(Answer::Line("echo:this firmware cannot leave out objects, ignored")),
+        JobCommand::Debug(None) => return Ok(Answer::DebugFlags(modal.dry_run)),
+        JobCommand::Debug(Some(bits)) => modal.dry_run = bits.to_u32() & DRY_RUN != 0,
+        JobCommand::EmergencyStop => return Err(Interrupt::Halt),
+        // It has no effect unless the machine is halted.
+        JobCommand::Restart => {}
+    }
+    Ok(Answer::Nothing)
+}
+
+/// M73.
+fn note_progress<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    clamps: &mut Clamps,
+    percent: Option<Number>,
+    minutes: Option<Number>,
+) {
+    let (hundred, long) = (Range { least: 0, most: 100 }, Range { least: 0, most: u16::MAX });
+    let percent = percent.and_then(|percent| clamps.whole_of(["M73", "P"], percent, hundred, None));
+    let minutes = minutes.and_then(|minutes| clamps.whole_of(["M73", "R"], minutes, long, None));
+    if !clamps.refuses_line() {
+        main_loop.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
+    }
+}

@@ -1,0 +1,86 @@
+//! Motion: moves, modes for later lines, overrides, retraction.
+
+use super::homing::home;
+use super::moves::Moves;
+use super::retraction::{set_recovery, set_retraction};
+use super::states::States;
+use super::waits::dwell;
+use crate::gcode::{AxisWords, MotionCommand};
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::machine::state::clamps::Clamps;
+use crate::machine::state::modal::{FARTHEST, Modal, PERCENT};
+use crate::port::Pend;
+use crate::units::Mm;
+
+/// Carries out a command of motion.
+pub(super) async fn carry_out<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &MotionCommand,
+) -> Result<Answer<'static>, Interrupt> {
+    let States { modal, retraction, clamps, notices, pieces: _, cold } = states;
+    match *command {
+        MotionCommand::Line { rapid: _, ref to, feed } => {
+            return Moves { main_loop, modal, clamps, notices, cold }.line(to, feed).await;
+        }
+        MotionCommand::Circulate { ref to, belt, feed } => {
+            return Moves { main_loop, modal, clamps, notices, cold }.circulate(to, belt, feed).await;
+        }
+        MotionCommand::Arc(ref words) => return Moves { main_loop, modal, clamps, notices, cold }.arc(words).await,
+        MotionCommand::Dwell { ms } => dwell(main_loop, ms).await?,
+        MotionCommand::Retract => return Moves { main_loop, modal, clamps, notices, cold }.retract(retraction).await,
+        MotionCommand::Recover => return Moves { main_loop, modal, clamps, notices, cold }.recover(retraction).await,
+        MotionCommand::Home(flags) => home(main_loop, notices, flags).await?,
+        MotionCommand::Finish => main_loop.finish().await?,
+        // The receive path has acted on it.
+        MotionCommand::QuickStop => {}
+        MotionCommand::Plane(plane) => modal.plane = plane,
+        MotionCommand::Inches => modal.inches = true,
+        MotionCommand::Millimetres => modal.inches = false,
+        MotionCommand::Absolute => modal.absolute = true,
+        MotionCommand::Relative => modal.absolute = false,
+        MotionCommand::AbsoluteExtrusion => modal.absolute_extrusion = true,
+        MotionCommand::RelativeExtrusion => modal.absolute_extrusion = false,
+        MotionCommand::SetPosition(ref words) => set_position(main_loop, modal, clamps, words),
+        MotionCommand::RetractSettings { length, feed, lift } => {
+            return Ok(set_retraction([length, feed, lift], retraction, modal, clamps));
+        }
+        MotionCommand::RecoverSettings { extra, feed } => {
+            return Ok(set_recovery([extra, feed], retraction, modal, clamps));
+        }
+        MotionCommand::FeedPercent(None) => return Ok(Answer::FeedPercent),
+        MotionCommand::FeedPercent(Some(number)) => {
+            if let Some(percent) = clamps.whole_of(["M220", "S"], number, PERCENT, None) {
+                main_loop.override_feed(percent).await?;
+            }
+        }
+        MotionCommand::BackUpFeedPercent => modal.kept_feed_percent = main_loop.feed_percent(),
+        MotionCommand::RestoreFeedPercent => main_loop.override_feed(modal.kept_feed_percent).await?,
+        MotionCommand::FlowPercent(None) => return Ok(Answer::FlowPercent(modal.flow_percent)),
+        MotionCommand::FlowPercent(Some(number)) => {
+            clamps.whole(["M221", "S"], number, PERCENT, &mut modal.flow_percent);
+        }
+        MotionCommand::Tool => {}
+    }
+    Ok(Answer::Nothing)
+}
+
+/// G92.
+fn set_position<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    modal: &Modal,
+    clamps: &mut Clamps,
+    words: &AxisWords,
+) {
+    for (axis, word) in [("X", words.x), ("Y", words.y), ("Z", words.z)] {
+        if let Some(number) = word {
+            clamps.length_of::<Mm>(modal, ["G92", axis], number, FARTHEST, None);
+        }
+    }
+    if !clamps.refuses_line() {
+        main_loop.commanded.rename(words, modal);
+    }
+}
