@@ -6,7 +6,7 @@
 pub use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Output, OutputSet, SENSORS, Sensor};
 pub use crate::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 
-use crate::connectors::{BoardConnectors, SIM};
+use crate::connectors::BoardConnectors;
 use crate::units::{Instant, Tick};
 
 /// The time that a step line has to be high, in ns, for every supported driver. TMC2209 datasheet rev 1.09, section
@@ -156,7 +156,7 @@ pub trait DriverBus {
 
     /// The board's connectors.
     fn connectors(&self) -> &'static BoardConnectors {
-        &SIM
+        &BoardConnectors::ANY
     }
 
     /// Why no motor may have power, independent of its driver: the board has no machine, or one for another board.

@@ -7,14 +7,30 @@
 //! Motors 1 and 8 have step pins on GPIOE, motors 4 and 11 on GPIOD, so each pair steps by one store. The host is on
 //! USART1, on the header for a Raspberry Pi, or on USB.
 
-use corehbot::connectors::SPIDER;
-use corehbot::port::Sensor;
-use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, ThermistorPin, Usart};
+use crate::Entry;
+use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet, Sensor};
+use corehbot_wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, ThermistorPin, Usart};
+
+/// The names printed on it. Left out, though printed: heater outputs with pulses that no timer of ours can end, and
+/// fans. Z-MAX is the probe's connector.
+pub const CONNECTORS: BoardConnectors = BoardConnectors {
+    key: "spider",
+    name: "Fysetc Spider",
+    sockets: &ConnectorName::all(["X-MOT", "Y-MOT", "E2-MOT", "Z-MOT", "E3-MOT", "E4-MOT", "E0-MOT", "E1-MOT"]),
+    endstops: &ConnectorName::all(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX"]),
+    debug_sockets: &[],
+    outputs: OutputSet::NONE,
+    sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
+    fans: 0,
+    probes: &ConnectorName::all(["Z-MAX"]),
+    is_bench: false,
+    is_simulated: false,
+};
 
 /// The board.
 pub static BOARD: Board = Board {
     name: "Fysetc Spider",
-    connectors: &SPIDER,
+    connectors: &CONNECTORS,
     crystal: Crystal::Oscillator12MHz,
     sockets: &[
         // X-MOT: motor 1.
@@ -73,7 +89,49 @@ pub static BOARD: Board = Board {
     marks: &[],
 };
 
+/// The way of an image onto it: behind Fysetc's bootloader of 32 KiB. Only the pins of its heaters are known.
+pub const ENTRY: Entry = Entry {
+    board: &BOARD,
+    chip: "STM32F446VETx",
+    start: 0x0800_8000,
+    has_card_slot: true,
+    before_dfu: "\
+before you set the BT0 jumper: unplug the bed and all heaters, because nobody has checked how the chip's bootloader
+drives their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground",
+};
+
 /// A thermistor on port C.
 const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
     ThermistorPin { sensor, pin: Pin::new(Port::C, pin), channel }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{ports_of_pairs, step_writes};
+    use corehbot::port::{GroupSet, MotorSet};
+
+    #[test]
+    fn each_pair_steps_by_one_store_and_nothing_of_the_prototype_is_slow() {
+        let usual = BOARD.usual();
+        assert_eq!((usual.uarts(), usual.slow()), (MotorSet::ALL, MotorSet::NONE));
+        assert_eq!(ports_of_pairs(&BOARD), [[Port::E], [Port::D]]);
+        assert_eq!(step_writes(&BOARD).beyond_quick(), GroupSet::NONE);
+    }
+
+    #[test]
+    fn whoever_flashes_by_usb_is_warned_of_the_heaters_and_of_both_boot_pins() {
+        for word in ["bed", "all heaters", "PB4", "PB15", "PC8", "PB3", "BT0", "BOOT1", "PB2"] {
+            assert!(ENTRY.before_dfu.contains(word), "{word}");
+        }
+    }
+
+    /// Heaters and fans are off, on either version.
+    #[test]
+    fn heaters_are_low_and_not_offered() {
+        assert_eq!(BOARD.outputs(), OutputSet::NONE);
+        let low = |port| BOARD.safe_levels(port) >> 16;
+        assert_eq!(low(Port::B), 1 << 15 | 0b1111_1100 | 1 << 12, "with the direction of Y-MOT");
+        assert_eq!(low(Port::C), 1 << 8 | 1 << 4 | 1 << 13);
+    }
 }

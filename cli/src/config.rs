@@ -10,6 +10,7 @@ use anyhow::{Context as _, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use corehbot::connectors::BoardConnectors;
+use corehbot_boards as boards;
 use corehbot_machine_file::template::{self, Kind};
 use corehbot_machine_file::{problems, schema};
 use corehbot_report::printable;
@@ -37,7 +38,7 @@ pub(crate) enum Config {
 #[derive(Args)]
 pub(crate) struct New {
     /// The board that the machine is plugged into.
-    #[arg(long, value_parser = boards())]
+    #[arg(long, value_parser = board())]
     board: &'static BoardConnectors,
     /// The kind of machine.
     #[arg(long, value_parser = kinds())]
@@ -58,9 +59,9 @@ pub(crate) struct Check {
 }
 
 /// Boards by their keys.
-fn boards() -> impl TypedValueParser<Value = &'static BoardConnectors> {
-    let keys = PossibleValuesParser::new(BoardConnectors::ALL.map(|board| board.key));
-    keys.try_map(|key| BoardConnectors::ALL.into_iter().find(|board| board.key == key).ok_or("there is no such board"))
+fn board() -> impl TypedValueParser<Value = &'static BoardConnectors> {
+    let keys = PossibleValuesParser::new(boards::all().map(|board| board.key));
+    keys.try_map(|key| boards::called(&key).ok_or("there is no such board"))
 }
 
 /// Kinds of machines by their names.

@@ -11,6 +11,7 @@ use clap::Args;
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
 use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, clear_machine, put_machine};
+use corehbot_boards as boards;
 use corehbot_machine_file::{self as machine_file, Machine};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -128,7 +129,7 @@ fn block_in(image: &mut [u8]) -> Result<&mut [u8; BLOCK]> {
 }
 
 fn board_called(key: &str) -> Result<&'static BoardConnectors> {
-    let real = || BoardConnectors::ALL.into_iter().filter(|board| !board.is_simulated);
+    let real = || boards::all().filter(|board| !board.is_simulated);
     let found = real().find(|board| board.key == key);
     found.with_context(|| format!("no board is called {key}: {}", real().map(|b| b.key).collect::<Vec<_>>().join(", ")))
 }
@@ -151,8 +152,10 @@ fn prebuilt(board: &BoardConnectors) -> Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::connectors::{ConnectorName, NUCLEO, OCTOPUS};
+    use corehbot::connectors::ConnectorName;
     use corehbot::storage::{blank_block, machine_of};
+    use corehbot_boards::nucleo::CONNECTORS as NUCLEO;
+    use corehbot_boards::octopus::CONNECTORS as OCTOPUS;
 
     /// Something before and after a block.
     fn image(board: &BoardConnectors) -> Vec<u8> {

@@ -5,8 +5,9 @@
 #[path = "cli/belt.rs"]
 mod belt;
 
-use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS};
+use corehbot::connectors::BoardConnectors;
 use corehbot::storage::{BLOCK, blank_block, machine_of};
+use corehbot_boards::{nucleo, octopus};
 use corehbot_machine_file as machine_file;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -354,7 +355,7 @@ fn blank_image(place: &Path, board: &BoardConnectors) -> PathBuf {
 #[test]
 fn an_image_gets_the_machine_of_a_file() {
     let place = scratch("image");
-    let (blank, made) = (blank_image(&place, &OCTOPUS), place.join("firmware.bin"));
+    let (blank, made) = (blank_image(&place, &octopus::CONNECTORS), place.join("firmware.bin"));
     let machine = example("machines/corexy.toml");
     let run = |args: &[&Path]| {
         let output = corehbot().arg("image").args(args).output().unwrap();
@@ -378,7 +379,7 @@ fn an_image_gets_the_machine_of_a_file() {
 #[test]
 fn no_image_is_made_of_what_is_none() {
     let place = scratch("no-image");
-    let (blank, made) = (blank_image(&place, &NUCLEO), place.join("firmware.bin"));
+    let (blank, made) = (blank_image(&place, &nucleo::CONNECTORS), place.join("firmware.bin"));
     let wrong = |args: &[&str]| {
         let output = corehbot().arg("image").args(args).args(["-o", made.to_str().unwrap()]).output().unwrap();
         assert_eq!(output.status.code(), Some(2));

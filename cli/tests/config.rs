@@ -5,7 +5,6 @@
 #[path = "common/json_schema.rs"]
 mod json_schema;
 
-use corehbot::connectors::BoardConnectors;
 use corehbot::settings::SHEETS;
 use json_schema::is_of;
 use serde_json::Value;
@@ -204,7 +203,7 @@ fn what_is_unwise_is_a_warning_and_still_a_machine() {
 fn the_document_names_every_board_and_every_kind_of_machine() {
     let document = include_str!("../../docs/reference/machines.md");
     let rows = document.lines().filter(|line| line.starts_with("| `")).collect::<Vec<_>>();
-    for board in BoardConnectors::ALL {
+    for board in corehbot_boards::all() {
         let name = format!("`{}`", board.key);
         let is_named = |row: &&str| row.split('|').nth(1).is_some_and(|cell| cell.contains(&name));
         assert!(rows.iter().any(is_named), "the table of connectors has no {name}");
@@ -218,7 +217,7 @@ fn the_document_names_every_board_and_every_kind_of_machine() {
         ("prototype.toml", include_str!("../../examples/machines/prototype.toml")),
     ];
     for (file, text) in others {
-        for board in BoardConnectors::ALL.iter().filter(|board| board.key != "sim") {
+        for board in corehbot_boards::all().filter(|board| board.key != "sim") {
             assert!(text.contains(board.key), "{file} does not name the board {}", board.key);
         }
     }

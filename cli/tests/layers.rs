@@ -11,17 +11,27 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of each crate, its name, and the crates that it may use: only those above it.
-const CRATES: [(&str, &str, &[&str]); 7] = [
+const CRATES: [(&str, &str, &[&str]); 9] = [
     (".", "corehbot", &[]),
     ("rig", "corehbot-rig", &["corehbot"]),
     ("twin", "corehbot-twin", &[]),
-    ("machine-file", "corehbot-machine-file", &["corehbot"]),
+    ("chips/wiring", "corehbot-wiring", &["corehbot"]),
+    ("boards/registry", "corehbot-boards", &["corehbot", "corehbot-wiring"]),
+    ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
     ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-sim"]),
     (
         "cli",
         "corehbot-cli",
-        &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file", "corehbot-sim", "corehbot-report"],
+        &[
+            "corehbot",
+            "corehbot-boards",
+            "corehbot-rig",
+            "corehbot-twin",
+            "corehbot-machine-file",
+            "corehbot-sim",
+            "corehbot-report",
+        ],
     ),
 ];
 

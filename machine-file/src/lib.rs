@@ -36,7 +36,7 @@ mod value;
 mod written;
 
 use anyhow::{Context as _, anyhow};
-use corehbot::connectors::{BoardConnectors, SIM};
+use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
 pub use error::MachineFileError;
 pub use place::{Place, with_suggestion, words};
@@ -105,7 +105,7 @@ fn together(given: Given) -> Result<Machine, MachineFileError> {
         resolution(&mut s, axis, &given)?;
     }
     s.check_machine().map_err(MachineFileError::Settings)?;
-    s.check_connectors(given.board.unwrap_or(&SIM)).map_err(MachineFileError::Connectors)?;
+    s.check_connectors(given.board.unwrap_or(&BoardConnectors::ANY)).map_err(MachineFileError::Connectors)?;
     Ok(Machine { name: given.name, board: given.board, settings: s })
 }
 

@@ -7,6 +7,7 @@ use corehbot::connectors::BoardConnectors;
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
 use corehbot::settings::{Bed, Belt, Endstop, MachineName, PHASES, Settings, Wiring};
 use corehbot::units::Mm;
+use corehbot_boards as boards;
 use std::collections::BTreeMap;
 use toml::{Table, Value as Toml};
 
@@ -100,8 +101,8 @@ impl Given {
                 let Toml::String(word) = toml else {
                     return Err(MachineFileError::kind(path, "a name in quotes", toml));
                 };
-                let boards = BoardConnectors::ALL.map(|board| board.key);
-                self.board = BoardConnectors::ALL.get(value::choice(path, word, &boards)?).copied();
+                let keys: Vec<_> = boards::all().map(|board| board.key).collect();
+                self.board = boards::all().nth(value::choice(path, word, &keys)?);
             }
             Of::Other(other) if other.name == FULL_STEPS => {
                 let legal = value::FULL_STEPS.spec().legal;

@@ -4,7 +4,6 @@
 use crate::keys::{ALL, BOARD, FULL_STEPS, Of, Other, about, fraction, names_of, shortest};
 use crate::value;
 use crate::written;
-use corehbot::connectors::BoardConnectors;
 use corehbot::settings::rows::{Kind, Legal, Text};
 use corehbot::settings::{SHEETS, Settings, ranges};
 use serde_json::{Map, Value, json};
@@ -130,7 +129,7 @@ fn number(name: &str, kind: Kind, legal: Legal) -> Value {
 
 fn of_other(other: &Other) -> Value {
     let mut schema = match other.name {
-        BOARD => json!({ "type": "string", "enum": BoardConnectors::ALL.map(|board| board.key) }),
+        BOARD => json!({ "type": "string", "enum": corehbot_boards::all().map(|board| board.key).collect::<Vec<_>>() }),
         FULL_STEPS => number("integer", Kind::Whole, value::FULL_STEPS.spec().legal),
         // Its range depends on other keys.
         _ => json!({ "type": "number", "exclusiveMinimum": 0 }),

@@ -233,7 +233,7 @@ mod tests {
     use crate::{Problem, load, problems};
 
     /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of
-    /// its table.
+    /// its table. The comment on the board names all of them.
     fn completed(text: &str) -> String {
         let mut lines = Text(text.lines().map(str::to_owned).collect());
         let default = crate::written::table(&corehbot::settings::Settings::prototype());
@@ -249,6 +249,10 @@ mod tests {
             let new = [format!("# {}", crate::schema::meaning(text)), format!("{key} = {value}")];
             lines.0.splice(end..end, new);
         }
+        let (begin, end) = ("# The board: ", ", or sim (");
+        let boards: Vec<_> = corehbot_boards::entries().map(|entry| entry.board.connectors.key).collect();
+        let comment = lines.0.iter_mut().find(|line| line.starts_with(begin)).unwrap();
+        *comment = [begin, &boards.join(", "), end, comment.split_once(end).unwrap().1].concat();
         lines.0.join("\n") + "\n"
     }
 
@@ -259,7 +263,7 @@ mod tests {
         if std::env::var_os("BLESS").is_some() {
             std::fs::write(path, &whole).unwrap();
         }
-        assert_eq!(std::fs::read_to_string(path).unwrap(), whole, "BLESS=1 writes the keys that it lacks");
+        assert_eq!(std::fs::read_to_string(path).unwrap(), whole, "BLESS=1 writes the keys and boards that it lacks");
         // One that it lacks is written at the end of its table, and read back.
         let without = PROTOTYPE.replace("limp_lift = 10\n", "");
         let again = completed(&without);
@@ -284,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_new_file_is_the_example_plugged_into_the_board() {
-        for board in BoardConnectors::ALL {
+        for board in corehbot_boards::all() {
             for kind in Kind::ALL {
                 let text = file(kind, board, false).unwrap();
                 let (machine, found) = problems(&text);
@@ -305,7 +309,7 @@ mod tests {
 
     #[test]
     fn a_new_file_says_what_the_example_says() {
-        let text = file(Kind::Corexy, BoardConnectors::ALL[0], true).unwrap();
+        let text = file(Kind::Corexy, &corehbot_boards::octopus::CONNECTORS, true).unwrap();
         assert!(text.contains("\n# One screw of 8 mm lead.\n[axes.z]\n") && !text.contains("Two ball screws M12x4"));
         assert!(text.contains("\nm8 = [1, -1, 0]\n") && text.contains("\nm8 = \"M4\"\n"), "{text}");
         assert!(text.contains("name = \"CoreXY\"") && text.contains("rotation_distance"));

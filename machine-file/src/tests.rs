@@ -111,7 +111,7 @@ fn motors_and_switches_are_plugged_in_by_name() {
 
 #[test]
 fn a_file_with_a_board_is_held_to_it() {
-    for board in BoardConnectors::ALL {
+    for board in corehbot_boards::all() {
         let machine = parse(&format!("board = \"{}\"", board.key)).unwrap();
         assert_eq!((machine.board, machine.settings.wiring), (Some(board), Wiring::usual(board)));
     }

@@ -3,10 +3,12 @@
 //! A [`Heater`] is a part with a temperature target; settings give its output and its sensor. [`BoardConnectors`] lists
 //! a board's connectors. Which pin is behind a name is in `wiring.rs` of the board.
 
-mod boards;
+mod board;
 mod name;
 
-pub use boards::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
+pub use board::BoardConnectors;
+#[cfg(test)]
+pub(crate) use board::samples;
 pub use name::ConnectorName;
 
 use serde::{Deserialize, Serialize};

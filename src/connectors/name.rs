@@ -46,6 +46,18 @@ impl ConnectorName {
         }
     }
 
+    /// Names in the source, as [`lit`](Self::lit).
+    #[must_use]
+    pub const fn all<const N: usize>(texts: [&str; N]) -> [Self; N] {
+        let mut names = [Self::NONE; N];
+        let (mut from, mut to): (&[&str], &mut [Self]) = (&texts, &mut names);
+        while let ([text, texts @ ..], [name, names @ ..]) = (from, to) {
+            *name = Self::lit(text);
+            (from, to) = (texts, names);
+        }
+        names
+    }
+
     /// Its bytes, with zeros behind it.
     #[must_use]
     pub const fn as_bytes(&self) -> &[u8; Self::LONGEST] {

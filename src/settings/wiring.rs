@@ -2,7 +2,7 @@
 
 use super::rows::{Field, Kind, Spec, Value, rows, text};
 use super::{Cartesian, Settings};
-use crate::connectors::{BoardConnectors, ConnectorName, OCTOPUS};
+use crate::connectors::{BoardConnectors, ConnectorName};
 use crate::kinematics::Row;
 use crate::motors::{MOTORS, Motor};
 use serde::{Deserialize, Serialize};
@@ -39,22 +39,28 @@ impl Wiring {
     /// The prototype on a board: each motor and switch in its place of the board's table.
     #[must_use]
     pub const fn usual(board: &BoardConnectors) -> Self {
+        Self::in_order(board.sockets, board.endstops)
+    }
+
+    /// The prototype's motors and switches in these places.
+    const fn in_order(sockets: &[ConnectorName], endstops: &[ConnectorName]) -> Self {
         let mut motors = [MotorPlug::NONE; MOTORS];
-        let (mut plugs, mut sockets): (&mut [MotorPlug], _) = (&mut motors, board.sockets);
+        let (mut plugs, mut sockets): (&mut [MotorPlug], _) = (&mut motors, sockets);
         while let ([plug, other_plugs @ ..], [socket, other_sockets @ ..]) = (plugs, sockets) {
             plug.connector = *socket;
             (plugs, sockets) = (other_plugs, other_sockets);
         }
-        let [x, y, z] = match *board.endstops {
+        let [x, y, z] = match *endstops {
             [x, y, z, ..] => [x, y, z],
             _ => [ConnectorName::NONE; 3],
         };
         Self { motors, endstops: Cartesian { x: EndstopPlug::new(x), y: EndstopPlug::new(y), z: EndstopPlug::new(z) } }
     }
 
-    /// The prototype on an Octopus.
+    /// The prototype's own plugs.
     pub(crate) const fn prototype() -> Self {
-        Self::usual(&OCTOPUS)
+        let sockets = ConnectorName::all(["M0", "M1", "M4", "M3", "M2", "M5", "M6"]);
+        Self::in_order(&sockets, &ConnectorName::all(["X-STOP", "Y-STOP", "Z-STOP"]))
     }
 
     /// Where `motor` is plugged in.

@@ -123,20 +123,20 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use crate::connectors::{NUCLEO, OCTOPUS};
+    use crate::connectors::samples::{BENCH, PRINTER};
     use std::vec::Vec;
 
     #[test]
     fn an_image_is_on_one_of_its_boards() {
-        let mut block = blank_block(&[&OCTOPUS, &NUCLEO]);
-        assert_eq!(boards_of(&block).collect::<Vec<_>>(), ["octopus", "nucleo"]);
-        assert_eq!(board_of(&block), Some("octopus"));
+        let mut block = blank_block(&[&PRINTER, &BENCH]);
+        assert_eq!(boards_of(&block).collect::<Vec<_>>(), ["printer", "bench"]);
+        assert_eq!(board_of(&block), Some("printer"));
         let before = block;
         assert!(!choose_board(&mut block, "sim") && !choose_board(&mut block, "") && block == before);
-        assert!(choose_board(&mut block, "nucleo"));
-        assert_eq!((board_of(&block), machine_of(&block)), (Some("nucleo"), Err(Rejected::Blank)));
-        assert!(choose_board(&mut block, "octopus") && block == before);
-        for (at, byte) in [(MARK.len(), b'O'), (MARK.len() + KEY, b'O'), (MARK.len(), 0xFF)] {
+        assert!(choose_board(&mut block, "bench"));
+        assert_eq!((board_of(&block), machine_of(&block)), (Some("bench"), Err(Rejected::Blank)));
+        assert!(choose_board(&mut block, "printer") && block == before);
+        for (at, byte) in [(MARK.len(), b'P'), (MARK.len() + KEY, b'P'), (MARK.len(), 0xFF)] {
             let mut spoilt = before;
             spoilt[at] = byte;
             assert_eq!(board_of(&spoilt), None, "{at}");
@@ -145,34 +145,34 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_block_lie_where_images_of_earlier_versions_have_them() {
-        let mut block = blank_block(&[&OCTOPUS, &NUCLEO]);
+        let mut block = blank_block(&[&PRINTER, &BENCH]);
         let receipt = put_machine(&mut block, &Settings::prototype()).unwrap();
         let text = |place: &[u8], text: &str| {
             place.starts_with(text.as_bytes()) && place[text.len()..].iter().all(|b| *b == 0)
         };
         assert_eq!(block.len(), 96 + LONGEST);
         assert_eq!(block[..16], *b"corehbot machine");
-        assert!(text(&block[16..32], "octopus") && text(&block[32..96], "octopus nucleo "));
+        assert!(text(&block[16..32], "printer") && text(&block[32..96], "printer bench "));
         assert_eq!(machine_in(&block[96..]), Ok(Settings::prototype()));
         assert!(block[96 + receipt.bytes..].iter().all(|byte| *byte == 0xFF));
     }
 
     #[test]
     fn a_key_may_fill_its_place() {
-        let board = BoardConnectors { key: "sixteen-letters!", ..OCTOPUS };
+        let board = BoardConnectors { key: "sixteen-letters!", ..PRINTER };
         let block = blank_block(&[&board]);
         assert_eq!(board_of(&block), Some("sixteen-letters!"));
     }
 
     #[test]
     fn a_block_gives_back_the_machine_that_was_put_in() {
-        let mut block = blank_block(&[&OCTOPUS]);
+        let mut block = blank_block(&[&PRINTER]);
         assert_eq!(machine_of(&block), Err(Rejected::Blank));
-        assert_eq!(board_of(&block), Some("octopus"));
+        assert_eq!(board_of(&block), Some("printer"));
         let machine = Settings::prototype();
         let receipt = put_machine(&mut block, &machine).unwrap();
         assert_eq!(machine_of(&block), Ok(machine));
-        assert_eq!(board_of(&block), Some("octopus"));
+        assert_eq!(board_of(&block), Some("printer"));
         // Every bit counts.
         for at in 0..receipt.bytes {
             block[HEAD + at] ^= 1 << (at % 8);
@@ -180,14 +180,14 @@ mod tests {
             block[HEAD + at] ^= 1 << (at % 8);
         }
         clear_machine(&mut block);
-        assert_eq!(block, blank_block(&[&OCTOPUS]));
+        assert_eq!(block, blank_block(&[&PRINTER]));
     }
 
     #[test]
     fn what_is_no_machine_is_refused() {
         let mut loose = Settings::prototype();
         loose.mechanism.rows = Default::default();
-        let mut block = blank_block(&[&OCTOPUS]);
+        let mut block = blank_block(&[&PRINTER]);
         put_machine(&mut block, &loose).unwrap();
         assert!(matches!(machine_of(&block), Err(Rejected::Illegal(_))));
     }

@@ -15,6 +15,7 @@ const DFU_DEVICE: &str = "0483:df11";
 #[derive(clap::Args)]
 pub struct Args {
     /// The board.
+    #[arg(value_parser = build::board_parser())]
     board: Board,
     #[command(flatten)]
     way: Way,
@@ -36,27 +37,6 @@ struct Way {
     sd: Option<PathBuf>,
 }
 
-/// Conditions before the chip's own bootloader runs. It looks for hosts on USART3 too, and pulls up these pins: on the
-/// Octopus they are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
-const BEFORE_DFU: &str = "\
-before you set the BOOT0 jumper: unplug HE2 and HE3, because the chip's bootloader pulls their gates (PB10, PB11) up;
-BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground";
-
-/// The same for the Spider; only its pins are known.
-const BEFORE_DFU_SPIDER: &str = "\
-before you set the BT0 jumper: unplug the bed and all heaters, because nobody has checked how the chip's bootloader
-drives their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground";
-
-/// Steps before the chip's own bootloader runs on a board.
-const fn before_dfu(board: Board) -> &'static str {
-    match board {
-        Board::Octopus | Board::OctopusPro => BEFORE_DFU,
-        Board::Spider => BEFORE_DFU_SPIDER,
-        // It has no USB of its own.
-        Board::Nucleo => "",
-    }
-}
-
 /// The message of dfu-util 0.11 when everything has arrived.
 const DOWNLOADED: &str = "File downloaded successfully";
 
@@ -76,11 +56,11 @@ pub fn main(args: &Args) -> Result<()> {
     if way.probe {
         PROBE_RS.find()?;
     } else if way.dfu {
-        ensure!(board.has_usb(), "the {} has no USB socket of its own: use --probe", board.title());
+        ensure!(board.entry.board.has_usb, "the {} has no USB socket of its own: use --probe", board.title());
         DFU_UTIL.find()?;
-        println!("{}", before_dfu(board));
+        println!("{}", board.entry.before_dfu);
     } else if let Some(card) = &way.sd {
-        ensure!(board.has_card_slot(), "the {} has no card slot: use --probe", board.title());
+        ensure!(board.entry.has_card_slot, "the {} has no card slot: use --probe", board.title());
         ensure!(card.is_dir(), "{} is no folder: where is the card mounted?", card.display());
     }
     let image = build::image(board)?;
@@ -99,7 +79,7 @@ fn by_probe(board: Board, image: &Image) -> Result<()> {
     for command in probe_commands(board, image) {
         run(command).context("no image was flashed; is the probe connected, its NRST too, and has the board power?")?;
     }
-    println!("the log: probe-rs attach --chip {} {}", board.chip(), image.elf.display());
+    println!("the log: probe-rs attach --chip {} {}", board.entry.chip, image.elf.display());
     Ok(())
 }
 
@@ -108,7 +88,7 @@ fn by_probe(board: Board, image: &Image) -> Result<()> {
 fn probe_commands(board: Board, image: &Image) -> [Command; 2] {
     let command = |task: &str| {
         let mut command = Command::new(PROBE_RS.program);
-        command.args([task, "--chip", board.chip(), "--connect-under-reset"]);
+        command.args([task, "--chip", board.entry.chip, "--connect-under-reset"]);
         command
     };
     let mut download = command("download");
@@ -188,6 +168,10 @@ mod tests {
     use super::*;
     use crate::checkout::words;
 
+    fn called(key: &str) -> Board {
+        Board::called(key).unwrap()
+    }
+
     fn image() -> Image {
         Image { elf: "octopus.elf".into(), binary: "firmware.bin".into(), start: 0x0800_8000 }
     }
@@ -214,8 +198,8 @@ mod tests {
 
     #[test]
     fn a_probe_gets_the_chip_and_connects_while_it_is_held_in_reset() {
-        for (board, chip) in [(Board::Octopus, "STM32F446ZETx"), (Board::Nucleo, "STM32F446RETx")] {
-            let texts = probe_commands(board, &image()).map(|command| words(&command));
+        for (board, chip) in [("octopus", "STM32F446ZETx"), ("nucleo", "STM32F446RETx")] {
+            let texts = probe_commands(called(board), &image()).map(|command| words(&command));
             let wanted = [
                 format!("probe-rs download --chip {chip} --connect-under-reset octopus.elf"),
                 format!("probe-rs reset --chip {chip} --connect-under-reset"),
@@ -226,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_board_that_shares_its_image_gets_the_binary_that_is_for_it() {
-        let [download, _] = probe_commands(Board::OctopusPro, &image()).map(|command| words(&command));
+        let [download, _] = probe_commands(called("octopus-pro"), &image()).map(|command| words(&command));
         let wanted = "probe-rs download --chip STM32F446ZETx --connect-under-reset --binary-format bin \
                       --base-address 0x08008000 firmware.bin";
         assert_eq!(download, wanted);
@@ -234,11 +218,10 @@ mod tests {
 
     #[test]
     fn whoever_flashes_by_usb_is_warned_of_the_heaters_and_of_both_boot_pins() {
-        for word in ["HE2", "HE3", "PB10", "PB11", "BOOT0", "BOOT1", "PB2"] {
-            assert!(before_dfu(Board::Octopus).contains(word), "{word}");
-        }
-        for word in ["bed", "all heaters", "PB4", "PB15", "PC8", "PB3", "BT0", "BOOT1", "PB2"] {
-            assert!(before_dfu(Board::Spider).contains(word), "{word}");
+        for board in Board::all().filter(|board| board.entry.board.has_usb) {
+            for word in ["BOOT1", "unplug", "PB2"] {
+                assert!(board.entry.before_dfu.contains(word), "{}: {word}", board.key());
+            }
         }
     }
 

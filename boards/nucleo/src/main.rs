@@ -3,13 +3,11 @@
 //! `cargo xtask build nucleo` makes the image, and README.md describes wiring and flashing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-mod wiring;
-
 /// The image.
 #[cfg(target_os = "none")]
 static IMAGE: corehbot_stm32f446::wiring::Image = corehbot_stm32f446::wiring::Image {
-    boards: &[&wiring::BOARD],
-    block: const { &corehbot::storage::blank_block(&[&corehbot::connectors::NUCLEO]) },
+    boards: const { &corehbot_boards::tables_of(corehbot_boards::NUCLEO) },
+    block: const { &corehbot::storage::blank_block(&corehbot_boards::connectors_of(corehbot_boards::NUCLEO)) },
 };
 
 #[cfg(target_os = "none")]
@@ -20,5 +18,6 @@ fn main() -> ! {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this crate makes an image for the {}: run `cargo xtask build nucleo`", wiring::BOARD.name);
+    let name = corehbot_boards::nucleo::BOARD.name;
+    eprintln!("this crate makes an image for the {name}: run `cargo xtask build nucleo`");
 }

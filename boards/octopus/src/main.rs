@@ -1,26 +1,17 @@
-//! The firmware for the BTT Octopus V1.0 and V1.1, and for boards that differ from it in pins alone: the Octopus Pro
-//! V1.0 and the Fysetc Spider. One image serves all of them; its machine block says on which it is.
+//! The firmware for the BTT Octopus V1.0 and V1.1, and for boards that differ from it in pins alone. One image serves
+//! all of them ([`OCTOPUS`] lists them); its machine block says on which it is.
 //!
-//! `cargo xtask build octopus` (or `octopus-pro`, `spider`) makes the image, and the README.md of each board describes
-//! wiring and flashing.
+//! `cargo xtask build octopus`, or another of the boards, makes the image. The README.md of each board describes wiring
+//! and flashing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO, SPIDER};
+use corehbot_boards::{OCTOPUS, connectors_of, tables_of};
 use corehbot_stm32f446::wiring::Image;
-
-#[path = "../../spider/wiring.rs"]
-mod spider;
-mod wiring;
-
-#[cfg(test)]
-mod spider_tests;
-#[cfg(test)]
-mod tests;
 
 /// The image, which is on the first of its boards unless `corehbot image` says otherwise.
 static IMAGE: Image = Image {
-    boards: &[&wiring::BOARD, &wiring::PRO, &spider::BOARD],
-    block: const { &corehbot::storage::blank_block(&[&OCTOPUS, &OCTOPUS_PRO, &SPIDER]) },
+    boards: const { &tables_of(OCTOPUS) },
+    block: const { &corehbot::storage::blank_block(&connectors_of(OCTOPUS)) },
 };
 
 #[cfg(target_os = "none")]
@@ -34,5 +25,26 @@ fn main() {
     for board in IMAGE.boards {
         let key = board.connectors.key;
         eprintln!("this crate makes an image for the {}: run `cargo xtask build {key}`", board.name);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use corehbot::storage::{boards_of, choose_board};
+    use corehbot_boards::{octopus, octopus_pro};
+
+    #[test]
+    fn the_image_has_a_table_for_every_board_that_it_names() {
+        let mut block = *IMAGE.block;
+        assert!(boards_of(IMAGE.block).eq(IMAGE.boards.iter().map(|board| board.connectors.key)));
+        assert_eq!(IMAGE.board().map(|board| board.name), Some(octopus::BOARD.name));
+        for board in IMAGE.boards {
+            assert!(choose_board(&mut block, board.connectors.key));
+            let image = Image { block: Box::leak(Box::new(block)), ..IMAGE };
+            assert_eq!(image.board().map(|board| board.name), Some(board.name));
+        }
+        let elsewhere = Image { boards: const { &[&octopus_pro::BOARD] }, ..IMAGE };
+        assert!(elsewhere.board().is_none());
     }
 }

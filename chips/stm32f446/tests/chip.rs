@@ -8,19 +8,10 @@
 
 use std::collections::BTreeSet;
 
+use corehbot_boards::{entries, octopus};
 use corehbot_stm32f446::resources::{self, Channel, SOURCES, TIMERS};
 use corehbot_stm32f446::wiring::{Board, FanPin, HeaterPin, Pin, USB, Usart};
 use stm32_metapac::metadata::{METADATA, Peripheral};
-
-#[allow(dead_code, reason = "its own tests run with the board")]
-#[path = "../../../boards/nucleo/src/wiring.rs"]
-mod nucleo;
-#[allow(dead_code, reason = "its own tests run with the board")]
-#[path = "../../../boards/octopus/src/wiring.rs"]
-mod octopus;
-
-#[path = "../../../boards/spider/wiring.rs"]
-mod spider;
 
 /// Pins of the package with 100 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP100;
 /// stm32-metapac 21.0.0 has the same for stm32f446ve).
@@ -170,26 +161,31 @@ fn is_in(package: &[(char, u16)], pin: Pin) -> bool {
     package.iter().any(|(port, bits)| format!("{:?}", pin.port) == port.to_string() && bits >> pin.number() & 1 != 0)
 }
 
-#[test]
-fn the_octopus_uses_pins_as_the_chip_has_them() {
-    for board in [&octopus::BOARD, &octopus::PRO] {
-        assert_eq!(problems(board, has_lqfp144), Vec::<String>::new(), "{}", board.name);
+/// Whether a processor has a pin. The letter of its package follows 446 in its name (STM32F446 datasheet, ordering
+/// information).
+fn package(chip: &str) -> fn(Pin) -> bool {
+    match chip.strip_prefix("STM32F446").and_then(|rest| rest.chars().next()) {
+        Some('Z') => has_lqfp144,
+        Some('V') => has_lqfp100,
+        Some('R') => has_lqfp64,
+        _ => panic!("{chip} is no processor of ours"),
     }
 }
 
 #[test]
-fn the_spider_uses_pins_as_the_chip_has_them() {
-    assert_eq!(problems(&spider::BOARD, has_lqfp100), Vec::<String>::new());
+fn every_board_uses_pins_as_its_chip_has_them() {
+    for entry in entries() {
+        assert_eq!(problems(entry.board, package(entry.chip)), Vec::<String>::new(), "{}", entry.board.name);
+    }
     assert!(problems(&octopus::BOARD, has_lqfp100).len() > 10, "ports F and G are not in that package");
 }
 
 #[test]
-fn the_nucleo_uses_pins_as_the_chip_has_them() {
+fn the_smaller_packages_have_pins_of_the_largest() {
     assert!(LQFP64.iter().chain(&LQFP100).all(|(port, bits)| {
         let all = (0..16).filter(|n| bits >> n & 1 != 0);
         all.into_iter().all(|n| METADATA.pins.iter().any(|p| p.name == format!("P{port}{n}")))
     }));
-    assert_eq!(problems(&nucleo::BOARD, has_lqfp64), Vec::<String>::new());
 }
 
 #[test]

@@ -3,12 +3,16 @@
 extern crate std;
 
 use super::*;
-use crate::connectors::{NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
+use crate::connectors::samples::{BENCH, OTHER, PRINTER};
 use crate::kinematics::Mechanism;
 use crate::motors::prototype;
 use crate::settings::Wiring;
 use std::format;
 use std::string::{String, ToString};
+
+/// [`PRINTER`] without one of its inputs for a probe.
+const ONE_PROBE: BoardConnectors =
+    BoardConnectors { name: "twin", probes: &ConnectorName::all(["BLTOUCH"]), ..PRINTER };
 
 const INPUTS: &str = "E0DET, E1DET, E2DET, E3DET, X-STOP, Y-STOP, Z-STOP, Z2-STOP";
 
@@ -23,10 +27,10 @@ fn plugged(motor: Motor, name: &str) -> Settings {
 }
 
 #[test]
-fn the_prototype_is_an_octopus() {
+fn the_prototype_has_plugs_of_its_own() {
     let s = Settings::prototype();
-    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
-    assert_eq!(s.check_connectors(&SIM), Ok(()));
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
+    assert_eq!(s.check_connectors(&BoardConnectors::ANY), Ok(()));
     let names = Motor::ALL.map(|motor| s.wiring.of(motor).connector.to_string());
     assert_eq!(names, ["M0", "M1", "M4", "M3", "M2", "M5", "M6"]);
     assert_eq!(s.wiring.endstops.z.connector.as_str(), "Z-STOP");
@@ -36,12 +40,12 @@ fn the_prototype_is_an_octopus() {
 #[test]
 fn a_machine_that_names_no_connectors_is_plugged_in_as_usual_on_its_board() {
     let mut s = Settings::prototype();
-    assert!(s.check_connectors(&SPIDER).is_err());
-    s.name_connectors(&SPIDER);
-    assert_eq!(s.check_connectors(&SPIDER), Ok(()));
+    assert!(s.check_connectors(&OTHER).is_err());
+    s.name_connectors(&OTHER);
+    assert_eq!(s.check_connectors(&OTHER), Ok(()));
     assert_eq!(s.wiring.of(prototype::M1).connector.as_str(), "X-MOT");
     let mut named = plugged(prototype::M1, "M7");
-    named.name_connectors(&SPIDER);
+    named.name_connectors(&OTHER);
     assert_eq!(named.wiring.of(prototype::M1).connector.as_str(), "M7", "what is named stays");
 }
 
@@ -49,40 +53,43 @@ fn a_machine_that_names_no_connectors_is_plugged_in_as_usual_on_its_board() {
 fn a_board_has_no_other_connectors_than_its_own() {
     let has = "it has M0, M1, M2, M3, M4, M5, M6, M7";
     assert_eq!(
-        error(&plugged(prototype::M1, "M8"), &OCTOPUS),
-        format!("motor m1: the BTT Octopus has no connector M8; {has}")
+        error(&plugged(prototype::M1, "M8"), &PRINTER),
+        format!("motor m1: the sample has no connector M8; {has}")
     );
-    assert_eq!(plugged(prototype::M1, "M8").check_connectors(&SIM), Ok(()), "the simulator has any");
+    assert_eq!(plugged(prototype::M1, "M8").check_connectors(&BoardConnectors::ANY), Ok(()), "the simulator has any");
     let mut s = Settings::prototype();
     s.wiring.endstops.y.connector = ConnectorName::lit("J27");
     let has = format!("it has {INPUTS}");
-    assert_eq!(error(&s, &OCTOPUS), format!("endstop of y: the BTT Octopus has no connector J27; {has}"));
+    assert_eq!(error(&s, &PRINTER), format!("endstop of y: the sample has no connector J27; {has}"));
     s.thermal.heaters.hotend.is_fitted = true;
-    s.wiring = Wiring::usual(&OCTOPUS);
-    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    s.wiring = Wiring::usual(&PRINTER);
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
     s.thermal.heaters.hotend.output = Output::He2;
-    assert_eq!(error(&s, &OCTOPUS), "heater hotend: the BTT Octopus has no output he2; it has bed, he0, he1");
+    assert_eq!(error(&s, &PRINTER), "heater hotend: the sample has no output he2; it has bed, he0, he1");
     s.thermal.heaters.hotend.output = Output::He1;
-    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
-    s.wiring = Wiring::usual(&NUCLEO);
-    assert_eq!(error(&s, &NUCLEO), "heater hotend: the CNC shield has no output he1; it has none");
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
+    s.wiring = Wiring::usual(&BENCH);
+    assert_eq!(error(&s, &BENCH), "heater hotend: the rig has no output he1; it has none");
 }
 
 #[test]
 fn a_board_without_that_sensor_is_refused() {
-    const NO_SENSORS: BoardConnectors = BoardConnectors { sensors: &[Sensor::Bed], ..OCTOPUS };
+    const NO_SENSORS: BoardConnectors = BoardConnectors { sensors: &[Sensor::Bed], ..PRINTER };
     let mut s = Settings::prototype();
     s.thermal.heaters.hotend.is_fitted = true;
-    assert_eq!(error(&s, &NO_SENSORS), "heater hotend: the BTT Octopus has no sensor hotend0; it has bed");
+    assert_eq!(error(&s, &NO_SENSORS), "heater hotend: the sample has no sensor hotend0; it has bed");
 }
 
 #[test]
 fn nothing_is_plugged_in_twice() {
-    assert_eq!(error(&plugged(prototype::E0, "M4"), &OCTOPUS), "motor m8 and motor e0 have the same connector, M4");
-    assert_eq!(error(&plugged(prototype::E0, "M4"), &SIM), "motor m8 and motor e0 have the same connector, M4");
+    assert_eq!(error(&plugged(prototype::E0, "M4"), &PRINTER), "motor m8 and motor e0 have the same connector, M4");
+    assert_eq!(
+        error(&plugged(prototype::E0, "M4"), &BoardConnectors::ANY),
+        "motor m8 and motor e0 have the same connector, M4"
+    );
     let mut s = Settings::prototype();
     s.wiring.endstops.z.connector = s.wiring.endstops.x.connector;
-    assert_eq!(error(&s, &OCTOPUS), "endstop of x and endstop of z have the same connector, X-STOP");
+    assert_eq!(error(&s, &PRINTER), "endstop of x and endstop of z have the same connector, X-STOP");
 }
 
 #[test]
@@ -92,40 +99,34 @@ fn a_probe_is_plugged_in_where_the_board_has_an_input_for_it_or_not_at_all() {
         s.probe.connector = ConnectorName::lit(name);
         s
     };
-    for (name, board) in [("", &OCTOPUS), ("PROBE", &OCTOPUS), ("BLTOUCH", &OCTOPUS), ("BLTOUCH", &OCTOPUS_PRO)] {
+    for (name, board) in [("", &PRINTER), ("PROBE", &PRINTER), ("BLTOUCH", &PRINTER), ("BLTOUCH", &ONE_PROBE)] {
         assert_eq!(probe(name).check_connectors(board), Ok(()), "{name}");
     }
     let error_of = |name, board| error(&probe(name), board);
-    assert_eq!(
-        error_of("PROBE", &OCTOPUS_PRO),
-        "probe: the BTT Octopus Pro V1.0 has no connector PROBE; it has BLTOUCH"
-    );
-    assert_eq!(error_of("Z-STOP", &OCTOPUS), "probe: the BTT Octopus has no connector Z-STOP; it has BLTOUCH, PROBE");
-    assert_eq!(error_of("Z-STOP", &SIM), "endstop of z and probe have the same connector, Z-STOP");
+    assert_eq!(error_of("PROBE", &ONE_PROBE), "probe: the twin has no connector PROBE; it has BLTOUCH");
+    assert_eq!(error_of("Z-STOP", &PRINTER), "probe: the sample has no connector Z-STOP; it has BLTOUCH, PROBE");
+    assert_eq!(error_of("Z-STOP", &BoardConnectors::ANY), "endstop of z and probe have the same connector, Z-STOP");
 }
 
 #[test]
 fn what_is_fitted_is_plugged_in_and_what_is_not_need_not_be() {
-    let has = "the BTT Octopus has M0, M1, M2, M3, M4, M5, M6, M7";
-    assert_eq!(error(&plugged(prototype::Z2, ""), &OCTOPUS), format!("motor z2: it has no connector; {has}"));
+    let has = "the sample has M0, M1, M2, M3, M4, M5, M6, M7";
+    assert_eq!(error(&plugged(prototype::Z2, ""), &PRINTER), format!("motor z2: it has no connector; {has}"));
     let mut s = plugged(prototype::Z2, "");
     s.mechanism = Mechanism { rows: s.mechanism.rows.map(|row| if row == [0, 0, 1, 0] { [0; 4] } else { row }) };
     s.mechanism.rows[prototype::Z1.index()] = [0, 0, 1, 0];
-    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
     // A motor that is not fitted takes no socket from another.
     s.wiring.motors[prototype::Z2.index()].connector = ConnectorName::lit("M0");
-    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
     s.wiring.endstops.x.connector = ConnectorName::NONE;
-    assert_eq!(error(&s, &OCTOPUS), format!("endstop of x: it has no connector; the BTT Octopus has {INPUTS}"));
+    assert_eq!(error(&s, &PRINTER), format!("endstop of x: it has no connector; the sample has {INPUTS}"));
 }
 
 #[test]
 fn a_bench_has_sockets_for_some() {
-    let s = Settings { wiring: Wiring::usual(&NUCLEO), ..Settings::prototype() };
-    assert_eq!(s.check_connectors(&NUCLEO), Ok(()));
+    let s = Settings { wiring: Wiring::usual(&BENCH), ..Settings::prototype() };
+    assert_eq!(s.check_connectors(&BENCH), Ok(()));
     assert_eq!([prototype::M8, prototype::Z1].map(|motor| s.wiring.of(motor).connector.to_string()), ["A", ""]);
-    assert_eq!(
-        error(&s, &OCTOPUS),
-        "motor m1: the BTT Octopus has no connector X; it has M0, M1, M2, M3, M4, M5, M6, M7"
-    );
+    assert_eq!(error(&s, &PRINTER), "motor m1: the sample has no connector X; it has M0, M1, M2, M3, M4, M5, M6, M7");
 }

@@ -9,6 +9,7 @@
 use crate::build::{Elf, binary};
 use crate::qemu::PROGRAM;
 use anyhow::{Context as _, Result, bail, ensure};
+use corehbot_boards::Package;
 use object::{Object as _, ObjectSymbol as _};
 use std::fs::File;
 use std::io::{BufRead as _, BufReader};
@@ -88,7 +89,7 @@ impl Fault {
 /// If the image cannot be run, or if a fault leaves a pin as it was.
 pub fn measure(image: &[u8], folder: &Path) -> Result<Counts> {
     let elf = Elf::parse(image)?;
-    let (start, bytes) = binary::extract(&elf, binary::LARGEST_GAP)?;
+    let (start, bytes) = binary::extract(&elf, Package::ALIGNMENT)?;
     let vector = |number: usize| {
         let word = bytes.get(4 * number..4 * number + 4).and_then(|word| word.try_into().ok());
         word.map(u32::from_le_bytes).context("the image has no vector table")

@@ -8,9 +8,6 @@ use object::read::elf::ProgramHeader as _;
 /// Flash that is erased.
 const ERASED: u8 = 0xFF;
 
-/// Gaps larger than any alignment are a mistake in the memory map.
-pub const LARGEST_GAP: u32 = 64;
-
 /// The loaded segments in the order of their addresses, with gaps of at most `largest_gap` bytes, and their first
 /// address.
 pub fn extract(elf: &Elf<'_>, largest_gap: u32) -> Result<(u32, Vec<u8>)> {
@@ -46,7 +43,7 @@ mod tests {
 
     #[test]
     fn segments_stand_at_their_addresses() {
-        let join = |parts: &[(u32, &[u8])]| join(parts, LARGEST_GAP);
+        let join = |parts: &[(u32, &[u8])]| join(parts, corehbot_boards::Package::ALIGNMENT);
         assert_eq!(join(&[(0x0800_8000, &[1, 2]), (0x0800_8004, &[3])]).unwrap(), [1, 2, 0xFF, 0xFF, 3]);
         assert!(join(&[(0, &[1, 2]), (1, &[3])]).is_err());
         assert!(join(&[(0, &[1]), (0x2000_0000, &[3])]).is_err());

@@ -8,6 +8,8 @@ mod step_path;
 
 use crate::checkout;
 use anyhow::{Context as _, Result, bail, ensure};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use corehbot_boards::{Entry, PACKAGES, Package, entries};
 use corehbot_cli::image::set_board;
 use object::Endianness;
 use object::elf::FileHeader32;
@@ -21,92 +23,49 @@ pub type Elf<'d> = ElfFile<'d, FileHeader32<Endianness>>;
 #[derive(clap::Args)]
 pub struct Args {
     /// The board.
+    #[arg(value_parser = board_parser())]
     board: Board,
 }
 
-/// A board that can be flashed.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Board {
-    /// BTT Octopus V1.0 or V1.1.
-    Octopus,
-    /// BTT Octopus Pro V1.0 with an STM32F446.
-    OctopusPro,
-    /// Fysetc Spider V1.x or V2.x with an STM32F446.
-    Spider,
-    /// Nucleo-F446RE with a CNC shield.
-    Nucleo,
+/// A board that can be flashed, and the package that makes its image.
+#[derive(Clone, Copy)]
+pub struct Board {
+    /// The board.
+    pub entry: &'static Entry,
+    package: &'static Package,
+}
+
+/// Finds boards by their keys, as machine files have them.
+pub fn board_parser() -> impl TypedValueParser<Value = Board> {
+    let values = entries().map(|entry| PossibleValue::new(entry.board.connectors.key).help(entry.board.name));
+    PossibleValuesParser::new(values).try_map(|key| Board::called(&key).ok_or("there is no such board"))
 }
 
 impl Board {
-    /// Its key, as machine files have it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Octopus => "octopus",
-            Self::OctopusPro => "octopus-pro",
-            Self::Spider => "spider",
-            Self::Nucleo => "nucleo",
-        }
+    /// Every board.
+    pub fn all() -> impl Iterator<Item = Self> {
+        PACKAGES.iter().flat_map(|package| package.boards.iter().map(move |entry| Self { entry, package }))
     }
 
-    /// The package that makes its image.
-    const fn package(self) -> &'static str {
-        match self {
-            Self::Octopus | Self::OctopusPro | Self::Spider => "corehbot-octopus",
-            Self::Nucleo => "corehbot-nucleo",
-        }
-    }
-
-    /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for
-    /// another.
-    pub const fn has_elf(self) -> bool {
-        match self {
-            Self::Octopus | Self::Nucleo => true,
-            Self::OctopusPro | Self::Spider => false,
-        }
+    /// The board with that key.
+    pub fn called(key: &str) -> Option<Self> {
+        Self::all().find(|board| board.key() == key)
     }
 
     /// Its name for people.
     pub const fn title(self) -> &'static str {
-        match self {
-            Self::Octopus => "BTT Octopus",
-            Self::OctopusPro => "BTT Octopus Pro",
-            Self::Spider => "Fysetc Spider",
-            Self::Nucleo => "Nucleo-F446RE",
-        }
+        self.entry.board.name
     }
 
-    /// The processor as probe-rs names it.
-    pub const fn chip(self) -> &'static str {
-        match self {
-            Self::Octopus | Self::OctopusPro => "STM32F446ZETx",
-            Self::Spider => "STM32F446VETx",
-            Self::Nucleo => "STM32F446RETx",
-        }
+    /// Its key, as machine files have it.
+    pub const fn key(self) -> &'static str {
+        self.entry.board.connectors.key
     }
 
-    /// Whether USB leads to the processor, and not to a debug probe.
-    pub const fn has_usb(self) -> bool {
-        match self {
-            Self::Octopus | Self::OctopusPro | Self::Spider => true,
-            Self::Nucleo => false,
-        }
-    }
-
-    /// Whether its bootloader reads a card.
-    pub const fn has_card_slot(self) -> bool {
-        match self {
-            Self::Octopus | Self::OctopusPro | Self::Spider => true,
-            Self::Nucleo => false,
-        }
-    }
-
-    /// Bytes that the image may leave free in one place.
-    const fn largest_gap(self) -> u32 {
-        match self {
-            Self::Octopus | Self::OctopusPro | Self::Spider => binary::LARGEST_GAP,
-            // Sectors 0 to 2 hold the vectors and the settings; the code begins behind them.
-            Self::Nucleo => 0xC000,
-        }
+    /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for
+    /// another.
+    pub fn has_elf(self) -> bool {
+        self.package.boards.first().is_some_and(|first| first.board.connectors.key == self.key())
     }
 }
 
@@ -127,14 +86,15 @@ pub fn main(args: &Args) -> Result<()> {
 
 /// Builds, weighs and examines an image, and says where it is.
 pub fn image(board: Board) -> Result<Image> {
-    let name = board.name();
-    let elf_path = checkout::build_image(board.package())?;
+    let elf_path = checkout::build_image(board.package.name)?;
     let data = read(&elf_path)?;
     let elf = Elf::parse(&*data)?;
     examine(&elf, true)?;
-    let (start, mut binary) = binary::extract(&elf, board.largest_gap())?;
-    set_board(&mut binary, name)?;
-    let binary_path = write(&binary, name)?;
+    let (start, mut binary) = binary::extract(&elf, board.package.largest_gap)?;
+    let wanted = board.entry.start;
+    ensure!(start == wanted, "the image is at {start:#010x}, and the {} starts one at {wanted:#010x}", board.title());
+    set_board(&mut binary, board.key())?;
+    let binary_path = write(&binary, board.key())?;
     println!("ELF     {}", elf_path.display());
     println!("binary  {} ({} bytes, at {start:#010x})", binary_path.display(), binary.len());
     Ok(Image { elf: elf_path, binary: binary_path, start })

@@ -5,7 +5,6 @@ use super::git;
 use crate::build::{self, Board};
 use crate::checkout::{self, cargo, command_output, run};
 use anyhow::{Context as _, Result, ensure};
-use clap::ValueEnum as _;
 use std::path::Path;
 
 /// The profile of the command: like `release`, without the data for debuggers.
@@ -21,9 +20,9 @@ pub(super) fn contents() -> Result<Vec<File>> {
     let command = command()?;
     let name = command.file_name().context("the command has no name")?.to_string_lossy().into_owned();
     files.push(File { path: name, bytes: read(&command)?, is_program: true });
-    for board in Board::value_variants() {
-        let bytes = read(&build::image(*board)?.binary)?;
-        files.push(File { path: format!("images/{}.bin", board.name()), bytes, is_program: false });
+    for board in Board::all() {
+        let bytes = read(&build::image(board)?.binary)?;
+        files.push(File { path: format!("images/{}.bin", board.key()), bytes, is_program: false });
     }
     for file in &files {
         ensure_nothing_of_here(file)?;

@@ -3,13 +3,29 @@
 //! Arduino names are on the shield. Motors 1 and 8 step on GPIOA, motors 4 and 11 on GPIOB, and one line gives
 //! power to all. The host is on USART2, which the ST-LINK has as a USB serial port.
 
-use corehbot::connectors::NUCLEO;
-use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
+use crate::Entry;
+use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet};
+use corehbot_wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
+
+/// The names printed on the shield, of sockets and limit inputs.
+pub const CONNECTORS: BoardConnectors = BoardConnectors {
+    key: "nucleo",
+    name: "CNC shield",
+    sockets: &ConnectorName::all(["X", "Y", "A", "Z"]),
+    endstops: &ConnectorName::all(["X", "Y", "Z"]),
+    debug_sockets: &[],
+    outputs: OutputSet::NONE,
+    sensors: &[],
+    fans: 0,
+    probes: &[],
+    is_bench: true,
+    is_simulated: false,
+};
 
 /// The board.
 pub static BOARD: Board = Board {
     name: "Nucleo-F446RE",
-    connectors: &NUCLEO,
+    connectors: &CONNECTORS,
     crystal: Crystal::Clock8MHz,
     sockets: &[
         // Motor 1 in socket X: D2, D5.
@@ -37,6 +53,10 @@ pub static BOARD: Board = Board {
     marks: &[],
 };
 
+/// The way of an image onto it: the ST-LINK writes to the start of flash, and there is no bootloader.
+pub const ENTRY: Entry =
+    Entry { board: &BOARD, chip: "STM32F446RETx", start: 0x0800_0000, has_card_slot: false, before_dfu: "" };
+
 /// A socket; D8 enables all of them, and the shield has no line to a driver's UART.
 const fn slot(step: (Port, u8), dir: (Port, u8)) -> Slot {
     let (step, dir) = (Pin::new(step.0, step.1), Pin::new(dir.0, dir.1));
@@ -46,40 +66,14 @@ const fn slot(step: (Port, u8), dir: (Port, u8)) -> Slot {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::ports_of_pairs;
     use corehbot::motors::prototype;
     use corehbot::port::MotorSet;
 
     #[test]
-    fn the_table_is_sound() {
-        assert_eq!(BOARD.problem(), None);
+    fn each_pair_steps_by_one_store_and_no_driver_can_be_talked_to() {
+        assert_eq!(ports_of_pairs(&BOARD), [[Port::A], [Port::B]]);
         assert_eq!(BOARD.usual().uarts(), MotorSet::NONE);
-    }
-
-    #[test]
-    fn names_and_pins_are_those_of_the_readme() {
-        let readme: Vec<Vec<_>> = include_str!("../README.md")
-            .lines()
-            .filter(|line| line.starts_with('|'))
-            .map(|line| line.split('|').map(str::trim).collect())
-            .collect();
-        let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
-        for (name, slot) in NUCLEO.sockets.iter().zip(BOARD.sockets) {
-            let row = readme.iter().find(|row| row.len() == 7 && row[3] == name.as_str()).unwrap();
-            assert!(row[4].ends_with(&pin(slot.step)) && row[5].ends_with(&pin(slot.dir)), "{name}");
-        }
-        for (name, input) in NUCLEO.endstops.iter().zip(BOARD.inputs) {
-            let limits =
-                include_str!("../README.md").lines().find(|line| line.starts_with("Limit switches: ")).unwrap();
-            assert!(limits.split(',').any(|part| {
-                part.contains(&format!("{name} on D")) && part.contains(&format!("({})", pin(*input)))
-            }));
-        }
-    }
-
-    #[test]
-    fn the_core_knows_what_is_offered() {
-        assert_eq!((NUCLEO.outputs, NUCLEO.sensors.len()), (BOARD.outputs(), BOARD.thermistors.len()));
-        assert_eq!((NUCLEO.fans, !NUCLEO.probes.is_empty()), (BOARD.fans.len(), BOARD.probe.is_some()));
     }
 
     #[test]

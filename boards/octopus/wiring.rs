@@ -1,20 +1,36 @@
-//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1. The Octopus Pro V1.0 has the same wiring.
+//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1.
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
 //!
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB. `LINES` of the core allows no more.
 
-use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
-use corehbot::port::{Output, Sensor};
-use corehbot_stm32f446::wiring::{
+use crate::Entry;
+use corehbot::connectors::{BoardConnectors, ConnectorName, FANS, Output, OutputSet, Sensor};
+use corehbot_wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, SerialPort, Slot, SupplySwitch, ThermistorPin, Usart,
+};
+
+/// The names printed on it. M2 is one driver with two plugs. The direction line of M7 (PA14) is the clock of the debug
+/// port. Left out, though printed: heater outputs HE2 and HE3, because no timer can end their pulses.
+pub const CONNECTORS: BoardConnectors = BoardConnectors {
+    key: "octopus",
+    name: "BTT Octopus",
+    sockets: &ConnectorName::all(["M0", "M1", "M4", "M3", "M2", "M5", "M6", "M7"]),
+    endstops: &ConnectorName::all(["X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET"]),
+    debug_sockets: &ConnectorName::all(["M7"]),
+    outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
+    sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
+    fans: FANS,
+    probes: &ConnectorName::all(["PROBE", "BLTOUCH"]),
+    is_bench: false,
+    is_simulated: false,
 };
 
 /// The board.
 pub static BOARD: Board = Board {
     name: "BTT Octopus V1.0 or V1.1",
-    connectors: &OCTOPUS,
+    connectors: &CONNECTORS,
     crystal: Crystal::Oscillator12MHz,
     sockets: &[
         // M0: motor 1.
@@ -97,10 +113,18 @@ pub static BOARD: Board = Board {
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
 
-/// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's
-/// generic-bigtreetech-octopus-pro-v1.0.cfg). Only its PROBE header is elsewhere, on PC5, and not in use; PB7 is the
-/// BLTouch's pin.
-pub static PRO: Board = Board { name: "BTT Octopus Pro V1.0", connectors: &OCTOPUS_PRO, ..BOARD };
+/// The way of an image onto it: behind BTT's bootloader of 32 KiB.
+pub const ENTRY: Entry = Entry {
+    board: &BOARD,
+    chip: "STM32F446ZETx",
+    start: 0x0800_8000,
+    has_card_slot: true,
+    // The chip's own bootloader looks for hosts on USART3 too, and pulls up these pins, the gates of two heaters (AN2606,
+    // STM32F446xx configuration in system memory boot mode).
+    before_dfu: "\
+before you set the BOOT0 jumper: unplug HE2 and HE3, because the chip's bootloader pulls their gates (PB10, PB11) up;
+BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground",
+};
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
 const fn heater(output: Output, pin: u8) -> HeaterPin {
@@ -116,3 +140,7 @@ const fn fan_on_d(channel: u8) -> FanPin {
 const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
     ThermistorPin { sensor, pin: Pin::new(Port::F, pin), channel }
 }
+
+#[cfg(test)]
+#[path = "wiring_tests.rs"]
+mod tests;

@@ -1,0 +1,99 @@
+//! The connectors of a board, by the names printed on it. The boards are in `boards`, one folder each.
+
+use super::{ConnectorName, OutputSet, Sensor};
+
+/// The connectors of a board for a machine.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BoardConnectors {
+    /// Its name in files and on command lines.
+    pub key: &'static str,
+    /// Its name in messages.
+    pub name: &'static str,
+    /// Sockets of motor drivers, in the order of the board's table of pins: first the sockets of the prototype's
+    /// motors, then others.
+    pub sockets: &'static [ConnectorName],
+    /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype, then others.
+    pub endstops: &'static [ConnectorName],
+    /// Sockets with a line of the debug port: while a machine uses one, no debug probe can connect to the processor.
+    pub debug_sockets: &'static [ConnectorName],
+    /// Heater outputs that may heat.
+    pub outputs: OutputSet,
+    /// Inputs for temperature sensors.
+    pub sensors: &'static [Sensor],
+    /// Fan outputs, FAN0 and so on.
+    pub fans: usize,
+    /// Names of the one input for a Z probe, if there is one.
+    pub probes: &'static [ConnectorName],
+    /// A bench rig: motors that it has no socket for are counted, and do not turn.
+    pub is_bench: bool,
+    /// There are no real plugs, so every name is legal.
+    pub is_simulated: bool,
+}
+
+impl BoardConnectors {
+    /// No board's: every name is legal, and any part needs none.
+    pub const ANY: Self = Self {
+        key: "",
+        name: "board",
+        sockets: &[],
+        endstops: &[],
+        debug_sockets: &[],
+        outputs: OutputSet::NONE,
+        sensors: &[],
+        fans: 0,
+        probes: &[],
+        is_bench: true,
+        is_simulated: true,
+    };
+}
+
+/// Boards for tests.
+#[cfg(test)]
+pub(crate) mod samples {
+    use super::*;
+    use crate::connectors::{FANS, Output};
+
+    const fn names<const N: usize>(texts: [&'static str; N]) -> [ConnectorName; N] {
+        ConnectorName::all(texts)
+    }
+
+    /// A board with the connectors that the prototype names, and others.
+    pub(crate) const PRINTER: BoardConnectors = BoardConnectors {
+        key: "printer",
+        name: "sample",
+        sockets: &names(["M0", "M1", "M4", "M3", "M2", "M5", "M6", "M7"]),
+        endstops: &names(["X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET"]),
+        debug_sockets: &names(["M7"]),
+        outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
+        sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
+        fans: FANS,
+        probes: &names(["PROBE", "BLTOUCH"]),
+        is_bench: false,
+        is_simulated: false,
+    };
+
+    /// A board with other names.
+    pub(crate) const OTHER: BoardConnectors = BoardConnectors {
+        key: "other",
+        name: "other",
+        sockets: &names(["X-MOT", "Y-MOT", "E2-MOT", "Z-MOT", "E3-MOT", "E4-MOT", "E0-MOT", "E1-MOT"]),
+        endstops: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX"]),
+        debug_sockets: &[],
+        probes: &names(["Z-MAX"]),
+        ..PRINTER
+    };
+
+    /// A bench rig with sockets for the belt's motors.
+    pub(crate) const BENCH: BoardConnectors = BoardConnectors {
+        key: "bench",
+        name: "rig",
+        sockets: &names(["X", "Y", "A", "Z"]),
+        endstops: &names(["X", "Y", "Z"]),
+        outputs: OutputSet::NONE,
+        sensors: &[],
+        fans: 0,
+        probes: &[],
+        is_bench: true,
+        ..OTHER
+    };
+}
