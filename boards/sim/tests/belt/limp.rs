@@ -248,7 +248,7 @@ fn a_motor_that_fails_in_mid_print_is_off_within_100_ms_and_the_others_park_the_
         (NO_SUPPLY, "does not answer", 500.0),
         (SHORT, "reports a short circuit", 1210.0),
         (DEAF, "does not answer", 903.0),
-        (NO_PUMP, "has too low a supply", 1501.0),
+        (NO_PUMP, "reports a low supply voltage", 1501.0),
     ];
     for (number, (harm, words, at)) in cases.into_iter().enumerate() {
         for (place, motor) in BELT.into_iter().enumerate() {

@@ -47,7 +47,7 @@ fn an_upload_of_pronsole_moves_nothing_and_a_print_after_it_does() {
     assert_eq!(oks, all.len(), "{heard:?}");
     assert_eq!(heard.iter().filter(|line| *line == OPEN_FAILED).count(), 1, "{heard:?}");
     assert_eq!(said(&heard, "ok T:").len(), 1, "{heard:?}");
-    let ended = "echo:upload ended: there is no card, lines not carried out: 6";
+    let ended = "echo:upload ended: there is no card, ignored lines: 6";
     assert_eq!(said(&heard, "upload ended"), [ended], "{heard:?}");
     assert!(said(&heard, "Unknown").is_empty() && said(&heard, "heaters").is_empty(), "{heard:?}");
     // A life: the upload again, and the same file printed.
@@ -67,7 +67,7 @@ fn an_upload_of_pronsole_moves_nothing_and_a_print_after_it_does() {
 fn m29_ends_it_and_says_so() {
     let (heard, _, steps) =
         talk(&["M28 a.gco", "G1 X5 F6000", "nonsense", "M29", "M29", "G1 X7 F6000", "M400", "M114"]);
-    assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, lines not carried out: 2"]);
+    assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, ignored lines: 2"]);
     assert!(steps.count > 0 && heard.iter().any(|line| line.starts_with("X:7.00 ")), "{heard:?}");
     assert_eq!(heard.iter().filter(|line| *line == "ok").count(), 8, "{heard:?}");
 }
@@ -82,7 +82,7 @@ fn damaged_lines_of_an_upload_are_asked_for_again() {
     let (heard, _, steps) = talk(&lines);
     assert_eq!((steps.count, said(&heard, "Resend: 3").len()), (0, 1), "{heard:?}");
     // A line that comes twice counts once.
-    assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, lines not carried out: 2"]);
+    assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, ignored lines: 2"]);
     assert_eq!(heard.iter().filter(|line| *line == "ok").count(), 9, "{heard:?}");
 }
 
@@ -105,7 +105,7 @@ fn emergencies_act_in_an_upload_and_do_not_end_it() {
     assert!(outcome.halted && steps.count == 0, "{heard:?}");
     let (heard, _, steps) = talk(&["M28 a.gco", "G1 X5 F6000", "M108", "M410", "G1 X6 F6000", "M29", "M114"]);
     assert_eq!(steps.count, 0, "{heard:?}");
-    assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, lines not carried out: 2"]);
+    assert_eq!(said(&heard, "upload ended"), ["echo:upload ended: there is no card, ignored lines: 2"]);
     // M410 overtakes M28, and forgets the lines before it: the file must not be printed for that.
     let (heard, _, steps) = talk(&["G4 S5", "!M28 a.gco", "~M410", "G1 X6 F6000", "M29", "M114"]);
     assert_eq!((steps.count, said(&heard, "upload ended").len()), (0, 1), "{heard:?}");

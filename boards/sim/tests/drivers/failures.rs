@@ -37,9 +37,9 @@ fn every_failure_in_mid_move_is_named() {
         (|chip| chip.set(tmc2209::DRV_STATUS, 1 << 2), "short circuit"),
         (|chip| chip.set(tmc2209::DRV_STATUS, 3), "too hot"),
         (|chip| chip.set(tmc2209::GSTAT, 2), "had switched itself off"),
-        (|chip| chip.set(tmc2209::GSTAT, 4), "too low a supply"),
-        (|chip| chip.set(chopconf::ADDRESS, 0x1303_0053), "other microsteps"),
-        (|chip| chip.set(chopconf::ADDRESS, 0x1403_0050), "holds another CHOPCONF"),
+        (|chip| chip.set(tmc2209::GSTAT, 4), "a low supply voltage"),
+        (|chip| chip.set(chopconf::ADDRESS, 0x1303_0053), "different microsteps"),
+        (|chip| chip.set(chopconf::ADDRESS, 0x1403_0050), "holds a different CHOPCONF"),
     ];
     for (harm, words) in cases {
         let drivers = Drivers::new();

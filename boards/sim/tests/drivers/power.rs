@@ -96,10 +96,13 @@ fn every_kind_of_bad_driver_is_named() {
     type Break = fn(&mut tmc2209::Tmc2209);
     let cases: [(Break, &str); 6] = [
         (|chip| chip.is_silent = true, "does not answer"),
-        (|chip| (0..9999).for_each(|n| chip.corrupt_reply(n, Corruption::Flip { byte: 7, mask: 1 })), "unreadably"),
-        (|chip| chip.is_write_protected = true, "does not take its configuration"),
-        (|chip| chip.is_deaf = true, "other microsteps"),
-        (|chip| chip.answer_wrongly(chopconf::ADDRESS, 0x1500_0053), "other microsteps"),
+        (
+            |chip| (0..9999).for_each(|n| chip.corrupt_reply(n, Corruption::Flip { byte: 7, mask: 1 })),
+            "the answer is damaged",
+        ),
+        (|chip| chip.is_write_protected = true, "did not accept its configuration"),
+        (|chip| chip.is_deaf = true, "different microsteps"),
+        (|chip| chip.answer_wrongly(chopconf::ADDRESS, 0x1500_0053), "different microsteps"),
         (|chip| chip.answer_wrongly(IOIN, 0x2000_0000), "is not a TMC2209: its version is 0x20"),
     ];
     for (harm, words) in cases {
