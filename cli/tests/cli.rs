@@ -393,7 +393,7 @@ fn no_image_is_made_of_what_is_none() {
     for (args, told) in [
         (&["--from", blank, "--machine", file][..], "motor m1: the CNC shield has no connector M3"),
         (&["--from", blank, "--board", "octopus"], "an image for nucleo, not for octopus"),
-        (&["--from", file], "no image of this firmware"),
+        (&["--from", file], "not an image of this firmware"),
         (&["--board", "printer"], "no board is called printer: octopus, octopus-pro, spider, nucleo"),
         (&["--board", "nucleo"], "name an image with --from"),
         (&[], "--board"),

@@ -73,7 +73,7 @@ impl std::fmt::Display for AccidentError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Parts(wanted) => write!(f, "expected {wanted}"),
-            Self::Number(what, text) => write!(f, "`{text}` is no {what}"),
+            Self::Number(what, text) => write!(f, "`{text}` is not a {what}"),
             Self::Motor(name) => write!(f, "`{name}` is not a belt motor: m1, m4, m8, m11"),
         }
     }
