@@ -46,7 +46,7 @@ fn receive(lines: &[String], mut take: impl FnMut(&[u8])) {
 }
 
 fn mm(number: Option<Number>) -> Mm {
-    number.map_or(Mm::ZERO, Number::value)
+    number.map_or(Mm::ZERO, |number| Mm::from_num(number.value()))
 }
 
 /// From bytes to lines that are verified.

@@ -1,7 +1,7 @@
 //! Numbers of lines: read to the nearest value of a type, and printed so that they read back as the same value.
 
 use crate::gcode::Number;
-use crate::units::{Mm, Quantity, Ratio, Seconds, part_of};
+use crate::units::{Quantity, Ratio, Seconds, part_of};
 use fixed::types::I32F32;
 
 /// The value nearest to a number.
@@ -40,9 +40,9 @@ pub(in crate::machine) fn exact(value: impl Into<I32F32>) -> Number {
 }
 
 /// The value to three decimals.
-pub(in crate::machine) fn to_thousandth(value: Mm) -> Mm {
+pub(in crate::machine) fn to_thousandth(value: I32F32) -> I32F32 {
     let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
-    Mm::from_bits((doubled + 1) >> 1)
+    I32F32::from_bits((doubled + 1) >> 1)
 }
 
 #[cfg(test)]

@@ -39,10 +39,14 @@ pub use ticks::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
 pub use wide::{mul_div, part_of, root};
 
 use fixed::types::{I12F20, I32F32, U8F24, U16F16, U24F8};
-use quantity::{quantity, signed};
+use quantity::{quantity, signed, wrapping};
 
-/// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
-pub type Mm = I32F32;
+quantity! {
+    /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
+    Mm(I32F32)
+}
+signed!(Mm);
+wrapping!(Mm);
 
 quantity! {
     /// A position of one motor or axis in (micro)steps, with the fraction that lies between two steps;
@@ -51,6 +55,7 @@ quantity! {
     Steps(I32F32)
 }
 signed!(Steps);
+wrapping!(Steps);
 
 impl Steps {
     /// So many whole steps; the count wraps.
@@ -58,20 +63,6 @@ impl Steps {
     #[inline(always)]
     pub fn wrapping_from_num(count: i64) -> Self {
         Self(I32F32::wrapping_from_num(count))
-    }
-
-    /// The sum, which wraps.
-    #[must_use]
-    #[inline(always)]
-    pub const fn wrapping_add(self, way: Self) -> Self {
-        Self(self.0.wrapping_add(way.0))
-    }
-
-    /// The difference of positions that may have wrapped.
-    #[must_use]
-    #[inline(always)]
-    pub const fn wrapping_sub(self, from: Self) -> Self {
-        Self(self.0.wrapping_sub(from.0))
     }
 
     /// The opposite, which wraps.

@@ -227,6 +227,13 @@ macro_rules! signed {
             pub const fn saturating_abs(self) -> Self {
                 Self(self.0.saturating_abs())
             }
+
+            /// The opposite, within the range.
+            #[must_use]
+            #[inline(always)]
+            pub const fn saturating_neg(self) -> Self {
+                Self(self.0.saturating_neg())
+            }
         }
 
         impl core::ops::Neg for $name {
@@ -250,3 +257,25 @@ macro_rules! signed {
     };
 }
 pub(super) use signed;
+
+/// Adds to a quantity sums and differences that wrap, for positions that never come back.
+macro_rules! wrapping {
+    ($($name:ident),+) => {
+        $(impl $name {
+            /// The sum, which wraps.
+            #[must_use]
+            #[inline(always)]
+            pub const fn wrapping_add(self, way: Self) -> Self {
+                Self(self.0.wrapping_add(way.0))
+            }
+
+            /// The difference of positions that may have wrapped.
+            #[must_use]
+            #[inline(always)]
+            pub const fn wrapping_sub(self, from: Self) -> Self {
+                Self(self.0.wrapping_sub(from.0))
+            }
+        })+
+    };
+}
+pub(super) use wrapping;

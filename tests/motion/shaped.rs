@@ -94,7 +94,7 @@ impl Follow {
             let copy = |time: f64| {
                 let late = |at: f64| self.delay + (time - mean) * period(shaper, length, at);
                 // The period depends on the place only if the belts are elastic; then it takes some rounds to find.
-                let rounds = if shaper.span == 0 { 1 } else { 5 };
+                let rounds = if shaper.span == Mm::ZERO { 1 } else { 5 };
                 (0..rounds).fold(t - self.delay, |when, _| t - late(motion.at(when)[axis]))
             };
             impulses.iter().map(|(time, weight)| weight * motion.at(copy(*time))[axis]).sum::<f64>()

@@ -25,7 +25,7 @@ use corehbot::gcode::{Command, MotionCommand, Number, SettingCommand, VelocityWo
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
-use corehbot::units::Seconds;
+use corehbot::units::{Mm, Seconds};
 use std::f64::consts::SQRT_2;
 
 /// The limits of one coordinate, in mm and s.
@@ -209,7 +209,7 @@ impl Limits {
             ('M', 915.0) => self.trims = true,
             ('G', 28.0) => {
                 self.trims |= s.belt.alignment == Alignment::Automatic;
-                self.circulates |= s.belt.is_closed && s.belt.homing_advance > 0;
+                self.circulates |= s.belt.is_closed && s.belt.homing_advance > Mm::ZERO;
                 let homing = s.homing.to_array().map(|h| h.fast.to_num::<f64>());
                 let ends = s.endstops.to_array().map(|switch| switch.end);
                 let stop = |limit: &mut Limit, speed: f64, end: AxisEnd| match end {

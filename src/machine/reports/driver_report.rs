@@ -75,7 +75,7 @@ pub(in crate::machine) fn report_driver(
 /// The distance for a turn of a motor of 200 full steps, which shows whether microsteps and steps/mm agree.
 fn turn_of(steps_per_mm: StepsPerMm, microsteps: u32) -> Hundredths {
     let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
-    Hundredths(Mm::from_bits((steps / u64::from(steps_per_mm.to_bits().max(1))) as i64))
+    Hundredths::of(Mm::from_bits((steps / u64::from(steps_per_mm.to_bits().max(1))) as i64))
 }
 
 /// The value of one axis in Marlin's words.

@@ -8,7 +8,7 @@ use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
 use crate::settings::ThermalSettings;
 use crate::status::{Heat, Tuned};
-use crate::units::{Celsius, Mm, Ratio};
+use crate::units::{Celsius, Ratio};
 use core::fmt;
 
 /// The letters of heaters in reports.
@@ -42,7 +42,7 @@ impl fmt::Display for Temperatures {
         let mut gap = "";
         for (letter, (measured, target, _)) in LETTERS.into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?)))
         {
-            let [measured, target] = [measured, target].map(|celsius| Hundredths(Mm::from(celsius)));
+            let [measured, target] = [measured, target].map(Hundredths::of);
             write!(f, "{gap}{letter}:{measured} /{target}")?;
             gap = " ";
         }
@@ -67,10 +67,10 @@ pub(in crate::machine) fn report_heat(
     }
     for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(h, _)| thermal.heater(*h).is_fitted) {
         let name = heater.name();
-        let (target, duty) = (Hundredths(Mm::from(target)), u32::from(heat.duty(heater)) * 100 / 65_535);
+        let (target, duty) = (Hundredths::of(target), u32::from(heat.duty(heater)) * 100 / 65_535);
         match heat.measured(heater) {
             Some(measured) => {
-                let measured = Hundredths(Mm::from(measured));
+                let measured = Hundredths::of(measured);
                 to.say(format_args!("echo:heater {name} {measured} C, target {target} C, duty {duty} %"));
             }
             None => to.say(format_args!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),

@@ -13,6 +13,7 @@ use crate::settings::{Cartesian, Endstop, Settings};
 use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
+use fixed::types::I32F32;
 
 /// The capabilities that hosts may rely on: all those of Marlin (M115.cpp), because a screen assumes some that are not
 /// named (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend
@@ -58,7 +59,13 @@ const CAPABILITIES: [(&str, bool); 36] = [
 ];
 
 /// A value with two decimals, as hosts expect positions.
-pub(in crate::machine) struct Hundredths(pub Mm);
+pub(in crate::machine) struct Hundredths(I32F32);
+
+impl Hundredths {
+    pub fn of(value: impl Into<I32F32>) -> Self {
+        Self(value.into())
+    }
+}
 
 impl fmt::Display for Hundredths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -96,9 +103,9 @@ const LETTERS: ([char; 4], [char; MOST_GROUPS]) = (['X', 'Y', 'Z', 'E'], ['A', '
 
 impl fmt::Display for Position<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z, e] = self.at.map(Hundredths);
+        let [x, y, z, e] = self.at.map(Hundredths::of);
         write!(f, "X:{x} Y:{y} Z:{z} E:{e}")?;
-        if let Some(c) = self.circulation.map(Hundredths) {
+        if let Some(c) = self.circulation.map(Hundredths::of) {
             write!(f, " C:{c}")?;
         }
         f.write_str(" Count")?;
@@ -181,7 +188,7 @@ pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overlo
 pub(in crate::machine) fn report_soft_endstops(to: &mut Speaker<'_>, s: &Settings, homed: Homed) {
     let state = if s.soft_endstops { "ON" } else { "OFF" };
     let a = s.axes;
-    let (x, y, z) = (Hundredths(a.x.length), Hundredths(a.y.length), Hundredths(a.z.length));
+    let (x, y, z) = (Hundredths::of(a.x.length), Hundredths::of(a.y.length), Hundredths::of(a.z.length));
     let known = if homed.lacks_one_of([true; 3]) { "  (once homed)" } else { "" };
     to.say(format_args!("Soft endstops: {state}  Min:  X0.00 Y0.00 Z0.00   Max:  X{x} Y{y} Z{z}{known}"));
 }
@@ -194,12 +201,12 @@ mod tests {
 
     #[test]
     fn positions_have_two_decimals_and_one_sign() {
-        let text = |v: f64| Hundredths(Mm::from_num(v)).to_string();
+        let text = |v: f64| Hundredths::of(Mm::from_num(v)).to_string();
         assert_eq!(text(1.005_1), "1.01");
         assert_eq!(text(-0.5), "-0.50");
         assert_eq!(text(-0.001), "0.00");
         assert_eq!(text(417.6), "417.60");
-        assert_eq!(Hundredths(Mm::MAX).to_string(), "2147483648.00");
-        assert_eq!(Hundredths(Mm::MIN).to_string(), "-2147483648.00");
+        assert_eq!(Hundredths::of(Mm::MAX).to_string(), "2147483648.00");
+        assert_eq!(Hundredths::of(Mm::MIN).to_string(), "-2147483648.00");
     }
 }

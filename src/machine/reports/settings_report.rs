@@ -11,6 +11,7 @@ use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
 use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
+use fixed::types::I32F32;
 
 /// M503: every setting that G-code can set, and as a comment the reach of the look-ahead.
 pub(in crate::machine) fn report_settings(
@@ -170,13 +171,13 @@ fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
 
 /// M503, the line of M207.
 pub(in crate::machine) fn report_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
-    let (length, feed, lift) = (exact(settings.length), exact(Mm::from(settings.speed) * 60), exact(settings.lift));
+    let (length, feed, lift) = (exact(settings.length), exact(I32F32::from(settings.speed) * 60), exact(settings.lift));
     to.setting(format_args!("M207 S{length} F{feed} Z{lift}"));
 }
 
 /// M503, the line of M208.
 pub(in crate::machine) fn report_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
-    let (extra, feed) = (exact(settings.extra), exact(Mm::from(settings.recover_speed) * 60));
+    let (extra, feed) = (exact(settings.extra), exact(I32F32::from(settings.recover_speed) * 60));
     to.setting(format_args!("M208 S{extra} F{feed}"));
 }
 

@@ -9,7 +9,7 @@ use crate::gcode::Number;
 use crate::machine::numbers::{nearest, shortest, to_thousandth};
 use crate::machine::state::modal::Modal;
 use crate::settings::{Range, ranges};
-use crate::units::{Mm, MmPerSec, Quantity};
+use crate::units::{MmPerSec, Quantity};
 use core::fmt;
 use fixed::types::I32F32;
 use heapless::Vec;
@@ -215,7 +215,7 @@ impl Clamps {
         range: Range<T>,
         old: Option<T>,
     ) -> Option<T> {
-        let value = modal.length(asked);
+        let value = modal.unit(asked.value());
         let asked = Asked { word, number: asked, value, wanted: T::saturating_from(value) };
         self.judge(&asked, range, old, |told| modal.in_words(told))
     }
@@ -227,7 +227,7 @@ impl Clamps {
 
     /// A length a minute, as a speed.
     fn speed_of(&mut self, modal: &Modal, word: Word, asked: Number, old: MmPerSec) -> Option<MmPerSec> {
-        let value: Mm = modal.length(asked) / 60;
+        let value = modal.unit(asked.value()) / 60;
         let asked = Asked { word, number: asked, value, wanted: MmPerSec::saturating_from_num(value) };
         let scale = |told: I32F32| to_thousandth(modal.in_words(told.saturating_mul_int(60)));
         self.judge(&asked, ranges::SPEED, Some(old), scale)
@@ -294,7 +294,7 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use crate::units::{MmPerSec2, Seconds};
+    use crate::units::{Mm, MmPerSec2, Seconds};
     use std::string::{String, ToString};
     use std::vec::Vec;
 
@@ -321,7 +321,7 @@ mod tests {
         }
         for text in ["0.001", "1"] {
             let deviation = clamps.length_of(&modal, ["M205", "J"], number(text), ranges::TOLERANCE, None);
-            assert_eq!(deviation, Some(number(text).value()));
+            assert_eq!(deviation, Some(Mm::from_num(number(text).value())));
         }
         for text in ["0.6", "180000", "1800"] {
             assert!(clamps.feed(&modal, Some(number(text))).is_some());

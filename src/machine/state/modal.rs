@@ -5,6 +5,7 @@ use crate::gcode::{Number, Plane};
 use crate::machine::numbers::to_thousandth;
 use crate::settings::Range;
 use crate::units::{Mm, MmPerSec, part_of};
+use fixed::types::I32F32;
 
 /// Positions of all lines are kept within +-10 m: no machine is larger, and no sum overflows.
 pub(in crate::machine) const FARTHEST: Range<Mm> =
@@ -28,8 +29,14 @@ pub(in crate::machine) fn are_apart(one: Mm, other: Mm) -> bool {
 }
 
 /// The last decimal, by the number of decimals.
-const LAST_DECIMALS: [Mm; 6] =
-    [Mm::ONE, Mm::lit("0.1"), Mm::lit("0.01"), Mm::lit("0.001"), Mm::lit("0.0001"), Mm::lit("0.00001")];
+const LAST_DECIMALS: [I32F32; 6] = [
+    I32F32::ONE,
+    I32F32::lit("0.1"),
+    I32F32::lit("0.01"),
+    I32F32::lit("0.001"),
+    I32F32::lit("0.0001"),
+    I32F32::lit("0.00001"),
+];
 
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
 const INCH: (u64, u64) = (127, 5);
@@ -78,25 +85,25 @@ impl Modal {
 
     /// A number of a line as a length.
     pub fn length(&self, number: Number) -> Mm {
-        self.unit(number.value())
+        Mm::from_num(self.unit(number.value()))
     }
 
-    /// A length in the units of lines in mm.
-    fn unit(&self, value: Mm) -> Mm {
-        if self.inches { Mm::from_bits(part_of(value.to_bits(), INCH.0, INCH.1)) } else { value }
+    /// A number of the units of lines as a number of mm.
+    pub fn unit(&self, value: I32F32) -> I32F32 {
+        if self.inches { I32F32::from_bits(part_of(value.to_bits(), INCH.0, INCH.1)) } else { value }
     }
 
     /// The largest distance of places that coordinates with this many decimals mean as one.
     pub fn rounding(&self, decimals: u8) -> Mm {
-        let last = LAST_DECIMALS.get(usize::from(decimals)).copied().unwrap_or(Mm::ZERO);
-        ROUNDING.clamp(self.unit(last))
+        let last = LAST_DECIMALS.get(usize::from(decimals)).copied().unwrap_or(I32F32::ZERO);
+        ROUNDING.clamp(Mm::from_num(self.unit(last)))
     }
 
-    /// A length as lines give it, to a thousandth.
-    pub fn in_words(&self, length: Mm) -> Mm {
+    /// A number of mm as lines give it, to a thousandth.
+    pub fn in_words(&self, length: I32F32) -> I32F32 {
         if !self.inches {
             return length;
         }
-        to_thousandth(Mm::from_bits(part_of(length.to_bits(), INCH.1, INCH.0)))
+        to_thousandth(I32F32::from_bits(part_of(length.to_bits(), INCH.1, INCH.0)))
     }
 }

@@ -316,7 +316,7 @@ mod tests {
         }
         let centre = |plane| {
             let [i, j, k] = [1, 2, 0].map(crate::gcode::Number::from);
-            Shape::new(ArcShape::Centre { i, j, k }, plane, |n| n.value())
+            Shape::new(ArcShape::Centre { i, j, k }, plane, |n| Mm::from_num(n.value()))
         };
         assert!(matches!(centre(Plane::Xy), Ok(Shape::Centre(offset)) if offset == mm(1.0, 2.0)));
         assert!(matches!(centre(Plane::Zx), Err(ArcError::OffPlane)));
@@ -338,11 +338,11 @@ mod tests {
                 end[a] = Mm::from_num(centre[a] - offset[a] * angle.cos() + offset[b] * angle.sin());
                 end[b] = Mm::from_num(centre[b] - offset[a] * angle.sin() - offset[b] * angle.cos());
                 let given = ArcShape::Centre {
-                    i: crate::gcode::Number::saturating(Mm::from_num(offset[0])),
-                    j: crate::gcode::Number::saturating(Mm::from_num(offset[1])),
-                    k: crate::gcode::Number::saturating(Mm::from_num(offset[2])),
+                    i: crate::gcode::Number::saturating(fixed::types::I32F32::from_num(offset[0])),
+                    j: crate::gcode::Number::saturating(fixed::types::I32F32::from_num(offset[1])),
+                    k: crate::gcode::Number::saturating(fixed::types::I32F32::from_num(offset[2])),
                 };
-                let shape = Shape::new(given, plane, |n| n.value()).unwrap();
+                let shape = Shape::new(given, plane, |n| Mm::from_num(n.value())).unwrap();
                 let (from, outside) = split(plane, start);
                 let way = Way { clockwise, turns: 1 };
                 let arc = Arc::new(from, split(plane, end).0, shape, way, Mm::from_num(0.005), ROUNDING).unwrap();
