@@ -25,8 +25,8 @@ fn all(mut settings: Settings) -> Vec<(Key, Value)> {
 fn every_id_is_that_of_one_row_and_the_next_is_free() {
     let ids: Vec<u16> = described().map(|(row, _)| row.id).collect();
     let different: BTreeSet<u16> = ids.iter().copied().collect();
-    assert_eq!(ids.len(), different.len());
-    assert_eq!(different.last().map(|last| last + 1), Some(NEXT_ID), "an id is used once, and NEXT_ID counts");
+    assert_eq!(ids.len(), different.len(), "an id is used once; {NEXT_ID} is free");
+    assert_eq!(different.last().map(|last| last + 1), Some(NEXT_ID));
 }
 
 #[test]

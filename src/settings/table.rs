@@ -3,8 +3,22 @@
 use super::Settings;
 use super::rows::{Row, Rows, Text, Visitor};
 
+/// The greatest id of a row that is gone: no other setting gets it. 0 if it is less than one in use.
+const RETIRED: u16 = 0;
+
 /// The id that the next new setting gets.
-pub const NEXT_ID: u16 = 100;
+pub const NEXT_ID: u16 = {
+    let (mut greatest, mut files) = (RETIRED, ALL);
+    while let [file, other_files @ ..] = files {
+        let mut rows = file.rows;
+        while let [row, others @ ..] = rows {
+            greatest = if row.id > greatest { row.id } else { greatest };
+            rows = others;
+        }
+        files = other_files;
+    }
+    greatest + 1
+};
 
 /// The files that have rows.
 macro_rules! files {

@@ -3,7 +3,6 @@
 //! | file | holds |
 //! |---|---|
 //! | [`motion`], [`job`], [`heat`], [`settings`], [`motors`], [`reports`], [`refused`], [`silent`] | a family: its type, its rows, the readers of its words |
-//! | [`shaping`], [`machine_record`] | readers of settings with words of several firmwares, and of records |
 //! | [`row`] | what a row is |
 //! | [`grammar`] | the rules for words, and the lines that break them |
 //! | [`table`] | the rows of all families |
@@ -11,14 +10,12 @@
 pub(super) mod grammar;
 mod heat;
 mod job;
-mod machine_record;
 pub(super) mod motion;
 mod motors;
 mod refused;
 mod reports;
 pub(super) mod row;
 mod settings;
-mod shaping;
 mod silent;
 pub(super) mod table;
 
@@ -30,8 +27,7 @@ pub use motors::MotorCommand;
 pub use refused::RefusedCommand;
 pub use reports::ReportCommand;
 pub use row::{Text, Treatment};
-pub use settings::SettingCommand;
-pub use shaping::ShaperName;
+pub use settings::{SettingCommand, ShaperName};
 pub use table::{Line, codes, described, names};
 
 /// A command, by family; every one is answered with one `ok`. Lengths are in the units that G20/G21 chose.

@@ -10,6 +10,7 @@ use super::machine_answer::MachineAnswer;
 use super::setting::HeatSetting;
 use super::setting::Setting;
 use super::storage_news::StorageNews;
+use super::words::Words;
 use crate::connectors::Heater;
 use crate::driver::{DriverError, Fault, Reading};
 use crate::gcode::{Flaw, Form};
@@ -95,10 +96,8 @@ pub(in crate::machine) enum Answer<'a> {
     Overload,
     /// A setting as the line that sets it.
     Setting(Setting),
-    /// M207, and how G10 and G11 retract.
-    Retraction(RetractionSettings),
-    /// M208, likewise.
-    Recovery(RetractionSettings),
+    /// Values that a command keeps for itself, as the line that sets them.
+    Words(Words),
     /// M503: all of them, and how G10 and G11 retract.
     Settings {
         retraction: RetractionSettings,

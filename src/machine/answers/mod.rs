@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`answer`] | the **content**: one variant a reply |
 //! | [`setting`], [`driver_value`] | names for the values that a line sets and reports |
+//! | [`words`] | values of a command, as the line that sets them |
 //! | [`machine_answer`] | answers about a machine record on a serial line |
 //! | [`belt_answer`] | answers about motors that can pull against each other |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
@@ -24,3 +25,4 @@ pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;
 pub(in crate::machine) mod storage_news;
+pub(in crate::machine) mod words;

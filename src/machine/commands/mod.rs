@@ -15,7 +15,7 @@
 //! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`] (G10, G11), [`homing`], [`switch`] (G28), [`waits`] (G4) |
 //! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
 //! | heat and fans | [`heat`] | [`heating`], [`fans`], [`heater_settings`] (M301, M306), [`cold_extrusion`], [`tuning`], [`self_test`] |
-//! | settings | [`settings`] | [`shaping`] (M593, M900), [`machine_record`] |
+//! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
 //! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915) |
 //! | reports and messages | [`reports`] | [`messages`] |
 //! | refused | [`refused`] | |
@@ -39,7 +39,6 @@ mod heating;
 mod homing;
 pub(in crate::machine) mod job;
 mod jobs;
-mod machine_record;
 mod messages;
 mod motion;
 mod motors;

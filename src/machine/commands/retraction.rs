@@ -2,6 +2,7 @@
 
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::words::Words;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::retraction::RetractionSettings;
@@ -19,7 +20,7 @@ pub(in crate::machine) fn set_retraction(
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     if length.or(feed).or(lift).is_none() {
-        return Answer::Retraction(*settings);
+        return Answer::Words(Words::of_retraction(settings));
     }
     let mut wanted = *settings;
     if let Some(length) = length {
@@ -45,7 +46,7 @@ pub(in crate::machine) fn set_recovery(
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     if extra.or(feed).is_none() {
-        return Answer::Recovery(*settings);
+        return Answer::Words(Words::of_recovery(settings));
     }
     let mut wanted = *settings;
     if let Some(extra) = extra {

@@ -22,7 +22,7 @@ use crate::machine::reports::message::Message;
 use crate::machine::reports::report::{
     Position, report_endstops, report_firmware, report_overload, report_soft_endstops,
 };
-use crate::machine::reports::settings_report::{report_recovery, report_retraction, report_setting, report_settings};
+use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
 use crate::port::Pend;
@@ -162,8 +162,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             }
             Answer::Machine(answer) => report_machine(to, &answer),
             Answer::Setting(setting) => report_setting(to, setting, s),
-            Answer::Retraction(settings) => report_retraction(to, &settings),
-            Answer::Recovery(settings) => report_recovery(to, &settings),
+            Answer::Words(words) => to.setting(format_args!("{words}")),
             Answer::Settings { retraction, for_replay } => {
                 if !for_replay {
                     to.echo_settings();

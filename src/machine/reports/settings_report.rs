@@ -6,12 +6,12 @@ use crate::gcode::{Number, ShaperName};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::words::Words;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
 use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
-use fixed::types::I32F32;
 
 /// M503: every setting that G-code can set, and as a comment the reach of the look-ahead.
 pub(in crate::machine) fn report_settings(
@@ -24,8 +24,8 @@ pub(in crate::machine) fn report_settings(
     for setting in Setting::all() {
         report_setting(to, setting, s);
     }
-    report_retraction(to, retraction);
-    report_recovery(to, retraction);
+    to.setting(format_args!("{}", Words::of_retraction(retraction)));
+    to.setting(format_args!("{}", Words::of_recovery(retraction)));
     if has_drivers {
         report_driver_settings(to, s);
     }
@@ -80,9 +80,8 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
 }
 
 /// Says the line of a command that takes a number for each axis.
-fn report_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
-    let [x, y, z, e] = values;
-    to.setting(format_args!("{code} X{x} Y{y} Z{z} E{e}"));
+fn report_axes(to: &mut Speaker<'_>, code: &'static str, values: [Number; 4]) {
+    to.setting(format_args!("{}", Words::of_axes(code, values)));
 }
 
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
@@ -167,18 +166,6 @@ fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
         let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
         report_axes(to, value.code(), [belt, belt, z, e]);
     }
-}
-
-/// M503, the line of M207.
-pub(in crate::machine) fn report_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
-    let (length, feed, lift) = (exact(settings.length), exact(I32F32::from(settings.speed) * 60), exact(settings.lift));
-    to.setting(format_args!("M207 S{length} F{feed} Z{lift}"));
-}
-
-/// M503, the line of M208.
-pub(in crate::machine) fn report_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
-    let (extra, feed) = (exact(settings.extra), exact(I32F32::from(settings.recover_speed) * 60));
-    to.setting(format_args!("M208 S{extra} F{feed}"));
 }
 
 /// The name of a kind of shaper in M593, if it has one.

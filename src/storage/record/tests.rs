@@ -63,17 +63,20 @@ fn a_record_of_the_first_release_reads_back() {
     assert_eq!((decoded.settings, decoded.sequence, decoded.unknown), (spelled_out(), 1, Unknown::NONE));
 }
 
-/// If this fails because there is a new setting, its record is written by `BLESS=1`: it has one element more. If an id
-/// or the shape of a value has changed, stored settings would be lost: that must not be. The values are spelled out, so
-/// that new defaults do not matter.
+/// If an id or the shape of a value has changed, stored settings would be lost: that must not be. The values are
+/// spelled out, so that new defaults do not matter. A later setting has an element more.
 #[test]
 fn ids_and_values_are_written_as_in_the_first_release() {
+    let file = std::fs::read(FILE).unwrap();
     let record = encode(&spelled_out(), &Unknown::NONE, 1).unwrap();
     let bytes = &record.bytes[..record.receipt.bytes];
-    if std::env::var_os("BLESS").is_some() {
-        std::fs::write(FILE, bytes).unwrap();
+    let (released, mut written) = (elements(&file[HEADER..]), elements(&bytes[HEADER..]));
+    let are_the_same = released.len() == written.len();
+    written.retain(|(id, _)| released.iter().any(|(other, _)| other == id));
+    assert_eq!(released, written);
+    if are_the_same {
+        assert_eq!(file, bytes);
     }
-    assert_eq!(std::fs::read(FILE).unwrap(), bytes);
 }
 
 #[test]
@@ -187,7 +190,8 @@ fn a_machine_with_more_or_fewer_parts_reads_those_that_it_has() {
     assert_eq!(settings, expected);
 }
 
-/// All of them by name and number: a new one does not compile before it is here.
+/// The settings of the first release by name and number. Later ones are at their defaults.
+#[allow(clippy::needless_update, reason = "a later setting needs nothing here")]
 fn spelled_out() -> Settings {
     let axis = |i: i32| AxisSettings {
         steps_per_mm: StepsPerMm::from_num(100),
@@ -252,6 +256,7 @@ fn spelled_out() -> Settings {
             preload: Mm::lit("-0.025"),
             phases: [517, 1023],
             limp_lift: Mm::lit("12.5"),
+            ..Settings::prototype().belt
         },
         name: MachineName::new("Spelled out 2.4").unwrap(),
         pause: Pause {
@@ -264,7 +269,9 @@ fn spelled_out() -> Settings {
             y: Mm::from_num(410),
             travel_speed: MmPerSec::from_num(150),
             heat_off_min: 20,
+            ..Settings::prototype().pause
         },
+        ..Settings::prototype()
     }
 }
 
@@ -283,6 +290,7 @@ fn wiring() -> Wiring {
     Wiring { motors, endstops: Cartesian { x, y, z } }
 }
 
+#[allow(clippy::needless_update, reason = "a later setting needs nothing here")]
 fn heat() -> ThermalSettings {
     let heater = |n: u16, output, sensor, thermistor| HeaterSettings {
         is_fitted: n == 1,
@@ -324,6 +332,7 @@ fn heat() -> ThermalSettings {
         fan_run_on_s: 90,
         idle_min: 20,
         filament: WattsPerKelvin::lit("0.0078125"),
+        ..ThermalSettings::prototype()
     }
 }
 

@@ -3,16 +3,17 @@
 //! | file | does | commands |
 //! |---|---|---|
 //! | [`set`] | takes the values of a line if all are legal | M92, M113, M201, M203 to M205, SET_VELOCITY_LIMIT |
+//! | [`machine_record`] | exchanges the whole machine with a computer | MACHINE_GET, MACHINE_PUT, MACHINE_STORE |
 //! | [`stored`] | keeps all settings in memory that survives without power | M500, M501, M502, M504 |
 //!
 //! `crate::settings` defines a setting and its legal range, `crate::storage` its record. Settings of drivers and
 //! shapers are set in the files of these names, one folder up, and stored here. The values of M207 and M208 are not
 //! stored (`retraction`). `reports::settings_report` writes each setting as the line that sets it.
 
+mod machine_record;
 pub(in crate::machine) mod set;
 pub(in crate::machine) mod stored;
 
-use super::machine_record::exchange_machine;
 use super::shaping::{change_advance, change_shapers};
 use super::states::States;
 use crate::gcode::SettingCommand;
@@ -21,6 +22,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use machine_record::exchange_machine;
 use set::{change_resolution, set_acceleration, set_corners, set_max_acceleration, set_max_speed, set_velocity_limit};
 use stored::{check_storage, load_settings, reset_settings, save_settings};
 

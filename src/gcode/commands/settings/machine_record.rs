@@ -1,8 +1,8 @@
 //! The record of the machine, in pieces: MACHINE_GET, MACHINE_PUT AT=.. HEX=.., MACHINE_STORE. No firmware has codes
 //! for it, so they have names.
 
-use super::Command;
-use super::settings::SettingCommand;
+use super::super::Command;
+use super::SettingCommand;
 use super::shaping::{named_value, words};
 use crate::gcode::parts::{Flaw, MachineRecord};
 use crate::text::read_digits;

@@ -1,7 +1,7 @@
 //! Shaping: input shapers, pressure advance in the words of three firmwares, and Klipper's minimum cruise ratio.
 
-use super::Command;
-use super::settings::SettingCommand;
+use super::super::Command;
+use super::SettingCommand;
 use crate::gcode::axes::axis_flags;
 use crate::gcode::index::absent_extruder;
 use crate::gcode::lexer::{Words, is_blank};

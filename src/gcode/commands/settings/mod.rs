@@ -1,15 +1,18 @@
 //! Settings, and where they are kept.
 
+mod machine_record;
+mod shaping;
+
 use super::Command;
 use super::grammar::{Grammar, NO_AXES};
-use super::machine_record;
 use super::row::Described;
-use super::shaping::{linear_advance, pressure_advance, set_pressure_advance, set_velocity_limit, shaper};
 use crate::gcode::axes::{axis_words, take_axis};
 use crate::gcode::index::Part;
 use crate::gcode::lexer::{Words, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisWords, CornerWords, MachineRecord, ShaperWords, VelocityWords};
+pub use shaping::ShaperName;
+use shaping::{linear_advance, pressure_advance, set_pressure_advance, set_velocity_limit, shaper};
 
 /// Settings, and where they are kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

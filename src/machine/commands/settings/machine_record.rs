@@ -5,7 +5,7 @@
 //! Pieces follow one another, each on its own line. Lines have numbers and checksums as in a print, and a checksum
 //! covers the whole record.
 
-use super::settings::stored::save;
+use super::stored::save;
 use crate::gcode::MachineRecord;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::machine_answer::{MachineAnswer, MachineRefusal};
