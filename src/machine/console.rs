@@ -23,8 +23,12 @@ use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
 use crate::machine::interrupt::{Interrupt, Restart};
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::halted::stay_halted;
+use crate::machine::main_loop::hear::{self, end_line, set_aside, take_answer};
+use crate::machine::main_loop::limp::limp;
 pub use crate::machine::ports::{PortSet, Ports};
-use crate::machine::state::job::{Answered, JobEnd};
+use crate::machine::state::job::JobEnd;
+use crate::machine::state::kept_line::Answered;
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Action;
@@ -76,10 +80,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 stopped = self.quick_stop().await;
             }
             if stopped == Err(Interrupt::Limp) {
-                self.main_loop.limp().await;
+                limp(&mut self.main_loop).await;
             }
             if stopped.is_err() {
-                return self.main_loop.stay_halted().await;
+                return stay_halted(&mut self.main_loop).await;
             }
         }
     }
@@ -101,12 +105,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         // A command that an emergency ended is answered all the same, and so is a line that was kept.
         if main_loop.hosts.owes_ok() {
             main_loop.reply(Answer::Ok).await?;
-            main_loop.end_line();
+            end_line(&mut main_loop.hosts, &mut main_loop.pauses);
         }
-        if main_loop.take_up().is_some() {
+        if hear::take_up(&mut main_loop.hosts, &mut main_loop.job).is_some() {
             main_loop.hosts.notify_all(format_args!("{}", Action::PromptEnd));
             main_loop.reply(Answer::Ok).await?;
-            main_loop.end_line();
+            end_line(&mut main_loop.hosts, &mut main_loop.pauses);
         }
         self.serve().await
     }
@@ -121,7 +125,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if main_loop.job.take_cancel() {
                 end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
             }
-            if let Some(answered) = main_loop.take_answer() {
+            let now = main_loop.turn_began();
+            if let Some(answered) = take_answer(&main_loop.hosts, &mut main_loop.job, now) {
                 if let Some(answer) = take_up(main_loop, states, &kept_text, answered).await? {
                     reply_to(main_loop, answer).await?;
                 }
@@ -150,7 +155,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             if let Answer::Kept = answer {
                 kept_text.clone_from(&text);
-                main_loop.set_aside();
+                set_aside(&mut main_loop.hosts, &mut main_loop.pauses);
                 continue;
             }
             reply_to(main_loop, answer).await?;
@@ -181,7 +186,7 @@ async fn reply_to<P: PortSet, W: Pend>(
     if !answer.has_ok() {
         main_loop.reply(Answer::Ok).await?;
     }
-    main_loop.end_line();
+    end_line(&mut main_loop.hosts, &mut main_loop.pauses);
     Ok(())
 }
 
@@ -193,7 +198,7 @@ async fn take_up<'a, P: PortSet, W: Pend>(
     text: &'a [u8],
     answered: Answered,
 ) -> Result<Option<Answer<'a>>, Interrupt> {
-    let Some(kept) = main_loop.take_up() else { return Ok(None) };
+    let Some(kept) = hear::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
     let answer = match go_on_with(main_loop, states, kept, answered).await {
         Ok(Some(true)) => carry_out(main_loop, states, &gcode::parse(text)).await?,
         Ok(Some(false)) => Answer::Nothing,
@@ -205,7 +210,7 @@ async fn take_up<'a, P: PortSet, W: Pend>(
         Err(interrupt) => return Err(interrupt),
     };
     if let Answer::Kept = answer {
-        main_loop.set_aside();
+        set_aside(&mut main_loop.hosts, &mut main_loop.pauses);
         return Ok(None);
     }
     Ok(Some(answer))

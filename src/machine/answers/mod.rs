@@ -11,6 +11,7 @@
 //! | [`machine_answer`] | answers about a machine record on a serial line |
 //! | [`belt_answer`] | answers about motors that can pull against each other |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
+//! | [`message`] | a message from one host to others (M118), as they read it |
 //! | [`speaker`] | sends each part once and in order, for any free room |
 //!
 //! | word | means |
@@ -22,6 +23,7 @@ pub(in crate::machine) mod answer;
 pub(in crate::machine) mod belt_answer;
 pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod machine_answer;
+pub(in crate::machine) mod message;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;
 pub(in crate::machine) mod storage_news;

@@ -16,7 +16,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::state::job::{Answered, Kept};
+use crate::machine::state::kept_line::{Answered, Kept};
 use crate::port::Pend;
 
 /// Resumes the print of a kept line, if possible. True: carry out the line now; false: it needs its `ok` alone; `None`:

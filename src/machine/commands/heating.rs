@@ -166,7 +166,7 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
         return Ok(false);
     };
     if target > Celsius::ZERO {
-        let image = main_loop.storage().image();
+        let image = main_loop.storage.image();
         main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
     } else if heater == Heater::Hotend && main_loop.job.is_printing() {
         // Nothing is printed without a hotend: files that do not switch the motors off end in this way.

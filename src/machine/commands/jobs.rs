@@ -43,7 +43,7 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         JobCommand::Progress { percent, minutes } => note_progress(main_loop, clamps, percent, minutes),
         JobCommand::Object(number) => {
             let object = number.to_thousandths().div_euclid(1000) as i32;
-            main_loop.status().print_progress.set_object(object);
+            main_loop.status.print_progress.set_object(object);
         }
         JobCommand::CancelObject => return Ok(Answer::Line("echo:this firmware cannot leave out objects, ignored")),
         JobCommand::Debug(None) => return Ok(Answer::DebugFlags(modal.dry_run)),
@@ -66,6 +66,6 @@ fn note_progress<P: PortSet, W: Pend>(
     let percent = percent.and_then(|percent| clamps.whole_of(["M73", "P"], percent, hundred, None));
     let minutes = minutes.and_then(|minutes| clamps.whole_of(["M73", "R"], minutes, long, None));
     if !clamps.refuses_line() {
-        main_loop.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
+        main_loop.status.print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
     }
 }

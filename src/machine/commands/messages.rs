@@ -2,6 +2,7 @@
 
 use crate::gcode::{Audience, Form};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::message::Message;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
@@ -15,9 +16,12 @@ pub(super) fn send_message<'a, P: PortSet, W: Pend>(
 ) -> Answer<'a> {
     match to {
         Audience::Sender => {}
-        Audience::All => main_loop.message_others(form, text),
+        Audience::All => main_loop.hosts.notify_others(format_args!("{}", Message { form, text })),
         Audience::Line(line) => {
-            if main_loop.message_other(usize::from(line).wrapping_sub(1), form, text) {
+            if main_loop
+                .hosts
+                .notify_other(usize::from(line).wrapping_sub(1), format_args!("{}", Message { form, text }))
+            {
                 return Answer::Nothing;
             }
         }

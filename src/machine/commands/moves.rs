@@ -15,7 +15,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{LEAST_FILAMENT, Wanted};
-use crate::machine::state::job::Kept;
+use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
@@ -121,7 +121,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if asked.prints() && !self.main_loop.job.is_printing() {
             let host = self.main_loop.hosts.serving();
             let job = &self.main_loop.job;
-            if job.is_paused() && job.kept().is_none() && job.is_of(host) {
+            if job.is_paused() && job.line().kept().is_none() && job.is_of(host) {
                 gate = Gate::Changed;
                 if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
                     return self.keep(why).await;

@@ -22,7 +22,8 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::state::job::{Answered, Break, Kept};
+use crate::machine::state::job::Break;
+use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::modal::Modal;
 use crate::machine::state::program::{Dynamics, Program};
 use crate::motion::Target;
@@ -101,7 +102,7 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     (ms, filament): (u32, bool),
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.job.kept().is_some() {
+    if main_loop.job.line().kept().is_some() {
         return Ok(Answer::Line("echo:ignored, the print is paused already: send M24 or M108 first"));
     }
     main_loop.finish().await?;
@@ -113,7 +114,7 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
         main_loop.reply(told).await?;
     }
     let until: Option<Instant> = (ms > 0).then(|| main_loop.now().after_ms(ms));
-    main_loop.keep_line(Kept::User(until));
+    main_loop.job.line_mut().keep(Kept::User(until), &main_loop.pauses);
     Ok(Answer::Kept)
 }
 
@@ -141,7 +142,7 @@ pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     save(main_loop, modal, Mm::ZERO);
     report_reason(main_loop, why, Action::Pause).await?;
-    main_loop.keep_line(why);
+    main_loop.job.line_mut().keep(why, &main_loop.pauses);
     Ok(Answer::Kept)
 }
 
@@ -387,7 +388,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     modal: &mut Modal,
     cold: &ColdExtrusion,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.job.kept().is_some() {
+    if main_loop.job.line().kept().is_some() {
         return Ok(Answer::Nothing);
     }
     Ok(match go_on(main_loop, modal, cold, true, None).await? {
@@ -432,7 +433,7 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
         }
         Going::Not(why) if is_for_user || answered == Answered::Resume => {
             report_reason(main_loop, why, Action::Paused).await?;
-            main_loop.job.keep(kept, None);
+            main_loop.job.line_mut().keep_on(kept);
             Ok(None)
         }
         Going::Not(_) => {

@@ -32,7 +32,7 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         ReportCommand::ReportEndstops => {
             main_loop.look_at_endstops();
             main_loop.poll().await?;
-            Answer::Endstops(main_loop.status().endstops())
+            Answer::Endstops(main_loop.status.endstops())
         }
         ReportCommand::Diagnose => return diagnose(main_loop).await,
         ReportCommand::AutoPosition(seconds) => report_every(main_loop, clamps, Report::Position, seconds),

@@ -19,7 +19,7 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
         return Ok(Answer::Line("echo:no heaters configured, ignored"));
     }
     main_loop.finish().await?;
-    let image = main_loop.storage().image();
+    let image = main_loop.storage.image();
     main_loop.heat.begin_asked_test(&main_loop.settings.thermal, image);
     main_loop.pauses.begin(Waiting::SelfTest);
     await_self_test(main_loop).await?;

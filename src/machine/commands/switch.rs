@@ -164,11 +164,11 @@ async fn approach<P: PortSet, W: Pend>(
     distance: Mm,
     speed: MmPerSec,
 ) -> Result<bool, HomeError> {
-    if !main_loop.status().inputs().has(axis.switch) {
+    if !main_loop.status.inputs().has(axis.switch) {
         return Err(NOT_FITTED);
     }
     travel(main_loop, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
-    let met = !main_loop.status().triggered().is_empty();
+    let met = !main_loop.status.triggered().is_empty();
     main_loop.drop_motion().await?;
     Ok(met)
 }

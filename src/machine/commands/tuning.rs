@@ -33,7 +33,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         Ok(heater) => heater,
         Err(answer) => return Ok(answer),
     };
-    if main_loop.status().heat().measured(heater).is_none() {
+    if main_loop.status.heat().measured(heater).is_none() {
         return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
     }
     let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
@@ -48,7 +48,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     main_loop.reply(Answer::Line("PID Autotune start")).await?;
     main_loop.pauses.begin(Waiting::Tuning);
-    let image = main_loop.storage().image();
+    let image = main_loop.storage.image();
     main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
     await_self_test(main_loop).await?;
     main_loop.heat.tune(heater, target, cycles as u8);
@@ -93,7 +93,7 @@ async fn await_tuning<P: PortSet, W: Pend>(
     heater: Heater,
 ) -> Result<Result<Tuned, Option<TuningFailure>>, Interrupt> {
     // The first state reported is still the state of an earlier tuning.
-    let status = main_loop.status();
+    let status = main_loop.status;
     while !main_loop.heat.are_orders_gone() {
         main_loop.poll().await?;
     }

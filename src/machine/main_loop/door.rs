@@ -1,44 +1,15 @@
 //! The door: the parts of the main loop that a command may read and change at once.
 
 use super::MainLoop;
-use crate::gcode::Form;
 use crate::kinematics::Groups;
 use crate::machine::ports::PortSet;
-use crate::machine::reports::message::Message;
 use crate::port::{Clock, Pend};
-use crate::status::Status;
 use crate::units::{Instant, Mm, Steps};
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// The time.
     pub fn now(&self) -> Instant {
         self.clock.now()
-    }
-
-    /// The status that the contexts share.
-    pub const fn status(&self) -> &'m Status {
-        self.link.status()
-    }
-
-    /// Memory for settings.
-    pub const fn storage(&self) -> &P::Storage {
-        &self.storage
-    }
-
-    /// The same, to read and write.
-    pub const fn storage_mut(&mut self) -> &mut P::Storage {
-        &mut self.storage
-    }
-
-    /// Says a message to all hosts but the one being served; one that has no room for it misses it.
-    pub fn message_others(&mut self, form: Form, text: &[u8]) {
-        self.hosts.notify_others(format_args!("{}", Message { form, text }));
-    }
-
-    /// Sends a message to the host on one of the lines, from 0, unless it is the one being served. False if it is, or
-    /// if there is no such line.
-    pub fn message_other(&mut self, place: usize, form: Form, text: &[u8]) -> bool {
-        self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
     }
 
     /// Whether no motion was requested since the start.

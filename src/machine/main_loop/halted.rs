@@ -58,56 +58,56 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
     )
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// After a stop, until M999.
-    pub async fn stay_halted(&mut self) -> Restart {
-        self.link.status().set_halted();
-        self.stop_and_cut();
-        self.link.status().set_awaiting_input(true);
-        self.hosts.count_as_new();
-        self.heat.drop_all();
-        self.heat.note_motors(false);
-        let reason = match (self.power.fault(), self.link.status().fault().fault()) {
-            (Some(fault), _) => Reason::Driver(fault),
-            (None, Some(fault)) => Reason::Fault(fault),
-            (None, None) => Reason::Host,
-        };
-        if let Some(parked) = self.limping.outcome() {
-            match parked {
-                Some(raised) => {
-                    self.hosts.notify_all(format_args!("echo:tool parked, z raised by {} mm", shortest(raised)));
-                }
-                None => self.hosts.notify_all(format_args!("echo:the tool was not parked")),
+/// After a stop, until M999.
+pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Restart {
+    main_loop.status.set_halted();
+    main_loop.stop_and_cut();
+    main_loop.status.set_awaiting_input(true);
+    main_loop.hosts.count_as_new();
+    main_loop.heat.drop_all();
+    main_loop.heat.note_motors(false);
+    let reason = match (main_loop.power.fault(), main_loop.status.fault().fault()) {
+        (Some(fault), _) => Reason::Driver(fault),
+        (None, Some(fault)) => Reason::Fault(fault),
+        (None, None) => Reason::Host,
+    };
+    if let Some(parked) = main_loop.limping.outcome() {
+        match parked {
+            Some(raised) => {
+                main_loop.hosts.notify_all(format_args!("echo:tool parked, z raised by {} mm", shortest(raised)));
             }
+            None => main_loop.hosts.notify_all(format_args!("echo:the tool was not parked")),
         }
-        self.hosts.greet(|replies| report_killed(replies, reason));
-        // Hosts that came later.
-        let mut are_new = [false; LINES];
-        let mut text = Text::new();
-        while !self.is_to_restart {
-            self.poll_halted(&mut are_new).await;
-            let now = self.now();
-            while !self.is_to_restart
-                && let Some(asked) = self.hosts.next_line(now, (0, &|| Activity::Paused), &mut text)
-            {
-                let is_new = are_new.get_mut(self.hosts.serving());
-                let knows = is_new.is_some_and(|is_new| {
-                    *is_new |= matches!(asked, Asked::LineNumber(_));
-                    *is_new
-                });
-                match self.answer_halted(asked, &text).filter(|_| knows) {
-                    Some(answers) => {
-                        for answer in answers {
-                            self.reply_halted(answer, &mut are_new).await;
-                        }
-                    }
-                    None => drop(self.hosts.replies().map(|replies| report_killed(replies, reason))),
-                }
-            }
-        }
-        Restart
     }
+    main_loop.hosts.greet(|replies| report_killed(replies, reason));
+    // Hosts that came later.
+    let mut are_new = [false; LINES];
+    let mut text = Text::new();
+    while !main_loop.is_to_restart {
+        main_loop.poll_halted(&mut are_new).await;
+        let now = main_loop.now();
+        while !main_loop.is_to_restart
+            && let Some(asked) = main_loop.hosts.next_line(now, (0, &|| Activity::Paused), &mut text)
+        {
+            let is_new = are_new.get_mut(main_loop.hosts.serving());
+            let knows = is_new.is_some_and(|is_new| {
+                *is_new |= matches!(asked, Asked::LineNumber(_));
+                *is_new
+            });
+            match main_loop.answer_halted(asked, &text).filter(|_| knows) {
+                Some(answers) => {
+                    for answer in answers {
+                        main_loop.reply_halted(answer, &mut are_new).await;
+                    }
+                }
+                None => drop(main_loop.hosts.replies().map(|replies| report_killed(replies, reason))),
+            }
+        }
+    }
+    Restart
+}
 
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// The reply to a host that connected later; `None` for a command that would act.
     fn answer_halted(&self, asked: Asked, text: &[u8]) -> Option<[Answer<'static>; 2]> {
         let greeting = Answer::Line(GREETING);
@@ -137,7 +137,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Polls once: bytes in, replies out, and a greeting for every host that has opened a line.
     async fn poll_halted(&mut self, are_new: &mut [bool; LINES]) {
         self.hosts.send();
-        self.link.status().heat().beat_of_console();
+        self.status.heat().beat_of_console();
         self.heat.send(&self.settings.thermal);
         yield_once(false).await;
         self.is_to_restart |= self.hosts.receive().restart;

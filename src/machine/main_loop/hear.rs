@@ -3,13 +3,17 @@
 use super::MainLoop;
 use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
+use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::machine::release::policy::ReleasePolicy;
-use crate::machine::state::job::{Answered, Job, Kept};
+use crate::machine::state::job::Job;
+use crate::machine::state::kept_line::{Answered, Kept};
+use crate::machine::state::pauses::Pauses;
 use crate::machine::state::waiting::Waiting;
-use crate::port::Pend;
+use crate::port::{Pend, Serial};
 use crate::protocol::Activity;
+use crate::units::Instant;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// No motor has power, and hosts are listened to from now on.
@@ -24,47 +28,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let Self { hosts, planner, link, policy, job, .. } = self;
         let activity = || activity(!planner.is_empty() || !link.is_idle(), policy, job);
         let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), text);
-        self.link.status().set_awaiting_input(asked.is_none() && self.job.kept().is_none());
+        self.status.set_awaiting_input(asked.is_none() && self.job.line().kept().is_none());
         asked
-    }
-
-    /// The line is answered.
-    pub const fn end_line(&mut self) {
-        self.hosts.note_answered();
-        self.pauses.end_command();
-    }
-
-    /// The line that is being carried out is kept without `ok`, and others are served. An answer that came in one
-    /// packet with it counts.
-    pub fn keep_line(&mut self, kept: Kept) {
-        let answered = if self.pauses.is_answered() {
-            Some(Answered::Resume)
-        } else {
-            self.pauses.is_over().then_some(Answered::GoOn)
-        };
-        self.job.keep(kept, answered);
-    }
-
-    /// The host being served waits for a line that is kept.
-    pub const fn set_aside(&mut self) {
-        self.hosts.set_aside();
-        self.pauses.end_command();
-    }
-
-    /// The answer to the kept line, if there is one by now.
-    pub fn take_answer(&mut self) -> Option<Answered> {
-        if self.job.kept().is_some() && !self.hosts.has_set_aside() {
-            // Its host has opened the line again.
-            let _ = self.job.take_kept();
-        }
-        self.job.take_answer(self.turn_began)
-    }
-
-    /// Its host is being served again; no line is kept any more.
-    pub fn take_up(&mut self) -> Option<Kept> {
-        let kept = self.job.take_kept()?;
-        self.hosts.take_up();
-        Some(kept)
     }
 
     /// Takes in the received bytes.
@@ -74,7 +39,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         // kept.
         let is_for_command = self.pauses.waiting() != Waiting::Nothing;
         self.pauses.note(urgent.go_on || urgent.cancel, urgent.resume);
-        self.job.note_answers(urgent.go_on && !is_for_command, urgent.resume);
+        self.job.line_mut().note_answers(urgent.go_on && !is_for_command, urgent.resume);
         if urgent.cancel {
             self.job.note_cancel();
         }
@@ -84,6 +49,35 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         urgent.quick_stop.then_some(Interrupt::QuickStop)
     }
+}
+
+/// The line is answered.
+pub(in crate::machine) const fn end_line<S: Serial>(hosts: &mut Hosts<S>, pauses: &mut Pauses) {
+    hosts.note_answered();
+    pauses.end_command();
+}
+
+/// The host being served waits for a line that is kept.
+pub(in crate::machine) const fn set_aside<S: Serial>(hosts: &mut Hosts<S>, pauses: &mut Pauses) {
+    hosts.set_aside();
+    pauses.end_command();
+}
+
+/// The answer to the kept line, if there is one by now.
+pub(in crate::machine) fn take_answer<S: Serial>(hosts: &Hosts<S>, job: &mut Job, now: Instant) -> Option<Answered> {
+    if !hosts.has_set_aside() {
+        // Its host has opened the line again.
+        let _ = job.line_mut().take();
+    }
+    let is_paused = job.is_paused();
+    job.line_mut().take_answer(now, is_paused)
+}
+
+/// The host of the kept line is being served again; no line is kept any more.
+pub(in crate::machine) fn take_up<S: Serial>(hosts: &mut Hosts<S>, job: &mut Job) -> Option<Kept> {
+    let kept = job.line_mut().take()?;
+    hosts.take_up();
+    Some(kept)
 }
 
 /// The machine's activity while a host is silent.

@@ -11,7 +11,7 @@ use crate::units::Instant;
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// The part of every turn that handles heat. A fault ends the motion here and now.
     pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
-        let faults = self.link.status().fault();
+        let faults = self.status.fault();
         if faults.is_set() && !self.limping.allows(faults.more()) {
             return Err(Interrupt::Halt);
         }

@@ -41,6 +41,18 @@ const MOST_MS: u32 = 60_000;
 /// The tool rings at 57 Hz, and with one motor less more softly, before it is let go.
 const RING_MS: u32 = 200;
 
+/// Parks the tool, if no other fault comes. Afterwards all power is to be cut.
+pub(in crate::machine) async fn limp<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+    main_loop.limping.go();
+    let parked = main_loop.park().await;
+    // In both cases nothing moves from here on.
+    main_loop.stop_and_cut();
+    if let Ok(raised) = parked {
+        main_loop.limping.park(raised);
+    }
+    main_loop.limping.end();
+}
+
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// A driver has failed. Either its motor alone loses its power and the tool brakes for parking by the others, or
     /// the motion ends and all motors lose their power, at once.
@@ -49,12 +61,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let cause = fault::Fault { cause: Cause::Driver, subject: motor.number(), value: 0, limit: 0 };
         if !self.may_limp(motor) {
             self.stop_and_cut();
-            self.link.status().fault().set(cause);
+            self.status.fault().set(cause);
             return;
         }
         self.power.go_on_without(motor);
         self.link.brake();
-        let faults = self.link.status().fault();
+        let faults = self.status.fault();
         faults.set(cause);
         self.limping.begin(self.now().after_ms(MOST_MS), faults.more());
         self.homed.release(MotorSet::of(motor), self.real.groups().mechanism());
@@ -69,25 +81,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let needed = mechanism.belt_motors().with(mechanism.motors_of(2));
         self.settings.belt.limp_lift > Mm::ZERO
             && self.power.fault().is_none_or(|first| first.motor == motor)
-            && !self.link.status().fault().is_set()
+            && !self.status.fault().is_set()
             && self.settings.residuals().motors().has(motor)
             && !mechanism.motors_of(2).has(motor)
             && self.homed.axes() == [true; 3]
             && self.real.grouping() == Grouping::Tool
             && !self.trimming.is_measuring()
             && self.power.is_on(needed)
-    }
-
-    /// Parks the tool, if no other fault comes. Afterwards all power is to be cut.
-    pub async fn limp(&mut self) {
-        self.limping.go();
-        let parked = self.park().await;
-        // In both cases nothing moves from here on.
-        self.stop_and_cut();
-        if let Ok(raised) = parked {
-            self.limping.park(raised);
-        }
-        self.limping.end();
     }
 
     async fn park(&mut self) -> Result<Mm, Interrupt> {

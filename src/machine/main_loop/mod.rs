@@ -34,11 +34,11 @@
 //! | door | the methods that commands can call |
 
 mod door;
-mod halted;
-mod hear;
+pub(in crate::machine) mod halted;
+pub(in crate::machine) mod hear;
 mod heat;
 mod heat_turn;
-mod limp;
+pub(in crate::machine) mod limp;
 mod phase;
 mod power;
 mod powering;
@@ -71,6 +71,7 @@ use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
 use crate::settings::Settings;
+use crate::status::Status;
 use crate::thermal::Orders;
 use crate::units::{Instant, Mm};
 use core::future::poll_fn;
@@ -79,7 +80,10 @@ use core::task::Poll;
 /// The state of the main loop, which runs during every wait.
 pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     clock: P::Clock,
-    storage: P::Storage,
+    /// Memory for settings.
+    pub storage: P::Storage,
+    /// The atomics that all contexts share.
+    pub status: &'m Status,
     pub hosts: Hosts<P::Serial>,
     link: Link<'m, W>,
     planner: Planner<'m>,
@@ -127,6 +131,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
         Self {
             clock,
             storage,
+            status: link.status(),
             hosts: Hosts::new(serial),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
@@ -157,6 +162,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.comes_again = true;
     }
 
+    /// When the present turn began.
+    pub const fn turn_began(&self) -> Instant {
+        self.turn_began
+    }
+
     /// Lets the world go round once, without waiting for anything to happen.
     async fn poll_again(&mut self) -> Result<(), Interrupt> {
         self.come_again();
@@ -185,7 +195,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// One turn of the main loop. Bounded by the received bytes. Emergencies are read first and returned last, after
     /// all other work of the turn: the abort that follows drops moves that are still handed on after M112.
     fn go_on(&mut self) -> Result<(), Interrupt> {
-        self.link.status().heat().beat_of_console();
+        self.status.heat().beat_of_console();
         let now = self.now();
         self.turn_began = now;
         let emergency = self.receive();
@@ -195,7 +205,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.scrub(now);
         self.tend_heat(now)?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
-        self.link.status().set_awaiting_user(self.job.is_paused());
+        self.status.set_awaiting_user(self.job.is_paused());
         self.hosts.keep_alive(now, keepalive_ms);
         self.report_unasked(now);
         self.hosts.send();

@@ -61,7 +61,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         self.real.regroup(grouping);
         if !self.are_groups_whole() {
             // Unused groups are not scrubbed.
-            self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
+            self.status.fault().set(Fault::plain(Cause::SettingsDamaged));
         }
         self.power.couple(coupling);
         let groups = self.real.groups();

@@ -7,6 +7,7 @@ use crate::connectors::Heater;
 use crate::gcode::{Absent, Flaw, Named, Part};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::message::Message;
 use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
@@ -18,7 +19,6 @@ use crate::machine::reports::driver_report::{report_driver, report_driver_values
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
 use crate::machine::reports::machine_report::report_machine;
-use crate::machine::reports::message::Message;
 use crate::machine::reports::report::{
     Position, report_endstops, report_firmware, report_overload, report_soft_endstops,
 };
@@ -82,7 +82,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// The temperatures of the heaters.
     fn temperatures(&self) -> Temperatures {
-        Temperatures::new(&self.settings.thermal, self.link.status().heat(), |heater| self.heat.target(heater))
+        Temperatures::new(&self.settings.thermal, self.status.heat(), |heater| self.heat.target(heater))
     }
 
     fn reply_answer(&mut self, answer: &Answer<'_>) {

@@ -12,7 +12,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes legal changes for right, and looks whether there were others.
     pub(super) fn scrub(&mut self, now: Instant) {
         if self.settings.is_scrub_due(now) && !self.is_whole() {
-            self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
+            self.status.fault().set(Fault::plain(Cause::SettingsDamaged));
         }
     }
 

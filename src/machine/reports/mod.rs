@@ -1,7 +1,7 @@
 //! Reports and replies: the machine's output, on request and by itself.
 //!
 //! ```text
-//!   command ── Answer ──▶ main_loop::reply ── a report ──▶ report, driver_report, sensors, message, ...
+//!   command ── Answer ──▶ main_loop::reply ── a report ──▶ report, driver_report, sensors, ...
 //!                                                          └── Speaker: one part after the other ──▶ host
 //! ```
 //!
@@ -22,7 +22,6 @@ pub(in crate::machine) mod driver_report;
 pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod heat_settings_report;
 pub(in crate::machine) mod machine_report;
-pub(in crate::machine) mod message;
 pub(in crate::machine) mod report;
 pub(in crate::machine) mod sensors;
 pub(in crate::machine) mod settings_report;

@@ -19,9 +19,10 @@
 //! A pause ends with M24 or M602. If a line is kept, M108 and M876 S end it too; if none is kept, the next line of its
 //! host that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
 
+use super::kept_line::KeptLine;
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
-use crate::units::{Celsius, Instant, Mm};
+use crate::units::{Celsius, Mm};
 use core::fmt;
 
 /// Where the job stands.
@@ -31,26 +32,6 @@ enum Phase {
     Printing,
     Paused { was_printing: bool },
     Ended { is_told: bool },
-}
-
-/// Why a line is kept without `ok`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Kept {
-    /// It waits for the user, or until then.
-    User(Option<Instant>),
-    /// Carry it out when the hotend is warm enough.
-    Cold,
-    /// Carry it out when these axes are homed again.
-    Lost([bool; 3]),
-}
-
-/// How a kept line continues.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Answered {
-    /// M108, or its time has passed: continue in any case.
-    GoOn,
-    /// M24, M602, M876 S: when it can be.
-    Resume,
 }
 
 /// Why a job ends although the machine stays as it is: there is no damage that a reset would repair.
@@ -112,8 +93,7 @@ pub(in crate::machine) struct Job {
     paused: Option<Break>,
     /// The heater targets before the pause, or before the heaters switched off in the print.
     targets: Option<[Celsius; HEATERS]>,
-    kept: Option<Kept>,
-    answered: Option<Answered>,
+    line: KeptLine,
     is_cancelled: bool,
     /// Why the present command has the job end.
     end: JobEnd,
@@ -128,8 +108,7 @@ impl Job {
             printed_at: None,
             paused: None,
             targets: None,
-            kept: None,
-            answered: None,
+            line: KeptLine::new(),
             is_cancelled: false,
             end: JobEnd::Cancelled,
         }
@@ -162,7 +141,7 @@ impl Job {
 
     /// The print is over, as it should be. The Console answers a kept line.
     pub const fn end(&mut self) {
-        *self = Self { kept: self.kept, answered: self.answered, ..Self::new() };
+        *self = Self { line: self.line, ..Self::new() };
     }
 
     /// The print was ended; its stream may still come.
@@ -287,43 +266,14 @@ impl Job {
         }
     }
 
-    /// The line that is being carried out is kept without `ok`. An answer that came in one packet with it counts.
-    pub const fn keep(&mut self, kept: Kept, answered: Option<Answered>) {
-        (self.kept, self.answered) = (Some(kept), answered);
+    /// The line that is kept without `ok`.
+    pub const fn line(&self) -> &KeptLine {
+        &self.line
     }
 
-    /// Why a line is kept, if one is.
-    pub const fn kept(&self) -> Option<Kept> {
-        self.kept
-    }
-
-    /// No line is kept any more.
-    pub const fn take_kept(&mut self) -> Option<Kept> {
-        self.answered = None;
-        self.kept.take()
-    }
-
-    /// Notes the answers for a kept line: M108, and M24, M602 or M876.
-    pub const fn note_answers(&mut self, go_on: bool, resume: bool) {
-        if self.kept.is_none() {
-            return;
-        }
-        if resume {
-            self.answered = Some(Answered::Resume);
-        }
-        if go_on {
-            self.answered = Some(Answered::GoOn);
-        }
-    }
-
-    /// How the kept line continues, if that is known by now.
-    pub fn take_answer(&mut self, now: Instant) -> Option<Answered> {
-        match self.kept? {
-            Kept::User(Some(until)) if now >= until => Some(Answered::GoOn),
-            // The print has ended in the meantime.
-            _ if !self.is_paused() => Some(Answered::GoOn),
-            _ => self.answered.take(),
-        }
+    /// The same: it is kept, answered or taken up. Only a print that begins forgets it by itself.
+    pub const fn line_mut(&mut self) -> &mut KeptLine {
+        &mut self.line
     }
 
     /// M524 has arrived.

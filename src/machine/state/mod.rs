@@ -14,6 +14,7 @@
 //! | a belt that has lost a motor | [`limping`] |
 //! | the wait of a command | [`pauses`], [`waiting`] |
 //! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`] |
+//! | a line that is kept without `ok` | [`kept_line`] |
 //! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | a machine record in transfer | [`machine_pieces`] |
 //! | the pressure advance that the motion follows | [`advance_in_use`] |
@@ -40,6 +41,7 @@ pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod job;
+pub(in crate::machine) mod kept_line;
 pub(in crate::machine) mod limping;
 pub(in crate::machine) mod machine_pieces;
 pub(in crate::machine) mod modal;

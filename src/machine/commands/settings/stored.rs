@@ -44,25 +44,25 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
 
 impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
     fn capacity(&self) -> u32 {
-        self.main_loop.storage().capacity()
+        self.main_loop.storage.capacity()
     }
 
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        self.main_loop.storage_mut().read(at, into).await?;
+        self.main_loop.storage.read(at, into).await?;
         self.go_round().await
     }
 
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        self.main_loop.storage_mut().write(at, bytes).await?;
+        self.main_loop.storage.write(at, bytes).await?;
         self.go_round().await?;
-        while !self.main_loop.storage_mut().is_done()? {
+        while !self.main_loop.storage.is_done()? {
             self.go_round().await?;
         }
         Ok(())
     }
 
     fn image(&self) -> Option<u32> {
-        self.main_loop.storage().image()
+        self.main_loop.storage.image()
     }
 }
 

@@ -14,9 +14,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let left = self.link.left();
         let queued = self.link.level();
         let level = (self.planner.len() + queued) as u32;
-        self.link.status().set_level(level);
+        self.status.set_level(level);
         if self.policy.is_level_telling() {
-            self.link.status().note_level(level);
+            self.status.note_level(level);
         }
         if self.policy.is_gathering() {
             if self.begin_motion(now) {

@@ -63,7 +63,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// slow.
     fn note_added(&mut self) {
         if self.policy.add(self.now()) {
-            self.link.status().count_underrun();
+            self.status.count_underrun();
         }
     }
 
@@ -103,6 +103,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Gives the other contexts the planned path.
     pub(in crate::machine::main_loop) fn note_path(&self) {
         let (moves, path) = self.planner.planned();
-        self.link.status().set_planned(moves, path);
+        self.status.set_planned(moves, path);
     }
 }

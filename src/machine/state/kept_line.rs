@@ -1,0 +1,83 @@
+//! A line that is kept without `ok`: why, and the answer that it waits for.
+
+use super::pauses::Pauses;
+use crate::units::Instant;
+
+/// Why a line is kept without `ok`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Kept {
+    /// It waits for the user, or until then.
+    User(Option<Instant>),
+    /// Carry it out when the hotend is warm enough.
+    Cold,
+    /// Carry it out when these axes are homed again.
+    Lost([bool; 3]),
+}
+
+/// How a kept line continues.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Answered {
+    /// M108, or its time has passed: continue in any case.
+    GoOn,
+    /// M24, M602, M876 S: when it can be.
+    Resume,
+}
+
+/// The line that is kept, if one is, and its answer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct KeptLine {
+    kept: Option<Kept>,
+    answered: Option<Answered>,
+}
+
+impl KeptLine {
+    pub const fn new() -> Self {
+        Self { kept: None, answered: None }
+    }
+
+    /// The line that is being carried out is kept without `ok`, and others are served. An answer that came in one
+    /// packet with it counts.
+    pub fn keep(&mut self, kept: Kept, pauses: &Pauses) {
+        let answered =
+            if pauses.is_answered() { Some(Answered::Resume) } else { pauses.is_over().then_some(Answered::GoOn) };
+        *self = Self { kept: Some(kept), answered };
+    }
+
+    /// It stays kept, and waits for another answer.
+    pub const fn keep_on(&mut self, kept: Kept) {
+        *self = Self { kept: Some(kept), answered: None };
+    }
+
+    /// Why a line is kept, if one is.
+    pub const fn kept(&self) -> Option<Kept> {
+        self.kept
+    }
+
+    /// No line is kept any more.
+    pub const fn take(&mut self) -> Option<Kept> {
+        self.answered = None;
+        self.kept.take()
+    }
+
+    /// Notes the answers for a kept line: M108, and M24, M602 or M876.
+    pub const fn note_answers(&mut self, go_on: bool, resume: bool) {
+        if self.kept.is_none() {
+            return;
+        }
+        if resume {
+            self.answered = Some(Answered::Resume);
+        }
+        if go_on {
+            self.answered = Some(Answered::GoOn);
+        }
+    }
+
+    /// How the kept line continues, if that is known by now. If nothing is paused, the print has ended in the meantime.
+    pub fn take_answer(&mut self, now: Instant, is_paused: bool) -> Option<Answered> {
+        match self.kept? {
+            Kept::User(Some(until)) if now >= until => Some(Answered::GoOn),
+            _ if !is_paused => Some(Answered::GoOn),
+            _ => self.answered.take(),
+        }
+    }
+}
