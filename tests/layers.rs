@@ -235,6 +235,48 @@ fn an_owner_has_private_fields() {
     assert!(wrong.is_empty(), "fields that others can reach:\n{}", wrong.join("\n"));
 }
 
+/// The type that a line begins to implement.
+fn implemented(line: &str) -> Option<&str> {
+    let rest = line.strip_prefix("impl")?;
+    let mut depth = 0;
+    let (_, header) = rest.split_at(rest.find(|c| {
+        depth += i32::from(c == '<') - i32::from(c == '>');
+        depth == 0 && c == ' '
+    })?);
+    let name = header.split_once(" for ").map_or(header, |(_, name)| name).trim_start();
+    name.split(|c: char| !(c.is_alphanumeric() || c == '_')).next()
+}
+
+/// The greatest number of methods of a type of the machine: as many as a reader keeps in mind.
+const MOST_METHODS: usize = 30;
+
+#[test]
+fn no_type_of_the_machine_has_more_methods_than_a_reader_keeps_in_mind() {
+    let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/machine");
+    let mut files = Vec::new();
+    sources(&machine, &mut files);
+    let mut methods = BTreeMap::<String, usize>::new();
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        let mut of: Option<String> = None;
+        for line in code_of(&text).lines() {
+            of = implemented(line).map(str::to_owned).or(of);
+            let is_open = line.starts_with("    pub fn ")
+                || line.starts_with("    pub const fn ")
+                || line.starts_with("    pub async fn ")
+                || (line.starts_with("    pub(in crate::machine) ") && line.contains("fn "));
+            if is_open {
+                *methods.entry(of.clone().unwrap()).or_default() += 1;
+            }
+        }
+    }
+    for seen in ["MainLoop", "Motion", "Hosts", "Job", "Commanded"] {
+        assert!(methods.contains_key(seen), "{seen} was not found");
+    }
+    let wrong: Vec<_> = methods.iter().filter(|(_, count)| **count > MOST_METHODS).collect();
+    assert!(wrong.is_empty(), "split these, or pass values in: {wrong:?}");
+}
+
 #[test]
 fn no_command_gets_the_console_and_nobody_widens_the_main_loop() {
     let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/machine");
@@ -254,6 +296,18 @@ fn no_command_gets_the_console_and_nobody_widens_the_main_loop() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_type_is_found_in_the_first_line_of_its_methods() {
+    for (line, name) in [
+        ("impl Job {", Some("Job")),
+        ("impl<'m, D: Bus, W: Pend> MainLoop<'m, Ports<D>, W> {", Some("MainLoop")),
+        ("impl<S: Serial> Listener for Hosts<S> {", Some("Hosts")),
+        ("    impl Inner {", None),
+    ] {
+        assert_eq!(implemented(line), name, "{line}");
+    }
 }
 
 #[test]

@@ -26,6 +26,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::halted::stay_halted;
 use crate::machine::main_loop::hear::{self, end_line, set_aside, take_answer};
 use crate::machine::main_loop::limp::limp;
+use crate::machine::main_loop::trim::end_trim;
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
@@ -90,9 +91,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     async fn start_and_serve(&mut self) -> Result<Infallible, Interrupt> {
         let main_loop = &mut self.main_loop;
-        if main_loop.is_fresh() {
+        if main_loop.motion.is_fresh() {
             let found = load_at_start(main_loop).await?;
-            main_loop.adopt_position(main_loop.planned_end()).await?;
+            main_loop.adopt_position(main_loop.motion.end()).await?;
             for host in 0..main_loop.hosts.len() {
                 main_loop.hosts.switch_to(host);
                 main_loop.reply(Answer::Start).await?;
@@ -119,7 +120,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let Self { main_loop, states } = self;
         let (mut text, mut kept_text) = (Text::new(), Text::new());
         loop {
-            if main_loop.heat.has_passed_test() && !main_loop.has_motion() {
+            if main_loop.heat.has_passed_test() && !main_loop.motion.has_motion() {
                 note_self_test(main_loop).await?;
             }
             if main_loop.job.take_cancel() {
@@ -168,7 +169,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         main_loop.slow_down().await?;
         main_loop.drop_motion().await?;
         end_circulation(main_loop).await?;
-        main_loop.end_trim().await?;
+        end_trim(main_loop).await?;
         end_measuring(main_loop).await?;
         if main_loop.homed.stop() {
             main_loop.reply(Answer::Line("echo:homing was interrupted, the position of the axis is unknown")).await?;

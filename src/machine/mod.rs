@@ -37,7 +37,7 @@
 //! | interrupt | why a command ends before it is done: M112, M410, no power |
 //! | rest | nothing moves |
 //! | reply, send | see `reports`, `answers` |
-//! | waiting, queued, dry, underrun | see `main_loop::stream`, `release` |
+//! | waiting, queued, dry, underrun | see `main_loop::motion`, `release` |
 //! | served, urgent, forgotten | see `hosts` |
 
 mod answers;

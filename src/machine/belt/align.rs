@@ -15,7 +15,8 @@ use crate::kinematics::{Residual, Residuals, motors_in};
 use crate::machine::answers::belt_answer::AlignError;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::trim::{preload_of, trimmed};
+use crate::machine::main_loop::phase::find_phase;
+use crate::machine::main_loop::trim::{preload_of, trim, trimmed};
 use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::motion::Target;
@@ -91,7 +92,7 @@ struct Scan {
 impl Scan {
     /// A scan of a residual, with the motor at its present place.
     fn new<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, motor: Motor, residual: &Residual) -> Self {
-        let (motors, mechanism) = (motors_in(residual), main_loop.groups().mechanism());
+        let (motors, mechanism) = (motors_in(residual), main_loop.motion.groups().mechanism());
         let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
         Self { motor, motors, is_along_y, at: 0 }
     }
@@ -105,7 +106,7 @@ pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
     let residuals = main_loop.settings.residuals();
     main_loop.trimming.forget();
     main_loop.trimming.note_phase(false);
-    let mechanism = main_loop.groups().mechanism();
+    let mechanism = main_loop.motion.groups().mechanism();
     main_loop.homed.release(residuals.motors(), mechanism);
     begin_measuring(main_loop, residuals.motors()).await?;
     let result = align_each(main_loop, &residuals).await;
@@ -121,7 +122,7 @@ async fn align_each<P: PortSet, W: Pend>(
 ) -> Result<(), BeltError> {
     for (number, residual) in residuals.iter().enumerate() {
         let Some(found) = find_apex(main_loop, residual).await? else { continue };
-        let phase = main_loop.find_phase(residual).await?;
+        let phase = find_phase(main_loop, residual).await?;
         leave_at(main_loop, number, residual, found, phase).await?;
     }
     Ok(())
@@ -174,7 +175,7 @@ pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     phase: Option<u16>,
 ) -> Result<(), Interrupt> {
     let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
-    main_loop.trim(motor, preload_of(residual, main_loop.settings.preload_steps()) / times).await?;
+    trim(main_loop, motor, preload_of(residual, main_loop.settings.preload_steps()) / times).await?;
     let was = main_loop.settings.belt_length(i64::from(-step * times) * 1000);
     let per_mm = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
     let found = Found {
@@ -231,7 +232,7 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     let found = climb(main_loop, &mut scan).await;
     if let Err(BeltError::Align(_)) = found {
         // Nothing is known, so the motor returns.
-        main_loop.trim(motor, -scan.at).await?;
+        trim(main_loop, motor, -scan.at).await?;
     }
     found.map(Some)
 }
@@ -302,7 +303,7 @@ async fn go_to<P: PortSet, W: Pend>(
     scan: &mut Scan,
     place: i32,
 ) -> Result<(), Interrupt> {
-    main_loop.trim(scan.motor, place - scan.at).await?;
+    trim(main_loop, scan.motor, place - scan.at).await?;
     scan.at = place;
     Ok(())
 }
@@ -325,7 +326,7 @@ async fn load_at<P: PortSet, W: Pend>(
     place: i32,
 ) -> Result<Load, BeltError> {
     go_to(main_loop, scan, place).await?;
-    let ([x, y, ..], axes) = (main_loop.planned_end_mm(), &main_loop.settings.axes);
+    let ([x, y, ..], axes) = (main_loop.motion.end_mm(), &main_loop.settings.axes);
     let (at, length) = if scan.is_along_y { (y, axes.y.length) } else { (x, axes.x.length) };
     let stroke = STROKE.min(length / 3);
     let stroke = if at > length / 2 { -stroke } else { stroke };
@@ -342,21 +343,22 @@ async fn go_along<P: PortSet, W: Pend>(
     readings: &mut Readings,
 ) -> Result<(), BeltError> {
     let along = |[x, y, ..]: [Steps; 4]| if scan.is_along_y { y } else { x };
-    let start = along(main_loop.real_steps());
-    let mut position = main_loop.planned_end_mm();
+    let start = along(main_loop.motion.real_steps());
+    let mut position = main_loop.motion.end_mm();
     let [x, y, ..] = &mut position;
     let at = if scan.is_along_y { y } else { x };
     *at = at.saturating_add(by);
     main_loop.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
-    let cruise = along(main_loop.to_steps([RAMP; 4]))..along(main_loop.to_steps([by.saturating_abs() - RAMP; 4]));
+    let cruise =
+        along(main_loop.motion.to_steps([RAMP; 4]))..along(main_loop.motion.to_steps([by.saturating_abs() - RAMP; 4]));
     let mut is_in_cruise = false;
-    while main_loop.has_motion() {
-        main_loop.release_all();
+    while main_loop.motion.has_motion() {
+        main_loop.motion.release_all(&main_loop.settings);
         for motor in Motor::ALL.into_iter().filter(|motor| scan.motors.has(*motor)) {
             let reading = main_loop.ask_driver(Job::Load, motor).await?;
             let reading = reading.map_err(|error: DriverError| AlignError::Driver(Fault { motor, error }))?;
             let was_in_cruise = is_in_cruise;
-            is_in_cruise = cruise.contains(&along(main_loop.real_steps()).wrapping_sub(start).wrapping_abs());
+            is_in_cruise = cruise.contains(&along(main_loop.motion.real_steps()).wrapping_sub(start).wrapping_abs());
             if was_in_cruise && is_in_cruise {
                 reading.loads().into_iter().for_each(|load| readings.note(motor, load.into()));
             }

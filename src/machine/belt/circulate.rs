@@ -3,6 +3,7 @@
 use crate::kinematics::Grouping;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::regroup::regroup;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::port::Pend;
@@ -35,17 +36,17 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
     speed: MmPerSec,
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    main_loop.power_up(main_loop.groups().mechanism().belt_motors()).await?;
+    main_loop.power_up(main_loop.motion.groups().mechanism().belt_motors()).await?;
     // The motors' position, which may differ from the end of the last move (`motion::stepgen::alignment`).
-    let ([x, y, ..], [.., z, e]) = (main_loop.real_steps(), main_loop.planned_end());
-    let [.., z_mm, _] = main_loop.planned_end_mm();
+    let ([x, y, ..], [.., z, e]) = (main_loop.motion.real_steps(), main_loop.motion.end());
+    let [.., z_mm, _] = main_loop.motion.end_mm();
     main_loop.circulation.begin((z, z_mm));
-    main_loop.regroup(Grouping::Circulation, [x, y, Steps::ZERO, e]).await?;
-    let [.., filament] = main_loop.planned_end_mm();
+    regroup(main_loop, Grouping::Circulation, [x, y, Steps::ZERO, e]).await?;
+    let [.., filament] = main_loop.motion.end_mm();
     let [to_x, to_y] = to;
-    let [to_x, to_y, to, e] = main_loop.to_steps([to_x, to_y, belt, filament]);
+    let [to_x, to_y, to, e] = main_loop.motion.to_steps([to_x, to_y, belt, filament]);
     let way = to.wrapping_round().wrapping_sub(Steps::wrapping_from_num(main_loop.circulation.steps()));
-    main_loop.plan_whole([to_x, to_y, way, e], speed, true);
+    main_loop.motion.plan_whole([to_x, to_y, way, e], speed, true, &main_loop.settings);
     main_loop.finish().await?;
     end_circulation(main_loop).await?;
     main_loop.circulation.go_to(belt);
@@ -56,18 +57,18 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn end_circulation<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    if main_loop.grouping() != Grouping::Circulation {
+    if main_loop.motion.grouping() != Grouping::Circulation {
         return Ok(());
     }
     // No distance, unless it was stopped between two places where the counts agree.
-    main_loop.plan_whole(main_loop.planned_end(), main_loop.settings.belt.max_speed, false);
+    main_loop.motion.plan_whole(main_loop.motion.end(), main_loop.settings.belt.max_speed, false, &main_loop.settings);
     main_loop.finish().await?;
-    let [x, y, c, e] = main_loop.planned_end();
+    let [x, y, c, e] = main_loop.motion.end();
     main_loop.circulation.add(c.wrapping_round().to_num());
     let lies = main_loop.circulation.length(main_loop.settings.axes.x.steps_per_mm);
     main_loop.circulation.go_to(lies);
     let (z, _) = main_loop.circulation.z();
-    main_loop.regroup(Grouping::Tool, [x, y, z, e]).await?;
-    main_loop.stand_at_end();
+    regroup(main_loop, Grouping::Tool, [x, y, z, e]).await?;
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())
 }

@@ -5,6 +5,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::phase::strain;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
@@ -18,13 +19,13 @@ pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
     }
     main_loop.reply(Answer::Belt(BeltAnswer::State)).await?;
     // Drivers are read only at rest: in motion their positions would change between the replies.
-    if main_loop.trimming.is_aligned() && !main_loop.has_motion() && main_loop.power.is_on(residuals.motors()) {
+    if main_loop.trimming.is_aligned() && !main_loop.motion.has_motion() && main_loop.power.is_on(residuals.motors()) {
         for (number, residual) in residuals.iter().enumerate() {
-            if let Some(strain) = main_loop.strain(number, residual).await? {
+            if let Some(strain) = strain(main_loop, number, residual).await? {
                 main_loop.reply(Answer::Belt(BeltAnswer::Fields(strain))).await?;
             }
         }
     }
-    let since = main_loop.homed.since_met(main_loop.planned_path());
+    let since = main_loop.homed.since_met(main_loop.motion.path());
     main_loop.reply(Answer::Belt(BeltAnswer::Met(since))).await
 }

@@ -11,7 +11,7 @@ use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, fin
 use crate::machine::belt::diagnosis::{Touched, diagnose};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::trim::trimmed;
+use crate::machine::main_loop::trim::{trim, trimmed};
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::motion::Target;
@@ -53,14 +53,14 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
         return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
     }
     let lift = lift(main_loop).await?;
-    let place = main_loop.planned_end_mm();
+    let place = main_loop.motion.end_mm();
     let aside = touch_both(main_loop).await?;
     main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
     // Until the check has succeeded, the position counts as unknown: M410 may end this with a motor on its way.
     let (homed, trimming) = (main_loop.homed, main_loop.trimming);
     let aside = Aside { now: aside, homed: trimming.homed_aside() };
     main_loop.trimming.forget();
-    let mechanism = main_loop.groups().mechanism();
+    let mechanism = main_loop.motion.groups().mechanism();
     main_loop.homed.release(residuals.motors(), mechanism);
     let mut answer = match examine(main_loop, &residuals, aside, repairs).await {
         Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
@@ -151,7 +151,7 @@ async fn examine_each<P: PortSet, W: Pend>(
         if repairs && found != Diagnosis::Nothing {
             leave_at(main_loop, number, residual, apex, None).await?;
         } else {
-            main_loop.trim(motor, -step).await?;
+            trim(main_loop, motor, -step).await?;
         }
     }
     Ok(said)
@@ -161,7 +161,7 @@ async fn examine_each<P: PortSet, W: Pend>(
 async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, Interrupt> {
     main_loop.finish().await?;
     let [.., z] = main_loop.homed.axes();
-    let position = main_loop.planned_end_mm();
+    let position = main_loop.motion.end_mm();
     let [_, _, at, _] = position;
     let lift = LIFT.min(main_loop.settings.axes.z.length.saturating_sub(at)).max(Mm::ZERO);
     if !z {
@@ -182,11 +182,11 @@ async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place:
     if !(is_x && is_y) {
         return Ok(());
     }
-    let [.., z, e] = main_loop.planned_end_mm();
+    let [.., z, e] = main_loop.motion.end_mm();
     let (position, speed) = ([x, y, z, e], main_loop.settings.axes.x.max_speed);
     main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await?;
-    main_loop.stand_at_end();
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())
 }
 
@@ -194,12 +194,12 @@ async fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm
     if by == Mm::ZERO {
         return Ok(());
     }
-    let mut position = main_loop.planned_end_mm();
+    let mut position = main_loop.motion.end_mm();
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
     let speed = main_loop.settings.axes.z.max_speed;
     main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await?;
-    main_loop.stand_at_end();
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())
 }

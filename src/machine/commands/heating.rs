@@ -268,7 +268,7 @@ async fn await_heat<P: PortSet, W: Pend>(
             Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
             None => {}
         }
-        moves = moves && main_loop.let_motion_end();
+        moves = moves && main_loop.motion.let_end(&main_loop.settings, main_loop.now());
         main_loop.poll().await?;
     }
     main_loop.pauses.end();

@@ -43,6 +43,7 @@ use crate::machine::belt::align::{BeltError, align, lacks_alignment};
 use crate::machine::belt::circulate::advance_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::phase::keep_phases;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
@@ -83,7 +84,7 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
 /// Power first: without it, nothing is homed and the axes stay homed.
 async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    main_loop.power_up(main_loop.groups().fitted()).await
+    main_loop.power_up(main_loop.motion.groups().fitted()).await
 }
 
 async fn home_axes<P: PortSet, W: Pend>(
@@ -132,7 +133,7 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
     };
     match proved {
         Ok(()) => {
-            main_loop.keep_phases();
+            keep_phases(main_loop);
             main_loop.reply(Answer::Belt(BeltAnswer::Aligned)).await
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),

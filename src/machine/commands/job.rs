@@ -42,7 +42,7 @@ pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
     main_loop.commanded.settle();
     main_loop.commanded.forget_origins();
     *modal = Modal { dry_run: modal.dry_run, ..Modal::new() };
-    if main_loop.feed_percent() != modal.kept_feed_percent {
+    if main_loop.motion.feed_percent() != modal.kept_feed_percent {
         main_loop.override_feed(modal.kept_feed_percent).await?;
     }
     Ok(())

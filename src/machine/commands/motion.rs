@@ -57,7 +57,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
                 main_loop.override_feed(percent).await?;
             }
         }
-        MotionCommand::BackUpFeedPercent => modal.kept_feed_percent = main_loop.feed_percent(),
+        MotionCommand::BackUpFeedPercent => modal.kept_feed_percent = main_loop.motion.feed_percent(),
         MotionCommand::RestoreFeedPercent => main_loop.override_feed(modal.kept_feed_percent).await?,
         MotionCommand::FlowPercent(None) => return Ok(Answer::FlowPercent(modal.flow_percent)),
         MotionCommand::FlowPercent(Some(number)) => {

@@ -24,7 +24,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     let States { modal, clamps, notices, .. } = states;
     Ok(match *command {
         MotorCommand::EnableMotors(flags) => {
-            main_loop.power_up(motors_of(main_loop.groups(), flags)).await?;
+            main_loop.power_up(motors_of(main_loop.motion.groups(), flags)).await?;
             Answer::Nothing
         }
         MotorCommand::DisableMotors(flags) => return release(main_loop, states, flags).await,
@@ -52,7 +52,7 @@ async fn release<P: PortSet, W: Pend>(
     flags: AxisFlags,
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
-    main_loop.unpower(motors_of(main_loop.groups(), flags));
+    main_loop.unpower(motors_of(main_loop.motion.groups(), flags));
     states.notices.renew_for_position();
     let all = !(flags.x || flags.y || flags.z || flags.e);
     if all || flags.e {
@@ -77,7 +77,7 @@ pub(super) fn motors_of(groups: &Groups, flags: AxisFlags) -> MotorSet {
 pub(super) async fn diagnose<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
-    let fitted = main_loop.groups().fitted();
+    let fitted = main_loop.motion.groups().fitted();
     for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
         let has_uart = main_loop.power.uarts().has(motor);
         let reading = if has_uart { Some(main_loop.ask_driver(Job::Read, motor).await?) } else { None };

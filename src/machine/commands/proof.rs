@@ -21,7 +21,7 @@ use crate::settings::HomedAxis;
 /// of the switches from their expected positions.
 pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
     let homed = main_loop.homed;
-    let (residuals, mechanism) = (main_loop.settings.residuals(), main_loop.groups().mechanism());
+    let (residuals, mechanism) = (main_loop.settings.residuals(), main_loop.motion.groups().mechanism());
     main_loop.homed.release(residuals.motors(), mechanism);
     let result = look_again(main_loop, &residuals).await;
     if result.is_ok() {

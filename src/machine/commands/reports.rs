@@ -30,7 +30,7 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         ReportCommand::Message => Answer::Nothing,
         ReportCommand::Tell { form, to, text } => send_message(main_loop, (form, to), text),
         ReportCommand::ReportEndstops => {
-            main_loop.look_at_endstops();
+            main_loop.motion.look_at_endstops();
             main_loop.poll().await?;
             Answer::Endstops(main_loop.status.endstops())
         }

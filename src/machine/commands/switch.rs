@@ -94,13 +94,13 @@ async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axi
     let back_off = find_switch(main_loop, axis).await?;
     let aside = steps_aside(main_loop, axis);
     travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
-    main_loop.stand_at_end();
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(aside)
 }
 
 /// Distance in steps of the switch that was just met from its expected position.
 fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis) -> i32 {
-    let (places, met) = (main_loop.to_steps([axis.endstop.position; 4]), main_loop.real_steps());
+    let (places, met) = (main_loop.motion.to_steps([axis.endstop.position; 4]), main_loop.motion.real_steps());
     let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
     aside.unwrap_or_default().wrapping_round().to_num()
 }
@@ -135,24 +135,24 @@ async fn home_axis<P: PortSet, W: Pend>(
 
 /// Finds the switch fast, backs off and finds it slowly. Returns the distance of its back-off.
 async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
-    let start = main_loop.real_steps();
+    let start = main_loop.motion.real_steps();
     if !approach(main_loop, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
         return Err(NO_TRIGGER);
     }
     // If the axis did not move, it was at the switch already, or anywhere behind it.
-    let depth = if main_loop.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
+    let depth = if main_loop.motion.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
     let back_off = axis.homing.back_off + depth;
     travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     // Twice the distance backed off finds any switch that is still there.
     let sought = back_off * 2;
-    let before = main_loop.real_steps();
+    let before = main_loop.motion.real_steps();
     if !approach(main_loop, axis, sought, axis.homing.slow).await? {
         return Err(NO_TRIGGER);
     }
-    if main_loop.real_steps() == before {
+    if main_loop.motion.real_steps() == before {
         return Err(STILL_PRESSED);
     }
-    let path = main_loop.planned_path();
+    let path = main_loop.motion.path();
     main_loop.homed.note_met(axis.index, path);
     Ok(back_off)
 }
@@ -183,11 +183,11 @@ async fn travel<P: PortSet, W: Pend>(
     speed: MmPerSec,
     watch: EndstopSet,
 ) -> Result<(), Interrupt> {
-    let mut steps = main_loop.planned_end();
-    if main_loop.groups().is_redundant() {
+    let mut steps = main_loop.motion.end();
+    if main_loop.motion.groups().is_redundant() {
         steps = steps.map(Steps::wrapping_round);
     }
-    let mut position = main_loop.to_mm(steps);
+    let mut position = main_loop.motion.to_mm(steps);
     if let Some(at) = position.get_mut(axis.index) {
         *at = at.saturating_add(distance);
     }
@@ -202,9 +202,9 @@ async fn stand_at_switch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
 ) -> Result<(), Interrupt> {
-    let mechanism = main_loop.groups().mechanism();
-    let mut position = main_loop.real_steps();
-    let [x, y, z, _] = main_loop.to_steps([axis.endstop.position; 4]);
+    let mechanism = main_loop.motion.groups().mechanism();
+    let mut position = main_loop.motion.real_steps();
+    let [x, y, z, _] = main_loop.motion.to_steps([axis.endstop.position; 4]);
     for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
         if other == axis.index {
             *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
@@ -214,7 +214,7 @@ async fn stand_at_switch<P: PortSet, W: Pend>(
     }
     main_loop.adopt_position(position).await?;
     main_loop.commanded.forget_park(axis.index);
-    let stands = main_loop.to_mm(position);
+    let stands = main_loop.motion.to_mm(position);
     main_loop.commanded.stand_at(stands);
     Ok(())
 }

@@ -6,7 +6,6 @@ use crate::machine::hosts::host::Text;
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
-use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::job::Job;
 use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::pauses::Pauses;
@@ -25,8 +24,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// The next request of a host; a command's text is put into `text`.
     pub fn next_line(&mut self, text: &mut Text) -> Option<Asked> {
-        let Self { hosts, planner, link, policy, job, .. } = self;
-        let activity = || activity(!planner.is_empty() || !link.is_idle(), policy, job);
+        let Self { hosts, motion, job, .. } = self;
+        let activity = || activity(motion.has_motion(), motion.has_waited(), job);
         let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), text);
         self.status.set_awaiting_input(asked.is_none() && self.job.line().kept().is_none());
         asked
@@ -81,10 +80,10 @@ pub(in crate::machine) fn take_up<S: Serial>(hosts: &mut Hosts<S>, job: &mut Job
 }
 
 /// The machine's activity while a host is silent.
-const fn activity(has_motion: bool, policy: &ReleasePolicy, job: &Job) -> Activity {
+const fn activity(has_motion: bool, has_waited: bool, job: &Job) -> Activity {
     if has_motion {
         Activity::Moving
-    } else if !policy.has_waited() {
+    } else if !has_waited {
         Activity::Resting
     } else if job.is_paused() {
         Activity::Paused

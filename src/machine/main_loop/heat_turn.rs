@@ -19,9 +19,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             return Ok(());
         }
         if self.heat.has_fans_waiting() {
-            let (planned, _) = self.planner.planned();
-            let left = planned.wrapping_sub(self.planner.len() as u32);
-            self.heat.follow_fans(left, self.link.entries(), self.link.entries_done());
+            let (queued, done) = self.motion.work();
+            self.heat.follow_fans(self.motion.moves_left(), queued, done);
         }
         self.heat.note_motors(!self.power.powered().is_empty());
         self.watch_heaters(now);
@@ -37,7 +36,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Switches heaters off that were not used for long enough, in every state of the Console. In a print they are
     /// heated again before it continues.
     fn watch_heaters(&mut self, now: Instant) {
-        if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
+        if self.motion.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
             self.heat.note_used(now);
         }
         let (idle_min, paused_min) = (self.settings.thermal.idle_min, self.settings.pause.heat_off_min);
@@ -51,10 +50,10 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Reports the heat that the filament takes from the hotend.
     fn report_filament(&mut self, now: Instant) {
-        let [.., at] = self.real_steps();
+        let [.., at] = self.motion.real_steps();
         let thermal = &self.settings.thermal;
-        if let Some(ticks) = self.heat.note_extruded(self.planner.filament_um(at) as u32, thermal, now) {
-            self.heat.note_ahead(self.planner.filament_within(ticks, at, self.link.left()), thermal);
+        if let Some(ticks) = self.heat.note_extruded(self.motion.extruded_um(at) as u32, thermal, now) {
+            self.heat.note_ahead(self.motion.filament_ahead(ticks, at), thermal);
         }
     }
 
@@ -76,15 +75,15 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Sets a fan to `speed`, of 65,535, when the planned moves are done. If too many fans wait already, it waits as a
     /// move does that finds the look-ahead full: only as long as that changes no speed of a move.
     pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
-        self.close_line();
-        if self.heat.set_fan(fan, speed, self.has_motion()) {
+        self.motion.close_line(&self.settings);
+        if self.heat.set_fan(fan, speed, self.motion.has_motion()) {
             return Ok(());
         }
-        while !self.heat.has_room_for_fan() && !self.planner.lacks_moves() {
-            self.policy.note_full();
+        while !self.heat.has_room_for_fan() && !self.motion.lacks_moves() {
+            self.motion.note_full();
             self.poll().await?;
         }
-        self.heat.set_fan_after(self.planner.planned().0, fan, speed);
+        self.heat.set_fan_after(self.motion.planned_moves(), fan, speed);
         Ok(())
     }
 }

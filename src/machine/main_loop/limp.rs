@@ -65,11 +65,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             return;
         }
         self.power.go_on_without(motor);
-        self.link.brake();
+        self.motion.brake();
         let faults = self.status.fault();
         faults.set(cause);
         self.limping.begin(self.now().after_ms(MOST_MS), faults.more());
-        self.homed.release(MotorSet::of(motor), self.real.groups().mechanism());
+        self.homed.release(MotorSet::of(motor), self.motion.groups().mechanism());
         self.trimming.forget();
         let name = Name(motor);
         self.hosts.notify_all(format_args!("echo:{fault}; motor {name} is off, the others park the tool"));
@@ -77,7 +77,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Whether the tool can be parked without this motor.
     fn may_limp(&self, motor: Motor) -> bool {
-        let mechanism = self.real.groups().mechanism();
+        let mechanism = self.motion.groups().mechanism();
         let needed = mechanism.belt_motors().with(mechanism.motors_of(2));
         self.settings.belt.limp_lift > Mm::ZERO
             && self.power.fault().is_none_or(|first| first.motor == motor)
@@ -85,7 +85,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             && self.settings.residuals().motors().has(motor)
             && !mechanism.motors_of(2).has(motor)
             && self.homed.axes() == [true; 3]
-            && self.real.grouping() == Grouping::Tool
+            && self.motion.grouping() == Grouping::Tool
             && !self.trimming.is_measuring()
             && self.power.is_on(needed)
     }
@@ -95,7 +95,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.drop_motion().await?;
         // A dip of the whole supply has reset the others as well.
         self.until(|c| !c.power.are_unseen()).await?;
-        let mut place = self.planner.mm(self.planner.end());
+        let mut place = self.motion.end_mm();
         let [x, y, z, _] = &mut place;
         let raised = self.settings.belt.limp_lift.min(self.settings.axes.z.length.saturating_sub(*z)).max(Mm::ZERO);
         *z = z.saturating_add(raised);
@@ -124,13 +124,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Goes to a place with a speed and acceleration that three motors hold easily. The motor that has failed has no
     /// power, so the move does not require it.
     async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
-        while !self.planner.prepare() {
+        while !self.motion.prepare() {
             self.poll_again().await?;
         }
         let target = Target { position, speed, has_overrides: false, watch: EndstopSet::NONE };
-        self.planner.push(&target, &gentle(&self.settings));
-        self.policy.note_news();
-        self.note_path();
+        self.motion.push(&target, &gentle(&self.settings));
         self.finish().await
     }
 }

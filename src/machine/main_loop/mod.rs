@@ -1,9 +1,9 @@
 //! The main loop: all work that continues during every wait of a command.
 //!
 //! ```text
-//!   a command ── owners: job, commanded, homed, hosts, ...      at once
-//!        └────── waits: plan, finish, power, reply, ... ──▶ turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves
-//!                                                                    ▶ settings ▶ heat ▶ replies out
+//!   a command ── owners: job, motion, heat, power, hosts, ...         at once
+//!        └────── waits: plan, finish, power_up, reply, ... ──▶ turn ──▶ bytes in ▶ emergencies ▶ drivers
+//!                                                                   ▶ moves ▶ settings ▶ heat ▶ replies out
 //! ```
 //!
 //! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The main loop is a struct of
@@ -13,11 +13,11 @@
 //!
 //! | file or folder | for |
 //! |---|---|
-//! | this one | a turn, and its shared state |
-//! | [`door`] | the parts that commands may read and change at once |
+//! | this one | the owners, and a turn |
 //! | [`hear`] | input of lines from hosts |
 //! | [`reply`] | output of answers, as soon as there is room for them |
-//! | [`stream`] | moves into the look-ahead and out of it, and the machine to rest |
+//! | [`motion`] | the look-ahead, the queue to the step generator, and where the machine stands |
+//! | [`stream`] | the waits for room in the look-ahead and for the machine to rest |
 //! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
@@ -31,18 +31,17 @@
 //! | word | means |
 //! |---|---|
 //! | turn | all other contexts run, and then every part of the main loop, once |
-//! | door | the methods that commands can call |
 
-mod door;
 pub(in crate::machine) mod halted;
 pub(in crate::machine) mod hear;
 mod heat;
 mod heat_turn;
 pub(in crate::machine) mod limp;
-mod phase;
+mod motion;
+pub(in crate::machine) mod phase;
 mod power;
 mod powering;
-mod regroup;
+pub(in crate::machine) mod regroup;
 mod reply;
 mod scrub;
 pub(in crate::machine) mod settings;
@@ -51,6 +50,8 @@ mod take_over;
 pub(in crate::machine) mod trim;
 
 use self::heat::Heaters;
+use self::motion::Motion;
+use self::motion::hand_on::Fed;
 use self::power::Power;
 use self::settings::SettingsInUse;
 use crate::kinematics::Groupings;
@@ -58,16 +59,14 @@ use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::{PortSet, Ports};
-use crate::machine::release::policy::ReleasePolicy;
-use crate::machine::state::advance_in_use::AdvanceInUse;
 use crate::machine::state::circulation::Circulation;
 use crate::machine::state::commanded::Commanded;
 use crate::machine::state::job::Job;
 use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
-use crate::machine::state::position::{Homed, RealPosition};
+use crate::machine::state::position::Homed;
 use crate::machine::state::trimming::Trimming;
-use crate::motion::{Link, MoveMemory, Planner};
+use crate::motion::{Link, MoveMemory};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
 use crate::settings::Settings;
@@ -79,35 +78,37 @@ use core::task::Poll;
 
 /// The state of the main loop, which runs during every wait.
 pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
-    clock: P::Clock,
+    /// The lines of the hosts.
+    pub hosts: Hosts<P::Serial>,
+    /// The state of the print.
+    pub job: Job,
+    /// The wait of the present command.
+    pub pauses: Pauses,
+    pub settings: SettingsInUse,
+    pub motion: Motion<'m, W>,
+    /// Where the program has sent the tool.
+    pub commanded: Commanded,
+    /// Which axes are homed.
+    pub homed: Homed,
+    /// How far a closed belt has run round.
+    pub circulation: Circulation,
+    /// Whether the motors of one belt agree.
+    pub trimming: Trimming,
+    pub power: Power<P::Drivers>,
+    pub heat: Heaters<'m>,
     /// Memory for settings.
     pub storage: P::Storage,
     /// The atomics that all contexts share.
     pub status: &'m Status,
-    pub hosts: Hosts<P::Serial>,
-    link: Link<'m, W>,
-    planner: Planner<'m>,
-    policy: ReleasePolicy,
+    clock: P::Clock,
     /// There is more to do at once: the next turn is wanted before anything happens.
     comes_again: bool,
     /// When the present turn began. A turn takes some tens of us, and the clock is not read for each part of it.
     turn_began: Instant,
     /// The progress of the present answer.
     progress: Progress,
-    pub settings: SettingsInUse,
-    pub heat: Heaters<'m>,
-    pub power: Power<P::Drivers>,
-    pub commanded: Commanded,
-    pub homed: Homed,
-    real: RealPosition<'m>,
-    pub circulation: Circulation,
-    pub trimming: Trimming,
     /// A motor of the belt has failed, and the others park the tool.
     limping: Limping,
-    pub pauses: Pauses,
-    /// The state of the print.
-    pub job: Job,
-    advance_in_use: AdvanceInUse,
     /// M999 came after M112.
     is_to_restart: bool,
 }
@@ -126,31 +127,26 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
     ) -> Self {
         let [x, y, z] = start.unwrap_or_default();
         let Ports { serial, drivers: bus, clock, storage } = ports;
-        let now = clock.now();
-        let heat = Heaters::new(link.status().heat(), orders, &settings.thermal, now);
+        let (now, status) = (clock.now(), link.status());
         Self {
-            clock,
-            storage,
-            status: link.status(),
             hosts: Hosts::new(serial),
-            link,
-            planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
-            policy: ReleasePolicy::new(),
+            job: Job::new(),
+            pauses: Pauses::new(),
+            settings: SettingsInUse::new(settings, now),
+            motion: Motion::new(link, memory, groupings, &settings, [x, y, z, Mm::ZERO]),
+            commanded: Commanded::new([x, y, z]),
+            homed: Homed::new([start.is_some(); 3]),
+            circulation: Circulation::new(),
+            trimming: Trimming::new(),
+            power: Power::new(bus, &settings, now),
+            heat: Heaters::new(status.heat(), orders, &settings.thermal, now),
+            storage,
+            status,
+            clock,
             comes_again: false,
             turn_began: now,
             progress: Progress::default(),
-            settings: SettingsInUse::new(settings, now),
-            heat,
-            power: Power::new(bus, &settings, now),
-            commanded: Commanded::new([x, y, z]),
-            homed: Homed::new([start.is_some(); 3]),
-            real: RealPosition::new(groupings),
-            circulation: Circulation::new(),
-            trimming: Trimming::new(),
             limping: Limping::new(),
-            pauses: Pauses::new(),
-            job: Job::new(),
-            advance_in_use: AdvanceInUse::new(),
             is_to_restart: false,
         }
     }
@@ -160,6 +156,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// There is more to do at once: the next turn is wanted before anything happens.
     pub const fn come_again(&mut self) {
         self.comes_again = true;
+    }
+
+    /// The time.
+    pub fn now(&self) -> Instant {
+        self.clock.now()
     }
 
     /// When the present turn began.
@@ -179,7 +180,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         yield_once(comes_again).await;
         if !comes_again {
             // Time has passed.
-            self.follow_stream();
+            self.motion.follow_stream();
         }
         self.go_on()
     }
@@ -212,6 +213,21 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         match emergency {
             Some(interrupt) => Err(interrupt),
             None => Ok(()),
+        }
+    }
+}
+
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+    /// The part of every turn that hands moves on.
+    fn feed_motion(&mut self, now: Instant) {
+        match self.motion.feed(&self.settings, now) {
+            Fed::Nothing => {}
+            Fed::More => self.come_again(),
+            Fed::Move => {
+                // It may be over before the next check for idleness.
+                self.power.note_motion(now);
+                self.come_again();
+            }
         }
     }
 }

@@ -14,7 +14,7 @@
 //! A rotor without power strains nothing. So its field is brought to the rotor's rest, and not the rotor to the field.
 //! If a driver does not count steps without power the sum is still wrong then, and the motor is trimmed with power.
 
-use super::trim::{preload_of, trimmed};
+use super::trim::{preload_of, trim, trimmed};
 use crate::driver::Job;
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::answer::Answer;
@@ -53,121 +53,145 @@ fn only_one(residual: &Residual, motors: MotorSet) -> Option<(Motor, i32)> {
     found.next().filter(|_| found.next().is_none())
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// The sum of a residual over the places in the sine tables; `None` if a driver does not answer.
-    async fn phase_sum(&mut self, residual: &Residual) -> Result<Option<i32>, Interrupt> {
-        let mut sum = 0;
-        for (motor, times) in Motor::ALL.into_iter().zip(*residual).filter(|(_, times)| *times != 0) {
-            let reading = self.ask_driver(Job::Phase, motor).await?;
-            let Some(phase) = reading.ok().and_then(|reading| reading.phase()) else { return Ok(None) };
-            sum += times * way(&self.settings, motor) * i32::from(phase);
+/// The sum of a residual over the places in the sine tables; `None` if a driver does not answer.
+async fn phase_sum<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residual: &Residual,
+) -> Result<Option<i32>, Interrupt> {
+    let mut sum = 0;
+    for (motor, times) in Motor::ALL.into_iter().zip(*residual).filter(|(_, times)| *times != 0) {
+        let reading = main_loop.ask_driver(Job::Phase, motor).await?;
+        let Some(phase) = reading.ok().and_then(|reading| reading.phase()) else { return Ok(None) };
+        sum += times * way(&main_loop.settings, motor) * i32::from(phase);
+    }
+    Ok(Some(sum.rem_euclid(TURN)))
+}
+
+/// Error of this residual's strain in steps, or `None` if its phase is unknown.
+pub(in crate::machine) async fn strain<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
+    residual: &Residual,
+) -> Result<Option<i32>, Interrupt> {
+    let Some(phase) = main_loop.settings.known_phase(number) else { return Ok(None) };
+    let Some(sum) = phase_sum(main_loop, residual).await? else { return Ok(None) };
+    let microsteps = i32::from(main_loop.settings.drivers.belt.microsteps);
+    let strained =
+        difference(sum, phase) * microsteps - preload_of(residual, main_loop.settings.preload_steps()) * FULL_STEP;
+    // To the nearest step, half a step being a half; a preload may have led beyond half a turn.
+    let steps = (2 * strained + FULL_STEP).div_euclid(2 * FULL_STEP);
+    let turn = 4 * microsteps;
+    Ok(Some((steps + turn / 2).rem_euclid(turn) - turn / 2))
+}
+
+/// Before a motor gets power that is the last one of its residual, brings its field to its rotor.
+pub(super) async fn meet_phases<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residuals: &Residuals,
+    next: MotorSet,
+) -> Result<(), Interrupt> {
+    let missing = residuals.motors().without(main_loop.power.powered());
+    for (number, residual) in residuals.iter().enumerate() {
+        let Some((motor, times)) = only_one(residual, missing).filter(|(motor, _)| next.has(*motor)) else {
+            continue;
+        };
+        if let [Some(strain), Some(left)] = unstrain(main_loop, number, residual, motor, times).await?
+            && strain != 0
+            && left / times == 0
+        {
+            note_strain(main_loop, number, strain);
         }
-        Ok(Some(sum.rem_euclid(TURN)))
     }
+    Ok(())
+}
 
-    /// Error of this residual's strain in steps, or `None` if its phase is unknown.
-    pub async fn strain(&mut self, number: usize, residual: &Residual) -> Result<Option<i32>, Interrupt> {
-        let Some(phase) = self.settings.known_phase(number) else { return Ok(None) };
-        let Some(sum) = self.phase_sum(residual).await? else { return Ok(None) };
-        let microsteps = i32::from(self.settings.drivers.belt.microsteps);
-        let strained =
-            difference(sum, phase) * microsteps - preload_of(residual, self.settings.preload_steps()) * FULL_STEP;
-        // To the nearest step, half a step being a half; a preload may have led beyond half a turn.
-        let steps = (2 * strained + FULL_STEP).div_euclid(2 * FULL_STEP);
-        let turn = 4 * microsteps;
-        Ok(Some((steps + turn / 2).rem_euclid(turn) - turn / 2))
+/// Trims a motor until the strain of a residual is as wanted. If its driver does not count steps, as may be so
+/// without power, trims it back. Returns the strain before and after.
+async fn unstrain<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
+    residual: &Residual,
+    motor: Motor,
+    times: i32,
+) -> Result<[Option<i32>; 2], Interrupt> {
+    let found = strain(main_loop, number, residual).await?;
+    let Some(steps) = found.filter(|steps| steps / times != 0) else { return Ok([found; 2]) };
+    trim(main_loop, motor, -steps / times).await?;
+    let left = strain(main_loop, number, residual).await?;
+    if left.is_none_or(|left| left / times != 0) {
+        trim(main_loop, motor, steps / times).await?;
     }
+    Ok([found, left])
+}
 
-    /// Before a motor gets power that is the last one of its residual, brings its field to its rotor.
-    pub(super) async fn meet_phases(&mut self, residuals: &Residuals, next: MotorSet) -> Result<(), Interrupt> {
-        let missing = residuals.motors().without(self.power.powered());
-        for (number, residual) in residuals.iter().enumerate() {
-            let Some((motor, times)) = only_one(residual, missing).filter(|(motor, _)| next.has(*motor)) else {
-                continue;
-            };
-            if let [Some(strain), Some(left)] = self.unstrain(number, residual, motor, times).await?
-                && strain != 0
-                && left / times == 0
-            {
-                self.note_strain(number, strain);
-            }
+/// After motors have power: they are aligned if their phases are known, or the host gets a message that they are
+/// not.
+pub(super) async fn align_by_phases<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residuals: &Residuals,
+) -> Result<(), Interrupt> {
+    let is_known = residuals.iter().enumerate().all(|(number, _)| main_loop.settings.known_phase(number).is_some());
+    if residuals.is_empty()
+        || !is_known
+        || main_loop.trimming.is_aligned()
+        || !main_loop.power.is_on(residuals.motors())
+    {
+        return Ok(());
+    }
+    for (number, residual) in residuals.iter().enumerate() {
+        if !is_in_phase(main_loop, number, residual).await? {
+            main_loop.trimming.forget();
+            return main_loop.reply(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase))).await;
         }
-        Ok(())
     }
+    main_loop.trimming.align();
+    Ok(())
+}
 
-    /// Trims a motor until the strain of a residual is as wanted. If its driver does not count steps, as may be so
-    /// without power, trims it back. Returns the strain before and after.
-    async fn unstrain(
-        &mut self,
-        number: usize,
-        residual: &Residual,
-        motor: Motor,
-        times: i32,
-    ) -> Result<[Option<i32>; 2], Interrupt> {
-        let found = self.strain(number, residual).await?;
-        let Some(strain) = found.filter(|strain| strain / times != 0) else { return Ok([found; 2]) };
-        self.trim(motor, -strain / times).await?;
-        let left = self.strain(number, residual).await?;
-        if left.is_none_or(|left| left / times != 0) {
-            self.trim(motor, strain / times).await?;
-        }
-        Ok([found, left])
+/// Whether a residual is as it should be; it is trimmed once if it is not.
+async fn is_in_phase<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
+    residual: &Residual,
+) -> Result<bool, Interrupt> {
+    let Some((motor, times)) = trimmed(residual) else { return Ok(true) };
+    let [found, left] = unstrain(main_loop, number, residual, motor, times).await?;
+    if main_loop.trimming.found(number).is_none() {
+        note_strain(main_loop, number, found.unwrap_or_default());
     }
+    Ok(left.is_some_and(|left| left / times == 0))
+}
 
-    /// After motors have power: they are aligned if their phases are known, or the host gets a message that they are
-    /// not.
-    pub(super) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
-        let is_known = residuals.iter().enumerate().all(|(number, _)| self.settings.known_phase(number).is_some());
-        if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.power.is_on(residuals.motors()) {
-            return Ok(());
-        }
-        for (number, residual) in residuals.iter().enumerate() {
-            if !self.is_in_phase(number, residual).await? {
-                self.trimming.forget();
-                return self.reply(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase))).await;
-            }
-        }
-        self.trimming.align();
-        Ok(())
-    }
+/// Notes the steps by which fields would strain a residual, or have strained it.
+fn note_strain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, number: usize, steps: i32) {
+    let was = main_loop.settings.belt_length(i64::from(steps) * 1000);
+    main_loop.trimming.note(
+        number,
+        Found { was, within: main_loop.settings.belt_length(WITHIN), readings_per_mm: None, phase: None },
+    );
+}
 
-    /// Whether a residual is as it should be; it is trimmed once if it is not.
-    async fn is_in_phase(&mut self, number: usize, residual: &Residual) -> Result<bool, Interrupt> {
-        let Some((motor, times)) = trimmed(residual) else { return Ok(true) };
-        let [found, left] = self.unstrain(number, residual, motor, times).await?;
-        if self.trimming.found(number).is_none() {
-            self.note_strain(number, found.unwrap_or_default());
-        }
-        Ok(left.is_some_and(|left| left / times == 0))
-    }
+/// The phase of a residual while its motors strain nothing, if the driver of the trimmed motor counts correctly.
+pub(in crate::machine) async fn find_phase<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residual: &Residual,
+) -> Result<Option<u16>, Interrupt> {
+    let Some((motor, times)) = trimmed(residual) else { return Ok(None) };
+    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
+    let here = phase_sum(main_loop, residual).await?;
+    trim(main_loop, motor, full_step).await?;
+    let there = phase_sum(main_loop, residual).await?;
+    trim(main_loop, motor, -full_step).await?;
+    let counts = here.zip(there).filter(|(here, there)| difference(*there, *here) == difference(times * FULL_STEP, 0));
+    Ok(counts.and_then(|(here, _)| u16::try_from(here).ok()))
+}
 
-    /// Notes the steps by which fields would strain a residual, or have strained it.
-    fn note_strain(&mut self, number: usize, steps: i32) {
-        let was = self.settings.belt_length(i64::from(steps) * 1000);
-        self.trimming
-            .note(number, Found { was, within: self.settings.belt_length(WITHIN), readings_per_mm: None, phase: None });
-    }
-
-    /// The phase of a residual while its motors strain nothing, if the driver of the trimmed motor counts correctly.
-    pub async fn find_phase(&mut self, residual: &Residual) -> Result<Option<u16>, Interrupt> {
-        let Some((motor, times)) = trimmed(residual) else { return Ok(None) };
-        let full_step = i32::from(self.settings.drivers.belt.microsteps);
-        let here = self.phase_sum(residual).await?;
-        self.trim(motor, full_step).await?;
-        let there = self.phase_sum(residual).await?;
-        self.trim(motor, -full_step).await?;
-        let counts =
-            here.zip(there).filter(|(here, there)| difference(*there, *here) == difference(times * FULL_STEP, 0));
-        Ok(counts.and_then(|(here, _)| u16::try_from(here).ok()))
-    }
-
-    /// Keeps the phases that were found as the settings of the belt.
-    pub fn keep_phases(&mut self) {
-        for number in 0..PHASES {
-            let found = self.trimming.found(number).and_then(|found| found.phase);
-            if found.is_some_and(|phase| self.settings.keep_phase(number, phase)) {
-                self.trimming.note_phase(true);
-            }
+/// Keeps the phases that were found as the settings of the belt.
+pub(in crate::machine) fn keep_phases<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+    for number in 0..PHASES {
+        let found = main_loop.trimming.found(number).and_then(|found| found.phase);
+        if found.is_some_and(|phase| main_loop.settings.keep_phase(number, phase)) {
+            main_loop.trimming.note_phase(true);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Power for the motors: only with proof from their drivers, not a step longer. The motors of one belt get it in turn,
 //! or none of them gets it.
 
+use super::phase::{align_by_phases, meet_phases};
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -32,7 +33,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
         // A phase does not show a skip: it applies to rotors that have just come to rest.
         if result.is_ok() && !residuals.motors().without(before).is_empty() {
-            result = self.align_by_phases(&residuals).await;
+            result = align_by_phases(self, &residuals).await;
         }
         if result.is_err() {
             // Power for a part of a belt is worse than none.
@@ -60,7 +61,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             }
             let residuals = self.settings.residuals();
             let next = residuals.first_of(missing);
-            self.meet_phases(&residuals, next).await?;
+            meet_phases(self, &residuals, next).await?;
             // All of them have proved their settings.
             let now = self.now();
             self.power.set(powered.with(next), now);
@@ -90,7 +91,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let motors = self.settings.residuals().with_opponents(motors);
         let on = self.power.powered().without(motors);
         self.power.set(on, self.now());
-        self.homed.release(motors, self.real.groups().mechanism());
+        self.homed.release(motors, self.motion.groups().mechanism());
         let belt = self.settings.residuals().motors();
         if belt.intersects(motors) {
             self.trimming.forget();
@@ -100,7 +101,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes power from all motors when nothing has moved for long enough. Called with the heat work, every 5 ms.
     pub(super) fn watch_idleness(&mut self, now: Instant) {
         let is_waiting = self.job.is_paused() || !self.pauses.waiting().is_idle_for_motors();
-        if is_waiting || self.has_motion() || self.trimming.is_measuring() {
+        if is_waiting || self.motion.has_motion() || self.trimming.is_measuring() {
             self.power.note_motion(now);
         } else if self.power.is_idle(now, self.job.is_printing()) {
             self.unpower(MotorSet::ALL);
@@ -121,7 +122,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Ends the motion and takes the power from all motors, at once. In this order, so that the Stepper makes no step
     /// without power.
     pub(super) fn stop_and_cut(&mut self) {
-        self.link.abort();
+        self.motion.abort();
         self.power.cut();
         self.limping.end();
     }

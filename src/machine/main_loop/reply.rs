@@ -65,10 +65,11 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// Where the program is, or with `real` where the tool is.
     fn position(&self, real: bool) -> Position<'m> {
-        let counts = self.link.counts();
-        let at_motors = self.planner.mm(self.real.of_axes(counts));
-        let at = if real { self.seen(at_motors) } else { self.commanded.position() };
-        let ran = match (real, self.real.grouping()) {
+        let counts = self.motion.counts();
+        let at_motors = self.motion.to_mm(self.motion.real().of_axes(counts));
+        let (_, z) = self.circulation.z();
+        let at = if real { self.motion.seen(at_motors, z, self.trimming.held()) } else { self.commanded.position() };
+        let ran = match (real, self.motion.grouping()) {
             (false, _) => self.circulation.commanded(),
             (true, Grouping::Tool | Grouping::Trim) => self.circulation.length(self.settings.axes.x.steps_per_mm),
             (true, Grouping::Circulation) => {
@@ -77,7 +78,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             }
         };
         let circulation = self.settings.belt.is_closed.then_some(ran);
-        Position::new(at, circulation, counts, &self.commanded, &self.real)
+        Position::new(at, circulation, counts, &self.commanded, self.motion.real())
     }
 
     /// The temperatures of the heaters.
@@ -92,7 +93,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
-        let Self { hosts, progress, settings, planner, link, homed, power, storage, trimming, .. } = self;
+        let Self { hosts, progress, settings, motion, status, homed, power, storage, trimming, .. } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -138,7 +139,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Action(action) => to.say(format_args!("{action}")),
             Answer::Message(form, text) => to.say(format_args!("{}", Message { form, text })),
             Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
-            Answer::FeedPercent => to.say(format_args!("FR:{}%", planner.feed_percent())),
+            Answer::FeedPercent => to.say(format_args!("FR:{}%", motion.feed_percent())),
             Answer::FlowPercent(percent) => to.say(format_args!("echo:E0 Flow: {percent}%")),
             Answer::DebugFlags(is_dry) => to.say(format_args!("echo:DEBUG:{}", if is_dry { "DRYRUN" } else { "off" })),
             Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
@@ -151,11 +152,11 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 to.say(format_args!("echo:upload ended: there is no card, ignored lines: {lines}"));
             }
             Answer::Firmware => report_firmware(to, is_present(storage), s),
-            Answer::Endstops(pressed) => report_endstops(to, pressed, link.status().inputs(), &s.endstops),
+            Answer::Endstops(pressed) => report_endstops(to, pressed, status.inputs(), &s.endstops),
             Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
-            Answer::Heat => report_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
+            Answer::Heat => report_heat(to, &s.thermal, status.heat(), status.fault(), targets),
             Answer::Overload => {
-                report_overload(to, link.status().overload());
+                report_overload(to, status.overload());
                 if let Some(warning) = power.warning() {
                     to.say(format_args!("echo:{warning}"));
                 }
@@ -200,7 +201,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             return Speaker::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
         }
         let (line, bytes) = self.hosts.window();
-        let moves = if self.has_room() { self.planner.room() } else { 0 };
+        let moves = self.motion.room(&self.settings);
         Speaker::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
     }
 

@@ -2,7 +2,6 @@
 //! second. A value that has changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
-use crate::kinematics::Groups;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
@@ -11,24 +10,9 @@ use crate::units::Instant;
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes legal changes for right, and looks whether there were others.
     pub(super) fn scrub(&mut self, now: Instant) {
-        if self.settings.is_scrub_due(now) && !self.is_whole() {
+        if self.settings.is_scrub_due(now) && !(self.settings.is_whole() && self.motion.is_whole(&self.settings)) {
             self.status.fault().set(Fault::plain(Cause::SettingsDamaged));
         }
-    }
-
-    /// Whether the groups in use equal groups computed again. Others are checked when they come into use.
-    pub(super) fn are_groups_whole(&self) -> bool {
-        *self.real.groups() == Groups::new(&self.real.grouping().rows_of(&self.settings.mechanism))
-    }
-
-    /// Settings have a checksum from the time they are set; values derived from them are computed again and compared.
-    fn is_whole(&self) -> bool {
-        self.settings.is_whole()
-            && self.are_groups_whole()
-            && self.planner.has_advance_window(self.advance_in_use.window())
-            && self
-                .settings
-                .of_grouping(self.real.grouping(), |settings| self.planner.is_whole(settings, self.real.groups()))
     }
 }
 
@@ -140,7 +124,7 @@ mod tests {
             |c| {
                 let mut settings = *c.settings;
                 settings.axes.y.steps_per_mm += StepsPerMm::DELTA;
-                c.planner.set_resolution(&settings);
+                c.motion.set_resolution(&settings);
             },
         ];
         for flip in flips {
@@ -155,7 +139,7 @@ mod tests {
             |c| {
                 now(c).axes.x.steps_per_mm = StepsPerMm::from_num(81);
                 let settings = *c.settings;
-                c.planner.set_resolution(&settings);
+                c.motion.set_resolution(&settings);
             },
         ];
         assert_eq!(find(&whole, &legal), None);

@@ -11,7 +11,7 @@
 //! So no command holds `&mut Settings`: it could change the size of a step while moves wait.
 
 use super::MainLoop;
-use crate::kinematics::{Grouping, Residuals};
+use crate::kinematics::Residuals;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
@@ -78,14 +78,6 @@ impl SettingsInUse {
         known.map(|known| *known = found).is_some()
     }
 
-    /// Calls `work` with the settings that give the planner its resolutions and limits.
-    pub(super) fn of_grouping<R>(&self, grouping: Grouping, work: impl FnOnce(&Settings) -> R) -> R {
-        match grouping {
-            Grouping::Tool => work(self),
-            Grouping::Circulation | Grouping::Trim => work(&circulating(self)),
-        }
-    }
-
     /// Takes others. The caller gives them to the rest of the machine.
     pub(super) fn replace(&mut self, wanted: &Settings) {
         *self.now = *wanted;
@@ -121,19 +113,6 @@ impl SettingsInUse {
     pub(super) const fn both_mut(&mut self) -> [&mut Kept<Settings>; 2] {
         [&mut self.now, &mut self.made_with]
     }
-}
-
-/// The settings of motion while the belt has the place of z.
-pub(super) fn circulating(s: &Settings) -> Settings {
-    let z = AxisSettings {
-        steps_per_mm: s.axes.x.steps_per_mm,
-        max_speed: s.belt.max_speed,
-        max_acceleration: s.belt.max_acceleration,
-        length: s.axes.z.length,
-    };
-    let mut settings = *s;
-    settings.axes.z = z;
-    settings
 }
 
 /// The settings, of which those may change that the next move can take, while other moves wait.
@@ -175,13 +154,13 @@ impl LiveSettings<'_> {
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// The settings that may change for the following moves.
     pub fn live_settings(&mut self) -> LiveSettings<'_> {
-        self.close_line();
+        self.motion.close_line(&self.settings);
         LiveSettings(&mut self.settings.now)
     }
 
     /// The settings of heaters and fans, to change them.
     pub fn heat_settings(&mut self) -> &mut ThermalSettings {
-        self.close_line();
+        self.motion.close_line(&self.settings);
         self.heat.note_settings();
         &mut self.settings.now.thermal
     }

@@ -17,7 +17,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.finish().await?;
             self.use_settings(Settings { advance, ..*self.settings }).await
         } else {
-            self.close_line();
+            self.motion.close_line(&self.settings);
             self.settings.replace_advance(advance);
             Ok(())
         }
@@ -25,7 +25,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     #[inline(never)]
     fn needs_rest(&self, advance: Advance) -> bool {
-        self.advance_in_use.needs_rest(&self.settings, &Settings { advance, ..*self.settings })
+        self.motion.needs_rest(&self.settings, &Settings { advance, ..*self.settings })
     }
 
     /// Applies new driver settings. The drivers get them in the background.
@@ -62,8 +62,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         if is_same {
             return self.follow().await;
         }
-        self.planner.set_resolution(&wanted);
-        let position = self.planner.steps(self.commanded.of_machine(self.commanded.position()));
+        self.motion.set_resolution(&wanted);
+        let position = self.motion.to_steps(self.commanded.of_machine(self.commanded.position()));
         self.adopt_position(position).await
     }
 }

@@ -3,6 +3,7 @@
 //! The motor takes the place of z during a trim, as a circulating belt does (`belt::circulate`). The position in the
 //! firmware stays the same, though the tool moves by about a quarter of the trim.
 
+use super::regroup::couple;
 use crate::kinematics::{Grouping, Residual};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -20,33 +21,42 @@ pub(in crate::machine) fn preload_of(residual: &Residual, preload: i32) -> i32 {
     trimmed(residual).map_or(0, |(_, times)| preload * times.abs())
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// Turns one motor by `by` steps, and no other, when motion rests. All motors of the belt have power.
-    pub async fn trim(&mut self, motor: Motor, by: i32) -> Result<(), Interrupt> {
-        // A stroke may still be moving if its driver did not answer.
-        self.finish().await?;
-        if by == 0 {
-            return Ok(());
-        }
-        let ([x, y, ..], [.., z, e]) = (self.real_steps(), self.planner.end());
-        self.trimming.begin([x, y, z, e]);
-        let coupling = self.real.groups_in(Grouping::Trim).trim_coupling(motor);
-        let [x, y] = [x, y].map(Steps::wrapping_round);
-        self.couple(Grouping::Trim, &coupling, [x, y, Steps::ZERO, e]).await?;
-        self.plan_whole([x, y, Steps::wrapping_from_num(i64::from(by)), e], self.settings.belt.max_speed, false);
-        self.finish().await?;
-        self.end_trim().await
+/// Turns one motor by `by` steps, and no other, when motion rests. All motors of the belt have power.
+pub(in crate::machine) async fn trim<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    motor: Motor,
+    by: i32,
+) -> Result<(), Interrupt> {
+    // A stroke may still be moving if its driver did not answer.
+    main_loop.finish().await?;
+    if by == 0 {
+        return Ok(());
     }
+    let ([x, y, ..], [.., z, e]) = (main_loop.motion.real_steps(), main_loop.motion.end());
+    main_loop.trimming.begin([x, y, z, e]);
+    let coupling = main_loop.motion.groups_in(Grouping::Trim).trim_coupling(motor);
+    let [x, y] = [x, y].map(Steps::wrapping_round);
+    couple(main_loop, Grouping::Trim, &coupling, [x, y, Steps::ZERO, e]).await?;
+    main_loop.motion.plan_whole(
+        [x, y, Steps::wrapping_from_num(i64::from(by)), e],
+        main_loop.settings.belt.max_speed,
+        false,
+        &main_loop.settings,
+    );
+    main_loop.finish().await?;
+    end_trim(main_loop).await
+}
 
-    /// The motor has finished its turn, or was stopped: z has its place again. Motion rests.
-    pub async fn end_trim(&mut self) -> Result<(), Interrupt> {
-        if self.real.grouping() != Grouping::Trim {
-            return Ok(());
-        }
-        let held = self.trimming.held();
-        let coupling = self.real.groups_in(Grouping::Tool).coupling();
-        self.couple(Grouping::Tool, &coupling, held).await?;
-        self.stand_at_end();
-        Ok(())
+/// The motor has finished its turn, or was stopped: z has its place again. Motion rests.
+pub(in crate::machine) async fn end_trim<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    if main_loop.motion.grouping() != Grouping::Trim {
+        return Ok(());
     }
+    let held = main_loop.trimming.held();
+    let coupling = main_loop.motion.groups_in(Grouping::Tool).coupling();
+    couple(main_loop, Grouping::Tool, &coupling, held).await?;
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
+    Ok(())
 }

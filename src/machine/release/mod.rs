@@ -1,6 +1,6 @@
 //! Release: when moves leave the look-ahead, and the share of the feed for a slow host.
 //!
-//! Both files decide from times and counts alone and touch nothing; `main_loop::stream` asks them and moves the moves.
+//! Both files decide from times and counts alone and touch nothing; `main_loop::motion` asks them and moves the moves.
 //!
 //! | file | decides |
 //! |---|---|

@@ -25,7 +25,9 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
     /// An interrupt ends the transfers, except an M410 without a motion to stop.
     async fn go_round(&mut self) -> Result<(), StorageError> {
         match self.main_loop.poll().await {
-            Err(interrupt) if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.main_loop.has_motion() => {
+            Err(interrupt)
+                if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.main_loop.motion.has_motion() =>
+            {
                 self.interrupt = Some(interrupt);
                 Err(StorageError::Failed)
             }

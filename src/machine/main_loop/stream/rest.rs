@@ -6,32 +6,26 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
 use crate::motion::{Work, stiffenings, taps};
 use crate::port::Pend;
-use crate::units::{Steps, SubTicks, TICKS_PER_MS};
+use crate::units::Steps;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// Whether anything planned has not been stepped yet.
-    pub fn has_motion(&self) -> bool {
-        !self.planner.is_empty() || !self.link.is_idle()
-    }
-
     /// Waits until everything planned has been stepped.
     pub async fn finish(&mut self) -> Result<(), Interrupt> {
         self.come_again();
         self.until(|c| {
-            c.release_all();
-            !c.has_motion()
+            c.motion.release_all(&c.settings);
+            !c.motion.has_motion()
         })
         .await?;
-        self.policy.come_to_rest(self.now());
+        self.motion.come_to_rest(self.now());
         Ok(())
     }
 
     /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
     pub async fn drop_motion(&mut self) -> Result<(), Interrupt> {
-        self.planner.stand_at(self.planner.end());
-        self.link.abort();
+        self.motion.drop_all();
         let mut halted = Ok(());
-        while !self.link.is_idle() {
+        while !self.motion.is_idle() {
             // A second quick stop changes nothing; a halt does.
             match self.poll().await {
                 Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),
@@ -39,14 +33,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             }
             halted?;
         }
-        self.link.restart();
-        self.policy.note_awaited();
-        self.policy.come_to_rest(self.now());
-        let real = self.real_steps();
-        self.planner.fall_short(real);
-        self.note_path();
+        let real = self.motion.restart(self.now());
         self.adopt_position(real).await?;
-        self.commanded.fall_short(self.seen(self.planner.mm(real)));
+        let (_, z) = self.circulation.z();
+        let stands = self.motion.seen(self.motion.to_mm(real), z, self.trimming.held());
+        self.commanded.fall_short(stands);
         Ok(())
     }
 
@@ -55,9 +46,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         if self.pauses.is_dwelling() {
             return Ok(());
         }
-        self.link.brake();
-        while !self.link.has_stopped() {
-            // The path may lead on into moves that are still in the planner, so they keep leaving it.
+        self.motion.brake();
+        while !self.motion.has_stopped() {
             if let Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) = self.poll().await {
                 return Err(interrupt);
             }
@@ -65,30 +55,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Planned moves are made to their end while a command waits for something else. False once nothing moves.
-    pub fn let_motion_end(&mut self) -> bool {
-        self.release_all();
-        let has_motion = self.has_motion();
-        if !has_motion {
-            self.policy.come_to_rest(self.now());
-        }
-        has_motion
-    }
-
-    /// All planned moves leave, because a command waits for them.
-    pub fn release_all(&mut self) {
-        self.policy.note_awaited();
-        self.close_line();
-        self.planner.release_all();
-    }
-
     /// Lets time pass in the motion itself, which rests; M108 ends it.
     pub async fn let_pass(&mut self, ms: u32) -> Result<(), Interrupt> {
-        self.until(|c| c.link.has_room()).await?;
+        self.until(|c| c.motion.has_room_for_work()).await?;
         self.pauses.begin(Waiting::Time);
-        self.link.send(Work::Dwell(SubTicks::of_ticks(u64::from(ms) * u64::from(TICKS_PER_MS))));
-        self.until(|c| c.pauses.is_over() || c.link.is_idle()).await?;
-        if !self.link.is_idle() {
+        self.motion.dwell(ms);
+        self.until(|c| c.pauses.is_over() || c.motion.is_idle()).await?;
+        if !self.motion.is_idle() {
             self.drop_motion().await?;
         }
         Ok(())
@@ -97,39 +70,32 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Gives the planner and the generator the machine's position. Gives the generator its functions for each axis
     /// again, which may have been dropped with the motion. Motion rests.
     pub async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
-        self.adopt_exactly(self.real.whole_steps_away(position, self.link.counts())).await
+        self.adopt_exactly(self.motion.whole_steps_away(position)).await
     }
 
     /// The same of a position that rounds to where every motor stands.
     pub(in crate::machine::main_loop) async fn adopt_exactly(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
-        self.planner.stand_at(position);
-        self.real.adopt(position, self.link.counts());
-        self.until(|c| c.link.has_room()).await?;
-        if self.real.has_regrouped() {
-            self.link.send(Work::Regroup(self.real.grouping()));
-            self.until(|c| c.link.has_room()).await?;
+        let regrouped = self.motion.adopt(position);
+        self.until(|c| c.motion.has_room_for_work()).await?;
+        if let Some(grouping) = regrouped {
+            self.motion.send(Work::Regroup(grouping));
+            self.until(|c| c.motion.has_room_for_work()).await?;
         }
-        self.link.send(Work::Position(position));
+        self.motion.send(Work::Position(position));
         self.follow().await
     }
 
     /// Gives the generator the function that each axis follows. Motion rests.
     pub(in crate::machine::main_loop) async fn follow(&mut self) -> Result<(), Interrupt> {
-        let window = self.advance_in_use.follow(&self.settings);
-        self.planner.set_advance_window(window);
+        let window = self.motion.use_advance(&self.settings);
         for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
-            self.until(|c| c.link.has_room()).await?;
-            self.link.send(Work::Stiffen(axis as u8, stiffening));
+            self.until(|c| c.motion.has_room_for_work()).await?;
+            self.motion.send(Work::Stiffen(axis as u8, stiffening));
         }
         for (axis, taps) in taps(&self.settings.shapers, window).into_iter().enumerate() {
-            self.until(|c| c.link.has_room()).await?;
-            self.link.send(Work::Follow(axis as u8, taps));
+            self.until(|c| c.motion.has_room_for_work()).await?;
+            self.motion.send(Work::Follow(axis as u8, taps));
         }
         Ok(())
-    }
-
-    /// Where the machine really is, in steps of x, y, z and e.
-    pub fn real_steps(&self) -> [Steps; 4] {
-        self.real.of_axes(self.link.counts())
     }
 }
