@@ -1,7 +1,7 @@
 //! Wiring: the job of each pin of the chip on the board, and the part connected to it.
 //!
 //! It is taken from the board's schematic and not from the firmware: an image that has mixed up two pins must not find
-//! the same mistake here. Each board with an emulated image has a [`Wiring`] here and a test in `tests/machines.rs`.
+//! the same mistake here. Each board has a [`Wiring`] in [`ALL`], and `tests/machines.rs` runs its image on it.
 
 use corehbot::connectors::{Output, Sensor};
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet, prototype};
@@ -136,6 +136,17 @@ pub enum SettingsMemory {
     Flash,
 }
 
+/// A socket and an input beside those of the prototype.
+#[derive(Clone, Copy, Debug)]
+pub struct Spare {
+    /// The name of the socket.
+    pub socket: &'static str,
+    /// Its step and direction pins, enable line and UART.
+    pub pins: [Pin; 4],
+    /// The name of the input, and its pin.
+    pub input: (&'static str, Pin),
+}
+
 /// A board with an STM32F446.
 #[derive(Clone, Copy, Debug)]
 pub struct Wiring {
@@ -160,6 +171,8 @@ pub struct Wiring {
     pub application: u32,
     /// Serial ports for hosts.
     pub host_ports: &'static [HostPort],
+    /// A socket that has no motor of the prototype, by its name, and an input that has no switch of it.
+    pub spare: Option<Spare>,
     /// The source of the high-speed clock.
     pub hse: Hse,
     /// Where settings are kept.
@@ -167,12 +180,21 @@ pub struct Wiring {
 }
 
 impl Wiring {
+    /// The board of that name.
+    #[must_use]
+    pub fn called(name: &str) -> Option<&'static Self> {
+        ALL.into_iter().find(|board| board.name == name)
+    }
+
     /// The motors that the board has a slot for.
     #[must_use]
     pub fn motors(&self) -> MotorSet {
         self.slots.iter().flatten().fold(MotorSet::NONE, |all, slot| all.with(MotorSet::of(slot.motor)))
     }
 }
+
+/// Every board.
+pub static ALL: [&Wiring; 4] = [&OCTOPUS, &OCTOPUS_PRO, &SPIDER, &NUCLEO];
 
 const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Option<Slot> {
     Some(Slot { motor, step, dir, enable, uart: Some(uart) })
@@ -237,9 +259,18 @@ pub static OCTOPUS: Wiring = Wiring {
         HostPort { place: 1, base: 0x4000_4400, is_on_apb2: false },
         HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true },
     ],
+    // The direction line of M7 is the clock of the debug port.
+    spare: Some(Spare {
+        socket: "M7",
+        pins: [Pin::new('E', 6), Pin::new('A', 14), Pin::new('E', 0), Pin::new('D', 3)],
+        input: ("E3DET", Pin::new('G', 15)),
+    }),
     hse: Hse::Crystal(12_000_000),
     settings: SettingsMemory::Eeprom,
 };
+
+/// BTT Octopus Pro V1.0 with an STM32F446: the same pins (BTT's README of the Octopus Pro).
+pub static OCTOPUS_PRO: Wiring = Wiring { name: "octopus-pro", ..OCTOPUS };
 
 /// Fysetc Spider V1.x and V2.x. Motors 1, 8, 4, 11 are in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
 /// E4-MOT and the extruder in E0-MOT. The Raspberry Pi header is USART1 (Fysetc's README, pin definition). Its
@@ -272,6 +303,12 @@ pub static SPIDER: Wiring = Wiring {
     thermistors: &[(Sensor::Bed, 13), (Sensor::Hotend0, 10), (Sensor::Hotend1, 11), (Sensor::Hotend2, 12)],
     application: 0x0800_8000,
     host_ports: &[HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true }],
+    // The direction pin of E1-MOT is a slow one.
+    spare: Some(Spare {
+        socket: "E1-MOT",
+        pins: [Pin::new('E', 6), Pin::new('C', 13), Pin::new('E', 5), Pin::new('C', 14)],
+        input: ("X-MAX", Pin::new('A', 1)),
+    }),
     hse: Hse::Crystal(12_000_000),
     settings: SettingsMemory::Eeprom,
 };
@@ -305,6 +342,7 @@ pub static NUCLEO: Wiring = Wiring {
     thermistors: &[],
     application: 0x0800_0000,
     host_ports: &[HostPort { place: 1, base: 0x4000_4400, is_on_apb2: false }],
+    spare: None,
     hse: Hse::Clock(8_000_000),
     settings: SettingsMemory::Flash,
 };
@@ -315,7 +353,7 @@ mod tests {
 
     #[test]
     fn no_two_functions_share_a_pin() {
-        for (board, first) in [(OCTOPUS, "PF13"), (SPIDER, "PE11"), (NUCLEO, "PA10")] {
+        for board in ALL {
             let slots: Vec<Slot> = board.slots.into_iter().flatten().collect();
             let mut pins: Vec<Pin> = slots.iter().flat_map(|s| [s.step, s.dir]).collect();
             pins.extend(slots.iter().filter_map(|s| s.uart));
@@ -327,21 +365,33 @@ mod tests {
             pins.extend(board.heaters.iter().map(|(_, load)| load.pin));
             pins.extend(board.fans.iter().map(|load| load.pin));
             pins.extend(board.supply_switch);
+            if let Some(spare) = board.spare {
+                pins.extend(spare.pins);
+                pins.push(spare.input.1);
+            }
             for (i, a) in pins.iter().enumerate() {
                 assert!(!pins[i + 1..].contains(a), "{a} twice");
             }
-            assert_eq!(pins[0].to_string(), first);
         }
+        assert_eq!(OCTOPUS.slots[0].map(|slot| slot.step.to_string()).as_deref(), Some("PF13"));
+    }
+
+    #[test]
+    fn every_board_has_a_schematic_here() {
+        let keys = corehbot_boards::entries().map(|entry| entry.board.connectors.key);
+        assert!(keys.eq(ALL.iter().map(|board| board.name)));
     }
 
     #[test]
     fn slots_stand_in_the_order_of_the_motors() {
-        for board in [OCTOPUS, SPIDER, NUCLEO] {
+        for board in ALL {
             let motors = board.slots.iter().zip(Motor::ALL);
             assert!(
                 motors.filter_map(|(slot, motor)| slot.map(|slot| (slot, motor))).all(|(s, motor)| s.motor == motor)
             );
         }
-        assert_eq!((OCTOPUS.motors(), NUCLEO.motors()), (SPIDER.motors(), prototype::BELT));
+        let printers = ALL.iter().filter(|board| !board.heaters.is_empty());
+        assert!(printers.into_iter().all(|board| board.motors() == MotorSet::ALL));
+        assert_eq!(NUCLEO.motors(), prototype::BELT);
     }
 }

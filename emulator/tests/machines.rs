@@ -11,7 +11,7 @@ use corehbot_emulator::eeprom::{At24c32, Cut};
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
-use corehbot_emulator::wiring::{OCTOPUS, Pin, SPIDER, Wiring};
+use corehbot_emulator::wiring::{OCTOPUS, Pin, Wiring};
 use corehbot_machine_file as machine_file;
 
 /// Both belts and the screw, and an arc.
@@ -212,16 +212,34 @@ fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
     seen
 }
 
-/// Slot M7, with its direction line on the debug port's clock, and an input that no switch of the prototype has.
+/// The image steps on the pins of each board as the simulator does, with motor 4 in a socket and the switch of x at an
+/// input that the prototype does not use. On the Octopus the direction line of that socket is the debug port's clock. A
+/// slow direction pin rises within 100 ns (STM32F446 datasheet, I/O AC characteristics at the lowest speed), and the
+/// driver wants it 20 ns before a step.
 #[test]
-fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
-    let mut wiring = OCTOPUS;
-    let slot = wiring.slots[prototype::M8.index()].as_mut().unwrap();
-    (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('A', 14));
-    (slot.enable, slot.uart) = (Pin::new('E', 0), Some(Pin::new('D', 3)));
-    wiring.endstops[1].1 = Pin::new('G', 15);
-    let file = "board = \"octopus\"\n[motors]\nm8 = \"M7\"\n[endstops]\ny = \"E3DET\"\n";
-    assert_eq!(moves_on(&firmware(), file, wiring).debug_pins, 0b01, "SWDIO is the port's, SWCLK is not");
+fn the_image_steps_on_each_of_its_boards() {
+    for board in corehbot_boards::OCTOPUS.map(|entry| entry.board.connectors) {
+        let mut firmware = firmware();
+        firmware.set_board(board.key).unwrap();
+        let mut wiring = *Wiring::called(board.key).unwrap_or_else(|| panic!("src/wiring.rs has no {}", board.key));
+        let mut file = format!("board = \"{}\"\n", board.key);
+        let mut has_slow_dir = false;
+        if let Some(spare) = wiring.spare {
+            let slot = wiring.slots[prototype::M4.index()].as_mut().unwrap();
+            let [step, dir, enable, uart] = spare.pins;
+            (slot.step, slot.dir, slot.enable, slot.uart) = (step, dir, enable, Some(uart));
+            wiring.endstops[0].1 = spare.input.1;
+            file += &format!("[motors]\nm4 = \"{}\"\n[endstops]\nx = \"{}\"\n", spare.socket, spare.input.0);
+            // PC13 to PC15 (STM32F446 datasheet, pin definitions).
+            has_slow_dir = dir.port == Pin::new('C', 0).port && dir.bit >= 13;
+        }
+        let seen = moves_on(&firmware, &file, wiring);
+        println!("{}: dir to step {} ns", board.key, seen.recorder.pulse.set_up);
+        assert!(seen.recorder.pulse.set_up >= if has_slow_dir { 120 } else { 20 }, "{:?}", seen.recorder.pulse);
+        // SWDIO is the port's, SWCLK is not if a motor has its line.
+        let takes_clock = wiring.spare.is_some_and(|spare| spare.pins.contains(&Pin::new('A', 14)));
+        assert_eq!(seen.debug_pins, if takes_clock { 0b01 } else { 0b11 }, "{}", board.key);
+    }
     let usual = print_on(&firmware(), "M119\n", &Bench::default());
     assert_eq!(usual.debug_pins, 0b11, "without a motor there the port has its clock");
 }
@@ -237,22 +255,4 @@ fn an_image_may_be_on_another_of_its_boards() {
     let told = "echo:the machine is not used: motor m1: the BTT Octopus Pro V1.0 has no connector A; it has M0, ";
     assert!(seen.line.said.iter().any(|said| said.starts_with(told)), "{:?}", seen.line.said);
     assert!(firmware.set_board("nucleo").is_err());
-}
-
-/// The Spider steps as the simulator does. The direction pin of E1-MOT (PC13) rises within 100 ns (STM32F446 datasheet,
-/// I/O AC characteristics at the lowest speed), and the driver wants it 20 ns before a step.
-#[test]
-fn the_image_steps_on_a_spider() {
-    let mut firmware = firmware();
-    firmware.set_board("spider").unwrap();
-    let mut wiring = SPIDER;
-    let slot = wiring.slots[prototype::M4.index()].as_mut().unwrap();
-    (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('C', 13));
-    (slot.enable, slot.uart) = (Pin::new('E', 5), Some(Pin::new('C', 14)));
-    wiring.endstops[0].1 = Pin::new('A', 1);
-    let file = "board = \"spider\"\n[motors]\nm4 = \"E1-MOT\"\n[endstops]\nx = \"X-MAX\"\n";
-    let seen = moves_on(&firmware, file, wiring);
-    println!("dir to step {} ns", seen.recorder.pulse.set_up);
-    assert!(seen.recorder.pulse.set_up >= 120, "{:?}", seen.recorder.pulse);
-    assert_eq!(seen.debug_pins, 0b11);
 }
