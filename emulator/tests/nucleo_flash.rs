@@ -84,7 +84,7 @@ fn sectors_that_held_code_are_taken_over() {
 }
 
 /// Words that a save programs about an erase: the marks that are made zero before it, the erase itself and the mark
-/// after it (`chips/stm32f446/src/flash_slot.rs`).
+/// after it (`chips/board-support/src/flash_slot.rs`).
 const BEFORE_ERASE: usize = 8;
 
 /// Each save erases the sector of its slot, and delays no host.
@@ -118,7 +118,7 @@ fn what_a_host_sends_while_a_sector_is_erased_is_heard() {
 
 /// The stored number after a power cut in an operation of the saves of `numbers`, counted from the last reported save:
 /// 0 or 1. The board is switched on again, and saves once more. Host tests cut a save in every operation
-/// (`chips/stm32f446/tests/flash_pages`).
+/// (`chips/board-support/tests/flash_pages`).
 fn cut(flash: &FlashSectors, after: usize, tear: Tear, numbers: std::ops::Range<u32>) -> u32 {
     let before = numbers.start - 1;
     let mut flash = flash.clone();

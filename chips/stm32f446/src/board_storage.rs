@@ -3,7 +3,7 @@
 use corehbot::port::{Storage, StorageError};
 
 use crate::image;
-use crate::memory::Memory;
+use corehbot_board_support::memory::Memory;
 
 /// The board's memory as the core sees it.
 pub struct BoardStorage(pub &'static mut dyn Memory);

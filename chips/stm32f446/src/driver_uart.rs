@@ -1,6 +1,6 @@
 //! The UART of the motor drivers: one wire a driver, one exchange at a time, bit by bit in the interrupt of TIM8.
 //!
-//! [`exchange`](crate::exchange) decides the wire's next action; this file carries it out. The wire has a pull-up in
+//! [`exchange`](corehbot_board_support::exchange) decides the wire's next action; this file carries it out. The wire has a pull-up in
 //! the processor and is released. Only from one bit before a request to the request's end is it driven both ways. The
 //! driver answers after eight bit times and releases the wire by itself.
 //!
@@ -20,10 +20,10 @@ use embassy_stm32::pac::{Interrupt, RCC, TIM8};
 
 use crate::clocks::APB2_TIMER_HZ;
 use crate::contexts::wake_console;
-use crate::exchange::{Action, BAUD, Exchange, OVERSAMPLING};
 use crate::ports::{self, Registers};
 use crate::storm::{CallRate, count_call};
 use crate::wiring::{Board, Pin};
+use corehbot_board_support::exchange::{Action, BAUD, Exchange, OVERSAMPLING};
 
 /// The interrupt of the ticks.
 pub const IRQ: Interrupt = Interrupt::TIM8_UP_TIM13;

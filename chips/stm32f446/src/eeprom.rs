@@ -5,8 +5,8 @@ use embassy_time::{Duration, Instant};
 use static_cell::StaticCell;
 
 use crate::bus::{Answer, Bus};
-use crate::memory::Memory;
 use crate::wiring::Board;
+use corehbot_board_support::memory::Memory;
 
 /// A0 to A2 lie on ground (BTT's schematic), and the type's address is 1010 (AT24C32E datasheet 8905F, 7).
 const ADDRESS: u8 = 0x50;

@@ -10,6 +10,8 @@
 //! no board that keeps its settings in flash has heaters. Commands are heard again afterwards: DMA keeps the last 2,048
 //! bytes.
 
+use core::ops::Range;
+
 use corehbot::port::StorageError;
 use embassy_stm32::pac::FLASH;
 use embassy_stm32::pac::flash::regs::Sr;
@@ -17,11 +19,21 @@ use embassy_stm32::pac::flash::vals::Psize;
 use static_cell::StaticCell;
 
 use crate::clocks;
-use crate::flash_pages::FlashPages;
-use crate::flash_sectors::{SECTOR, SECTORS, Sectors, WORD};
-use crate::memory::Memory;
 use crate::watchdog;
 use crate::wiring::Board;
+use corehbot_board_support::flash_pages::FlashPages;
+use corehbot_board_support::flash_sectors::Sectors;
+use corehbot_board_support::memory::Memory;
+
+/// The sectors for settings: 1 and 2 (RM0390, 3.3), by their distance from the begin of flash. The vectors stay in
+/// sector 0, where the processor expects them, and the code begins after them (`settings.x` of the board).
+const SECTORS: Range<u32> = 0x4000..0xC000;
+
+/// Bytes of one of them.
+const SECTOR: u32 = 0x4000;
+
+/// Bytes that are programmed at a time.
+const WORD: u32 = 4;
 
 /// Where flash begins for the processor (RM0390, 2.2.2).
 const BASE: u32 = 0x0800_0000;
@@ -59,6 +71,10 @@ fn check(at: u32, size: usize) -> Result<(), StorageError> {
 }
 
 impl Sectors for Flash {
+    const SECTORS: [u32; 2] = [SECTORS.start, SECTORS.start + SECTOR];
+    const SECTOR: u32 = SECTOR;
+    const WORD: u32 = WORD;
+
     fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
         check(at, into.len())?;
         for (byte, address) in into.iter_mut().zip(BASE + at..) {

@@ -14,7 +14,8 @@
 //! | thread | embassy executor | Console; USB |
 //!
 //! **Safe levels** are the levels of all outputs at which no motor has power and nothing heats (`safe_levels`). An
-//! **exchange** is a request to a motor driver and its reply (`exchange`). A value that start-up makes and one
+//! **exchange** is a request to a motor driver and its reply (`exchange` of `chips/board-support`, which has all that
+//! names no register). A value that start-up makes and one
 //! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
 //! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
@@ -22,21 +23,9 @@
 
 pub use corehbot_wiring as wiring;
 
-pub mod flash_pages;
-pub mod flash_sectors;
-mod flash_slot;
 pub mod heater_pulses;
-pub mod memory;
 pub mod resources;
-pub mod usb_pump;
-pub mod usb_traffic;
 
-#[cfg(any(test, target_os = "none"))]
-mod exchange;
-#[cfg(any(test, target_os = "none"))]
-mod receiver_flags;
-#[cfg(any(test, target_os = "none"))]
-mod ring;
 #[cfg(any(test, target_os = "none"))]
 mod storm;
 

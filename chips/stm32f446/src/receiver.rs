@@ -9,7 +9,7 @@ use embassy_stm32::pac::usart::Usart as Registers;
 
 use crate::contexts::wake_console;
 use crate::resources::Channel;
-use crate::ring::{Ring, SIZE};
+use corehbot_board_support::ring::{Ring, SIZE};
 
 /// A ring, the DMA stream that fills it, and the read position. The interrupt handlers have one that never reads.
 pub struct Receiver {

@@ -18,7 +18,6 @@ use crate::fans::Fans;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
 use crate::machine_at_start::{Start, machine_at_start};
-use crate::memory::Find;
 use crate::reset_reason::{self, ResetReason};
 use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
@@ -29,6 +28,7 @@ use crate::wiring::{Board, Image};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
 };
+use corehbot_board_support::memory::Memory;
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
@@ -44,6 +44,10 @@ const SETTLE: u32 = 10_000;
 
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
+
+/// A function that finds the memory of a board, when its clocks run. A board's `main` passes it, so the linker leaves
+/// the other driver out.
+type Find = fn(&'static Board) -> &'static mut dyn Memory;
 
 /// Runs the firmware on the board that the image is on, with the memory for settings that `find` finds there.
 pub fn run(image: &'static Image, find: Find) -> ! {

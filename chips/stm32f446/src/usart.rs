@@ -1,5 +1,5 @@
 //! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts.
-//! [`receiver_flags`](crate::receiver_flags) handles an idle line and damaged bytes.
+//! [`receiver_flags`](corehbot_board_support::receiver_flags) handles an idle line and damaged bytes.
 //!
 //! USART1 and USART2 run the same code. Each may have a host, at the same time.
 
@@ -16,11 +16,11 @@ use static_cell::ConstStaticCell;
 use crate::contexts::wake_console;
 use crate::ports;
 use crate::receiver::Receiver;
-use crate::receiver_flags::{self, Flags, News, Receiving};
 use crate::resources::{self, USART_FUNCTION};
-use crate::ring::Ring;
 use crate::storm::{CallRate, count_call};
 use crate::wiring::{SerialPort, Usart};
+use corehbot_board_support::receiver_flags::{self, Flags, News, Receiving};
+use corehbot_board_support::ring::Ring;
 
 /// Bytes that wait for the transmitter: a report of the settings (M503).
 const WAITING: usize = 1024;
@@ -114,8 +114,8 @@ impl Serial for UsartLine {
         if received.is_none() {
             // The handler changes the same registers.
             critical_section::with(|_| {
-                let look = |registers: &mut Registers| flags(registers.sr().read());
-                if receiver_flags::watch_again(&mut self.registers, look) == News::Damage {
+                let look = |receiving: &mut ReceivingUsart| flags(receiving.0.sr().read());
+                if receiver_flags::watch_again(&mut ReceivingUsart(self.registers), look) == News::Damage {
                     self.receiver.mark_damage();
                 }
             });
@@ -138,17 +138,20 @@ fn flags(status: Sr) -> Flags {
     Flags { is_at_rest: status.idle(), is_damaged: status.ore() || status.fe() || status.ne() }
 }
 
-impl Receiving for Registers {
+/// The registers, as `receiver_flags` uses them.
+struct ReceivingUsart(Registers);
+
+impl Receiving for ReceivingUsart {
     fn discard(&mut self) {
-        let _ = self.dr().read();
+        let _ = self.0.dr().read();
     }
 
     fn is_watching(&mut self) -> bool {
-        self.cr1().read().idleie()
+        self.0.cr1().read().idleie()
     }
 
     fn watch(&mut self, rest: bool) {
-        self.cr1().modify(|w| w.set_idleie(rest));
+        self.0.cr1().modify(|w| w.set_idleie(rest));
     }
 }
 
@@ -160,7 +163,7 @@ impl Station {
     /// The line rests, a byte was damaged, or the transmitter has room.
     fn on_interrupt(&self) {
         let status = self.registers.sr().read();
-        match receiver_flags::answer(flags(status), &mut { self.registers }) {
+        match receiver_flags::answer(flags(status), &mut ReceivingUsart(self.registers)) {
             News::None => {}
             News::Rest => wake_console(),
             News::Damage => {

@@ -13,9 +13,9 @@ use crate::otg::{self, UsbDriver};
 use crate::reset_reason::ResetReason;
 use crate::step_timer::BoardClock;
 use crate::supply;
-use crate::usb_pump::PACKET;
-use crate::usb_traffic::{Surroundings, Traffic};
 use crate::wiring::Board;
+use corehbot_board_support::usb_pump::PACKET;
+use corehbot_board_support::usb_traffic::{Surroundings, Traffic};
 
 /// The identity that pid.codes keeps for tests (pid.codes/1209/0001): it belongs to no product, but is shared by all
 /// tests. A host that finds a device by it should check manufacturer and product too.

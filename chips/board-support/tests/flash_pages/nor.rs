@@ -2,9 +2,14 @@
 
 use crate::random::Random;
 use corehbot::port::StorageError;
-use corehbot_stm32f446::flash_sectors::{SECTOR, SECTORS, Sectors};
+use corehbot_board_support::flash_sectors::Sectors;
 use std::cell::{Cell, RefCell};
+use std::ops::Range;
 use std::rc::Rc;
+
+/// Two sectors of 16 KiB, as the STM32F446 has them.
+const SECTORS: Range<u32> = 0x4000..0xC000;
+const SECTOR: u32 = 0x4000;
 
 /// The power is gone.
 #[derive(Debug)]
@@ -161,6 +166,10 @@ impl Nor {
 }
 
 impl Sectors for Nor {
+    const SECTORS: [u32; 2] = [SECTORS.start, SECTORS.start + SECTOR];
+    const SECTOR: u32 = SECTOR;
+    const WORD: u32 = 4;
+
     fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
         self.look(at, into);
         Ok(())

@@ -20,7 +20,7 @@
 use corehbot::port::StorageError;
 use corehbot::storage::{PAGE, STRIDE};
 
-use crate::flash_sectors::{SECTOR, Sectors, WORD};
+use crate::flash_sectors::Sectors;
 
 /// Its erase is done. No vector table begins so.
 const ERASED: [u8; 16] = *b"corehbot slot V1";
@@ -41,8 +41,13 @@ const NOTES: u32 = 64;
 /// A page that was never written.
 const BLANK: [u8; PAGE] = [0xFF; PAGE];
 
-const _: () = assert!(WHOLE_AT as usize + WHOLE.len() <= PAGES_AT as usize && (PAGE as u32).is_multiple_of(WORD));
-const _: () = assert!(PAGES_AT + STRIDE <= NOTES_AT && NOTES_AT + NOTES * PAGE as u32 <= SECTOR);
+const _: () = assert!(WHOLE_AT as usize + WHOLE.len() <= PAGES_AT as usize && PAGES_AT + STRIDE <= NOTES_AT);
+
+/// Whether a slot fits into a sector of this flash, in whole words.
+const fn fits<F: Sectors>() -> bool {
+    let is_whole = (PAGE as u32).is_multiple_of(F::WORD) && WHOLE_AT.is_multiple_of(F::WORD);
+    is_whole && NOTES_AT + NOTES * PAGE as u32 <= F::SECTOR
+}
 
 /// A slot.
 pub struct FlashSlot {
@@ -67,7 +72,8 @@ enum Holds {
 
 impl FlashSlot {
     /// The slot in a sector, as it is found at the start.
-    pub fn found(flash: &mut impl Sectors, sector: u32) -> Self {
+    pub fn found<F: Sectors>(flash: &mut F, sector: u32) -> Self {
+        const { assert!(fits::<F>()) };
         Self { sector, holds: look(flash, sector).unwrap_or(Holds::Unread), erased: 0 }
     }
 

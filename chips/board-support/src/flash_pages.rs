@@ -1,11 +1,11 @@
-//! Pages of settings in the processor's flash: a sector of 16 KiB for each of the core's two slots.
+//! Pages of settings in the processor's flash: a sector for each of the core's two slots.
 //!
 //! The core writes its slots in turns, and never the slot that holds the newest settings (`corehbot::storage`). So a
 //! save may erase the sector of its slot first, wherever a power cut hits it. The code need not judge whether an
 //! earlier erase was complete: it erases every sector once in this run before it writes there (`flash_slot`).
 //!
-//! It costs an erase for each save, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits), and wear: 10,000 erases
-//! a sector (datasheet, N_END), so 20,000 saves. Several places in a sector would save erases; but a place that a cut
+//! It costs an erase for each save, and wear. On the STM32F446 that is up to 0.5 s (datasheet, t_ERASE16KB at 32 bits)
+//! and 10,000 erases a sector (N_END), so 20,000 saves. Several places in a sector would save erases; but a place that a cut
 //! has left half programmed may read as blank, so they need judging again.
 //!
 //! The contract is narrower than the contract of an EEPROM. A slot is written from its last page to its first, as a
@@ -16,11 +16,11 @@
 use corehbot::port::StorageError;
 use corehbot::storage::{NEEDED, PAGE, STRIDE};
 
-use crate::flash_sectors::{SECTOR, SECTORS, Sectors};
+use crate::flash_sectors::Sectors;
 use crate::flash_slot::FlashSlot;
 use crate::memory::Memory;
 
-const _: () = assert!(SECTORS.end - SECTORS.start == 2 * SECTOR && NEEDED == 2 * STRIDE);
+const _: () = assert!(NEEDED == 2 * STRIDE);
 
 /// The page at the end, in which the core notes the last self-test.
 const NOTE: u32 = NEEDED - PAGE as u32;
@@ -59,7 +59,7 @@ impl Place {
 impl<F: Sectors> FlashPages<F> {
     /// The pages in the sectors of `flash`. Reads 32 bytes of each sector, and its notes when one is asked for.
     pub fn new(mut flash: F) -> Self {
-        let slots = [SECTORS.start, SECTORS.start + SECTOR].map(|sector| FlashSlot::found(&mut flash, sector));
+        let slots = F::SECTORS.map(|sector| FlashSlot::found(&mut flash, sector));
         Self { flash, slots }
     }
 

@@ -1,22 +1,19 @@
 //! The flash sectors reserved for settings, and the operations on them.
 
-use core::ops::Range;
-
 use corehbot::port::StorageError;
 
-/// The sectors: 1 and 2 (RM0390, 3.3), by their distance from the begin of flash. The vectors stay in sector 0, where
-/// the processor expects them, and the code begins after them (`settings.x` of the board).
-pub const SECTORS: Range<u32> = 0x4000..0xC000;
-
-/// Bytes of one of them.
-pub const SECTOR: u32 = 0x4000;
-
-/// Bytes that are programmed at a time.
-pub const WORD: u32 = 4;
-
-/// Flash with these sectors. A power cut in an operation may leave any content in the word being programmed, or in the
-/// sector being erased. Nothing else changes.
+/// Flash with two sectors for settings. A power cut in an operation may leave any content in the word being programmed,
+/// or in the sector being erased. Nothing else changes.
 pub trait Sectors {
+    /// Where each of the sectors begins, by its distance from the begin of flash.
+    const SECTORS: [u32; 2];
+
+    /// Bytes of one of them.
+    const SECTOR: u32;
+
+    /// Bytes that are programmed at a time.
+    const WORD: u32;
+
     /// Fills `into` with the bytes from `at` on.
     ///
     /// # Errors

@@ -1,13 +1,6 @@
 //! Memory for settings, whichever a board has.
-//!
-//! A board's `main` passes the function that opens its memory, so the linker leaves the other driver out.
 
 use corehbot::port::StorageError;
-
-use crate::wiring::Board;
-
-/// A function that finds the memory of a board, when its clocks run.
-pub type Find = fn(&'static Board) -> &'static mut dyn Memory;
 
 /// The port [`corehbot::port::Storage`] without futures: a call takes at most a millisecond or two, unless its
 /// documentation says otherwise.

@@ -11,9 +11,9 @@ mod random;
 use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
 use corehbot::storage::{self, NEEDED, STRIDE, SaveError};
-use corehbot_stm32f446::flash_pages::FlashPages;
-use corehbot_stm32f446::flash_sectors::Sectors;
-use corehbot_stm32f446::memory::Memory;
+use corehbot_board_support::flash_pages::FlashPages;
+use corehbot_board_support::flash_sectors::Sectors;
+use corehbot_board_support::memory::Memory;
 use embassy_futures::block_on as now;
 use nor::Nor;
 use std::rc::Rc;
@@ -180,6 +180,10 @@ fn flash_that_does_not_work_is_reported() {
 struct Unreadable(usize);
 
 impl Sectors for Unreadable {
+    const SECTORS: [u32; 2] = Nor::SECTORS;
+    const SECTOR: u32 = Nor::SECTOR;
+    const WORD: u32 = Nor::WORD;
+
     fn read(&mut self, _at: u32, _into: &mut [u8]) -> Result<(), StorageError> {
         Err(StorageError::Failed)
     }
