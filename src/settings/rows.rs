@@ -316,9 +316,8 @@ macro_rules! specs {
     };
 }
 // Types of the same shape are the same type: one of each.
-specs!(MmPerSec, MmPerSec2, StepsPerMm, Seconds, Celsius, Watts, Mm);
-const _: fn(Hertz, Ratio, JoulesPerKelvin, WattsPerKelvin) -> (MmPerSec, Seconds) =
-    |a, _: MmPerSec, _: MmPerSec, b| (a, b);
+specs!(MmPerSec, MmPerSec2, StepsPerMm, Seconds, Celsius, Watts, Mm, Ratio);
+const _: fn(Hertz, JoulesPerKelvin, WattsPerKelvin) -> (Ratio, Seconds) = |a, _: Ratio, b| (a, b);
 
 /// Ranges of whole numbers as specs.
 macro_rules! whole {

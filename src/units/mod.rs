@@ -94,11 +94,15 @@ impl Steps {
     }
 }
 
-/// A speed in mm/s; resolution 15 um/s, range 65 m/s.
-pub type MmPerSec = U16F16;
+quantity! {
+    /// A speed in mm/s; resolution 15 um/s, range 65 m/s.
+    MmPerSec(U16F16)
+}
 
-/// An acceleration in mm/s2; resolution 0.004 mm/s2, range 16.7 km/s2.
-pub type MmPerSec2 = U24F8;
+quantity! {
+    /// An acceleration in mm/s2; resolution 0.004 mm/s2, range 16.7 km/s2.
+    MmPerSec2(U24F8)
+}
 
 quantity! {
     /// A motor's resolution in (micro)steps a millimetre.

@@ -273,7 +273,7 @@ fn wild_moves() {
     let settings = Settings::prototype();
     check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_416, 226_820_609, 0x64C1_F4D8));
     let mut elsewhere = Settings { mechanism: Mechanism { rows: UNEQUAL }, ..settings };
-    elsewhere.travel_acceleration /= 8;
+    elsewhere.travel_acceleration = elsewhere.travel_acceleration / 8;
     check(
         "unequal",
         &generate_on(&plan(&wild(0x5EED_0002, 60), &elsewhere), &elsewhere),

@@ -113,12 +113,12 @@ mod tests {
     fn f40_motion_settings_that_change_by_themselves_halt_the_machine_within_a_second() {
         let whole = Mechanism::corehbot();
         let flips: [fn(&mut Machine<'_>); 5] = [
-            |c| now(c).damage().axes.x.max_speed ^= MmPerSec::DELTA,
+            |c| now(c).damage().axes.x.max_speed += MmPerSec::DELTA,
             |c| now(c).damage().soft_endstops ^= true,
             |c| now(c).damage().mechanism.rows[0][0] ^= 2,
             |c| {
                 let [_, made_with] = c.settings.both_mut();
-                made_with.damage().homing.z.fast ^= MmPerSec::DELTA;
+                made_with.damage().homing.z.fast += MmPerSec::DELTA;
             },
             // The planner's values derived from the settings, here from wrong ones.
             |c| {
