@@ -316,8 +316,8 @@ macro_rules! specs {
     };
 }
 // Types of the same shape are the same type: one of each.
-specs!(MmPerSec, MmPerSec2, StepsPerMm, Seconds, Celsius, Watts, Mm, Ratio);
-const _: fn(Hertz, JoulesPerKelvin, WattsPerKelvin) -> (Ratio, Seconds) = |a, _: Ratio, b| (a, b);
+specs!(MmPerSec, MmPerSec2, StepsPerMm, Hertz, Seconds, Celsius, Watts, Mm, Ratio);
+const _: fn(JoulesPerKelvin, WattsPerKelvin) -> (Ratio, Seconds) = |a, b| (a, b);
 
 /// Ranges of whole numbers as specs.
 macro_rules! whole {

@@ -109,8 +109,10 @@ quantity! {
     StepsPerMm(U16F16)
 }
 
-/// A frequency; resolution 15 uHz.
-pub type Hertz = U16F16;
+quantity! {
+    /// A frequency; resolution 15 uHz.
+    Hertz(U16F16)
+}
 
 /// A short time in s; resolution 0.06 us, range 256 s.
 pub type Seconds = U8F24;
