@@ -316,8 +316,8 @@ macro_rules! specs {
     };
 }
 // Types of the same shape are the same type: one of each.
-specs!(MmPerSec, MmPerSec2, StepsPerMm, Hertz, Seconds, Celsius, Watts, Mm, Ratio);
-const _: fn(JoulesPerKelvin, WattsPerKelvin) -> (Ratio, Seconds) = |a, b| (a, b);
+specs!(MmPerSec, MmPerSec2, StepsPerMm, Hertz, Seconds, Celsius, Watts, JoulesPerKelvin, Mm, Ratio);
+const _: fn(WattsPerKelvin) -> Seconds = |a| a;
 
 /// Ranges of whole numbers as specs.
 macro_rules! whole {

@@ -117,8 +117,10 @@ quantity! {
 /// A short time in s; resolution 0.06 us, range 256 s.
 pub type Seconds = U8F24;
 
-/// A ratio; resolution 15 millionths.
-pub type Ratio = U16F16;
+quantity! {
+    /// A ratio; resolution 15 millionths.
+    Ratio(U16F16)
+}
 
 quantity! {
     /// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
@@ -131,8 +133,10 @@ quantity! {
     Watts(U16F16)
 }
 
-/// A heat capacity in J/K; resolution 15 millionths, range 65 kJ/K.
-pub type JoulesPerKelvin = U16F16;
+quantity! {
+    /// A heat capacity in J/K; resolution 15 millionths, range 65 kJ/K.
+    JoulesPerKelvin(U16F16)
+}
 
 /// Heat that flows for each K of difference, in W/K, or that a mm of filament takes, in J/(K mm); range 256.
 pub type WattsPerKelvin = U8F24;

@@ -5,7 +5,7 @@ use crate::{break_it, constants, is_off, printing};
 use corehbot::connectors::{Heater, Output};
 use corehbot::settings::{Control, Pid};
 use corehbot::thermal::Order;
-use corehbot::units::Ratio;
+use corehbot::units::{JoulesPerKelvin, Ratio};
 use corehbot_rig::plant::{HeaterFault, Plant, SensorFault};
 
 #[test]
@@ -65,7 +65,9 @@ fn settings_that_keep_coming_hold_up_no_guard() {
         });
         let mut changed = *settings().heater(Heater::Hotend);
         for second in 0..60_u8 {
-            (changed.pid.p, changed.model.capacity) = ((20 + second % 2).into(), (11 + second % 2).into());
+            let turn = second % 2;
+            (changed.pid.p, changed.model.capacity) =
+                (Ratio::from_num(20 + turn), JoulesPerKelvin::from_num(11 + turn));
             printer.order(Order::Heater(Heater::Hotend, changed));
             // To detect a frozen sensor the guards need another power now and then.
             printer.set(Heater::Hotend, if second % 4 < 2 { 215.0 } else { 225.0 });

@@ -25,7 +25,7 @@ fn a_tuned_hotend_is_the_plant_and_heats_as_well() {
     let (tuning, time) = tune(&mut printer, Heater::Hotend, 215);
     assert_eq!((printer.fault(), tuning), (None, Tuning::Done));
     let Tuned { capacity, loss, fan_loss, lag, p, i, d } = printer.status.heat().tuned();
-    let [capacity, loss] = [JoulesPerKelvin::from_bits(capacity), JoulesPerKelvin::from_bits(loss >> 8)];
+    let (capacity, loss) = (JoulesPerKelvin::from_bits(capacity), WattsPerKelvin::from_bits(loss));
     let lag = Seconds::from_bits(lag);
     let pid = Pid { p: Ratio::from_bits(p), i: Ratio::from_bits(i), d: Ratio::from_bits(d) };
     println!("{time:.0} s: {capacity:.2} J/K, {loss:.4} W/K, {lag:.2} s, P {:.1} I {:.2} D {:.1}", pid.p, pid.i, pid.d);
@@ -41,7 +41,7 @@ fn a_tuned_hotend_is_the_plant_and_heats_as_well() {
     // With the tuned values.
     let mut tuned = settings();
     let hotend = tuned.heater_mut(Heater::Hotend);
-    (hotend.model.capacity, hotend.model.loss) = (capacity, WattsPerKelvin::from_num(loss));
+    (hotend.model.capacity, hotend.model.loss) = (capacity, loss);
     (hotend.model.heater_lag, hotend.model.sensor_lag) = (lag / 2, lag / 2);
     let heated = heat_up(&mut Printer::new(&PlantConstants::prototype(), tuned), 215.0);
     println!("with the model found: {heated:.2?}");
