@@ -315,9 +315,7 @@ macro_rules! specs {
         })+
     };
 }
-// Types of the same shape are the same type: one of each.
-specs!(MmPerSec, MmPerSec2, StepsPerMm, Hertz, Seconds, Celsius, Watts, JoulesPerKelvin, Mm, Ratio);
-const _: fn(WattsPerKelvin) -> Seconds = |a| a;
+specs!(MmPerSec, MmPerSec2, StepsPerMm, Hertz, Seconds, Celsius, Watts, JoulesPerKelvin, WattsPerKelvin, Mm, Ratio);
 
 /// Ranges of whole numbers as specs.
 macro_rules! whole {

@@ -114,8 +114,10 @@ quantity! {
     Hertz(U16F16)
 }
 
-/// A short time in s; resolution 0.06 us, range 256 s.
-pub type Seconds = U8F24;
+quantity! {
+    /// A short time in s; resolution 0.06 us, range 256 s.
+    Seconds(U8F24)
+}
 
 quantity! {
     /// A ratio; resolution 15 millionths.
@@ -138,5 +140,7 @@ quantity! {
     JoulesPerKelvin(U16F16)
 }
 
-/// Heat that flows for each K of difference, in W/K, or that a mm of filament takes, in J/(K mm); range 256.
-pub type WattsPerKelvin = U8F24;
+quantity! {
+    /// Heat that flows for each K of difference, in W/K, or that a mm of filament takes, in J/(K mm); range 256.
+    WattsPerKelvin(U8F24)
+}

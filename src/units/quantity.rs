@@ -17,18 +17,13 @@ pub trait Quantity: Copy + PartialOrd + fmt::Display + Into<I32F32> {
     fn saturating_from(number: I32F32) -> Self;
 }
 
-macro_rules! plain {
-    ($($number:ty),+) => {
-        $(impl Quantity for $number {
-            const FRAC_NBITS: u32 = <$number>::FRAC_NBITS;
+impl Quantity for I32F32 {
+    const FRAC_NBITS: u32 = Self::FRAC_NBITS;
 
-            fn saturating_from(number: I32F32) -> Self {
-                Self::saturating_from_num(number)
-            }
-        })+
-    };
+    fn saturating_from(number: I32F32) -> Self {
+        number
+    }
 }
-plain!(I32F32, fixed::types::U16F16, fixed::types::U24F8, fixed::types::U8F24, fixed::types::I12F20);
 
 /// Makes a quantity: `NAME(NUMBER)`.
 macro_rules! quantity {
@@ -183,13 +178,6 @@ macro_rules! quantity {
             #[inline(always)]
             fn mul(self, times: <$number as fixed::traits::Fixed>::Bits) -> Self {
                 Self(self.0 * times)
-            }
-        }
-
-        impl core::ops::MulAssign<<$number as fixed::traits::Fixed>::Bits> for $name {
-            #[inline(always)]
-            fn mul_assign(&mut self, times: <$number as fixed::traits::Fixed>::Bits) {
-                self.0 *= times;
             }
         }
 

@@ -107,7 +107,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     assert!((0..MOST_PARTS).any(|_| planner.prepare()));
     seen.take(&mut planner, usize::MAX);
     let mut finer = *settings;
-    finer.axes.x.steps_per_mm *= 2;
+    finer.axes.x.steps_per_mm = finer.axes.x.steps_per_mm * 2;
     planner.set_resolution(&finer);
     assert!(planner.is_whole(&finer, groupings.of(grouping)));
     seen.look(&mut planner, [Mm::ONE; 4]);

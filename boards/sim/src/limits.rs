@@ -188,7 +188,8 @@ impl Limits {
     fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
         if let Command::Setting(SettingCommand::Advance { time: Some(time), .. }) = parse(command.as_bytes()) {
             // The firmware leaves other lines alone.
-            widest.has_advance |= time > Number::ZERO && ranges::ADVANCE.holds(time.value().saturating_to_num());
+            widest.has_advance |=
+                time > Number::ZERO && ranges::ADVANCE.holds(Seconds::saturating_from_num(time.value()));
             return;
         }
         if let Command::Setting(SettingCommand::VelocityLimit(VelocityWords { square_corner: Some(number), .. })) =
