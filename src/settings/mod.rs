@@ -9,7 +9,7 @@
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
-//! - Command: letters in `gcode`, their effect in `machine/commands/settings/set.rs` (or `shaping`, `drivers`).
+//! - Command: letters in `gcode/commands/settings`, their effect in `machine/commands/settings/set.rs` (or `shaping`, `drivers`).
 //!   Checked by `every_setting.rs` and `legal_settings.rs`.
 //! - M503: `machine/reports/settings_report.rs`; for a line of its own also `machine/answers/setting.rs`. Checked by
 //!   `every_setting.rs`.
@@ -19,7 +19,7 @@
 //! - Sum in RAM: `kept`, by `Hash`. Checked by the compiler.
 //!
 //! A new [`ShaperKind`] comes last, as records hold its number. The compiler and tests then ask for its impulses
-//! (`motion::trajectory::shaper`), its names in M593 (`gcode::shaping`, `machine/commands/shaping.rs`), M503 and the
+//! (`motion::trajectory::shaper`), its names in M593 (`gcode/commands/settings/shaping.rs`, `machine/commands/shaping.rs`), M503 and the
 //! twin (`twin/src/shaping`). By hand: `examples/shaping.gcode`, docs/explanation/shaping.md, docs/research/twin.md.
 
 mod axis;

@@ -287,7 +287,8 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
             continue;
         }
         let number = number.filter(|number| *number >= Number::ZERO);
-        let number = number.unwrap_or_else(|| panic!("{name} is missing in NAMES of src/gcode/shaping.rs"));
+        let number =
+            number.unwrap_or_else(|| panic!("{name} is missing in NAMES of src/gcode/commands/settings/shaping.rs"));
         let said = settings_as_said(&Settings::prototype(), &[&format!("M593 X F50 T{number}")]);
         let by_file = settings_as_said(&settings, &["M593 X F50"]);
         assert_eq!(said, by_file, "{name}: kind_of in src/machine/commands/shaping.rs");

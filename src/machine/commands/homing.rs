@@ -10,7 +10,7 @@
 //! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch,
 //! and so does its hard stop in `widen`. It also needs:
 //!
-//! - `Command::Refused(RefusedCommand::Probing)` taken apart, and letters in `gcode::grammar` (`tests/gcode.rs` asks for them);
+//! - `Command::Refused(RefusedCommand::Probing)` taken apart, and a grammar in its row (`tests/gcode.rs` asks for it);
 //! - a probe in the rig: `Rig::inputs` says which inputs there are, `Rig::endstops` presses them;
 //! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
 //! - the simulator: `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the

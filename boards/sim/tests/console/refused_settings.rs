@@ -2,7 +2,7 @@
 //! (M503) is the same before and after, and the host is told. The table in `src/machine/state/clamps.rs` lists the
 //! values that are clamped instead.
 
-use super::legal_settings::{SETTERS, heated};
+use super::legal_settings::{heated, setters};
 use super::talk::{HOMED, Steps, Talk};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
@@ -59,7 +59,11 @@ fn after(lines: &[String]) -> (Vec<String>, Vec<String>) {
 fn words() -> impl Iterator<Item = (&'static str, char)> {
     let has_range =
         |code: &str, letter: char| !NO_RANGE.iter().any(|(its, letters)| *its == code && letters.contains(letter));
-    let all = SETTERS.into_iter().chain(NOT_STORED).flat_map(|(code, letters)| letters.chars().map(move |l| (code, l)));
+    let not_stored = NOT_STORED.into_iter().map(|(code, letters)| (code, letters.to_owned()));
+    let all = setters().into_iter().chain(not_stored).flat_map(|(code, letters)| {
+        let letters: Vec<_> = letters.chars().collect();
+        letters.into_iter().map(move |letter| (code, letter))
+    });
     all.filter(move |(code, letter)| has_range(code, *letter))
 }
 
