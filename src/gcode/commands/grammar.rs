@@ -26,6 +26,9 @@ pub(in crate::gcode) struct Grammar {
 /// Marlin's names of axes beyond x, y and z.
 pub(super) const NO_AXES: &[u8] = b"ABCUVW";
 
+/// Words that need no number.
+pub(super) const WORDS: &Grammar = &Grammar::numbers(b"");
+
 impl Grammar {
     /// Words, and nothing else; these letters need a number.
     pub(super) const fn numbers(numbers: &'static [u8]) -> Self {

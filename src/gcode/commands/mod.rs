@@ -2,14 +2,15 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`motion`], [`job`], [`heat`], [`settings`], [`motors`], [`reports`], [`refused`], [`silent`] | a family: its type, its rows, the readers of its words |
-//! | [`row`] | what a row is |
+//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`reports`] | a family: its type, its rows, its readers |
+//! | [`refused`], [`silent`] | the same for commands that are not carried out |
+//! | [`row`] | the parts of a row |
 //! | [`grammar`] | the rules for words, and the lines that break them |
 //! | [`table`] | the rows of all families |
 
 pub(super) mod grammar;
 mod heat;
-mod job;
+mod jobs;
 pub(super) mod motion;
 mod motors;
 mod refused;
@@ -21,7 +22,7 @@ pub(super) mod table;
 
 use super::parts::Flaw;
 pub use heat::HeatCommand;
-pub use job::JobCommand;
+pub use jobs::JobCommand;
 pub use motion::MotionCommand;
 pub use motors::MotorCommand;
 pub use refused::RefusedCommand;

@@ -1,7 +1,7 @@
 //! Motion: moves, modes, overrides, retraction.
 
 use super::Command;
-use super::grammar::{Grammar, NO_AXES, in_order};
+use super::grammar::{Grammar, NO_AXES, WORDS, in_order};
 use super::row::Described;
 use crate::gcode::axes::{axis_flags, take_axis};
 use crate::gcode::code::Code;
@@ -95,9 +95,6 @@ pub enum MotionCommand {
 
 /// G0, G1. C is the belt's circulation, which not every machine has.
 const LINE: &Grammar = &Grammar::numbers(b"XYZECF").no_axes(b"ABUVW");
-
-/// Words, none of which needs a number.
-const WORDS: &Grammar = &Grammar::numbers(b"");
 
 pub(super) const ROWS: &[Described] = &[
     Described::g(&[0, 1], |number, text| Some(line(Code { letter: b'G', number, subcode: 0 }, text)))

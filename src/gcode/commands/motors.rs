@@ -1,7 +1,7 @@
 //! Motors, their drivers and belts.
 
 use super::Command;
-use super::grammar::{Grammar, NO_AXES};
+use super::grammar::{Grammar, NO_AXES, WORDS};
 use super::row::Described;
 use crate::gcode::axes::{axis_flags, axis_words};
 use crate::gcode::index::Part;
@@ -69,7 +69,7 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[914], |_, text| motor(MotorCommand::StallThreshold(axis_words(text))))
         .grammar(AXES)
         .does("X Y Z E", "StallGuard threshold; or reports"),
-    Described::m(&[915], |_, text| align(text)).grammar(&Grammar::numbers(b"")).does(
+    Described::m(&[915], |_, text| align(text)).grammar(WORDS).does(
         "D, R",
         "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt.md#alignment-m915))",
     ),

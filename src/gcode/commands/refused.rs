@@ -28,7 +28,7 @@ pub(super) const ROWS: &[Described] = &[
     .refused("the same"),
 ];
 
-const NOT_PROBED: &str = "nothing is probed by this firmware";
+const NOT_PROBED: &str = "this firmware has no probing";
 const CONDITION: &str = "a condition: the print is halted, because the firmware cannot skip lines";
 
 const fn refused(command: RefusedCommand) -> Option<Command<'static>> {

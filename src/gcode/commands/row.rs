@@ -46,11 +46,11 @@ pub enum Treatment {
 /// The part of a row for people.
 #[derive(Clone, Copy, Debug)]
 pub struct Text {
-    /// What is done.
+    /// Its treatment.
     pub treatment: Treatment,
     /// Its words.
     pub words: &'static str,
-    /// What it does, or why nothing is done.
+    /// Its effect, or the reason why there is none.
     pub does: &'static str,
 }
 

@@ -5,12 +5,12 @@
 //! order of the axes.
 //!
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part. It is read and reported (M119), but no axis homes by it. G29, G30
-//! and their relatives (`Command::Refused(RefusedCommand::Probing)`) are answered and not carried out. A command that probes would use
+//! and their relatives (`RefusedCommand::Probing`) are answered and not carried out. A command that probes would use
 //! `switch::approach`, which refuses an endstop that the board does not have. It moves towards the end of the axis that
 //! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch,
 //! and so does its hard stop in `widen`. It also needs:
 //!
-//! - `Command::Refused(RefusedCommand::Probing)` taken apart, and a grammar in its row (`tests/gcode.rs` asks for it);
+//! - `RefusedCommand::Probing` taken apart, and a grammar in its row (`tests/gcode.rs` asks for it);
 //! - a probe in the rig: `Rig::inputs` says which inputs there are, `Rig::endstops` presses them;
 //! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
 //! - the simulator: `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the

@@ -4,7 +4,7 @@ mod machine_record;
 mod shaping;
 
 use super::Command;
-use super::grammar::{Grammar, NO_AXES};
+use super::grammar::{Grammar, NO_AXES, WORDS};
 use super::row::Described;
 use crate::gcode::axes::{axis_words, take_axis};
 use crate::gcode::index::Part;
@@ -67,9 +67,6 @@ pub enum SettingCommand<'a> {
     /// MACHINE_GET, MACHINE_PUT, MACHINE_STORE: the machine, as a record in pieces.
     MachineRecord(MachineRecord<'a>),
 }
-
-/// Words, none of which needs a number.
-const WORDS: &Grammar = &Grammar::numbers(b"");
 
 /// A number for each axis.
 const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES).parts(&[(b'T', Part::Extruder)]);
