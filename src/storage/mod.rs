@@ -6,10 +6,11 @@
 //!
 //! An image has a place for its own record ([`machine_of`]): the machine of this board until another one is stored.
 //!
-//! The last page notes the last self-test of the heaters that was passed.
+//! The last page notes the last self-test of the heaters that was passed. `map` says where everything lies.
 
 mod machine;
 mod machine_block;
+mod map;
 mod payload;
 mod record;
 mod self_test;
@@ -19,7 +20,8 @@ pub use machine::{machine_in, record_of, stored_machine};
 pub use machine_block::{
     BLOCK, MARK, blank_block, board_of, boards_of, choose_board, clear_machine, machine_of, put_machine,
 };
+pub use map::{NEEDED, PAGE, STRIDE};
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
-pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};
+pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, survey};

@@ -5,7 +5,7 @@
 //! | 0..4 | the tested heaters, as one number |
 //! | 4..8 | CRC-32 of `CHBT` and these bytes |
 
-use super::slots::SELF_TEST;
+use super::map::SELF_TEST;
 use crate::checksum::crc32;
 use crate::port::{Storage, StorageError};
 

@@ -3,26 +3,14 @@
 //! Invariant: a save never touches the slot that holds the newest settings. Transfers stay inside one page, so a power
 //! cut spoils no more than the page being written, and the caller can do other things in between.
 
+use super::map::{NEEDED, PAGE, SLOT, STRIDE};
 use super::payload::Unknown;
 use super::record::{Decoded, LONGEST, Receipt, Record, Rejected, decode, encode, length};
 use crate::kinematics::Mechanism;
 use crate::port::{Storage, StorageError};
 use crate::settings::{Settings, SettingsError};
 
-/// Transfers never cross a multiple of this: the page of an AT24C32 (datasheet 0336K, page write).
-pub const PAGE: usize = 32;
-
-/// Distance of the slots: settings can grow to half as much again without moving them.
-pub const STRIDE: u32 = 2048;
-
-/// Where the note of the last self-test lies: in the last page.
-pub(super) const SELF_TEST: u32 = NEEDED - PAGE as u32;
-
-/// Bytes of storage that are needed: all of an AT24C32.
-pub const NEEDED: u32 = 2 * STRIDE;
-
-const _: () = assert!(LONGEST <= (STRIDE as usize) - PAGE && LONGEST.is_multiple_of(PAGE));
-const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && NEEDED <= 4096);
+const _: () = assert!(LONGEST <= SLOT as usize && LONGEST.is_multiple_of(PAGE));
 
 /// One of the two places for a record.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -361,16 +361,16 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// The temperature up to which its neighbours may warm a heater. A hot bed warms the hotend next to it as long as
-    /// it is hot; both warm the chamber as long as their heat is under way. Nothing warms a bed, which is the heaviest.
+    /// The temperature up to which its neighbours may warm a heater. A hot bed warms the hotend next to it and the
+    /// chamber as long as it is hot. A hotend, which is light, warms the chamber as long as its heat is under way.
+    /// Nothing warms a bed, which is the heaviest.
     fn warmed_to(&self, heater: Heater) -> Celsius {
         let [hotend, bed, _] = &self.heaters;
         let reading = |near: &HeaterLoop| near.measured().filter(|_| near.settings().is_fitted);
-        let warm = |near: &HeaterLoop| reading(near).filter(|_| !near.is_settled());
         let near = match heater {
             Heater::Hotend => reading(bed),
             Heater::Bed => None,
-            Heater::Chamber => warm(hotend).max(warm(bed)),
+            Heater::Chamber => reading(hotend).filter(|_| !hotend.is_settled()).max(reading(bed)),
         };
         near.unwrap_or(Celsius::MIN)
     }

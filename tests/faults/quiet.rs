@@ -59,3 +59,24 @@ fn hours_of_printing_trip_nothing() {
     }
     println!("{hours} hours without an alarm");
 }
+
+/// Reproducer: a hotend in a cold room that comes down to a low target. It needs 2.5 times the power that a room of 25 C
+/// would take, and its reading hardly rises.
+#[test]
+fn a_low_target_in_a_cold_room_is_held() {
+    for (room, target) in (0..=6).flat_map(|room| (0..=10).map(move |target| (5 + 5 * room, 30 + 5 * target))) {
+        let mut constants = constants();
+        constants.ambient_celsius = f64::from(room);
+        let mut printer = Printer::new(&constants, settings());
+        printer.run(1.0);
+        printer.set(Heater::Hotend, 144.0);
+        printer.run(90.0);
+        for pause in [60.0, 130.0, 200.0] {
+            printer.set(Heater::Hotend, 0.0);
+            printer.run(pause);
+            printer.set(Heater::Hotend, f64::from(target));
+            printer.run(60.0);
+        }
+        assert_eq!(printer.fault(), None, "{target} C in a room of {room} C");
+    }
+}

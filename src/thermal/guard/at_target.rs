@@ -49,8 +49,10 @@ impl AtTarget {
         let target = target?;
         hold.is_reached |= magnitude(seen.measured, target) <= REACHED;
         let lost = hold.lost(guards, target, seen.measured);
-        // The floor's number limits the setting.
-        hold.overshoot(target.saturating_add(guards.overshoot.min(floor.overshoot)), seen).or(lost)
+        // The floor's number limits the setting. A warm neighbour may warm it up to its own temperature: a hot bed takes
+        // a chamber far above its target.
+        let limit = target.saturating_add(guards.overshoot.min(floor.overshoot)).max(seen.warmed_to);
+        hold.overshoot(limit, seen).or(lost)
     }
 }
 
@@ -118,6 +120,20 @@ mod tests {
         assert_eq!(run(&mut guard, 200, FULL, |_| 150), None, "it warms up");
         assert_eq!(run(&mut guard, 200, FULL, |_| 200), None);
         assert!(run(&mut guard, 200, FULL, |_| 180).is_some());
+    }
+
+    /// Reproducer: a chamber for 23.5 C that a bed of 85 C warmed to 38.5 C counted as one with a stuck switch.
+    #[test]
+    fn a_neighbour_may_warm_it_far_above_its_target() {
+        let alarms = |warmed_to: i32| {
+            let mut guard = AtTarget::new();
+            (0..60_000).any(|n| {
+                let at = c(24 + n / 2000);
+                let seen = Seen { is_settled: true, warmed_to: c(warmed_to), ..Seen::quiet(at) };
+                guard.look(&Guards::bed(), Floor::of(Heater::Chamber), Some(c(24)), &seen).is_some()
+            })
+        };
+        assert!(!alarms(85) && alarms(40) && alarms(20));
     }
 
     #[test]

@@ -2,12 +2,13 @@
 //!
 //! A fixed rate (2 C in 20 s) is too strict for a warm bed and too lax for a hotend. The balance holds at every
 //! temperature. It compares the heat that the mass took up and lost, by its model, with the heat that the heater gave.
+//! The room may be cold, so losses are those to the coldest room.
 
 use super::{Alarm, Episode, Seen, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
 use crate::thermal::fixed_point::{Power, RATE, driven, part_per_period, saturated, times};
-use crate::thermal::room::ROOM;
+use crate::thermal::room::COLDEST_ROOM;
 use crate::units::{Celsius, JoulesPerKelvin, Ratio};
 use fixed::types::{I0F32, I8F24};
 
@@ -110,7 +111,7 @@ impl HeatBalance {
             (i64::from(n.fan_loss.to_bits()) * i64::from(fan.to_bits())) >> Ratio::FRAC_NBITS,
         ));
         let leaving = n.loss.saturating_add(fan).saturating_add(filament);
-        let lost = driven(measured.saturating_sub(ROOM), leaving).max(Power::ZERO);
+        let lost = driven(measured.saturating_sub(COLDEST_ROOM), leaving).max(Power::ZERO);
         let more = times(power.saturating_sub(balance.arriving), n.arrival);
         balance.arriving = balance.arriving.saturating_add(more);
         balance.given += i64::from(balance.arriving.to_bits());
@@ -146,5 +147,35 @@ impl Balance {
         let missing = wanted.saturating_sub(found) / numbers.heat(Celsius::ONE).max(1);
         let limit = rise.saturating_add(Celsius::saturating_from_num(missing));
         Some(Alarm { cause: Cause::HeatsTooSlowly, value: rise, limit })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connectors::{Output, Sensor};
+    use crate::units::{Seconds, Watts, WattsPerKelvin};
+
+    /// Reproducer: a hotend of 30 W in a room of 7 C, over a cold bed, was held at 37 C. It needed 3.8 times the power of
+    /// its model, its reading hardly rose, and it counted as a heater that does not heat.
+    #[test]
+    fn a_low_target_in_a_cold_room_is_in_balance() {
+        let mut settings = HeaterSettings::hotend(Output::He0, Sensor::Hotend0);
+        settings.power = Watts::from_num(30);
+        settings.model.capacity = JoulesPerKelvin::from_num(13.4);
+        settings.model.loss = WattsPerKelvin::from_num(0.0968);
+        (settings.model.heater_lag, settings.model.sensor_lag) = (Seconds::from_num(0.95), Seconds::from_num(1.65));
+        let mut guard = HeatBalance::new(&settings);
+        let (mut block, mut reading, mut arriving) = (36.2_f64, 36.8_f64, 0.0_f64);
+        for n in 0..3000 {
+            // 0.05 W/K of its losses go to the bed.
+            let watt = 4.6;
+            arriving += (watt - arriving) / (0.95 * 50.0);
+            block += (arriving - 0.147 * (block - 7.0)) / (13.4 * 50.0);
+            reading += (block - reading) / (1.65 * 50.0);
+            let seen = Seen { duty: 1, ..Seen::quiet(Celsius::from_num(reading)) };
+            let found = guard.look(true, &seen, Power::from_num(watt), Ratio::ZERO, I8F24::ZERO);
+            assert_eq!(found, None, "after {n} periods, at {reading:.1} C");
+        }
     }
 }

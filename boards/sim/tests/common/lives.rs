@@ -58,6 +58,8 @@ pub struct Machine {
     pub hotend: Truth,
     pub bed: Truth,
     pub has_chamber: bool,
+    /// Heat that the bed loses to the chamber, W/K.
+    pub to_chamber: f64,
     pub room: f64,
     /// So far from the default model that its owner has to tune it before anything else.
     pub is_tuned_first: [bool; 2],
@@ -118,9 +120,10 @@ impl Machine {
         thermal.heaters.hotend.power = Watts::from_num(hotend.watt);
         thermal.heaters.bed.power = Watts::from_num(bed.watt);
         thermal.heaters.bed.period_ms = dice.pick(&[0, 1000]);
-        let plant = plant(thermal, room, noise, seed, [hotend, bed], coupling);
+        let to_chamber = if has_chamber { coupling[1] } else { 0.0 };
+        let plant = plant(thermal, room, noise, seed, [hotend, bed], [coupling[0], to_chamber]);
         let is_tuned_first = [!is_usual[0], !is_usual[1]];
-        Self { settings, plant, hotend, bed, has_chamber, room, is_tuned_first }
+        Self { settings, plant, hotend, bed, has_chamber, to_chamber, room, is_tuned_first }
     }
 
     /// The hottest target that four fifths of the power hold, with some filament running.
@@ -132,7 +135,8 @@ impl Machine {
         };
         let filament = if heater == Heater::Hotend { 0.012 } else { 0.0 };
         let fan = if heater == Heater::Hotend { 0.05 } else { 0.0 };
-        most.min(self.room + 0.8 * truth.watt / (truth.watt_per_kelvin + filament + fan))
+        let chamber = if heater == Heater::Bed { self.to_chamber } else { 0.0 };
+        most.min(self.room + 0.8 * truth.watt / (truth.watt_per_kelvin + filament + fan + chamber))
     }
 }
 
@@ -155,7 +159,7 @@ fn plant(
         "ambient = {room:.2}\nnoise = {noise:.2}\nseed = {seed}\n{}{}[coupling]\nhotend_bed = {hotend_bed:.4}\nbed_chamber = {:.3}\n",
         table("hotend", hotend),
         table("bed", bed),
-        if thermal.heaters.chamber.is_fitted { bed_chamber } else { 0.0 },
+        bed_chamber,
     );
     let mut without = corehbot_rig::heat::constants(thermal);
     without.chamber = thermal.heaters.chamber.is_fitted.then(ChamberConstants::usual);
