@@ -390,11 +390,13 @@ fn no_image_is_made_of_what_is_none() {
     let file = place.join("m.toml");
     std::fs::write(&file, "board = \"octopus\"\n[motors]\nm1 = \"M3\"\nm11 = \"M0\"\n").unwrap();
     let file = file.to_str().unwrap();
+    let keys: Vec<_> = corehbot_boards::entries().map(|entry| entry.board.connectors.key).collect();
+    let no_board = format!("no board is called printer: {}", keys.join(", "));
     for (args, told) in [
         (&["--from", blank, "--machine", file][..], "motor m1: the CNC shield has no connector M3"),
         (&["--from", blank, "--board", "octopus"], "an image for nucleo, not for octopus"),
         (&["--from", file], "not an image of this firmware"),
-        (&["--board", "printer"], "no board is called printer: octopus, octopus-pro, spider, nucleo"),
+        (&["--board", "printer"], no_board.as_str()),
         (&["--board", "nucleo"], "name an image with --from"),
         (&[], "--board"),
         (&["--from", blank, "--machine", "nothing.toml"], "cannot open nothing.toml"),
