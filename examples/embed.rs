@@ -135,7 +135,7 @@ fn main() {
         let (steps, forward) = (coupling.motors(*steps), coupling.forward_motors(*forward));
         print!("{:.7} s:", *tick as f64 / f64::from(TICKS_PER_SECOND));
         for motor in Motor::ALL.into_iter().filter(|motor| steps.has(*motor)) {
-            print!(" {}{}", motor.name(), if forward.has(motor) { '+' } else { '-' });
+            print!(" {}{}", settings.name_of(motor), if forward.has(motor) { '+' } else { '-' });
         }
         println!();
     }

@@ -1,11 +1,14 @@
-//! Motors and endstops: their numbers, and sets of them as bits.
+//! Motors and endstops: their numbers, names of motors, and sets of them as bits.
 //!
 //! The Z probe is an endstop, [`EndstopSet::PROBE`]. A board may have its pin (`Board::probe` in `wiring.rs` of the
 //! chip) and a machine a plug for it (`Settings::probe`). It is read like a switch (`step_pins.rs`), and M119 reports
 //! it. A move could watch for it (`watch` of a `Target`, motion/planner), but none does: no command lowers the tool
 //! onto the probe.
 
+mod name;
 pub mod prototype;
+
+pub use name::MotorName;
 
 /// Motors that a machine may have.
 pub const MOTORS: usize = 7;
@@ -38,20 +41,6 @@ impl Motor {
     pub const fn number(self) -> u8 {
         self.0
     }
-
-    /// The motor's name as traces and reports print it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            prototype::M1 => "m1",
-            prototype::M4 => "m4",
-            prototype::M8 => "m8",
-            prototype::M11 => "m11",
-            prototype::Z1 => "z1",
-            prototype::Z2 => "z2",
-            _ => "e0",
-        }
-    }
 }
 
 /// A set of motors, one bit each.
@@ -77,6 +66,11 @@ impl MotorSet {
     #[inline(always)]
     pub const fn has(self, motor: Motor) -> bool {
         self.0 & (1 << motor.0) != 0
+    }
+
+    /// Its motors.
+    pub fn iter(self) -> impl Iterator<Item = Motor> + Clone {
+        Motor::ALL.into_iter().filter(move |motor| self.has(*motor))
     }
 
     /// Whether the set is empty.

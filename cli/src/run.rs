@@ -96,8 +96,9 @@ impl Prepared {
             Outputs::new(args.printer.files().chain([args.file.as_path()]).chain(args.heat.file()), stop.clone());
         let mut open = |path: &Option<PathBuf>| path.as_deref().map(|path| outputs.open(path)).transpose();
         let (trace, vcd, json, report) = (open(&args.trace)?, open(&args.vcd)?, open(&args.json)?, open(&args.report)?);
-        let vcd = vcd.map(VcdWriter::new).transpose().context("cannot write the VCD file")?;
         let settings = &machine.settings;
+        let vcd = vcd.map(|out| VcdWriter::new(out, &settings.motor_names)).transpose();
+        let vcd = vcd.context("cannot write the VCD file")?;
         let stored = eeprom.as_mut().and_then(Eeprom::settings);
         let stored = stored.filter(|stored| stored.mechanism == settings.mechanism);
         let mut limits = Widening::new(settings, stored.as_ref());
@@ -141,7 +142,11 @@ impl Prepared {
         };
         let host = host.finish();
         let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
-        let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
+        let names = Names {
+            file: &name,
+            machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
+            motors: machine.settings.motor_names,
+        };
         let heat = std::mem::take(&mut sinks.heat);
         let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
         let mut belt = desk.belt;

@@ -57,7 +57,7 @@ fn a_wire_that_is_shorted_keeps_all_motors_without_power() {
     for level in [false, true] {
         let mut drivers = drivers();
         drivers.of(prototype::M1).short = Some(level);
-        assert_refused(&print_on(&drivers), "motor 1 ");
+        assert_refused(&print_on(&drivers), "motor m1 ");
     }
 }
 
@@ -83,7 +83,7 @@ fn replies_that_are_damaged_now_and_then_are_asked_for_again() {
 fn replies_that_are_always_damaged_keep_all_motors_without_power() {
     let mut drivers = drivers();
     drivers.of(prototype::M4).noise = 1;
-    assert_refused(&print_on(&drivers), "motor 4");
+    assert_refused(&print_on(&drivers), "motor m4");
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_driver_that_says_other_microsteps_keeps_all_motors_without_power() {
     let mut drivers = drivers();
     let other = 0x1000_0053 | 5 << chopconf::MRES;
     drivers.of(prototype::M11).chip.answer_wrongly(chopconf::ADDRESS, other);
-    assert_refused(&print_on(&drivers), "motor 11");
+    assert_refused(&print_on(&drivers), "motor m11");
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of
 #[test]
 fn a_z_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
     let fault = Injection::DriverReset { after: 46_000, motor: prototype::Z2 };
-    assert!(off_after(fault, MotorSet::ALL, &["motor Z2 was reset"]).0 < 200 * MS);
+    assert!(off_after(fault, MotorSet::ALL, &["motor z2 was reset"]).0 < 200 * MS);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::place::{self, Place};
 use crate::short::short;
-use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SHEETS, SettingsError};
+use corehbot::settings::{ConnectorError, MachineName, Plugged, SHEETS, SettingsError};
 use std::fmt::{self, Display};
 
 /// An error in a machine file.
@@ -19,7 +19,7 @@ pub enum MachineFileError {
         /// The name in the file.
         name: String,
         /// The existing ones.
-        known: Vec<&'static str>,
+        known: Vec<String>,
     },
     /// A value of another kind.
     Kind {
@@ -50,8 +50,15 @@ pub enum MachineFileError {
     },
     /// `corner` names no rule, or both.
     Corner,
-    /// More phases than a belt may have.
-    Phases,
+    /// A list with more values than there may be.
+    TooLong {
+        /// The key with its tables.
+        key: String,
+        /// Values that it has at most.
+        most: usize,
+    },
+    /// An invalid name of a motor.
+    MotorName(String),
     /// An invalid `name`.
     Name(String),
     /// An invalid row of `mechanism`.
@@ -108,7 +115,11 @@ impl Display for MachineFileError {
             }
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
             Self::Corner => f.write_str("corner needs exactly one of its keys: junction_deviation or square_corner"),
-            Self::Phases => write!(f, "belt.phases has a number for each residual, {PHASES} at most"),
+            Self::TooLong { key, most } => write!(f, "{key} has {most} values at most"),
+            Self::MotorName(name) => {
+                let (name, most) = (short(name), corehbot::motors::MotorName::LONGEST);
+                write!(f, "motors.names: {name:?} is no name of a motor: up to {most} letters and digits")
+            }
             Self::Name(name) => write!(
                 f,
                 "name = {:?} is not a name: up to {} letters, digits, blanks and {}, a blank neither first nor last",
@@ -159,7 +170,8 @@ impl MachineFileError {
                 | Self::Range { .. }
                 | Self::Row { .. }
                 | Self::Connector { .. }
-                | Self::Phases
+                | Self::TooLong { .. }
+                | Self::MotorName(_)
                 | Self::Name(_)
         )
     }
@@ -173,6 +185,7 @@ impl MachineFileError {
             Self::Unknown { key, .. }
             | Self::Kind { key, .. }
             | Self::Length { key, .. }
+            | Self::TooLong { key, .. }
             | Self::Thermistor(key)
             | Self::Range { key, .. }
             | Self::Row { key, .. }
@@ -182,7 +195,7 @@ impl MachineFileError {
                 return Place::of_key(text, &plugged(error)).or_else(|| Place::of_key(text, "board"));
             }
             Self::Corner => "corner.square_corner".to_owned(),
-            Self::Phases => "belt.phases".to_owned(),
+            Self::MotorName(_) | Self::Settings(SettingsError::MotorNames) => "motors.names".to_owned(),
             Self::Name(_) => "name".to_owned(),
             Self::Settings(SettingsError::OutOfRange(key)) => key.to_string(),
             Self::Settings(SettingsError::OutOfRangeBeside(key)) => (*key).to_owned(),
@@ -199,7 +212,7 @@ impl MachineFileError {
                 return axes.filter_map(|key| Place::of_key(text, &key)).last();
             }
             Self::Settings(SettingsError::SharedHeater(what)) => format!("heaters.bed.{what}"),
-            Self::Settings(SettingsError::Mechanism(_)) => "mechanism".to_owned(),
+            Self::Settings(SettingsError::Mechanism { .. } | SettingsError::Nameless(_)) => "mechanism".to_owned(),
             Self::Settings(SettingsError::Circulation) => "belt.closed".to_owned(),
             Self::Settings(SettingsError::HomingOrder) => "homing.order".to_owned(),
         };
@@ -212,7 +225,7 @@ fn plugged(error: &ConnectorError) -> String {
     match error {
         ConnectorError::Nowhere(part, _) | ConnectorError::NoSuch(part, ..) | ConnectorError::Twice([_, part], _) => {
             match part {
-                Plugged::Motor(motor) => format!("motors.{}", motor.name()),
+                Plugged::Motor(motor) => format!("motors.{motor}"),
                 Plugged::Endstop(axis) => format!("endstops.{axis}"),
                 Plugged::Probe => "endstops.probe".to_owned(),
             }

@@ -1,5 +1,6 @@
 //! Keys: every key of a machine file, from the rows of all settings, and the few keys without a setting.
 
+use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Kind, Legal, Row, Text};
 use corehbot::settings::table::described;
 use std::sync::LazyLock;
@@ -72,7 +73,7 @@ pub(crate) const TABLES: [(&str, &str); 29] = [
         "mechanism",
         "Steps of each motor for one step of x, y, z and e. A file with this table lists every motor that is fitted.",
     ),
-    ("motors", "The socket of the board for each motor."),
+    ("motors", "The motors: their names, and the socket of the board for each."),
     ("endstops", "The input of the board for the switch of each axis."),
     ("corner", "Speed in corners: one of the keys."),
     ("shaper", "Input shapers against ringing (M593)."),
@@ -92,8 +93,8 @@ pub(crate) const TABLES: [(&str, &str); 29] = [
     ("pause", "Where the tool waits while a print is paused, and how it gets there and back."),
     ("homing", "How each axis finds its endstop, where that is, and in which order."),
     ("drivers", "The configuration of the motor drivers (TMC2209) where they have a UART."),
-    ("drivers.belt", "Drivers of the motors 1, 4, 8 and 11."),
-    ("drivers.z", "Drivers of the screws."),
+    ("drivers.belt", "Drivers of the motors that move x or y."),
+    ("drivers.z", "Drivers of the motors that move z alone."),
     ("drivers.e", "Driver of the extruder."),
     ("thermal", "Settings that heaters and fans have in common."),
     ("heaters", "Heaters."),
@@ -135,6 +136,28 @@ pub(crate) static ALL: LazyLock<Vec<Known>> = LazyLock::new(|| {
     all
 });
 
+/// The path of a setting in a file where motors have these names: `mechanism.#2` is `mechanism.m8` in the prototype's.
+/// `None` for a motor without a name.
+pub(crate) fn named(path: &str, names: &[MotorName]) -> Option<String> {
+    let Some((table, rest)) = path.split_once(".#") else { return Some(path.to_owned()) };
+    let (number, leaf) = rest.split_once('.').unwrap_or((rest, ""));
+    let name = names.get(number.parse::<usize>().ok()?).filter(|name| !name.is_none())?;
+    Some(join(&join(table, name.as_str()), leaf))
+}
+
+/// The reverse: a path in such a file, with the number of a motor for its name.
+pub(crate) fn numbered(path: &str, names: &[MotorName]) -> String {
+    let mut words = path.splitn(3, '.');
+    let (table, name, leaf) = (words.next(), words.next(), words.next());
+    let number = name.and_then(|name| names.iter().position(|known| !name.is_empty() && known.as_str() == name));
+    match (table, number) {
+        (Some(table @ ("mechanism" | "motors")), Some(number)) => {
+            join(&format!("{table}.#{number}"), leaf.unwrap_or_default())
+        }
+        _ => path.to_owned(),
+    }
+}
+
 /// The key at that path.
 pub(crate) fn find(path: &str) -> Option<&'static Known> {
     ALL.iter().find(|known| known.path == path)
@@ -145,13 +168,13 @@ pub(crate) fn is_table(path: &str) -> bool {
     ALL.iter().any(|known| known.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
 }
 
-/// The names of the keys and tables in a table.
-pub(crate) fn names_in(table: &str) -> Vec<&'static str> {
+/// The names of the keys and tables in a table, where motors have these names.
+pub(crate) fn names_in(table: &str, motors: &[MotorName]) -> Vec<String> {
     let mut names = Vec::new();
-    for known in ALL.iter() {
-        let inner = if table.is_empty() { Some(&*known.path) } else { known.path.strip_prefix(table) };
+    for path in ALL.iter().filter_map(|known| named(&known.path, motors)) {
+        let inner = if table.is_empty() { Some(&*path) } else { path.strip_prefix(table) };
         let inner = inner.and_then(|inner| if table.is_empty() { Some(inner) } else { inner.strip_prefix('.') });
-        if let Some(name) = inner.and_then(|inner| inner.split('.').next())
+        if let Some(name) = inner.and_then(|inner| inner.split('.').next()).map(str::to_owned)
             && !names.contains(&name)
         {
             names.push(name);
@@ -169,7 +192,14 @@ pub(crate) fn names_of(name: fn(usize) -> Option<&'static str>) -> Vec<&'static 
 pub(crate) const fn fraction(kind: Kind) -> u32 {
     match kind {
         Kind::Fixed(bits) | Kind::Auto(bits) => bits,
-        Kind::Whole | Kind::Switch | Kind::Choice(_) | Kind::Name | Kind::Plug | Kind::Thermistor | Kind::MotorRow => 0,
+        Kind::Whole
+        | Kind::Switch
+        | Kind::Choice(_)
+        | Kind::Name
+        | Kind::MotorName
+        | Kind::Plug
+        | Kind::Thermistor
+        | Kind::MotorRow => 0,
     }
 }
 

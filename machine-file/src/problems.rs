@@ -94,15 +94,18 @@ mod tests {
         assert_eq!(said(text), ["1:2: error: x and y share motors: their steps_per_mm must be equal"]);
     }
 
-    /// Reproducer: a gantry on four screws with drivers of two kinds had no errors.
+    /// Reproducer: a gantry with drivers of two kinds had no errors.
     #[test]
     fn motors_of_an_axis_with_other_microsteps_are_an_error_at_their_key() {
-        let gantry = "[mechanism]\nm11 = [1, 1, 0]\nm4 = [1, -1, 0]\nm1 = [0, 0, 1]\nm8 = [0, 0, 1]\nz1 = [0, 0, 1]\n\
-                      z2 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n[drivers.z]\ncurrent_ma = 800\nmicrosteps = 32\n";
-        let text = "11:14: error: motors m1 and z1 move the same axis with 16 and 32 microsteps, so one moves further \
-            than the other: set drivers.belt.microsteps and drivers.z.microsteps alike";
+        let gantry = "[mechanism]\nm11 = [1, 1, 0]\nm4 = [1, -1, 0]\nm1 = [1, 1, 1]\nm8 = [0, 0, 1]\nz1 = [0, 0, 1]\n\
+                      z2 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n[drivers.z]\ncurrent_ma = 800\nmicrosteps = 32\n\
+                      [axes.z]\nsteps_per_mm = 80\n";
+        let text = "11:14: error: motors m1 and m8 move the same axis with 16 and 32 microsteps, so one moves further than \
+                    the other: set drivers.belt.microsteps and drivers.z.microsteps alike";
         assert_eq!(said(gantry), [text]);
         assert_eq!(said(&format!("{gantry}[drivers.belt]\nmicrosteps = 32\n")), [""; 0]);
+        // Screws alone have the drivers of z, whatever they are called.
+        assert_eq!(said(&gantry.replace("m1 = [1, 1, 1]", "m1 = [0, 0, 1]")), [""; 0]);
         let unequal = include_str!("../../examples/machines/core-unequal.toml");
         assert_eq!(said(unequal), [""; 0]);
     }

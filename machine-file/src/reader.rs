@@ -1,9 +1,10 @@
 //! Reader: from the keys of a file to settings. All that is wrong with single keys is found in one pass.
 
 use crate::error::MachineFileError;
-use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in};
+use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in, numbered};
 use crate::value;
 use corehbot::connectors::BoardConnectors;
+use corehbot::motors::{MOTORS, MotorName, prototype};
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
 use corehbot::settings::{Bed, Belt, Endstop, MachineName, PHASES, Settings, Wiring};
 use corehbot::units::Mm;
@@ -16,6 +17,8 @@ use toml::{Table, Value as Toml};
 pub(crate) struct Given {
     /// The name of the machine.
     pub name: Option<String>,
+    /// The names of its motors.
+    motors: [MotorName; MOTORS],
     /// The board that it names.
     pub board: Option<&'static BoardConnectors>,
     /// Values by the ids of their rows and by parts.
@@ -35,7 +38,7 @@ impl Given {
     /// If it is not TOML.
     pub fn read(text: &str) -> Result<Self, MachineFileError> {
         let file: Table = toml::from_str(text).map_err(MachineFileError::Syntax)?;
-        let mut given = Self::default();
+        let mut given = Self { motors: motor_names(&file), ..Self::default() };
         given.table(&file, "");
         given.name = file.get("name").and_then(Toml::as_str).map(str::to_owned);
         Ok(given)
@@ -49,7 +52,7 @@ impl Given {
     fn table(&mut self, table: &Table, path: &str) {
         for (name, toml) in table {
             let inner = join(path, name);
-            match (find(&inner), toml) {
+            match (find(&numbered(&inner, &self.motors)), toml) {
                 (Some(known), _) => {
                     self.paths.push(inner.clone());
                     let read = self.key(&inner, known.of, toml);
@@ -67,7 +70,7 @@ impl Given {
                     what: "field",
                     key: inner,
                     name: name.clone(),
-                    known: names_in(path),
+                    known: names_in(path, &self.motors),
                 }),
             }
         }
@@ -90,7 +93,7 @@ impl Given {
                     return Err(MachineFileError::Length { key: path.to_owned(), wanted: row.tables.len() });
                 }
                 if items.len() > row.tables.len() {
-                    return Err(MachineFileError::Phases);
+                    return Err(MachineFileError::TooLong { key: path.to_owned(), most: row.tables.len() });
                 }
                 for (part, item) in items.iter().enumerate() {
                     let value = value::value(path, item, text.kind, row.legal(part))?;
@@ -131,6 +134,9 @@ impl Given {
         }
         if self.has("belt.phases") {
             s.belt.phases = [Belt::NO_PHASE; PHASES];
+        }
+        if self.has("motors.names") {
+            s.motor_names = [MotorName::NONE; MOTORS];
         }
         if self.has("corner.junction_deviation") && self.has("corner.square_corner") {
             return Err(MachineFileError::Corner);
@@ -184,6 +190,19 @@ impl Given {
         debug_assert!([ROTATION_DISTANCE, FULL_STEPS].contains(&name));
         self.numbers.get(&format!("axes.{axis}.{name}")).copied()
     }
+}
+
+/// The names that a file gives its motors; the prototype's if it gives none.
+fn motor_names(file: &Table) -> [MotorName; MOTORS] {
+    let Some(listed) = file.get("motors").and_then(|motors| motors.get("names")).and_then(Toml::as_array) else {
+        return prototype::NAMES;
+    };
+    let mut names = [MotorName::NONE; MOTORS];
+    for (name, item) in names.iter_mut().zip(listed) {
+        // A wrong name is an error of its own.
+        *name = item.as_str().and_then(MotorName::new).unwrap_or(MotorName::NONE);
+    }
+    names
 }
 
 /// Puts values into the settings.

@@ -1,8 +1,9 @@
 //! The reference of settings, docs/reference/settings.md, from their rows.
 
-use crate::keys::{about, legal_words, names_of};
+use crate::keys::{about, legal_words, named, names_of};
 use crate::value::toml;
 use crate::written::values;
+use corehbot::motors::prototype;
 use corehbot::settings::Settings;
 use corehbot::settings::rows::{Kind, Row, Text};
 use corehbot::settings::table::described;
@@ -43,8 +44,10 @@ fn table(row: &Row) -> &'static str {
 
 /// The key for all parts: `axes.x`, `y`, `z`, `e` `.length`.
 fn keys(row: &Row) -> String {
-    let mut tables: Vec<&str> = row.tables.to_vec();
+    let tables = row.tables.iter().filter_map(|table| named(table, &prototype::NAMES));
+    let mut tables: Vec<String> = tables.collect();
     tables.dedup();
+    let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
     let leaf = if row.leaf.is_empty() || tables == [""] { row.leaf.to_owned() } else { format!(".{}", row.leaf) };
     match tables.as_slice() {
         [] | [""] => format!("`{leaf}`"),
@@ -66,6 +69,7 @@ fn range(row: &Row, text: &Text) -> String {
         Kind::Switch => "true, false".to_owned(),
         Kind::Choice(name) => names_of(name).join(", "),
         Kind::Name => "24 characters".to_owned(),
+        Kind::MotorName => "4 characters".to_owned(),
         Kind::Plug => "8 characters".to_owned(),
         Kind::Thermistor => "see [heat](../explanation/heat.md)".to_owned(),
         Kind::MotorRow => "3 or 4 numbers".to_owned(),

@@ -3,7 +3,6 @@
 use super::MachineFileError;
 use super::keys::{FULL_STEPS, ROTATION_DISTANCE, bits_of, shortest};
 use super::reader::Given;
-use corehbot::motors::prototype;
 use corehbot::settings::{Settings, ranges};
 use corehbot::units::StepsPerMm;
 
@@ -45,9 +44,7 @@ pub(super) fn resolution(s: &mut Settings, number: usize, given: &Given) -> Resu
 
 /// The microsteps of the drivers that move an axis, if they have the same.
 fn microsteps(s: &Settings, axis: usize) -> Option<u16> {
-    let motors = s.mechanism.motors_of(axis);
-    let groups = [(prototype::BELT, s.drivers.belt), (prototype::Z, s.drivers.z), (prototype::E, s.drivers.e)];
-    let mut of_axis = groups.into_iter().filter(|(group, _)| group.intersects(motors)).map(|(_, d)| d.microsteps);
+    let mut of_axis = s.mechanism.motors_of(axis).iter().map(|motor| s.driver_of(motor).0.microsteps);
     let first = of_axis.next()?;
     of_axis.all(|other| other == first).then_some(first)
 }

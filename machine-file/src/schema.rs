@@ -1,9 +1,10 @@
 //! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all
 //! settings, defaults from the prototype.
 
-use crate::keys::{ALL, BOARD, FULL_STEPS, Of, Other, about, fraction, names_of, shortest};
+use crate::keys::{ALL, BOARD, FULL_STEPS, Of, Other, about, fraction, named, names_of, shortest};
 use crate::value;
 use crate::written;
+use corehbot::motors::prototype;
 use corehbot::settings::rows::{Kind, Legal, Text};
 use corehbot::settings::{SHEETS, Settings, ranges};
 use serde_json::{Map, Value, json};
@@ -26,11 +27,19 @@ pub fn schema() -> Value {
         };
         // A motor that a file with a mechanism leaves out is not fitted, so its row has no default.
         if !known.path.starts_with("mechanism.")
-            && let Some(default) = known.path.split('.').try_fold(&defaults, |table, key| table.get(key))
+            && let Some(default) = named(&known.path, &prototype::NAMES)
+                .unwrap_or_default()
+                .split('.')
+                .try_fold(&defaults, |table, key| table.get(key))
         {
             insert(&mut schema, "default", default.clone());
         }
-        put(&mut root, &known.path, "", schema);
+        if known.path.ends_with(".#0") {
+            of_any_motor(&mut root, &known.path, &schema);
+        }
+        if let Some(path) = named(&known.path, &prototype::NAMES) {
+            put(&mut root, &path, "", schema);
+        }
     }
     insert(&mut root, "$schema", json!("http://json-schema.org/draft-07/schema#"));
     insert(&mut root, "title", json!("Machine file of CoreH-bot firmware"));
@@ -64,6 +73,22 @@ fn put(schema: &mut Value, path: &str, above: &str, key: Value) {
     }
 }
 
+/// Motors may have other names than the prototype's.
+fn of_any_motor(root: &mut Value, path: &str, schema: &Value) {
+    let (name, _) = path.split_once('.').unwrap_or((path, ""));
+    let mut schema = schema.clone();
+    if let Some(keys) = schema.as_object_mut() {
+        keys.remove("default");
+    }
+    if let Some(tables) = root.get_mut("properties").and_then(Value::as_object_mut) {
+        let motors = tables.entry(name).or_insert_with(|| table(name));
+        insert(motors, "patternProperties", json!({ MOTOR_NAME: schema }));
+    }
+}
+
+/// The pattern of motors' names.
+const MOTOR_NAME: &str = "^[A-Za-z0-9]{1,4}$";
+
 /// The meaning of a setting in one line, with its unit.
 pub(crate) fn meaning(text: &Text) -> String {
     let meaning = text.meaning.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
@@ -93,6 +118,7 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
         Kind::Switch => json!({ "type": "boolean" }),
         Kind::Choice(name) => json!({ "type": "string", "enum": names_of(name) }),
         Kind::Name => json!({ "type": "string" }),
+        Kind::MotorName => json!({ "type": "string", "pattern": MOTOR_NAME }),
         Kind::Plug => json!({ "type": "string", "pattern": r"^(|!?[\x22-\x7e]{1,8})$" }),
         Kind::Thermistor => {
             let of_range = |legal: Legal| number("integer", Kind::Whole, legal);

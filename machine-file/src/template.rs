@@ -3,8 +3,7 @@
 
 use anyhow::{Context as _, Result};
 use corehbot::connectors::BoardConnectors;
-use corehbot::motors::Motor;
-use corehbot::settings::Wiring;
+use corehbot::settings::{Settings, Wiring};
 use toml::{Table, Value};
 
 /// The file that shows every key.
@@ -131,8 +130,8 @@ pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<St
     }
     text.set("", "board", &board.key.into())?;
     let wiring = Wiring::usual(board);
-    for motor in Motor::ALL {
-        let name = motor.name();
+    for (motor, name) in Settings::prototype().motors() {
+        let name = name.as_str();
         let row = match example.get("mechanism").and_then(Value::as_table) {
             Some(rows) => rows.get(name),
             None => None,
@@ -231,6 +230,7 @@ mod tests {
     use super::*;
     use crate::keys::Of;
     use crate::{Problem, load, problems};
+    use corehbot::motors::Motor;
 
     /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of
     /// its table. The comment on the board names all of them.
@@ -298,7 +298,11 @@ mod tests {
                 let mut settings = machine.settings;
                 let example = load(kind.example()).unwrap();
                 for motor in Motor::ALL.into_iter().filter(|motor| !settings.mechanism.fitted().has(*motor)) {
-                    assert!(!text.contains(&format!("\n{} = ", motor.name())), "{kind:?} has no {}", motor.name());
+                    assert!(
+                        !text.contains(&format!("\n{} = ", settings.name_of(motor))),
+                        "{kind:?} has no {}",
+                        settings.name_of(motor)
+                    );
                 }
                 assert_eq!((machine.board, settings.wiring), (Some(board), Wiring::usual(board)));
                 settings.wiring = example.wiring;

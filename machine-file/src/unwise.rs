@@ -4,7 +4,7 @@ use super::Machine;
 use corehbot::connectors::Heater;
 use corehbot::kinematics::{Mechanism, direction};
 use corehbot::motion::advance_window;
-use corehbot::motors::{Motor, prototype};
+use corehbot::motors::Motor;
 use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
 use corehbot::units::{Mm, Watts};
 
@@ -22,11 +22,11 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     let s = &machine.settings;
     let mut found = Vec::new();
     let mut warn = |key: &str, text: String| found.push((key.to_owned(), text));
-    let groups =
-        [("belt", s.drivers.belt, prototype::BELT), ("z", s.drivers.z, prototype::Z), ("e", s.drivers.e, prototype::E)];
-    for (name, driver, motors) in groups {
-        if driver.current_ma > MODULE_MA && s.mechanism.fitted().intersects(motors) {
-            let key = format!("drivers.{name}.current_ma");
+    let groups = [("drivers.belt", s.drivers.belt), ("drivers.z", s.drivers.z), ("drivers.e", s.drivers.e)];
+    for (group, driver) in groups {
+        let is_used = s.mechanism.fitted().iter().any(|motor| s.driver_of(motor).1 == group);
+        if driver.current_ma > MODULE_MA && is_used {
+            let key = format!("{group}.current_ma");
             let text = format!("{key} = {}: above {MODULE_MA} mA a TMC2209 on a module needs a fan", driver.current_ma);
             warn(&key, text);
         }
@@ -77,10 +77,11 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
-    for motor in Motor::ALL.into_iter().filter(|motor| s.mechanism.fitted().has(*motor)) {
-        let (key, connector) = (format!("motors.{}", motor.name()), s.wiring.of(motor).connector);
+    for motor in s.mechanism.fitted().iter() {
+        let (name, connector) = (s.name_of(motor), s.wiring.of(motor).connector);
+        let key = format!("motors.{name}");
         if connector.is_none() {
-            warn(&key, format!("motor {} has no connector and will not turn", motor.name()));
+            warn(&key, format!("motor {name} has no connector and will not turn"));
         }
         if machine.board.is_some_and(|board| board.debug_sockets.contains(&connector)) {
             let text = format!(
@@ -98,8 +99,9 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
-    if machine.board.is_some() && s.mechanism.fitted().has(prototype::E0) && !s.thermal.heaters.hotend.is_fitted {
-        let text = "an extruder (e0) without a hotend: heating is ignored, and filament moves cold".to_owned();
+    if let (Some(_), Some(motor), false) = (machine.board, s.mechanism.extruder(), s.thermal.heaters.hotend.is_fitted) {
+        let text =
+            format!("an extruder ({}) without a hotend: heating is ignored, and filament moves cold", s.name_of(motor));
         warn("heaters.hotend.is_fitted", text);
     }
     if s.thermal.heaters.hotend.is_fitted && !s.thermal.fans.iter().any(|fan| fan.role == FanRole::Hotend) {

@@ -3,6 +3,7 @@
 use crate::error::MachineFileError;
 use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
 use corehbot::kinematics::{MOST_MULTIPLE, Row, direction, multiple};
+use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
 use corehbot::settings::{EndstopPlug, MachineName, Range, Thermistor, ranges};
 use toml::Value as Toml;
@@ -34,6 +35,11 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
             Toml::String(name) if MachineName::new(name).is_some() => Ok(text(name)),
             Toml::String(name) => Err(MachineFileError::Name(name.clone())),
             other => Err(MachineFileError::kind(key, "a name in quotes", other)),
+        },
+        Kind::MotorName => match toml {
+            Toml::String(name) if MotorName::new(name).is_some_and(|name| !name.is_none()) => Ok(text(name)),
+            Toml::String(name) => Err(MachineFileError::MotorName(name.clone())),
+            other => Err(MachineFileError::kind(key, "names in quotes", other)),
         },
         Kind::Plug => match toml {
             Toml::String(name) => plug(key, name),
@@ -81,7 +87,7 @@ pub(crate) fn choice(key: &str, word: &str, names: &[&'static str]) -> Result<us
         what: "variant",
         key: key.to_owned(),
         name: word.to_owned(),
-        known: names.to_vec(),
+        known: names.iter().map(|name| (*name).to_owned()).collect(),
     })
 }
 
@@ -160,7 +166,7 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
             row.set(value).then_some(())?;
             Toml::Array(row.map(|times| i64::from(times).into()).to_vec())
         }
-        (Value::Number(number), Kind::Whole | Kind::Name | Kind::Plug) => (*number).into(),
+        (Value::Number(number), Kind::Whole | Kind::Name | Kind::MotorName | Kind::Plug) => (*number).into(),
         (Value::Text(text), _) => text.as_str().into(),
     })
 }

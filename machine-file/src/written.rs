@@ -1,6 +1,6 @@
 //! A machine as a machine file, which [`parse`](super::parse) reads back to the bit.
 
-use crate::keys::{ALL, Of};
+use crate::keys::{ALL, Of, named};
 use crate::value::toml;
 use corehbot::kinematics::multiple;
 use corehbot::motors::Motor;
@@ -23,6 +23,7 @@ pub(crate) fn table(machine: &Settings) -> Table {
     let value = |id: u16, part: usize| values.get(&(id, part));
     let mut file = Table::new();
     for known in ALL.iter() {
+        let Some(path) = named(&known.path, &machine.motor_names) else { continue };
         let found = match known.of {
             Of::Setting { row, text, part } => value(row.id, part).and_then(|value| toml(value, text.kind)),
             Of::List { row, text } => {
@@ -34,14 +35,14 @@ pub(crate) fn table(machine: &Settings) -> Table {
             Of::Other(_) => None,
         };
         if let Some(found) = found {
-            put(&mut file, &known.path, found);
+            put(&mut file, &path, found);
         }
     }
     // Motors that are not listed are not fitted.
     if let Some(Toml::Table(rows)) = file.get_mut("mechanism") {
         for (motor, row) in Motor::ALL.into_iter().zip(machine.mechanism.rows) {
             if multiple(row) == 0 {
-                rows.remove(motor.name());
+                rows.remove(machine.name_of(motor).as_str());
             }
         }
     }
@@ -50,7 +51,11 @@ pub(crate) fn table(machine: &Settings) -> Table {
 
 /// Whether a value of a list means "none".
 fn is_unknown(path: &str, value: &Value) -> bool {
-    path == "belt.phases" && *value == Value::Number(corehbot::settings::Belt::NO_PHASE.into())
+    match value {
+        Value::Number(number) => path == "belt.phases" && *number == i64::from(corehbot::settings::Belt::NO_PHASE),
+        Value::Text(name) => path == "motors.names" && name.is_empty(),
+        Value::Absent => false,
+    }
 }
 
 /// Puts a value at a path.

@@ -11,7 +11,7 @@ use crate::path::{Bounds, Chunk, Stored};
 use crate::summary::Summary;
 use belt::BeltData;
 use corehbot::kinematics::Row;
-use corehbot::motors::Motor;
+use corehbot::motors::MotorName;
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::belt::course::Course;
@@ -84,7 +84,7 @@ struct Data<'a> {
 /// A motor that is fitted.
 #[derive(Serialize)]
 struct MotorData {
-    name: &'static str,
+    name: MotorName,
     /// The axes that it turns for.
     drives: String,
     steps: i64,
@@ -159,14 +159,9 @@ fn row(chunk: &Chunk, heights: &[i64]) -> [u64; 4] {
 /// The motors that the machine has.
 fn motors(summary: &Summary, settings: &Settings) -> Vec<MotorData> {
     let fitted = settings.mechanism.fitted();
-    let counts = summary.steps.to_array().into_iter().zip(summary.net_steps.to_array());
+    let counts = summary.steps.iter().zip(summary.net_steps.iter());
     let motors = settings.mechanism.motors().zip(counts).filter(|((motor, _), _)| fitted.has(*motor));
-    let data = |((motor, row), (steps, net)): ((Motor, Row), (i64, i64))| MotorData {
-        name: motor.name(),
-        drives: drives(row),
-        steps,
-        net,
-    };
+    let data = |((_, row), ((name, steps), (_, net)))| MotorData { name, drives: drives(row), steps, net };
     motors.map(data).collect()
 }
 

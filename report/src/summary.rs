@@ -2,7 +2,7 @@
 
 use crate::printable::line;
 use corehbot::connectors::Heater;
-use corehbot::motors::{MOTORS, Motor, prototype};
+use corehbot::motors::{MOTORS, MotorName};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::belt::figures::BeltFigures;
@@ -10,39 +10,27 @@ use corehbot_sim::check::Findings;
 use corehbot_sim::host::{Asked, FileHost};
 use corehbot_sim::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
 use corehbot_sim::world::Outcome;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// One number a motor.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-pub struct PerMotor {
-    /// Pulley 1.
-    pub m1: i64,
-    /// Pulley 4.
-    pub m4: i64,
-    /// Pulley 8.
-    pub m8: i64,
-    /// Pulley 11.
-    pub m11: i64,
-    /// Left ball screw.
-    pub z1: i64,
-    /// Right ball screw.
-    pub z2: i64,
-    /// Extruder.
-    pub e0: i64,
-}
+/// One number a motor, by its name.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct PerMotor(Vec<(MotorName, i64)>);
 
-impl From<[i64; MOTORS]> for PerMotor {
-    fn from([m1, m4, m8, m11, z1, z2, e0]: [i64; MOTORS]) -> Self {
-        Self { m1, m4, m8, m11, z1, z2, e0 }
+impl PerMotor {
+    fn new(names: [MotorName; MOTORS], numbers: [i64; MOTORS]) -> Self {
+        Self(names.into_iter().zip(numbers).take_while(|(name, _)| !name.is_none()).collect())
+    }
+
+    /// The names and numbers in the order of the trace's columns.
+    pub fn iter(&self) -> impl Iterator<Item = (MotorName, i64)> {
+        self.0.iter().copied()
     }
 }
 
-impl PerMotor {
-    /// The numbers in the order of [`Motor::ALL`].
-    #[must_use]
-    pub const fn to_array(self) -> [i64; MOTORS] {
-        [self.m1, self.m4, self.m8, self.m11, self.z1, self.z2, self.e0]
+impl Serialize for PerMotor {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter())
     }
 }
 
@@ -117,6 +105,8 @@ pub struct Names<'a> {
     pub file: &'a str,
     /// The machine.
     pub machine: &'a str,
+    /// Its motors.
+    pub motors: [MotorName; MOTORS],
 }
 
 impl Summary {
@@ -154,8 +144,8 @@ impl Summary {
             heating_time_s: rounded(heating),
             waiting_time_s: rounded((whole - motion - heating).max(0.0)),
             path_mm: outcome.path_um as f64 / 1000.0,
-            steps: figures.pulses.map(|n| n as i64).into(),
-            net_steps: figures.position.into(),
+            steps: PerMotor::new(names.motors, figures.pulses.map(|n| n as i64)),
+            net_steps: PerMotor::new(names.motors, figures.position),
             peak_speed_mm_s: rounded(figures.peak_speed),
             peak_event_rate_hz: rounded(figures.peak_rate),
             events: figures.events,
@@ -186,7 +176,9 @@ impl Summary {
             ));
             self.warnings_total += 1;
         }
-        if asked.filament && !asked.dry_run && self.steps.e0 == 0 && settings.mechanism.fitted().has(prototype::E0) {
+        let extruder = settings.mechanism.extruder().map(|motor| settings.name_of(motor));
+        let steps = extruder.and_then(|extruder| self.steps.iter().find(|(name, _)| *name == extruder));
+        if asked.filament && !asked.dry_run && steps.is_some_and(|(_, steps)| steps == 0) {
             let why = format!("{}: filament was commanded, but none moved: was the hotend cold?", self.file);
             self.ok = false;
             self.failure.get_or_insert(why);
@@ -228,9 +220,8 @@ impl fmt::Display for Summary {
         row("look-ahead", format!("{low} moves at least, {} underruns", self.underruns))?;
         row("trace sha256", self.trace_sha256.clone())?;
         writeln!(f, "\nmotor {:>14} {:>14}", "steps", "net")?;
-        let both = self.steps.to_array().into_iter().zip(self.net_steps.to_array());
-        for (motor, (steps, net)) in Motor::ALL.iter().zip(both) {
-            writeln!(f, "{:<5} {:>14} {:>14}", motor.name(), grouped(steps), grouped(net))?;
+        for ((name, steps), (_, net)) in self.steps.iter().zip(self.net_steps.iter()) {
+            writeln!(f, "{:<5} {:>14} {:>14}", name.as_str(), grouped(steps), grouped(net))?;
         }
         if let Some(belt) = &self.belt {
             write!(f, "\n{belt}")?;

@@ -4,7 +4,6 @@
 
 use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
-use corehbot::motors::prototype;
 use corehbot::port::ThermalPort;
 use corehbot::settings::{FanRole, HeaterSettings, Settings, ThermalSettings, part_fans};
 
@@ -40,7 +39,7 @@ impl Heat {
         Self {
             plant: thermal.has_heater().then(|| Plant::new(constants)),
             settings: thermal,
-            steps_per_mm: settings.steps_per_mm(prototype::E0).to_num(),
+            steps_per_mm: settings.axes.e.steps_per_mm.to_num(),
             duties: [0; OUTPUTS],
             fans: [0; FANS],
             is_supplied: true,

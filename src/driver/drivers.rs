@@ -7,7 +7,7 @@ use super::error::{DriverError, Fault, News};
 use super::reading::Reading;
 use super::run::{Job, Next, Run};
 use super::watch::Watch;
-use crate::motors::{MOTORS, Motor, MotorSet};
+use crate::motors::{MOTORS, Motor, MotorName, MotorSet};
 use crate::port::{BusError, DriverBus, Frame};
 use crate::settings::Settings;
 use crate::units::Instant;
@@ -19,6 +19,8 @@ const FRESH_MS: u32 = 500;
 /// The state of one driver.
 #[derive(Clone, Copy, Debug)]
 struct Driver {
+    /// The name of its motor.
+    name: MotorName,
     /// Its required configuration.
     wanted: Config,
     /// Its proved configuration.
@@ -58,6 +60,7 @@ impl Drivers {
     #[must_use]
     pub fn new(lines: MotorSet, settings: &Settings) -> Self {
         let drivers = Motor::ALL.map(|motor| Driver {
+            name: settings.name_of(motor),
             wanted: Config::new(motor, settings),
             held: None,
             proved: None,
@@ -109,7 +112,7 @@ impl Drivers {
     /// before their next power-up.
     pub fn want(&mut self, settings: &Settings) {
         for (motor, driver) in Motor::ALL.into_iter().zip(&mut self.drivers) {
-            driver.wanted = Config::new(motor, settings);
+            (driver.name, driver.wanted) = (settings.name_of(motor), Config::new(motor, settings));
         }
     }
 
@@ -275,7 +278,7 @@ impl Drivers {
                 return None;
             }
             (Job::Poll | Job::Adjust, Err(error)) if has_power => {
-                let fault = Fault { motor, error };
+                let fault = Fault { motor, name: driver.name, error };
                 self.fault.get_or_insert(fault);
                 return Some(News::Stopped(fault));
             }

@@ -1,7 +1,7 @@
 //! Errors of a driver, with their remedies.
 
 use super::registers::{Register, drv_status, gstat};
-use crate::motors::{Motor, prototype};
+use crate::motors::{Motor, MotorName};
 use core::fmt;
 
 /// Error of a driver.
@@ -78,36 +78,20 @@ impl fmt::Display for DriverError {
 
 impl core::error::Error for DriverError {}
 
-/// The name of a motor for users.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Name(pub Motor);
-
-impl fmt::Display for Name {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self.0 {
-            prototype::M1 => "1",
-            prototype::M4 => "4",
-            prototype::M8 => "8",
-            prototype::M11 => "11",
-            prototype::Z1 => "Z1",
-            prototype::Z2 => "Z2",
-            _ => "E",
-        })
-    }
-}
-
 /// An error of one driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Fault {
     /// The driver's motor.
     pub motor: Motor,
+    /// The name of that motor.
+    pub name: MotorName,
     /// Its error.
     pub error: DriverError,
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "driver of motor {} {}", Name(self.motor), self.error)
+        write!(f, "driver of motor {} {}", self.name, self.error)
     }
 }
 
@@ -128,17 +112,19 @@ pub enum News {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::motors::prototype;
     use std::string::ToString;
 
     #[test]
     fn a_fault_names_the_motor_and_what_to_do() {
-        let fault = Fault { motor: prototype::M8, error: DriverError::Silent };
+        let fault = Fault { motor: prototype::M8, name: MotorName::lit("m8"), error: DriverError::Silent };
         assert_eq!(
             fault.to_string(),
-            "driver of motor 8 does not answer: is the motor supply on, its jumper set to UART?"
+            "driver of motor m8 does not answer: is the motor supply on, its jumper set to UART?"
         );
-        let fault = Fault { motor: prototype::Z2, error: DriverError::Differs(Register::Pwmconf) };
-        assert_eq!(fault.to_string(), "driver of motor Z2 holds a different PWMCONF than the firmware wrote");
+        let fault =
+            Fault { motor: prototype::Z2, name: MotorName::lit("z2"), error: DriverError::Differs(Register::Pwmconf) };
+        assert_eq!(fault.to_string(), "driver of motor z2 holds a different PWMCONF than the firmware wrote");
     }
 
     #[test]

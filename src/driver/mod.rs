@@ -27,7 +27,7 @@ mod watch;
 
 pub use config::Config;
 pub use drivers::Drivers;
-pub use error::{DriverError, Fault, Name, News};
+pub use error::{DriverError, Fault, News};
 pub use reading::Reading;
 pub use registers::Register;
 pub use run::Job;

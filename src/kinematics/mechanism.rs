@@ -27,65 +27,11 @@ const AXES: [&str; 4] = ["x", "y", "z", "e"];
 /// Largest whole number of a row: pulleys of 60 and 16 teeth are 4 to 15.
 pub const MOST_MULTIPLE: i8 = 16;
 
-/// One row per motor, in the order of [`Motor::ALL`]. Stored as one number: the directions with two bits per entry, and
-/// above them the whole numbers with four bits per motor, if any is more than 1.
+/// One row per motor, in the order of [`Motor::ALL`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
-#[serde(from = "i128", into = "i128")]
 pub struct Mechanism {
     /// The rows; [`check`](Self::check) verifies them.
     pub rows: [Row; MOTORS],
-}
-
-/// Bits of a direction: -2 (not legal) to 1.
-const ENTRY: u32 = 2;
-
-/// Bits of all directions.
-const DIRECTIONS: u32 = ENTRY * 4 * MOTORS as u32;
-
-/// Bits of a whole number, counted from 1.
-const MULTIPLE: u32 = 4;
-const _: () = assert!(MOST_MULTIPLE as u32 == 1 << MULTIPLE && DIRECTIONS + MULTIPLE * (MOTORS as u32) < 127);
-
-/// Set if there are such numbers. Firmware without them reads 64 bits and refuses longer values.
-const UNLIKE: i128 = 1 << 120;
-
-impl From<i128> for Mechanism {
-    // One copy, not one in every encoder and decoder.
-    #[inline(never)]
-    fn from(packed: i128) -> Self {
-        let mut directions = packed as i64;
-        // Records with only ones keep their older format: one number with a sign.
-        let is_plain = i128::from(directions) == packed && directions.unsigned_abs() < 1 << DIRECTIONS;
-        let mut multiples = if is_plain { 0 } else { (packed & !UNLIKE) >> DIRECTIONS };
-        let mut mechanism = Self { rows: [NOT_FITTED; MOTORS] };
-        for row in &mut mechanism.rows {
-            let multiple = (multiples as i8 & (MOST_MULTIPLE - 1)) + 1;
-            multiples >>= MULTIPLE;
-            for entry in row {
-                let direction = (directions as i8) << (i8::BITS - ENTRY) >> (i8::BITS - ENTRY);
-                // An illegal direction stays illegal.
-                *entry = if direction < -1 { i8::MIN } else { multiple * direction };
-                directions >>= ENTRY;
-            }
-        }
-        mechanism
-    }
-}
-
-impl From<Mechanism> for i128 {
-    #[inline(never)]
-    fn from(mechanism: Mechanism) -> Self {
-        let rows = mechanism.rows.iter();
-        let directions = rows.clone().rfold(0_i64, |packed, row| {
-            direction(*row).iter().rfold(packed, |packed, entry| packed << ENTRY | (i64::from(*entry) & 3))
-        });
-        let multiples =
-            rows.rfold(0, |packed, row| packed << MULTIPLE | Self::from(multiple(*row).clamp(1, MOST_MULTIPLE) - 1));
-        if multiples == 0 {
-            return directions.into();
-        }
-        UNLIKE | multiples << DIRECTIONS | Self::from(directions) & ((1 << DIRECTIONS) - 1)
-    }
 }
 
 /// Why rows are not a valid machine.
@@ -106,23 +52,31 @@ pub enum MechanismError {
     TooManyGroups,
 }
 
+impl MechanismError {
+    /// The motor with a wrong row, if it is the row of one.
+    #[must_use]
+    pub const fn motor(self) -> Option<Motor> {
+        match self {
+            Self::Entry(motor) | Self::Mixed(motor) => Some(motor),
+            Self::Multiples | Self::NotDriven(_) | Self::Loose | Self::TooManyGroups => None,
+        }
+    }
+}
+
 impl core::fmt::Display for MechanismError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Entry(motor) => {
-                let name = motor.name();
-                write!(f, "mechanism.{name}: entries are -1, 0 or 1, all times one whole number up to {MOST_MULTIPLE}")
+            Self::Entry(_) => {
+                write!(f, "entries are -1, 0 or 1, all times one whole number up to {MOST_MULTIPLE}")
             }
             Self::Multiples => f.write_str(
-                "mechanism: numbers above 1 are for motors that share axes, and not for more different motors than axes",
+                "numbers above 1 are for motors that share axes, and not for more different motors than axes",
             ),
-            Self::Mixed(motor) => {
-                write!(f, "mechanism.{}: a motor moves the tool or the filament, not both", motor.name())
-            }
-            Self::NotDriven(axis) => write!(f, "mechanism: no motor moves {axis}"),
-            Self::Loose => f.write_str("mechanism: the motors do not hold x, y and z, two of them must differ more"),
+            Self::Mixed(_) => f.write_str("a motor moves the tool or the filament, not both"),
+            Self::NotDriven(axis) => write!(f, "no motor moves {axis}"),
+            Self::Loose => f.write_str("the motors do not hold x, y and z, two of them must differ more"),
             Self::TooManyGroups => {
-                write!(f, "mechanism: at most {MOST_GROUPS} motors may differ, others must repeat or mirror them")
+                write!(f, "at most {MOST_GROUPS} motors may differ, others must repeat or mirror them")
             }
         }
     }
@@ -165,6 +119,12 @@ impl Mechanism {
     #[inline(never)]
     pub fn motors_of(&self, axis: usize) -> MotorSet {
         self.motors_with(|row| row.get(axis).is_some_and(|times| *times != 0))
+    }
+
+    /// The first motor of the filament.
+    #[must_use]
+    pub fn extruder(&self) -> Option<Motor> {
+        self.motors_of(3).iter().next()
     }
 
     /// The motors that move x or y. They have belts.

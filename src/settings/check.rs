@@ -6,7 +6,7 @@ use super::thermal::{ThermalSettings, Thermistor};
 use super::{Endstop, HomedAxis, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, multiple};
-use crate::motors::Motor;
+use crate::motors::{Motor, MotorName};
 use crate::units::{Mm, MmPerSec, Seconds, StepsPerMm};
 
 /// The error in a set of settings; the text names the setting.
@@ -24,14 +24,23 @@ pub enum SettingsError {
     /// of the drivers with these keys.
     MicrostepsDiffer {
         /// The motors.
-        motors: [Motor; 2],
+        motors: [MotorName; 2],
         /// Microsteps of their drivers.
         microsteps: [u16; 2],
         /// Keys of their drivers in machine files.
         keys: [&'static str; 2],
     },
     /// The motors fit no machine.
-    Mechanism(MechanismError),
+    Mechanism {
+        /// Why.
+        error: MechanismError,
+        /// The motor with the wrong row; none if more than one row is.
+        motor: MotorName,
+    },
+    /// The names of the motors are not a list of different ones.
+    MotorNames,
+    /// The motor of this number is fitted, and has no name.
+    Nameless(u8),
     /// Microsteps of these drivers are no power of two.
     NoSuchMicrosteps(&'static str),
     /// Two heaters that are fitted share an output or a sensor.
@@ -53,12 +62,15 @@ impl core::fmt::Display for SettingsError {
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
             Self::MicrostepsDiffer { motors: [a, b], microsteps: [of_a, of_b], keys: [key_a, key_b] } => write!(
                 f,
-                "motors {} and {} move the same axis with {of_a} and {of_b} microsteps, so one moves further than the \
+                "motors {a} and {b} move the same axis with {of_a} and {of_b} microsteps, so one moves further than the \
                 other: set {key_a}.microsteps and {key_b}.microsteps alike",
-                a.name(),
-                b.name()
             ),
-            Self::Mechanism(error) => error.fmt(f),
+            Self::Mechanism { error, motor } if motor.is_none() => write!(f, "mechanism: {error}"),
+            Self::Mechanism { error, motor } => write!(f, "mechanism.{motor}: {error}"),
+            Self::MotorNames => f.write_str("motors.names has every motor once"),
+            Self::Nameless(number) => {
+                write!(f, "mechanism has a row for motor {number} of motors.names, which has no such motor")
+            }
             Self::HomingOrder => f.write_str("homing.order names x, y and z once each"),
             Self::Circulation => {
                 f.write_str("belt.closed: turning all motors of x and y alike moves the tool, so no belt runs round")
@@ -137,7 +149,14 @@ impl Settings {
     /// # Errors
     /// The first error.
     pub fn check_machine(&self) -> Result<(), SettingsError> {
-        self.mechanism.check().map_err(SettingsError::Mechanism)?;
+        self.mechanism.check().map_err(|error| SettingsError::Mechanism {
+            error,
+            motor: error.motor().map_or(MotorName::NONE, |motor| self.name_of(motor)),
+        })?;
+        let is_nameless = |motor: &Motor| self.name_of(*motor).is_none();
+        if let Some(motor) = self.mechanism.fitted().iter().find(is_nameless) {
+            return Err(SettingsError::Nameless(motor.number() + 1));
+        }
         if self.belt.is_closed && !self.mechanism.can_circulate() {
             return Err(SettingsError::Circulation);
         }
@@ -182,8 +201,20 @@ impl Settings {
                 return Err(SettingsError::NoSuchMicrosteps(group));
             }
         }
+        self.check_motor_names()?;
         self.check_microsteps()?;
         thermal(&self.thermal)
+    }
+
+    /// Checks that names of motors differ, and that none follows a missing one.
+    fn check_motor_names(&self) -> Result<(), SettingsError> {
+        for (at, name) in self.motor_names.iter().enumerate() {
+            let is_in_place = |earlier: &MotorName| !earlier.is_none() && earlier != name;
+            if !name.is_none() && !self.motor_names.iter().take(at).all(is_in_place) {
+                return Err(SettingsError::MotorNames);
+            }
+        }
+        Ok(())
     }
 
     /// Checks that motors which move an axis together go equally far in a full step, by their rows and their drivers'
@@ -194,14 +225,15 @@ impl Settings {
         for (a, row) in rows() {
             for (b, other) in rows().skip(a.index() + 1) {
                 let shares = row.iter().zip(other).any(|(times, others)| *times != 0 && others != 0);
-                let ((first, key), (second, other_key)) = (self.drivers.of(a), self.drivers.of(b));
+                let ((first, key), (second, other_key)) = (self.driver_of(a), self.driver_of(b));
                 let microsteps = [first.microsteps, second.microsteps];
                 let full_steps = |row, other: u16| u32::from(multiple(row).unsigned_abs()) * u32::from(other);
                 if shares
                     && first.microsteps != second.microsteps
                     && full_steps(row, second.microsteps) != full_steps(other, first.microsteps)
                 {
-                    return Err(SettingsError::MicrostepsDiffer { motors: [a, b], microsteps, keys: [key, other_key] });
+                    let motors = [self.name_of(a), self.name_of(b)];
+                    return Err(SettingsError::MicrostepsDiffer { motors, microsteps, keys: [key, other_key] });
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::rows::{Spec, rows};
 use super::{Range, Settings, ranges};
-use crate::motors::{Motor, prototype};
+use crate::motors::Motor;
 use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
 
@@ -26,27 +26,15 @@ pub struct DriverSettings {
 /// Settings of the drivers by group of motors. The four belt motors have one set: they pull one belt.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct DriverGroups {
-    /// Motors 1, 4, 8 and 11.
+    /// Motors that move x or y.
     pub belt: DriverSettings,
-    /// Both ball screws.
+    /// Motors that move z alone.
     pub z: DriverSettings,
-    /// The extruder.
+    /// Motors of the filament.
     pub e: DriverSettings,
 }
 
 impl DriverGroups {
-    /// The settings of a motor's driver, and their key in machine files.
-    #[must_use]
-    pub fn of(&self, motor: Motor) -> (&DriverSettings, &'static str) {
-        if prototype::BELT.has(motor) {
-            (&self.belt, "drivers.belt")
-        } else if prototype::Z.has(motor) {
-            (&self.z, "drivers.z")
-        } else {
-            (&self.e, "drivers.e")
-        }
-    }
-
     /// 800 mA, and half of it at rest, are Marlin's defaults (Configuration_adv.h: X_CURRENT, HOLD_MULTIPLIER), which
     /// suit any NEMA 17 motor of 1.2 A or more. The ball screws hold with the full current: they are not self-locking.
     /// The mode is spreadCycle. Klipper's TMC_Drivers.md advises it where position counts, and stealthChop has to learn
@@ -61,6 +49,19 @@ impl DriverGroups {
             stall_threshold: 0,
         };
         Self { belt, z: DriverSettings { hold_percent: 100, ..belt }, e: belt }
+    }
+}
+
+impl Settings {
+    /// The settings of a motor's driver, and their key in machine files: those of the belt for a motor that moves x or
+    /// y, else those of z or e.
+    #[must_use]
+    pub fn driver_of(&self, motor: Motor) -> (&DriverSettings, &'static str) {
+        match self.mechanism.axis_of(motor) {
+            Some(0 | 1) => (&self.drivers.belt, "drivers.belt"),
+            Some(2) => (&self.drivers.z, "drivers.z"),
+            _ => (&self.drivers.e, "drivers.e"),
+        }
     }
 }
 

@@ -59,7 +59,7 @@ pub use thermal::{
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
 use crate::kinematics::{Mechanism, multiple};
-use crate::motors::Motor;
+use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
@@ -138,6 +138,8 @@ pub struct Settings {
     pub minimum_cruise_ratio: Ratio,
     /// The turn of each motor for a step of each axis. A machine keeps it from start to end.
     pub mechanism: Mechanism,
+    /// The names of the motors: traces have a column for each. The list ends with the first empty one.
+    pub motor_names: [MotorName; MOTORS],
     /// Whether moves of an axis that was not homed are refused.
     pub require_homing: bool,
     /// Heaters and fans.
@@ -210,6 +212,7 @@ impl Settings {
             drivers: DriverGroups::prototype(),
             minimum_cruise_ratio: const { Ratio::lit("0.5") },
             mechanism: Mechanism::corehbot(),
+            motor_names: prototype::NAMES,
             require_homing: false,
             thermal: ThermalSettings::prototype(),
             wiring: Wiring::prototype(),
@@ -271,6 +274,7 @@ impl Settings {
             endstops: _,
             homing_order: _,
             bed: _,
+            motor_names: _,
             name: _,
             pause: _,
         } = *self;
@@ -279,6 +283,17 @@ impl Settings {
             && baud == other.baud
             && probe == other.probe
             && is_closed == other.belt.is_closed
+    }
+
+    /// The name of a motor in its machine file, for people.
+    #[must_use]
+    pub fn name_of(&self, motor: Motor) -> MotorName {
+        self.motor_names.get(motor.index()).copied().unwrap_or(MotorName::NONE)
+    }
+
+    /// Every motor that the machine has a name for, with its name.
+    pub fn motors(&self) -> impl Iterator<Item = (Motor, MotorName)> {
+        Motor::ALL.into_iter().zip(self.motor_names).take_while(|(_, name)| !name.is_none())
     }
 
     /// Resolution of a motor, in its own steps: the resolution of the axes that it moves, or of the extruder if it

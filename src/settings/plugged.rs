@@ -3,14 +3,14 @@
 
 use super::{Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
-use crate::motors::Motor;
+use crate::motors::MotorName;
 use core::fmt::{self, Display};
 
 /// A part with a connector of its own.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Plugged {
     /// A motor.
-    Motor(Motor),
+    Motor(MotorName),
     /// The switch of an axis.
     Endstop(&'static str),
     /// The Z probe.
@@ -47,8 +47,8 @@ impl Settings {
     /// # Errors
     /// The first that is wrong.
     pub fn check_connectors(&self, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
-        let motors = Motor::ALL.into_iter().filter(|motor| self.mechanism.fitted().has(*motor));
-        check(motors.map(|motor| (Plugged::Motor(motor), self.wiring.of(motor).connector)), board)?;
+        let motors = self.mechanism.fitted().iter();
+        check(motors.map(|motor| (Plugged::Motor(self.name_of(motor)), self.wiring.of(motor).connector)), board)?;
         let axes = &self.wiring.endstops;
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
         let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
@@ -101,7 +101,7 @@ impl Plugged {
 impl Display for Plugged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Motor(motor) => write!(f, "motor {}", motor.name()),
+            Self::Motor(motor) => write!(f, "motor {motor}"),
             Self::Endstop(axis) => write!(f, "endstop of {axis}"),
             Self::Probe => f.write_str("probe"),
         }

@@ -69,6 +69,8 @@ pub enum Kind {
     Auto(u32),
     /// The name of a machine.
     Name,
+    /// The name of a motor.
+    MotorName,
     /// The name of a connector, with `!` before it if it is inverted.
     Plug,
     /// The name of a thermistor, or its numbers.
@@ -86,6 +88,8 @@ pub struct Legal {
     pub most: i64,
     /// Whether 0 is legal too, although it is less than `least`: it switches something off.
     pub may_be_zero: bool,
+    /// The values are texts.
+    pub is_text: bool,
 }
 
 impl Legal {
@@ -110,7 +114,7 @@ impl Spec {
     pub const SWITCH: Self = Self::new(0, 1, Kind::Switch);
 
     const fn new(least: i64, most: i64, kind: Kind) -> Self {
-        Self { legal: Legal { least, most, may_be_zero: false }, kind }
+        Self { legal: Legal { least, most, may_be_zero: false, is_text: false }, kind }
     }
 
     /// One of these.
@@ -121,7 +125,8 @@ impl Spec {
 
     /// A text of `longest` characters at most.
     pub(super) const fn text(longest: usize, kind: Kind) -> Self {
-        Self::new(0, longest as i64, kind)
+        let Self { legal, kind } = Self::new(0, longest as i64, kind);
+        Self { legal: Legal { is_text: true, ..legal }, kind }
     }
 
     /// A number that its field packs and reads by itself, of `bits` bits and a sign.
@@ -179,7 +184,7 @@ impl Row {
     #[must_use]
     pub fn legal(&self, part: usize) -> Legal {
         let of_all = self.legal.first().copied();
-        let none = Legal { least: 0, most: 0, may_be_zero: false };
+        let none = Legal { least: 0, most: 0, may_be_zero: false, is_text: false };
         self.legal.get(part).copied().or(of_all).unwrap_or(none)
     }
 
@@ -199,12 +204,13 @@ impl Row {
 impl Legal {
     /// Bytes of the longest value in a record: seven bits a byte, and a length before a text.
     const fn longest(&self) -> usize {
+        if self.is_text {
+            return 1 + self.most as usize;
+        }
         // Greater numbers are longer, and a sign takes a bit.
         let most = if self.most > -self.least { self.most } else { -self.least };
         let bits = 65 - most.leading_zeros();
-        let number = bits.div_ceil(7) as usize;
-        let text = if self.most <= LONGEST_TEXT as i64 { 1 + self.most as usize } else { 0 };
-        if text > number { text } else { number }
+        bits.div_ceil(7) as usize
     }
 }
 

@@ -47,6 +47,7 @@ files! {
     thermal,
     thermal::heater,
     thermal::fans,
+    wiring::names,
     wiring::motors,
     wiring::endstops,
     wiring::mechanism,

@@ -4,7 +4,7 @@ use super::rows::{Field, Kind, Spec, Value, rows, text};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName};
 use crate::kinematics::Row;
-use crate::motors::{MOTORS, Motor};
+use crate::motors::{MOTORS, Motor, MotorName};
 use serde::{Deserialize, Serialize};
 
 /// Where motors and switches are plugged in. [`Settings::check_connectors`](super::Settings::check_connectors) holds it
@@ -127,7 +127,37 @@ impl Field for EndstopPlug {
     }
 }
 
-/// Rows of [`Wiring::motors`].
+impl Field for MotorName {
+    fn get(&self) -> Value {
+        text(["", self.as_str()])
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Text(text) = value else { return false };
+        let name = Self::new(text);
+        *self = name.unwrap_or(*self);
+        name.is_some()
+    }
+}
+
+/// Rows of [`Settings::motor_names`].
+pub(super) mod names {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut MotorName; MOTORS] {
+        s.motor_names.each_mut()
+    }
+
+    rows! {
+        for name in parts, named &["motors.names"; MOTORS];
+
+        /// The motors, each by a name of up to 4 letters and digits, in the order of a trace's columns. `[mechanism]`
+        /// and `[motors]` call them by these names.
+        100 "" = *name, "", [Spec::text(MotorName::LONGEST, Kind::MotorName)];
+    }
+}
+
+/// Rows of [`Wiring::motors`]. In the keys of motors, `#0` stands for the name of the first one.
 pub(super) mod motors {
     use super::*;
 
@@ -136,7 +166,7 @@ pub(super) mod motors {
     }
 
     rows! {
-        for motor in parts, named &["motors.m1", "motors.m4", "motors.m8", "motors.m11", "motors.z1", "motors.z2", "motors.e0"];
+        for motor in parts, named &["motors.#0", "motors.#1", "motors.#2", "motors.#3", "motors.#4", "motors.#5", "motors.#6"];
 
         /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is
         /// nowhere.
@@ -186,7 +216,7 @@ pub(super) mod mechanism {
 
     rows! {
         for row in parts, named &[
-            "mechanism.m1", "mechanism.m4", "mechanism.m8", "mechanism.m11", "mechanism.z1", "mechanism.z2", "mechanism.e0"
+            "mechanism.#0", "mechanism.#1", "mechanism.#2", "mechanism.#3", "mechanism.#4", "mechanism.#5", "mechanism.#6"
         ];
 
         /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.

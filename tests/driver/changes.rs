@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, CHOPCONF, Z1};
 use corehbot::driver::{Config, DriverError, Fault, News, Register};
-use corehbot::motors::{MotorSet, prototype};
+use corehbot::motors::{MotorName, MotorSet, prototype};
 use corehbot::settings::Settings;
 
 #[test]
@@ -34,7 +34,7 @@ fn a_motor_with_power_that_does_not_take_its_new_settings_is_a_fault() {
     settings.drivers.z.current_ma = 500;
     bench.drivers.want(&settings);
     bench.run(300);
-    let fault = Fault { motor: prototype::Z1, error: DriverError::NotTaken };
+    let fault = Fault { motor: prototype::Z1, name: MotorName::lit("z1"), error: DriverError::NotTaken };
     assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[News::Stopped(fault)][..], Some(fault)));
     assert_eq!((bench.bus.powered, bench.drivers.powered()), (MotorSet::NONE, MotorSet::NONE));
 }

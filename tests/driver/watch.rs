@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, GSTAT, Z1};
 use corehbot::driver::{DriverError, Fault, Job, News, Register};
-use corehbot::motors::{Motor, MotorSet, prototype};
+use corehbot::motors::{Motor, MotorName, MotorSet, prototype};
 use corehbot::port::BusError;
 use corehbot::settings::Settings;
 
@@ -47,7 +47,7 @@ fn a_fault_takes_the_power_from_all_and_stays() {
     assert_eq!(bench.power(Z1), Ok(()));
     bench.bus.registers[GSTAT] = 1;
     bench.run(110);
-    let fault = Fault { motor: prototype::Z1, error: DriverError::LostConfiguration };
+    let fault = Fault { motor: prototype::Z1, name: MotorName::lit("z1"), error: DriverError::LostConfiguration };
     assert_eq!((bench.bus.powered, bench.drivers.powered()), (MotorSet::NONE, MotorSet::NONE));
     assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[News::Stopped(fault)][..], Some(fault)));
     assert_eq!(bench.power(MotorSet::NONE), Ok(()));
@@ -148,7 +148,14 @@ fn a_belt_motor_without_supply_is_noticed_within_100_ms_whenever_it_fails_and_wh
             while bench.news.is_empty() && bench.ms < begin + 1000 {
                 bench.run(1);
             }
-            assert_eq!(bench.news, [News::Stopped(Fault { motor, error: DriverError::Silent })]);
+            assert_eq!(
+                bench.news,
+                [News::Stopped(Fault {
+                    motor,
+                    name: Settings::prototype().name_of(motor),
+                    error: DriverError::Silent
+                })]
+            );
             worst = worst.max(bench.ms - begin);
         }
     }
@@ -199,7 +206,11 @@ fn after_a_fault_the_others_go_on_and_are_looked_at_at_once() {
     bench.bus.silent = MotorSet::of(prototype::M8).with(MotorSet::of(prototype::M1));
     bench.is_limping = false;
     bench.run(100);
-    let [first, second] = [prototype::M8, prototype::M1].map(|motor| Fault { motor, error: DriverError::Silent });
+    let [first, second] = [prototype::M8, prototype::M1].map(|motor| Fault {
+        motor,
+        name: Settings::prototype().name_of(motor),
+        error: DriverError::Silent,
+    });
     assert_eq!(bench.news, [News::Stopped(first), News::Stopped(second)]);
     assert_eq!((bench.drivers.fault(), bench.bus.powered), (Some(first), MotorSet::NONE));
 }
@@ -216,7 +227,10 @@ fn a_motor_that_pulls_against_nobody_is_noticed_no_later_than_it_was() {
         while bench.news.is_empty() && bench.ms < begin + 1000 {
             bench.run(1);
         }
-        assert_eq!(bench.news, [News::Stopped(Fault { motor, error: DriverError::Silent })]);
+        assert_eq!(
+            bench.news,
+            [News::Stopped(Fault { motor, name: Settings::prototype().name_of(motor), error: DriverError::Silent })]
+        );
         worst = worst.max(bench.ms - begin);
     }
     // A poll at least every 175 ms, and four tries.

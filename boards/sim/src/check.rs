@@ -31,7 +31,7 @@ use crate::limits::{Limit, Limits, belts};
 use crate::sampler::{Counts, LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
 use corehbot::kinematics::{ForwardKinematics, Group, Groups, Residual, Residuals};
 use corehbot::motion::MIN_STEP_INTERVAL;
-use corehbot::motors::{MOST_GROUPS, MOTORS, Motor, MotorSet};
+use corehbot::motors::{MOST_GROUPS, MOTORS, Motor, MotorName, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use std::f64::consts::SQRT_2;
@@ -87,6 +87,8 @@ impl Findings {
 /// Checks a run event by event.
 pub struct Checker {
     sampler: Sampler,
+    /// Names of the motors.
+    names: [MotorName; MOTORS],
     groups: Groups,
     gauge: Gauge,
     changes: Changes,
@@ -110,6 +112,7 @@ impl Checker {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
         Self {
             sampler: Sampler::default(),
+            names: s.motor_names,
             groups: Groups::new(&s.mechanism),
             gauge: Gauge::new(s, limits),
             changes: Changes::new(s, limits),
@@ -161,7 +164,7 @@ impl Checker {
         if residual != 0 {
             self.findings.add(self.last_tick, || format!("motors rest {residual} steps against each other"));
         }
-        let Self { sampler, gauge, changes, findings, last_tick, .. } = &mut self;
+        let Self { sampler, names, gauge, changes, findings, last_tick, .. } = &mut self;
         let rest = *last_tick + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
         changes.advance(findings, rest);
         sampler.advance(rest, |sample| gauge.measure(findings, sample));
@@ -171,12 +174,11 @@ impl Checker {
             findings.add(*last_tick, || format!("motors rest {sum} steps against each other"));
         }
         let expected = expected.map(|counts| counts.map(i64::from));
-        for (i, motor) in Motor::ALL.iter().enumerate() {
+        for (i, name) in names.iter().enumerate() {
             let counted = sampler.counts()[i];
             if let Some(due) = expected.map(|e| e[i])
                 && due != counted
             {
-                let name = motor.name();
                 findings.add(*last_tick, || format!("{name} ends at step {counted} instead of {due}"));
             }
         }
@@ -184,14 +186,13 @@ impl Checker {
     }
 
     fn check_spacing(&mut self, tick: u64, steps: MotorSet) {
-        for (motor, last) in Motor::ALL.into_iter().zip(&mut self.last_pulse) {
+        for ((motor, last), name) in Motor::ALL.into_iter().zip(&mut self.last_pulse).zip(self.names) {
             if !steps.has(motor) {
                 continue;
             }
             if let Some(before) = last.replace(tick) {
                 let gap = tick.saturating_sub(before);
                 if gap < MIN_STEP_INTERVAL {
-                    let name = motor.name();
                     self.findings.add(tick, || {
                         format!("two pulses of {name} are {gap} ticks apart, {MIN_STEP_INTERVAL} is the least")
                     });
@@ -215,7 +216,8 @@ impl Checker {
         };
         // Once per episode: a lost step strains the machine until the end.
         if self.is_consistent && !is_consistent {
-            let counts = Motor::ALL.iter().zip(counts).map(|(motor, count)| format!(" {} {count}", motor.name()));
+            let counts = self.names.iter().zip(counts).filter(|(name, _)| !name.is_none());
+            let counts = counts.map(|(name, count)| format!(" {name} {count}"));
             let counts: String = counts.collect();
             self.findings.add(tick, || format!("motors out of step:{counts}"));
         }

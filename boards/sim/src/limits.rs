@@ -23,7 +23,6 @@
 use crate::file_line::{command_of, words};
 use corehbot::gcode::{Command, MotionCommand, Number, SettingCommand, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
-use corehbot::motors::Motor;
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use corehbot::units::{Mm, Seconds};
 use std::f64::consts::SQRT_2;
@@ -101,7 +100,7 @@ fn limits_of(s: &Settings) -> Vec<Limit> {
         step: 1.0 / s.steps_per_mm(group.lead).to_num::<f64>(),
         speed: s.motor_max_speed.to_num(),
         acceleration: s.motor_max_acceleration.to_num(),
-        ..axis(&belt_name(group), s.axes.x)
+        ..axis(&belt_name(s, group), s.axes.x)
     };
     let a = s.axes;
     let mut limits = vec![axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e)];
@@ -115,10 +114,10 @@ pub fn belts(s: &Settings) -> Vec<Group> {
     Groups::new(&s.mechanism).iter().filter(|group| group.is_belt()).copied().collect()
 }
 
-/// `belt 4/11`: its motors by the numbers of their pulleys.
-fn belt_name(group: &Group) -> String {
-    let motors = Motor::ALL.into_iter().filter(|motor| group.motors().has(*motor));
-    format!("belt {}", motors.map(|motor| motor.name().trim_start_matches('m')).collect::<Vec<_>>().join("/"))
+/// `belt 4/11`: its motors by their names, a leading m apart, so those of a CoreH-bot by the numbers of their pulleys.
+fn belt_name(s: &Settings, group: &Group) -> String {
+    let names = group.motors().iter().map(|motor| s.name_of(motor).as_str().trim_start_matches('m').to_owned());
+    format!("belt {}", names.collect::<Vec<_>>().join("/"))
 }
 
 /// Limits that grow with the commands of a print.

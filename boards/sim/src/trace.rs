@@ -8,7 +8,7 @@
 //! A print has tens of millions of rows, so rows are joined from prepared pieces instead of being formatted.
 
 use corehbot::kinematics::Mechanism;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, MotorName, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::{StepsPerMm, TICKS_PER_SECOND};
 use sha2::{Digest, Sha256};
@@ -17,7 +17,7 @@ use std::io::{self, Write};
 /// Bytes gathered before they are hashed and written.
 const CHUNK: usize = 1 << 16;
 
-/// Longest row: 20 digits and seven signed columns with their commas and line end.
+/// Longest row: 20 digits and eight signed columns with their commas and line end.
 const LONGEST_ROW: usize = 64;
 
 /// The machine's description in the first comment of a trace.
@@ -25,28 +25,35 @@ const LONGEST_ROW: usize = 64;
 pub struct Header {
     /// How far each motor turns for a step of each axis.
     pub mechanism: Mechanism,
+    /// The names of the motors: a column each.
+    pub motors: [MotorName; MOTORS],
     /// Resolution of x, y, z and e.
     pub steps_per_mm: [StepsPerMm; 4],
 }
 
 impl From<&Settings> for Header {
     fn from(s: &Settings) -> Self {
-        Self { mechanism: s.mechanism, steps_per_mm: s.axes.map(|a| a.steps_per_mm).to_array() }
+        Self { mechanism: s.mechanism, motors: s.motor_names, steps_per_mm: s.axes.map(|a| a.steps_per_mm).to_array() }
     }
 }
 
 impl Header {
     /// The comment and the header row.
     fn text(&self) -> String {
-        let names = Motor::ALL.map(Motor::name).join(",");
+        let names = self.names().map(|name| format!(",{name}")).collect::<String>();
         let (kinematics, resolutions) = (self.kinematics(), self.resolutions());
         format!(
-            "# corehbot-trace v1 tick_hz={TICKS_PER_SECOND} kinematics={kinematics} steps_per_mm={resolutions}\ntick,{names}\n"
+            "# corehbot-trace v1 tick_hz={TICKS_PER_SECOND} kinematics={kinematics} steps_per_mm={resolutions}\ntick{names}\n"
         )
     }
 
+    /// The names of the columns.
+    fn names(&self) -> impl Iterator<Item = MotorName> {
+        self.motors.into_iter().take_while(|name| !name.is_none())
+    }
+
     fn is_corehbot(&self) -> bool {
-        self.mechanism == Mechanism::corehbot()
+        (self.mechanism, self.motors) == (Mechanism::corehbot(), prototype::NAMES)
     }
 
     /// The mechanism in one word: the CoreH-bot by its name, others by the row of each motor.
@@ -55,9 +62,8 @@ impl Header {
             return "corehbot".to_owned();
         }
         let fitted = self.mechanism.fitted();
-        let motors = self.mechanism.motors().filter(|(motor, _)| fitted.has(*motor));
-        let rows =
-            motors.map(|(motor, row)| format!("{}({})", motor.name(), row.map(|times| times.to_string()).join(",")));
+        let motors = self.mechanism.motors().zip(self.motors).filter(|((motor, _), _)| fitted.has(*motor));
+        let rows = motors.map(|((_, row), name)| format!("{name}({})", row.map(|times| times.to_string()).join(",")));
         rows.collect::<Vec<_>>().join(";")
     }
 
@@ -101,10 +107,10 @@ pub struct TraceWriter<W> {
     buffer: Vec<u8>,
     events: u64,
     error: Option<io::Error>,
-    /// The four belt columns, by steps and directions.
-    belt: Box<[Piece; 256]>,
-    /// The other three columns and the line end, by steps and directions.
-    others: Box<[Piece; 64]>,
+    /// The first four columns, by steps and directions.
+    first: Box<[Piece; 256]>,
+    /// The other columns and the line end, by steps and directions.
+    others: Box<[Piece; 256]>,
 }
 
 impl<W: Write> TraceWriter<W> {
@@ -113,17 +119,11 @@ impl<W: Write> TraceWriter<W> {
     pub fn new(out: Option<W>, header: Header) -> Self {
         let mut buffer = Vec::with_capacity(CHUNK + LONGEST_ROW);
         buffer.extend_from_slice(header.text().as_bytes());
-        let belt = std::array::from_fn(|i| piece(i as u8 & 0xF, i as u8 >> 4, 4, b""));
-        let others = std::array::from_fn(|i| piece(i as u8 & 7, i as u8 >> 3, 3, b"\n"));
-        Self {
-            out,
-            hash: Sha256::new(),
-            buffer,
-            events: 0,
-            error: None,
-            belt: Box::new(belt),
-            others: Box::new(others),
-        }
+        let columns = header.names().count();
+        let of = |columns, end| Box::new(std::array::from_fn(|i| piece(i as u8 & 0xF, i as u8 >> 4, columns, end)));
+        let first = of(columns.min(4) as u8, b"");
+        let others = of(columns.saturating_sub(4) as u8, b"\n");
+        Self { out, hash: Sha256::new(), buffer, events: 0, error: None, first, others }
     }
 
     /// One instant in which `steps` move, each forward or backward. An instant without steps has no row.
@@ -135,11 +135,11 @@ impl<W: Write> TraceWriter<W> {
         let start = self.buffer.len();
         self.buffer.resize(start + LONGEST_ROW, 0);
         let (s, f) = (usize::from(steps.0), usize::from(forward.0));
-        let belt = &self.belt[(s & 0xF) | (f & 0xF) << 4];
-        let others = &self.others[(s >> 4 & 7) | (f >> 4 & 7) << 3];
+        let first = &self.first[(s & 0xF) | (f & 0xF) << 4];
+        let others = &self.others[(s >> 4 & 0xF) | (f >> 4 & 0xF) << 4];
         let row = &mut self.buffer[start..];
         let mut length = decimal(tick, row);
-        for piece in [belt, others] {
+        for piece in [first, others] {
             row[length..length + 16].copy_from_slice(&piece.text);
             length += usize::from(piece.length);
         }

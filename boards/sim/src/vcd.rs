@@ -4,7 +4,7 @@
 //! one tick is the most that cannot run into the next event. Events at the same tick share a pulse.
 
 use ::vcd::{IdCode, TimescaleUnit, Value, Writer};
-use corehbot::motors::{MOTORS, Motor, MotorSet};
+use corehbot::motors::{MOTORS, Motor, MotorName, MotorSet};
 use std::io::{self, Write};
 
 /// Writes events as a VCD file.
@@ -25,21 +25,22 @@ impl<W: Write> VcdWriter<W> {
     ///
     /// # Errors
     /// The output's error.
-    pub fn new(out: W) -> io::Result<Self> {
+    pub fn new(out: W, names: &[MotorName; MOTORS]) -> io::Result<Self> {
         let mut out = Writer::new(out);
         out.comment("CoreH-bot step events; the tick is motion time")?;
         out.timescale(100, TimescaleUnit::NS)?;
         out.add_module("corehbot")?;
         let mut step = [IdCode::FIRST; MOTORS];
         let mut dir = step;
-        for (i, motor) in Motor::ALL.iter().enumerate() {
-            step[i] = out.add_wire(1, &format!("{}_step", motor.name()))?;
-            dir[i] = out.add_wire(1, &format!("{}_dir", motor.name()))?;
+        for (i, name) in names.iter().enumerate().take_while(|(_, name)| !name.is_none()) {
+            step[i] = out.add_wire(1, &format!("{name}_step"))?;
+            dir[i] = out.add_wire(1, &format!("{name}_dir"))?;
         }
         out.upscope()?;
         out.enddefinitions()?;
         out.timestamp(0)?;
-        for id in step.into_iter().chain(dir) {
+        let columns = names.iter().take_while(|name| !name.is_none()).count();
+        for id in step.into_iter().take(columns).chain(dir.into_iter().take(columns)) {
             out.change_scalar(id, Value::V0)?;
         }
         Ok(Self { out, step, dir, high: MotorSet::NONE, forward: MotorSet::NONE, tick: 0, error: None })
@@ -114,10 +115,11 @@ fn change<W: Write>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::prototype;
 
     fn body(events: &[(u64, u8, u8)]) -> Vec<String> {
         let mut bytes = Vec::new();
-        let mut writer = VcdWriter::new(&mut bytes).unwrap();
+        let mut writer = VcdWriter::new(&mut bytes, &prototype::NAMES).unwrap();
         for &(tick, steps, forward) in events {
             writer.event(tick, MotorSet(steps), MotorSet(forward));
         }

@@ -16,7 +16,7 @@ use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
-use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, MotorSet, prototype};
+use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
@@ -149,6 +149,7 @@ pub struct World<'w> {
     drivers: &'w Drivers,
     wires: &'w [Wire],
     turned: Turned,
+    extruder: Option<Motor>,
     status: &'w Status,
     counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
@@ -218,6 +219,7 @@ impl<'w> World<'w> {
             drivers,
             wires,
             turned: Turned::new(groups.coupling()),
+            extruder: groups.mechanism().extruder(),
             status,
             counts,
             stepper,
@@ -285,7 +287,8 @@ impl<'w> World<'w> {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
             self.befall();
             self.thermal.period();
-            let extruded = self.turned.motors(self.counts.read())[prototype::E0.index()];
+            let counts = self.turned.motors(self.counts.read());
+            let extruded = self.extruder.map_or(0, |motor| counts[motor.index()]);
             self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
             if self.thermal.port().plant().is_some() {
                 let period = self.heat_period();

@@ -12,7 +12,7 @@ mod lines;
 mod setting_lines;
 
 use corehbot::gcode::{Command, Number, SettingCommand, ShaperWords, parse};
-use corehbot::motors::Motor;
+use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
 use corehbot::units::Mm;
@@ -106,7 +106,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
                 items.iter().enumerate().for_each(|(n, value)| gather(value, &format!("{path}.fan{n}"), into));
             }
             Value::Array(items) if path.ends_with(".motors") => {
-                let motors = Motor::ALL.into_iter().map(Motor::name).zip(items);
+                let motors = prototype::NAMES.into_iter().zip(items);
                 motors.for_each(|(motor, value)| gather(value, &format!("{path}.{motor}"), into));
             }
             // A connector and which way round it is are one text.
@@ -192,6 +192,9 @@ const FILE_ONLY: [&str; 33] = [
     "width",
 ];
 
+/// Rows belong to motors by their names, so neither of the two changes alone.
+const OF_MOTORS: [&str; 2] = ["mechanism.rows", "motor_names"];
+
 fn is_one_of(path: &str, names: &[&str]) -> bool {
     names.iter().any(|name| path == *name || path.ends_with(&format!(".{name}")))
 }
@@ -202,7 +205,8 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 fn is_of_all_machines(path: &str) -> bool {
     let is_of_closed_belt = path.starts_with("belt.")
         && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases", "belt.limp_lift"].contains(&path);
-    !["mechanism", "probe"].contains(&path)
+    path != "probe"
+        && !OF_MOTORS.contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")
         && !path.starts_with("wiring.")
@@ -221,7 +225,7 @@ fn line_for(path: &str) -> Option<String> {
 
 #[test]
 fn every_setting_has_a_key_in_the_machine_file_that_sets_it_alone() {
-    for (path, mut file) in settings_and_files().into_iter().filter(|(path, _)| path != "mechanism") {
+    for (path, mut file) in settings_and_files().into_iter().filter(|(path, _)| !OF_MOTORS.contains(&&**path)) {
         let before = by_path(&load(&file).unwrap());
         let after = changed(&path, &file);
         let after = after.unwrap_or_else(|| panic!("no value changes {path}: machine-file/src/lib.rs"));

@@ -6,7 +6,7 @@ use crate::printer::Printer;
 use crate::stop::Stop;
 use crate::watched::Watched;
 use anyhow::{Context as _, Result, bail};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorName, MotorSet};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::trace::Header;
 use corehbot_sim::world::{self, Sink};
@@ -94,11 +94,11 @@ pub(super) fn step_mm(settings: &corehbot::settings::Settings) -> f64 {
 /// The motors over x and y.
 pub(super) fn columns(header: &Header) -> Vec<Column> {
     let fitted = header.mechanism.fitted();
-    let column = |(motor, [x, y, ..]): (Motor, [i8; 4])| {
+    let column = |((motor, [x, y, ..]), name): ((Motor, [i8; 4]), MotorName)| {
         let row = if fitted.has(motor) { [x, y] } else { [0, 0] };
-        Column { name: motor.name().to_owned(), row }
+        Column { name: name.to_string(), row }
     };
-    header.mechanism.motors().map(column).collect()
+    header.mechanism.motors().zip(header.motors).take_while(|(_, name)| !name.is_none()).map(column).collect()
 }
 
 /// Keeps the steps.

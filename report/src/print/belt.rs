@@ -1,6 +1,7 @@
 //! The belt plant on a page: torque shares and residual over motion time, and skips of motors.
 
 use super::tenth;
+use corehbot::motors::MotorName;
 use corehbot_sim::belt::course::Course;
 use corehbot_sim::belt::figures::{BeltFigures, SkipFigures};
 use serde::Serialize;
@@ -17,7 +18,7 @@ pub struct BeltData {
 
 #[derive(Serialize)]
 struct MotorCurve {
-    name: &'static str,
+    name: MotorName,
     /// Greatest torque share of each bin in percent.
     share: Vec<f64>,
 }
@@ -33,7 +34,7 @@ impl BeltData {
     /// The state of the plant, over time and at the end.
     pub fn new(course: &Course, figures: &BeltFigures) -> Self {
         let bins = course.bins();
-        let motor = |(index, name): (usize, &'static str)| {
+        let motor = |(index, name): (usize, MotorName)| {
             let shares = bins.iter().map(|bin| bin.shares.get(index).copied().map_or(0.0, f64::from));
             MotorCurve { name, share: shares.map(|share| tenth(share * 100.0)).collect() }
         };

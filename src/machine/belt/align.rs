@@ -356,7 +356,9 @@ async fn go_along<P: PortSet, W: Pend>(
         main_loop.motion.release_all(&main_loop.settings);
         for motor in Motor::ALL.into_iter().filter(|motor| scan.motors.has(*motor)) {
             let reading = main_loop.ask_driver(Job::Load, motor).await?;
-            let reading = reading.map_err(|error: DriverError| AlignError::Driver(Fault { motor, error }))?;
+            let reading = reading.map_err(|error: DriverError| {
+                AlignError::Driver(Fault { motor, name: main_loop.settings.name_of(motor), error })
+            })?;
             let was_in_cruise = is_in_cruise;
             is_in_cruise = cruise.contains(&along(main_loop.motion.real_steps()).wrapping_sub(start).wrapping_abs());
             if was_in_cruise && is_in_cruise {

@@ -15,7 +15,7 @@
 //! `emulator/tests/drivers.rs` the lift and the words. docs/explanation/belt.md (*Limp*) describes the place and the
 //! times, docs/explanation/safety.md the times.
 
-use crate::driver::{self, Name};
+use crate::driver;
 use crate::fault::{self, Cause};
 use crate::kinematics::Grouping;
 use crate::machine::interrupt::Interrupt;
@@ -57,7 +57,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// A driver has failed. Either its motor alone loses its power and the tool brakes for parking by the others, or
     /// the motion ends and all motors lose their power, at once.
     pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {
-        let driver::Fault { motor, .. } = fault;
+        let driver::Fault { motor, name, .. } = fault;
         let cause = fault::Fault { cause: Cause::Driver, subject: motor.number(), value: 0, limit: 0 };
         if !self.may_limp(motor) {
             self.stop_and_cut();
@@ -71,7 +71,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.limping.begin(self.now().after_ms(MOST_MS), faults.more());
         self.homed.release(MotorSet::of(motor), self.motion.groups().mechanism());
         self.trimming.forget();
-        let name = Name(motor);
         self.hosts.notify_all(format_args!("echo:{fault}; motor {name} is off, the others park the tool"));
     }
 

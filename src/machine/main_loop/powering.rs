@@ -2,7 +2,7 @@
 //! or none of them gets it.
 
 use super::phase::{align_by_phases, meet_phases};
-use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
+use crate::driver::{DriverError, Fault, Job, News, Reading};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -54,7 +54,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
                 if let Err(error) = proof {
                     // Before the message to the host, which may be slow.
                     self.unpower(self.power.powered().without(before));
-                    self.reply(Answer::NoPower(Fault { motor, error })).await?;
+                    let name = self.settings.name_of(motor);
+                    self.reply(Answer::NoPower(Fault { motor, name, error })).await?;
                     return Err(Interrupt::NoPower);
                 }
                 continue;
@@ -132,7 +133,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         match self.power.step(now) {
             Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
             Some(News::Hot(motor)) => {
-                let name = Name(motor);
+                let name = self.settings.name_of(motor);
                 self.hosts.notify_all(format_args!(
                     "echo:driver of motor {name} is hot and will switch itself off if it gets hotter"
                 ));

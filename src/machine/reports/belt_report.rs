@@ -2,7 +2,6 @@
 //! (M915 D, R).
 
 use super::report::Thousandths;
-use crate::driver::Name;
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer, Diagnosis};
 use crate::machine::answers::speaker::Speaker;
@@ -13,12 +12,13 @@ use crate::units::{Mm, StepsPerMm};
 use core::fmt;
 
 /// A residual as a sum of motors: `m1 - m4 + m8 - m11`.
-struct Sum<'r>(&'r Residual);
+struct Sum<'r>(&'r Residual, &'r Settings);
 
 impl fmt::Display for Sum<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut is_first = true;
-        for (motor, times) in Motor::ALL.into_iter().zip(self.0).filter(|(_, times)| **times != 0) {
+        let Self(residual, s) = self;
+        for (motor, times) in Motor::ALL.into_iter().zip(*residual).filter(|(_, times)| **times != 0) {
             let sign = match (is_first, *times < 0) {
                 (true, true) => "-",
                 (true, false) => "",
@@ -30,27 +30,37 @@ impl fmt::Display for Sum<'_> {
             if times.abs() > 1 {
                 write!(f, "{} ", times.abs())?;
             }
-            f.write_str(motor.name())?;
+            f.write_str(s.name_of(motor).as_str())?;
         }
         Ok(())
     }
 }
 
-impl fmt::Display for AlignError {
+/// Why belt motors were not aligned, with the names of the machine's motors.
+struct Why<'r>(&'r AlignError, &'r Settings);
+
+impl fmt::Display for Why<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoUart => f.write_str("its drivers cannot be asked for loads"),
-            Self::Driver(fault) => fault.fmt(f),
-            Self::TooFewReadings => f.write_str("the drivers were hardly read while the tool moved"),
-            Self::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
-            Self::TooFar => f.write_str("more strain than three turns explain"),
-            Self::Phase => f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)"),
-            Self::Changed => f.write_str("a motor has skipped meanwhile"),
-            Self::AtLimit(motor) => {
-                write!(f, "motor {} has no torque left: it rubs, or its current is too low (M906); ", Name(*motor))?;
+        let Self(error, s) = self;
+        match error {
+            AlignError::NoUart => f.write_str("its drivers cannot be asked for loads"),
+            AlignError::Driver(fault) => fault.fmt(f),
+            AlignError::TooFewReadings => f.write_str("the drivers were hardly read while the tool moved"),
+            AlignError::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
+            AlignError::TooFar => f.write_str("more strain than three turns explain"),
+            AlignError::Phase => {
+                f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)")
+            }
+            AlignError::Changed => f.write_str("a motor has skipped meanwhile"),
+            AlignError::AtLimit(motor) => {
+                write!(
+                    f,
+                    "motor {} has no torque left: it rubs, or its current is too low (M906); ",
+                    s.name_of(*motor)
+                )?;
                 f.write_str("see that it turns freely, then M915")
             }
-            Self::Unsure => f.write_str("the loads that the drivers measure do not agree"),
+            AlignError::Unsure => f.write_str("the loads that the drivers measure do not agree"),
         }
     }
 }
@@ -71,7 +81,7 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
             report_found(to, "Belt: ", trimming, s);
             for (number, residual) in Residuals::new(&s.mechanism, s.belt.is_closed).iter().enumerate() {
                 if let Some(readings) = trimming.found(number).and_then(|found| found.readings_per_mm) {
-                    to.say(format_args!("Belt: {}: a mm of strain takes {readings} of SG_RESULT", Sum(residual)));
+                    to.say(format_args!("Belt: {}: a mm of strain takes {readings} of SG_RESULT", Sum(residual, s)));
                 }
             }
         }
@@ -95,7 +105,9 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
                 ));
             }
         }
-        BeltAnswer::NotAligned(error) => to.say(format_args!("echo:belt motors not aligned: {error}")),
+        BeltAnswer::NotAligned(error) => {
+            to.say(format_args!("echo:belt motors not aligned: {}", Why(&error, s)));
+        }
         BeltAnswer::NoResidual => to.say(format_args!("echo:no motors of this machine can pull against each other")),
         BeltAnswer::Needed => to.say(format_args!("echo:move ignored: align the belt motors first (M915)")),
         BeltAnswer::NothingToCompare => {
@@ -113,13 +125,15 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
             ));
         }
         BeltAnswer::Diagnosis(Diagnosis::Skip { motor, full_steps }) => {
-            let name = Name(motor);
+            let name = s.name_of(motor);
             to.say(format_args!("echo:motor {name} has skipped by {full_steps:+} full steps"));
         }
         BeltAnswer::Diagnosis(Diagnosis::Several) => {
             to.say(format_args!("echo:more than one skip: which motors cannot be told (M915 aligns)"));
         }
-        BeltAnswer::NotRepaired(error) => to.say(format_args!("echo:belt not repaired: {error}")),
+        BeltAnswer::NotRepaired(error) => {
+            to.say(format_args!("echo:belt not repaired: {}", Why(&error, s)));
+        }
         BeltAnswer::Repaired([x, y]) => {
             let (x, y) = (length(x, per_mm), length(y, per_mm));
             to.say(format_args!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));
@@ -132,7 +146,7 @@ fn report_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Sett
     let residuals = Residuals::new(&s.mechanism, s.belt.is_closed);
     for (number, residual) in residuals.iter().enumerate() {
         let Some(Found { was, within, .. }) = trimming.found(number) else { continue };
-        let (sum, was, within) = (Sum(residual), Thousandths(was), Thousandths(within));
+        let (sum, was, within) = (Sum(residual, s), Thousandths(was), Thousandths(within));
         to.say(format_args!("{begin}{sum} was {was} mm, is correct now within {within} mm"));
     }
 }
@@ -146,9 +160,10 @@ mod tests {
 
     #[test]
     fn a_residual_reads_as_a_sum_of_motors() {
+        let s = Settings::prototype();
         let of = |closed| Residuals::new(&Mechanism::corehbot(), closed);
-        assert_eq!(Sum(of(true).iter().next().unwrap()).to_string(), "m1 - m4 + m8 - m11");
-        assert_eq!(Sum(&[-1, 0, 2, 0, 0, 0, 0]).to_string(), "-m1 + 2 m8");
+        assert_eq!(Sum(of(true).iter().next().unwrap(), &s).to_string(), "m1 - m4 + m8 - m11");
+        assert_eq!(Sum(&[-1, 0, 2, 0, 0, 0, 0], &s).to_string(), "-m1 + 2 m8");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Reports of motor drivers: their state (M122), and their settings (M569, M906, M913, M914).
 
 use super::report::Hundredths;
-use crate::driver::{Config, DriverError, Drivers, Name, Reading};
+use crate::driver::{Config, DriverError, Drivers, Reading};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::speaker::Speaker;
 use crate::port::Motor;
@@ -56,7 +56,7 @@ pub(in crate::machine) fn report_driver(
     drivers: &Drivers,
     s: &Settings,
 ) {
-    let name = Name(motor);
+    let name = s.name_of(motor);
     let reading = match reading {
         None => return to.say(format_args!("Driver {name}: no UART, set by its jumpers")),
         Some(Err(error)) => return to.say(format_args!("Driver {name}: {error}")),

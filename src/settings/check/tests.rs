@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::*;
-use crate::motors::prototype;
+use crate::motors::{MotorName, prototype};
 use crate::settings::{AxisEnd, Range};
 use crate::units::{Hertz, Ratio};
 use std::string::{String, ToString as _};
@@ -25,7 +25,10 @@ fn the_prototype_is_legal() {
 fn rows_that_are_no_machine_are_refused_where_a_machine_is_made() {
     let mut s = Settings::prototype();
     s.mechanism.rows[6] = [0; 4];
-    assert_eq!(s.check_machine(), Err(SettingsError::Mechanism(MechanismError::NotDriven("e"))));
+    assert_eq!(
+        s.check_machine(),
+        Err(SettingsError::Mechanism { error: MechanismError::NotDriven("e"), motor: MotorName::NONE })
+    );
     assert_eq!(s.check(), Ok(()), "stored settings have the machine's own rows");
     s = Settings::prototype();
     s.keepalive_s = 61;
@@ -137,7 +140,7 @@ fn errors_name_the_setting_that_is_wrong() {
         (SettingsError::ResolutionsDiffer("x and y"), "x and y share motors: their steps_per_mm must be equal"),
         (
             SettingsError::MicrostepsDiffer {
-                motors: [prototype::M1, prototype::Z1],
+                motors: ["m1", "z1"].map(MotorName::lit),
                 microsteps: [16, 32],
                 keys: ["drivers.belt", "drivers.z"],
             },
@@ -187,39 +190,45 @@ fn two_heaters_that_are_fitted_share_no_output_and_no_sensor() {
     assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
 }
 
-/// Reproducer: a gantry on four screws was legal with 16 microsteps for two screws on drivers of the belt and 32 for
-/// the other two. It would have racked.
+/// Reproducer: a gantry was legal with 16 microsteps for motors of one driver table and 32 for those of another. It would
+/// have racked.
 #[test]
 fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ() {
     let z = [0, 0, 1, 0];
     let machine = |m1, m8, z1, belt, screws| {
         let mut s = Settings::prototype();
         s.belt.is_closed = false;
+        s.axes.z.steps_per_mm = s.axes.x.steps_per_mm;
         s.mechanism.rows = [m1, [1, -1, 0, 0], m8, [1, 1, 0, 0], z1, z, [0, 0, 0, 1]];
         (s.drivers.belt.microsteps, s.drivers.z.microsteps) = (belt, screws);
         s.check_machine()
     };
-    let differ = |motors, microsteps| {
+    let differ = |motors: [&str; 2], microsteps| {
+        let motors = motors.map(MotorName::lit);
         Err(SettingsError::MicrostepsDiffer { motors, microsteps, keys: ["drivers.belt", "drivers.z"] })
     };
     assert_eq!(machine(z, z, z, 16, 16), Ok(()));
     assert_eq!(machine(z, z, z, 32, 32), Ok(()));
-    assert_eq!(machine(z, z, z, 16, 32), differ([prototype::M1, prototype::Z1], [16, 32]));
+    assert_eq!(machine(z, z, z, 16, 32), Ok(()));
+    let lift = [1, 1, 1, 0];
+    assert_eq!(machine(lift, z, z, 32, 32), Ok(()));
+    assert_eq!(machine(lift, z, z, 16, 32), differ(["m1", "m8"], [16, 32]));
     // Other microsteps of another axis do not matter, nor do the extruder's.
     assert_eq!(machine([0; 4], [0; 4], z, 16, 32), Ok(()));
     let mut alone = Settings::prototype();
     (alone.drivers.z.microsteps, alone.drivers.e.microsteps) = (32, 64);
     assert_eq!(alone.check_machine(), Ok(()));
-    // Motors of x and y: a row twice as great goes with twice the microsteps; other pulleys go with the same ones.
+    // Motors of x and z: a row twice as great goes with twice the microsteps; other pulleys go with the same ones.
     let belts = |m11, z1, belt, screws| {
         let mut s = Settings::prototype();
         s.belt.is_closed = false;
-        s.mechanism.rows = [[0; 4], [0; 4], z, m11, z1, [0; 4], [0, 0, 0, 1]];
+        s.axes.z.steps_per_mm = s.axes.x.steps_per_mm;
+        s.mechanism.rows = [[0; 4], [0; 4], [0, 1, 0, 0], m11, z1, [0; 4], [0, 0, 0, 1]];
         (s.drivers.belt.microsteps, s.drivers.z.microsteps) = (belt, screws);
         s.check()
     };
-    assert_eq!(belts([1, 1, 0, 0], [2, -2, 0, 0], 16, 32), Ok(()));
-    assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 16), Ok(()));
-    assert_eq!(belts([1, 1, 0, 0], [1, -1, 0, 0], 16, 32), differ([prototype::M11, prototype::Z1], [16, 32]));
-    assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 32), differ([prototype::M11, prototype::Z1], [16, 32]));
+    assert_eq!(belts([1, 0, 1, 0], [0, 0, 2, 0], 16, 32), Ok(()));
+    assert_eq!(belts([4, 0, 4, 0], [0, 0, 5, 0], 16, 16), Ok(()));
+    assert_eq!(belts([1, 0, 1, 0], [0, 0, 1, 0], 16, 32), differ(["m11", "z1"], [16, 32]));
+    assert_eq!(belts([4, 0, 4, 0], [0, 0, 5, 0], 16, 32), differ(["m11", "z1"], [16, 32]));
 }

@@ -5,7 +5,7 @@ extern crate std;
 use super::*;
 use crate::connectors::samples::{BENCH, OTHER, PRINTER};
 use crate::kinematics::Mechanism;
-use crate::motors::prototype;
+use crate::motors::{Motor, prototype};
 use crate::settings::Wiring;
 use std::format;
 use std::string::{String, ToString};

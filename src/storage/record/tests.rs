@@ -5,7 +5,7 @@ extern crate std;
 use super::*;
 use crate::connectors::{ConnectorName, Output, Sensor};
 use crate::kinematics::Mechanism;
-use crate::settings::rows::{Field, Key, Value, Visitor};
+use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
 use crate::settings::{
     Advance, Alignment, Axes, AxisEnd, AxisSettings, Bed, Belt, Cartesian, Control, CornerRule, DriverGroups,
     DriverSettings, Endstop, EndstopPlug, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters,
@@ -238,6 +238,8 @@ fn spelled_out() -> Settings {
         drivers: DriverGroups { belt: drivers(0), z: drivers(1), e: drivers(2) },
         minimum_cruise_ratio: Ratio::lit("0.4"),
         mechanism: Mechanism::corehbot(),
+        // The first release stored none.
+        motor_names: Settings::prototype().motor_names,
         require_homing: true,
         thermal: heat(),
         wiring: wiring(),
@@ -408,11 +410,26 @@ fn the_longest_values_fit() {
     (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);
     (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
     s.thermal = hottest();
+    // All names as long as they may be, and each number as great as it may be.
+    let name = Value::Text(Text24::try_from("1234").unwrap());
+    assert!(s.motor_names.iter_mut().all(|motor| motor.set(&name)));
+    s.visit(&mut Clamp);
     let longest = encode(&s, &Unknown::NONE, u32::MAX).unwrap().receipt.bytes - HEADER;
-    // The greatest legal values are reckoned with; these are greater.
     assert!(longest <= LONGEST - HEADER, "{longest}");
     let legal = rows_longest_legal();
     assert!((legal..=legal * 5 / 4).contains(&LONGEST_PAYLOAD), "{legal}, reckoned with {LONGEST_PAYLOAD}");
+}
+
+/// Makes numbers legal.
+struct Clamp;
+
+impl Visitor for Clamp {
+    fn visit(&mut self, key: Key, field: &mut dyn Field) {
+        if let Value::Number(number) = field.get() {
+            let legal = key.row.legal(key.part.into());
+            assert!(field.set(&Value::Number(number.clamp(legal.least, legal.most))), "{key}");
+        }
+    }
 }
 
 /// Bytes of a payload in which every value is the longest that is legal.
@@ -489,7 +506,7 @@ fn values_that_are_illegal_today_are_rejected() {
     let mut s = Settings::prototype();
     s.drivers.z.microsteps = 32;
     assert!(decode(&forge(FORMAT, &payload(&s))).is_ok());
-    s.mechanism.rows[1] = [0, 0, 1, 0];
+    (s.mechanism.rows[1], s.axes.z.steps_per_mm) = ([-1, -1, 1, 0], s.axes.x.steps_per_mm);
     let record = decode(&forge(FORMAT, &payload(&s)));
     assert!(matches!(record, Err(Rejected::Illegal(SettingsError::MicrostepsDiffer { .. }))), "{record:?}");
 }

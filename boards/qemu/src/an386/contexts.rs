@@ -10,7 +10,7 @@ use corehbot::app::Parts;
 use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
-use corehbot::motors::{Motor, prototype};
+use corehbot::motors::Motor;
 use corehbot::port::{Coupling, DriverBus, MotorSet, NoStorage, Pend};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
@@ -108,7 +108,8 @@ pub extern "C" fn on_thermal() {
         thermal.period();
         // Counting walks through the queue of step events.
         if thermal.port().plant().is_some() {
-            let extruded = groups.motor_counts(counts.read())[prototype::E0.index()];
+            let counts = groups.motor_counts(counts.read());
+            let extruded = groups.mechanism().extruder().map_or(0, |motor| counts[motor.index()]);
             thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
         }
     });

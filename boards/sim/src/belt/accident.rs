@@ -119,7 +119,7 @@ impl std::str::FromStr for Brake {
             _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS")),
         };
         let belt = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
-        let found = belt.into_iter().find(|known| known.name() == motor.trim());
+        let found = belt.into_iter().find(|known| prototype::NAMES[known.index()].as_str() == motor.trim());
         let from_s = number(from, "time in s", [0.0, LATEST_S])?;
         Ok(Self {
             motor: found.ok_or_else(|| AccidentError::Motor(motor.to_owned()))?,

@@ -2,6 +2,7 @@
 
 use super::BeltPlant;
 use super::accident::AccidentState;
+use corehbot::motors::MotorName;
 use serde::Serialize;
 use std::fmt;
 
@@ -35,7 +36,7 @@ pub struct BeltFigures {
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct MotorFigures {
     /// Its name.
-    pub motor: &'static str,
+    pub motor: MotorName,
     /// The largest part of its torque that it bore, of 1.
     pub largest_torque_share: f64,
 }
@@ -44,7 +45,7 @@ pub struct MotorFigures {
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct SkipFigures {
     /// Its name.
-    pub motor: &'static str,
+    pub motor: MotorName,
     /// By how many electrical turns, ahead of where it was sent if positive.
     pub turns: i32,
     /// When, in s of motion time.
@@ -59,7 +60,7 @@ impl BeltPlant {
     pub fn figures(&self) -> BeltFigures {
         let off = self.off_mm();
         let motor = |(drive, rotor): (&super::layout::MotorDrive, &corehbot_twin::live::rotor::Rotor)| MotorFigures {
-            motor: drive.motor.name(),
+            motor: drive.name,
             largest_torque_share: rounded(rotor.greatest_share()),
         };
         let skip =

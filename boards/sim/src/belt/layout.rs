@@ -1,7 +1,7 @@
 //! Layout: which machine of the twin the settings are, and which motor of the firmware turns which of its motors.
 
 use corehbot::kinematics::{Row, multiple};
-use corehbot::motors::Motor;
+use corehbot::motors::{Motor, MotorName};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_twin::geometry::workspace;
@@ -22,6 +22,8 @@ const BEYOND_MM: f64 = 2.0;
 pub struct MotorDrive {
     /// The firmware's motor.
     pub motor: Motor,
+    /// Its name.
+    pub name: MotorName,
     /// 1, or -1 if it turns in the opposite direction.
     pub sense: i8,
 }
@@ -83,7 +85,11 @@ impl Layout {
         let drives = drives(&StepTrace::new(columns, 1.0), &Ways::new(machine, params));
         let turns = drives.map_err(|_| LayoutError::NoMachine)?.into_iter();
         let drive = |drive: corehbot_twin::steps::drive::Drive| {
-            belt.get(drive.column).map(|(motor, _)| MotorDrive { motor: *motor, sense: drive.sense })
+            belt.get(drive.column).map(|(motor, _)| MotorDrive {
+                motor: *motor,
+                name: settings.name_of(*motor),
+                sense: drive.sense,
+            })
         };
         Ok(Self { machine, drives: turns.filter_map(drive).collect() })
     }
@@ -139,8 +145,10 @@ mod tests {
     fn machines_that_the_twin_knows_are_found_by_their_motors() {
         let of = |file| layout(file).unwrap();
         let corehbot = of("prototype.toml");
-        let each =
-            [prototype::M1, prototype::M4, prototype::M8, prototype::M11].map(|motor| MotorDrive { motor, sense: 1 });
+        let each = prototype::BELT
+            .iter()
+            .map(|motor| MotorDrive { motor, name: prototype::NAMES[motor.index()], sense: 1 })
+            .collect::<Vec<_>>();
         assert_eq!(corehbot, Layout { machine: Machine::CoreHBot, drives: each.to_vec() });
         let motors = |layout: Layout| layout.drives.iter().map(|d| (d.motor, d.sense)).collect::<Vec<_>>();
         assert_eq!(of("corexy.toml").machine, Machine::CoreXy);

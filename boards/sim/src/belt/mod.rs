@@ -39,7 +39,7 @@ mod timeline;
 use crate::drivers::Drivers;
 use crate::tmc2209::Tmc2209;
 use accident::{AccidentState, Accidents};
-use corehbot::motors::{EndstopSet, Motor, MotorSet, prototype};
+use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
@@ -107,6 +107,8 @@ pub struct BeltPlant {
     /// Motors with a direction line that is low for forward.
     reversed: MotorSet,
     powered: MotorSet,
+    /// Motors of the filament.
+    filament: MotorSet,
     accidents: Accidents,
     hits: Vec<AccidentState>,
     brakes: Vec<AccidentState>,
@@ -163,6 +165,7 @@ impl BeltPlant {
             switches: [settings.endstops.x, settings.endstops.y],
             reversed: reversed(settings),
             powered: MotorSet::NONE,
+            filament: settings.mechanism.motors_of(3),
             hits: vec![AccidentState::Waiting; accidents.hits.len()],
             brakes: vec![AccidentState::Waiting; accidents.brakes.len()],
             accidents,
@@ -202,7 +205,7 @@ impl BeltPlant {
         self.attend(now, chips.powered());
         self.timeline.event(now, tick);
         self.rig.step(steps, forward);
-        self.has_begun |= steps.has(prototype::E0) || self.met.iter().all(Option::is_some);
+        self.has_begun |= steps.intersects(self.filament) || self.met.iter().all(Option::is_some);
         if self.layout.drives.iter().all(|drive| !steps.has(drive.motor)) {
             return;
         }
@@ -318,7 +321,7 @@ impl BeltPlant {
         self.live.advance(now);
         for skip in self.live.take_skips() {
             self.skips.extend(self.layout.drives.get(skip.motor).map(|drive| SkipFigures {
-                motor: drive.motor.name(),
+                motor: drive.name,
                 turns: skip.turns * i32::from(drive.sense),
                 time_s: self.timeline.motion_s(skip.tick),
                 at_mm: self.in_gcode(skip.tool),

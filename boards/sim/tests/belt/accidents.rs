@@ -27,7 +27,7 @@ fn after(start: [f64; 2], hits: &[&str], brakes: &[&str]) -> BeltFigures {
 fn beside_the_table(figures: &BeltFigures) -> f64 {
     let mut meant = [0.0; 3];
     for skip in &figures.skips {
-        let (_, one) = TABLE.iter().find(|(motor, _)| *motor == skip.motor).unwrap();
+        let (_, one) = TABLE.iter().find(|(motor, _)| *motor == skip.motor.as_str()).unwrap();
         meant.iter_mut().zip(one).for_each(|(sum, part)| *sum += f64::from(skip.turns) * part);
     }
     let [x, y] = figures.off_xy_mm.unwrap();
@@ -45,7 +45,7 @@ fn a_strong_hit_makes_motors_skip_as_the_slip_table_says() {
             let figures = after(start, &[hit], brakes);
             assert!(!figures.skips.is_empty(), "{figures}");
             for skip in &figures.skips {
-                assert!(driving.contains(&skip.motor) && skip.turns != 0, "{figures}");
+                assert!(driving.contains(&skip.motor.as_str()) && skip.turns != 0, "{figures}");
                 // It is at the place of the hit, some 0.2 s after the begin.
                 let [x, y] = skip.at_mm;
                 assert!((x - start[0]).abs() > 13.0 && (y - 203.8).abs() < 2.0, "{figures}");
@@ -75,7 +75,7 @@ fn a_weak_hit_makes_none_and_the_tool_catches_up() {
 fn a_motor_that_rubs_more_than_it_holds_skips_and_one_that_rubs_less_does_not() {
     // 0.40 N m are 63 N at the belt, and the other motors pull, too.
     let figures = after([175.0, 208.8], &[], &["m8,200,0.1"]);
-    assert!(figures.skips.iter().any(|skip| skip.motor == "m8" && skip.turns < 0), "{figures}");
+    assert!(figures.skips.iter().any(|skip| skip.motor.as_str() == "m8" && skip.turns < 0), "{figures}");
     assert!(figures.skips.iter().all(|skip| skip.time_s > 0.09), "{figures}");
     let figures = after([175.0, 208.8], &[], &["m8,20"]);
     assert!(figures.skips.is_empty(), "{figures}");

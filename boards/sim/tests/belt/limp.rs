@@ -233,7 +233,7 @@ fn assert_parked(story: &Story, motor: Motor, words: &str, near: f64, relaxing_m
     let figures = story.plant.figures();
     let later: Vec<_> =
         figures.skips.iter().filter(|skip| skip.time_s > story.off_motion_s + relaxing_ms / 1e3).collect();
-    assert!(later.iter().all(|skip| skip.motor == motor.name()), "{later:?} {}", what());
+    assert!(later.iter().all(|skip| skip.motor == prototype::NAMES[motor.index()]), "{later:?} {}", what());
     let all = story.cut_after(0) / 1e3;
     println!(
         "{motor:?} {words}: off after {off:.0} ms, all off after {all:.1} s, tool {off_mm:.3} mm beside its place"
@@ -323,7 +323,7 @@ fn a_second_fault_ends_the_limp_by_cutting_everything() {
             assert!(story.off_after(0, prototype::M1) <= 100.0);
             assert_cut(&story, 1, 100.0, "a second driver");
             // The first one is the reason.
-            assert!(story.has("(driver of motor 1 "), "{:?}", story.heard);
+            assert!(story.has("(driver of motor m1 "), "{:?}", story.heard);
         }
     }
     let story =
@@ -360,7 +360,12 @@ fn whoever_does_not_know_where_the_tool_is_or_moves_it_otherwise_cuts_everything
     }
     // A Z screw and the extruder work without an opposing motor.
     for motor in [prototype::Z1, prototype::E0] {
-        assert_cut(&story(&[(500.0, Event::Harm(motor, NO_SUPPLY))]), 0, 207.0, motor.name());
+        assert_cut(
+            &story(&[(500.0, Event::Harm(motor, NO_SUPPLY))]),
+            0,
+            207.0,
+            prototype::NAMES[motor.index()].as_str(),
+        );
     }
 }
 

@@ -1,6 +1,7 @@
 //! Skips: a motor with a rotor that lost its place is named, and its error is repaired.
 
 use crate::printer::{of_each, plant_of, print_as, seeds};
+use corehbot::motors::MotorName;
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::{Accidents, Brake};
 use corehbot_sim::belt::figures::SkipFigures;
@@ -46,7 +47,7 @@ struct Story {
     /// X and y are homed between the skip and M915 R.
     is_homed: bool,
     /// Shift of each motor by the accident, in electrical turns.
-    turns: BTreeMap<&'static str, i32>,
+    turns: BTreeMap<MotorName, i32>,
     skips: Vec<SkipFigures>,
     heard: Vec<String>,
     /// The tool's position error in the end, and the strain.
@@ -110,8 +111,10 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
         assert!(*off_mm < 0.04 && residual_mm.abs() < 0.0125, "{}", what());
         let said = |text: &str| heard.iter().any(|line| line.contains(text));
         // Of motors that skipped alike homing leaves nothing.
-        let strain: i32 =
-            turns.iter().map(|(motor, turns)| if matches!(*motor, "m1" | "m8") { *turns } else { -turns }).sum();
+        let strain: i32 = turns
+            .iter()
+            .map(|(motor, turns)| if matches!(motor.as_str(), "m1" | "m8") { *turns } else { -turns })
+            .sum();
         let is_well = turns.is_empty() || *is_homed && strain == 0;
         assert_eq!(said("no motor has skipped"), is_well, "{}", what());
         assert_eq!(said("belt repaired"), !is_well, "{}", what());
@@ -119,8 +122,7 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
         let mut each = turns.iter();
         if let (Some((motor, turns @ (-1 | 1))), None) = (each.next(), each.next()) {
             single += 1;
-            let name = motor.trim_start_matches('m');
-            let right = format!("motor {name} has skipped by {:+} full steps", 4 * turns);
+            let right = format!("motor {motor} has skipped by {:+} full steps", 4 * turns);
             let is_right = said(&right);
             named += usize::from(is_right);
             if !is_right {
@@ -155,7 +157,7 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     assert_eq!(figures.skips.len(), 1, "{figures}");
     let said = |text: &str| printed.heard.iter().filter(|line| line.contains(text)).count();
     // M915 D leaves everything as it was except its trust: M915 R has nothing to compare with, and M915 is due.
-    assert_eq!(said("motor 11 has skipped by +4 full steps"), 1, "{:#?}", printed.heard);
+    assert_eq!(said("motor m11 has skipped by +4 full steps"), 1, "{:#?}", printed.heard);
     assert!(said("nothing to compare with") >= 1, "{:#?}", printed.heard);
 }
 

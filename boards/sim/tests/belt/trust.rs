@@ -174,7 +174,7 @@ const SEIZED: [&str; 13] = [
 /// is named, whichever it is, and the firmware guarantees nothing.
 #[test]
 fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
-    let names = [("m1", "motor 1 "), ("m11", "motor 11 ")];
+    let names = [("m1", "motor m1 "), ("m11", "motor m11 ")];
     let heard = of_each(0..2, |index| {
         let accidents = Accidents {
             brakes: vec![format!("{},70,57", names[index as usize].0).parse().unwrap()],

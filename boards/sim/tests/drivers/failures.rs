@@ -45,7 +45,7 @@ fn every_failure_in_mid_move_is_named() {
         let drivers = Drivers::new();
         let strike = move |d: &Drivers| harm(&mut d.chip(prototype::M11));
         let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
-        assert!(told.outcome.halted && told.has("kill() called! (driver of motor 11") && told.has(words), "{words}");
+        assert!(told.outcome.halted && told.has("kill() called! (driver of motor m11") && told.has(words), "{words}");
         assert_eq!(drivers.enabled(), MotorSet::NONE);
         assert!(told.steps.aftermath_ms() <= 250, "{words}: {} ms", told.steps.aftermath_ms());
     }
@@ -72,7 +72,7 @@ fn a_hot_driver_is_reported_once_and_works_on() {
     let strike = |d: &Drivers| d.chip(prototype::E0).set(tmc2209::DRV_STATUS, 1);
     let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
     assert!(!told.outcome.halted);
-    assert_eq!(told.heard.iter().filter(|line| line.contains("driver of motor E is hot")).count(), 1);
+    assert_eq!(told.heard.iter().filter(|line| line.contains("driver of motor e0 is hot")).count(), 1);
 }
 
 /// Whichever one reply is damaged, power comes, and then the motion is undisturbed.
@@ -118,5 +118,5 @@ fn a_reset_is_not_hidden_by_a_change_that_is_under_way() {
     let strike = |d: &Drivers| d.chip(prototype::M8).reset();
     let acts = lines(&["M17", LONG_MOVE[0], "M906 X900", "M400"]);
     let told = play(&drivers, acts, Some((1, Box::new(strike))));
-    assert!(told.outcome.halted && told.has("driver of motor 8 was reset"), "{:?}", told.heard);
+    assert!(told.outcome.halted && told.has("driver of motor m8 was reset"), "{:?}", told.heard);
 }

@@ -60,7 +60,7 @@ fn without_motor_supply_nothing_moves_and_nothing_is_lost() {
     ];
     let told = play(&drivers, acts, None);
     assert_eq!(told.errors().len(), 5, "{:?}", told.heard);
-    let error = "Error:driver of motor 1 does not answer: is the motor supply on, its jumper set to UART?; no motor \
+    let error = "Error:driver of motor m1 does not answer: is the motor supply on, its jumper set to UART?; no motor \
         got power";
     assert!(told.errors().iter().all(|line| *line == error), "{:?}", told.heard);
     assert_eq!(told.heard.iter().filter(|line| *line == "ok").count(), 10);
@@ -88,7 +88,7 @@ fn one_bad_driver_keeps_the_power_from_all_but_only_where_it_is_needed() {
     let told = play(&drivers, acts, None);
     let errors = told.errors();
     assert_eq!(errors.len(), 2, "{:?}", told.heard);
-    assert!(errors[0].starts_with("Error:driver of motor 8 does not answer"));
+    assert!(errors[0].starts_with("Error:driver of motor m8 does not answer"));
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn every_kind_of_bad_driver_is_named() {
         let drivers = Drivers::new();
         let told = play(&drivers, vec![act(|d| harm(&mut d.chip(prototype::Z2))), say("G1 Z5")], None);
         assert_eq!(told.errors().len(), 1, "{:?}", told.heard);
-        assert!(told.has("Error:driver of motor Z2") && told.has(words), "{words}: {:?}", told.heard);
+        assert!(told.has("Error:driver of motor z2") && told.has(words), "{words}: {:?}", told.heard);
         assert_eq!((told.steps.count, drivers.enabled()), (0, MotorSet::NONE));
     }
 }
@@ -161,7 +161,7 @@ fn drivers_without_a_wire_run_as_before() {
     let drivers = Drivers::with_lines(prototype::BELT);
     let told = play(&drivers, lines(&["G1 X5 F6000", "M400", "M122"]), None);
     assert_eq!(drivers.enabled(), MotorSet::ALL);
-    assert!(told.has("Driver 1: configured") && told.has("Driver Z1: no UART"));
+    assert!(told.has("Driver m1: configured") && told.has("Driver z1: no UART"));
 }
 
 /// Rotors that get power snap to their nearest rest, one after another: all of a belt's motors except the first find a

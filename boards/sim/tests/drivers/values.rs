@@ -49,7 +49,7 @@ fn stealth_is_a_bit_of_gconf() {
     let expected = [("X", stealth), ("Y", stealth), ("Z", spread), ("E", spread)];
     assert_eq!(modes, expected.map(|(axis, mode)| format!("{axis} driver mode: {mode}")).iter().collect::<Vec<_>>());
     assert!(
-        told.has("Y stealthChop max speed: 100") && told.has("Driver 8: configured, motor on, 795 mA, stealthChop")
+        told.has("Y stealthChop max speed: 100") && told.has("Driver m8: configured, motor on, 795 mA, stealthChop")
     );
 }
 
@@ -63,10 +63,10 @@ fn the_report_tells_of_each_driver() {
     };
     let told = play(&drivers, vec![act(break_some), say("M122"), say("M17 Z"), say("M17 E"), say("M122")], None);
     let report: Vec<_> = told.heard.iter().map(String::as_str).collect();
-    assert!(report.contains(&"Driver 1: not configured yet, motor off"), "{report:#?}");
-    assert!(report.contains(&"Driver 8: does not answer: is the motor supply on, its jumper set to UART?"));
-    assert!(report.contains(&"Driver Z1: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 4.00 mm a turn"));
-    assert!(report.contains(&"Driver E: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 8.00 mm a turn"));
+    assert!(report.contains(&"Driver m1: not configured yet, motor off"), "{report:#?}");
+    assert!(report.contains(&"Driver m8: does not answer: is the motor supply on, its jumper set to UART?"));
+    assert!(report.contains(&"Driver z1: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 4.00 mm a turn"));
+    assert!(report.contains(&"Driver e0: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 8.00 mm a turn"));
     let health = "  above 120 C, coil open?, stall result 123, 12 writes, 0 failed exchanges";
     assert!(report.contains(&health), "{report:#?}");
 }

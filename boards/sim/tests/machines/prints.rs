@@ -29,7 +29,7 @@ fn every_machine_prints_a_file_and_ends_where_it_says() {
         let to = s.mechanism.inverse(steps_of(&s, [0.0, 200.0, 7.0, 0.0]));
         for (motor, row) in s.mechanism.motors().filter(|(_, row)| row[3] == 0) {
             let way = to[motor.index()] - from[motor.index()];
-            assert_eq!(print.counts[motor.index()], way, "{name}: {} {row:?}", motor.name());
+            assert_eq!(print.counts[motor.index()], way, "{name}: {} {row:?}", s.name_of(motor));
         }
     }
 }
@@ -100,8 +100,8 @@ fn motors_that_are_not_fitted_are_left_alone() {
         assert_eq!(drivers.enabled(), fitted, "{name}");
         for motor in Motor::ALL {
             let (is_fitted, chip) = (fitted.has(motor), drivers.chip(motor));
-            assert_eq!(chip.replies() > 0, is_fitted, "{name}: {}", motor.name());
-            assert!(is_fitted || steps.counts[motor.index()] == 0, "{name}: {}", motor.name());
+            assert_eq!(chip.replies() > 0, is_fitted, "{name}: {}", s.name_of(motor));
+            assert!(is_fitted || steps.counts[motor.index()] == 0, "{name}: {}", s.name_of(motor));
         }
     }
 }
