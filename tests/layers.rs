@@ -133,8 +133,8 @@ const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "state"]),
 ];
 
-/// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the Stepper
-/// share formulas, entries and queues, but none of the three uses another one: each runs in a context of its own.
+/// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the
+/// Stepper share formulas, entries and queues, but none of the three uses another one: each has a context of its own.
 const WITHIN_MOTION: [(&str, &[&str]); 12] = [
     ("number", &[]),
     ("ticks", &[]),

@@ -1,12 +1,12 @@
 //! The settings in use: all parts read them, and each way to change them keeps the rest of the machine in step.
 //!
-//! | settings | change by | because |
+//! | settings | change by | and then |
 //! |---|---|---|
-//! | limits, soft endstops, keepalive | [`MainLoop::live_settings`] | the line that waits to be continued keeps the limits that it began with |
-//! | heaters and fans | [`MainLoop::heat_settings`] | the heater control gets them too |
+//! | limits, soft endstops, keepalive | [`MainLoop::live_settings`] | the open line keeps its limits |
+//! | heaters and fans | [`MainLoop::heat_settings`] | the heater control gets them |
 //! | drivers | [`MainLoop::use_driver_settings`] | the drivers get them |
-//! | pressure advance | [`MainLoop::use_advance`] | motion rests first where all axes are delayed otherwise |
-//! | all, also the size of a step and the shapers | [`MainLoop::use_settings`] | motion rests, and planner and generator get the position again |
+//! | pressure advance | [`MainLoop::use_advance`] | motion comes to rest before a new delay |
+//! | all, with size of a step and shapers | [`MainLoop::use_settings`] | it rests before, all get the position |
 //!
 //! So no command holds `&mut Settings`: it could change the size of a step while moves wait.
 

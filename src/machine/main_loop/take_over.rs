@@ -51,8 +51,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.until(|c| c.power.is_configured()).await
     }
 
-    /// Takes over other settings. Motion rests: a step must not change its size under way.
+    /// Takes over other settings, at rest: a step must not change its size under way.
     pub async fn use_settings(&mut self, wanted: Settings) -> Result<(), Interrupt> {
+        if self.motion.has_motion() {
+            self.finish().await?;
+        }
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
