@@ -93,7 +93,7 @@ fn a_heater_without_a_reading_ends_the_job_and_says_why() {
         let accident = format!("{kind}@1s").parse().unwrap();
         let (end, _, heard) = life(&heated(), accident, line, 3.0, 60.0);
         assert_eq!(end, End::Job, "{heard}");
-        let told = format!("echo:print ended, heaters are off: {name} has no reading. Look at its sensor");
+        let told = format!("echo:print ended, heaters are off: {name} has no reading. Check its sensor");
         assert!(heard.lines().any(|line| line.starts_with(&told)), "{heard}");
         assert!(!heard.contains("Error") && !heard.contains("!!"), "{heard}");
     }
