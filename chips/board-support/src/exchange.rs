@@ -115,6 +115,8 @@ pub struct Exchange {
 
 impl Exchange {
     /// No exchange yet.
+    #[must_use]
+    #[allow(clippy::new_without_default, reason = "boards make it in a `const`")]
     pub const fn new() -> Self {
         Self {
             phase: Phase::Idle,

@@ -28,6 +28,8 @@ pub struct Ring {
 
 impl Ring {
     /// An empty ring.
+    #[must_use]
+    #[allow(clippy::new_without_default, reason = "boards make it in a `static`")]
     pub const fn new() -> Self {
         Self {
             bytes: [const { AtomicU8::new(0) }; SIZE as usize],
