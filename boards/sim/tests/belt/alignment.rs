@@ -197,7 +197,7 @@ fn a_skip_while_motors_are_aligned_is_noticed() {
         let is_noticed = has(&printed, "belt motors not aligned: ");
         assert_eq!(is_noticed, is_strained, "{at_s}: {figures} {:?}", printed.heard);
         assert_eq!(has(&printed, "Belt: motors aligned"), !is_noticed, "{at_s}: {:?}", printed.heard);
-        assert_eq!(has(&printed, "is as wanted within"), !is_noticed, "{at_s}: {:?}", printed.heard);
+        assert_eq!(has(&printed, "is correct now within"), !is_noticed, "{at_s}: {:?}", printed.heard);
         assert!(!is_noticed || phase(&printed) == Some(known), "{at_s}: {:?}", printed.heard);
         assert!((x - 100.0).abs() < 0.06 && (y - 120.0).abs() < 0.06, "{at_s}: {x} {y}");
         noticed += u32::from(is_noticed);

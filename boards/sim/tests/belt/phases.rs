@@ -47,7 +47,7 @@ fn a_machine_that_was_aligned_once_is_aligned_whenever_it_is_switched_on() {
     let found = of_each(seeds(2), |seed| {
         let (learned, _) = print_at(&Settings::prototype(), START, seed, &["M915", "M503"]);
         let phase = phase_of(&learned).unwrap_or_else(|| panic!("{seed}: {:?}", learned.heard));
-        assert!(has(&learned, "M500 keeps it"), "{seed}: {:?}", learned.heard);
+        assert!(has(&learned, "M500 stores it"), "{seed}: {:?}", learned.heard);
         // Somewhere else, where rotors find other places in their turns, but belt and pulleys are the same.
         let place = [60.0 + 13.7 * (seed % 7) as f64, 40.0 + 9.1 * (seed % 5) as f64, 10.0];
         let without = print_at(&Settings::prototype(), place, seed, &["M17", "G4 P500"]);

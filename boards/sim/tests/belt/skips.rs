@@ -204,9 +204,9 @@ fn the_example_in_the_documentation_is_what_happens() {
         let printed = print_as(&Settings::prototype(), &mut plant, None, &lines);
         let figures = plant.unwrap().figures();
         assert_eq!(figures.skips.len(), skips, "{figures}");
-        let told: Vec<&String> = printed.heard.iter().filter(|line| line.contains("beside its place")).collect();
+        let told: Vec<&String> = printed.heard.iter().filter(|line| line.contains("off its position")).collect();
         assert!(!told.is_empty(), "{:?}", printed.heard);
-        let of_belt = ["belt motors aligned", "beside its place", "skip", "belt repaired"];
+        let of_belt = ["belt motors aligned", "off its position", "skip", "belt repaired"];
         for line in printed.heard.iter().filter(|line| of_belt.iter().any(|text| line.contains(text))) {
             assert!(docs.contains(line.as_str()), "{line}");
         }
