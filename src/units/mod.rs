@@ -21,6 +21,7 @@
 //! |---|---|
 //! | `mod` | the quantities, one type for each unit |
 //! | `quantity` | the operations that all quantities have |
+//! | `resolution` | between millimetres and steps |
 //! | `speed_sq` | squares of speeds, for ramps and corners |
 //! | `ticks` | time in ticks |
 //! | `lags` | lags of the first order in periods of a control loop |
@@ -28,6 +29,7 @@
 
 mod lags;
 mod quantity;
+mod resolution;
 mod speed_sq;
 mod ticks;
 mod wide;
@@ -43,7 +45,7 @@ use quantity::{quantity, signed, wrapping};
 
 quantity! {
     /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
-    Mm(I32F32)
+    Mm(I32F32, i64)
 }
 signed!(Mm);
 wrapping!(Mm);
@@ -52,7 +54,7 @@ quantity! {
     /// A position of one motor or axis in (micro)steps, with the fraction that lies between two steps;
     /// range +-2.1e9 steps. Arithmetic on absolute positions wraps (an extruder never comes back), so
     /// differences are taken with `wrapping_sub`.
-    Steps(I32F32)
+    Steps(I32F32, i64)
 }
 signed!(Steps);
 wrapping!(Steps);
@@ -96,51 +98,51 @@ impl Steps {
 
 quantity! {
     /// A speed in mm/s; resolution 15 um/s, range 65 m/s.
-    MmPerSec(U16F16)
+    MmPerSec(U16F16, u32)
 }
 
 quantity! {
     /// An acceleration in mm/s2; resolution 0.004 mm/s2, range 16.7 km/s2.
-    MmPerSec2(U24F8)
+    MmPerSec2(U24F8, u32)
 }
 
 quantity! {
     /// A motor's resolution in (micro)steps a millimetre.
-    StepsPerMm(U16F16)
+    StepsPerMm(U16F16, u32)
 }
 
 quantity! {
     /// A frequency; resolution 15 uHz.
-    Hertz(U16F16)
+    Hertz(U16F16, u32)
 }
 
 quantity! {
     /// A short time in s; resolution 0.06 us, range 256 s.
-    Seconds(U8F24)
+    Seconds(U8F24, u32)
 }
 
 quantity! {
     /// A ratio; resolution 15 millionths.
-    Ratio(U16F16)
+    Ratio(U16F16, u32)
 }
 
 quantity! {
     /// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
-    Celsius(I12F20)
+    Celsius(I12F20, i32)
 }
 signed!(Celsius);
 
 quantity! {
     /// A power in W; resolution 15 uW, range 65 kW.
-    Watts(U16F16)
+    Watts(U16F16, u32)
 }
 
 quantity! {
     /// A heat capacity in J/K; resolution 15 millionths, range 65 kJ/K.
-    JoulesPerKelvin(U16F16)
+    JoulesPerKelvin(U16F16, u32)
 }
 
 quantity! {
     /// Heat that flows for each K of difference, in W/K, or that a mm of filament takes, in J/(K mm); range 256.
-    WattsPerKelvin(U8F24)
+    WattsPerKelvin(U8F24, u32)
 }

@@ -25,9 +25,9 @@ impl Quantity for I32F32 {
     }
 }
 
-/// Makes a quantity: `NAME(NUMBER)`.
+/// Makes a quantity: `NAME(NUMBER, BITS)`.
 macro_rules! quantity {
-    ($(#[$doc:meta])+ $name:ident($number:ty)) => {
+    ($(#[$doc:meta])+ $name:ident($number:ty, $bits:ty)) => {
         $(#[$doc])+
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize)]
         #[serde(transparent)]
@@ -57,21 +57,21 @@ macro_rules! quantity {
             /// So many of the unit, for constants.
             #[must_use]
             #[inline(always)]
-            pub const fn const_from_int(units: <$number as fixed::traits::Fixed>::Bits) -> Self {
+            pub const fn const_from_int(units: $bits) -> Self {
                 Self(<$number>::const_from_int(units))
             }
 
             /// The value with these bits.
             #[must_use]
             #[inline(always)]
-            pub const fn from_bits(bits: <$number as fixed::traits::Fixed>::Bits) -> Self {
+            pub const fn from_bits(bits: $bits) -> Self {
                 Self(<$number>::from_bits(bits))
             }
 
             /// Its bits.
             #[must_use]
             #[inline(always)]
-            pub const fn to_bits(self) -> <$number as fixed::traits::Fixed>::Bits {
+            pub const fn to_bits(self) -> $bits {
                 self.0.to_bits()
             }
 
@@ -120,7 +120,7 @@ macro_rules! quantity {
             /// So many times as much, within the range.
             #[must_use]
             #[inline(always)]
-            pub const fn saturating_mul_int(self, times: <$number as fixed::traits::Fixed>::Bits) -> Self {
+            pub const fn saturating_mul_int(self, times: $bits) -> Self {
                 Self(self.0.saturating_mul_int(times))
             }
         }
@@ -172,20 +172,20 @@ macro_rules! quantity {
             }
         }
 
-        impl core::ops::Mul<<$number as fixed::traits::Fixed>::Bits> for $name {
+        impl core::ops::Mul<$bits> for $name {
             type Output = Self;
 
             #[inline(always)]
-            fn mul(self, times: <$number as fixed::traits::Fixed>::Bits) -> Self {
+            fn mul(self, times: $bits) -> Self {
                 Self(self.0 * times)
             }
         }
 
-        impl core::ops::Div<<$number as fixed::traits::Fixed>::Bits> for $name {
+        impl core::ops::Div<$bits> for $name {
             type Output = Self;
 
             #[inline(always)]
-            fn div(self, parts: <$number as fixed::traits::Fixed>::Bits) -> Self {
+            fn div(self, parts: $bits) -> Self {
                 Self(self.0 / parts)
             }
         }

@@ -16,7 +16,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
 use crate::settings::{Advance, Axes, AxisSettings, Belt, DriverGroups, Kept, Settings, ThermalSettings};
-use crate::units::{Instant, Mm, Steps};
+use crate::units::{Instant, Mm};
 use core::ops::Deref;
 
 /// Interval of the scrub in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
@@ -55,15 +55,12 @@ impl SettingsInUse {
 
     /// The preload in steps of belt.
     pub fn preload_steps(&self) -> i32 {
-        let per_mm = self.axes.x.steps_per_mm;
-        let bits = (i128::from(self.belt.preload.to_bits()) * i128::from(per_mm.to_bits())) >> 16;
-        Steps::from_bits(bits as i64).wrapping_round().to_num()
+        (self.belt.preload * self.axes.x.steps_per_mm).wrapping_round().to_num()
     }
 
     /// Thousandths of a step of belt as a length.
     pub fn belt_length(&self, thousandths: i64) -> Mm {
-        let per_mm = i64::from(self.axes.x.steps_per_mm.to_bits()).max(1);
-        Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
+        self.axes.x.steps_per_mm.length_of_parts(thousandths, 1000)
     }
 
     /// The phase that is known of a residual.

@@ -8,7 +8,7 @@ use crate::machine::answers::speaker::Speaker;
 use crate::machine::state::trimming::{Found, Trimming};
 use crate::port::Motor;
 use crate::settings::Settings;
-use crate::units::{Mm, StepsPerMm};
+use crate::units::StepsPerMm;
 use core::fmt;
 
 /// A residual as a sum of motors: `m1 - m4 + m8 - m11`.
@@ -67,8 +67,7 @@ impl fmt::Display for Why<'_> {
 
 /// Steps of belt in mm.
 fn length(steps: i32, resolution: StepsPerMm) -> Thousandths {
-    let per_mm = i128::from(resolution.to_bits()).max(1);
-    Thousandths(Mm::from_bits(((i128::from(steps) << 48) / per_mm) as i64))
+    Thousandths(resolution.length_of(steps.into()))
 }
 
 /// The lines of an answer.

@@ -6,11 +6,11 @@ use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::speaker::Speaker;
 use crate::port::Motor;
 use crate::settings::{DriverGroups, DriverSettings, Settings};
-use crate::units::{Mm, StepsPerMm};
+use crate::units::StepsPerMm;
 use core::fmt;
 
 /// Full steps of a turn of almost every stepper motor (1.8 degrees).
-const FULL_STEPS: u64 = 200;
+const FULL_STEPS: i64 = 200;
 
 /// The state of a driver that answers, for M122.
 struct State<'r> {
@@ -74,8 +74,7 @@ pub(in crate::machine) fn report_driver(
 
 /// The distance for a turn of a motor of 200 full steps, which shows whether microsteps and steps/mm agree.
 fn turn_of(steps_per_mm: StepsPerMm, microsteps: u32) -> Hundredths {
-    let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
-    Hundredths::of(Mm::from_bits((steps / u64::from(steps_per_mm.to_bits().max(1))) as i64))
+    Hundredths::of(steps_per_mm.length_of(FULL_STEPS * i64::from(microsteps)))
 }
 
 /// The value of one axis in Marlin's words.

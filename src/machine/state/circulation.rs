@@ -31,8 +31,7 @@ impl Circulation {
 
     /// The distance by which it has circulated.
     pub fn length(&self, resolution: StepsPerMm) -> Mm {
-        let bits = i128::from(self.steps) << (StepsPerMm::FRAC_NBITS + Mm::FRAC_NBITS);
-        Mm::from_bits((bits / i128::from(resolution.to_bits().max(1))) as i64)
+        resolution.length_of(self.steps)
     }
 
     /// Steps so far, signed.

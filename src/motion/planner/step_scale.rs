@@ -8,7 +8,7 @@ use crate::units::{Mm, Steps, StepsPerMm};
 /// Between millimetres and steps of one axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::motion) struct StepScale {
-    steps_per_mm: u32,
+    steps_per_mm: StepsPerMm,
     /// Raw `Mm` bits a raw `Steps` bit, times 2^48.
     mm_per_step: u64,
     /// The same with 32 bits alone, times 2^(32 + `shift`).
@@ -19,11 +19,11 @@ pub(in crate::motion) struct StepScale {
 impl StepScale {
     pub fn new(steps_per_mm: StepsPerMm) -> Self {
         // No axis has less than one step a millimetre.
-        let raw = steps_per_mm.to_bits().max(1 << 16);
-        let mm_per_step = u64::MAX / u64::from(raw);
+        let steps_per_mm = steps_per_mm.max(StepsPerMm::ONE);
+        let mm_per_step = u64::MAX / u64::from(steps_per_mm.to_bits());
         let shift = mm_per_step.leading_zeros().saturating_sub(16);
         let mantissa = u32::try_from((mm_per_step << shift) >> 16).unwrap_or(u32::MAX);
-        Self { steps_per_mm: raw, mm_per_step, mantissa, shift: shift as u8 }
+        Self { steps_per_mm, mm_per_step, mantissa, shift: shift as u8 }
     }
 
     /// The length of a step in mm.
@@ -53,8 +53,7 @@ impl StepScale {
     /// The position in steps; wraps with the step counters.
     #[inline(always)]
     pub fn steps(&self, mm: Mm) -> Steps {
-        let wide = i128::from(mm.to_bits()) * i128::from(self.steps_per_mm);
-        Steps::from_bits((wide >> 16) as i64)
+        mm * self.steps_per_mm
     }
 
     /// The position in mm of a count of steps that has wrapped with the counters, as often as makes it the nearest to

@@ -14,7 +14,7 @@
 use super::{AXES, Stiffening, TAPS, Tap, Taps};
 use crate::motion::number::{acceleration, speed};
 use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers, ranges};
-use crate::units::{Mm, Seconds, Steps, TICKS_PER_SECOND};
+use crate::units::{Mm, Seconds, TICKS_PER_SECOND};
 use heapless::Vec;
 
 /// An impulse: its time in s, and its weight.
@@ -211,6 +211,6 @@ fn stiffening(shaper: &Shaper, axis: &AxisSettings) -> Stiffening {
     let (span, steps_per_mm): (f32, f32) = (shaper.span.to_num(), axis.steps_per_mm.to_num());
     let softness = if motor > 0.0 { frequency / motor } else { 0.0 };
     let half = 0.5 * span * steps_per_mm;
-    let centre = (i128::from(axis.length.to_bits()) * i128::from(axis.steps_per_mm.to_bits())) >> 17;
-    Stiffening { centre: Steps::from_bits(centre as i64), rate: (1.0 - softness * softness) / (half * half) }
+    let centre = (axis.length * axis.steps_per_mm) >> 1;
+    Stiffening { centre, rate: (1.0 - softness * softness) / (half * half) }
 }
