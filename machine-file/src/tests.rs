@@ -211,3 +211,28 @@ fn errors_name_the_key_and_what_is_legal() {
     assert!(error("[axes.y]\nsteps_per_mm = 100").contains("x and y share motors"));
     assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("exactly one"));
 }
+
+/// A machine with motors of other names, in another order than that of their rows.
+const NAMED: &str = "[motors]\nnames = [\"x\", \"yl\", \"yr\", \"z\", \"e\"]\nyr = \"!M7\"\n[mechanism]\nz = [0, 0, 1]\n\
+                     x = [1, 0, 0]\nyl = [0, 1, 0]\nyr = [0, 1, 0]\ne = [0, 0, 0, 1]\n";
+
+#[test]
+fn motors_have_the_names_of_the_file_in_its_order() {
+    let s = load(NAMED).unwrap();
+    let motors: Vec<String> = s.motors().map(|(_, name)| name.to_string()).collect();
+    assert_eq!(motors, ["x", "yl", "yr", "z", "e"]);
+    assert_eq!(s.mechanism.rows[..4], [[1, 0, 0, 0], [0, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]);
+    assert_eq!((s.wiring.motors[2].connector.as_str(), s.wiring.motors[2].is_reversed), ("M7", true));
+    assert_eq!(load(&written(&s).unwrap()).unwrap(), s);
+}
+
+#[test]
+fn names_that_are_wrong_are_errors() {
+    let error = |from: &str, to: &str| load(&NAMED.replace(from, to)).unwrap_err().to_string();
+    assert!(error("\"yl\"", "\"left1\"").contains("up to 4 letters and digits"));
+    assert!(error("\"yl\"", "\"\"").contains("is no name of a motor"));
+    assert_eq!(error("\"z\", \"e\"", "\"z\", \"e\", \"x\""), "motors.names has every motor once");
+    assert!(error("x = [1", "m1 = [1").contains("unknown field `m1`"), "{}", error("x = [1", "m1 = [1"));
+    assert_eq!(error("z = [0, 0, 1]", "z = [0, 0, 4]").split(':').next(), Some("mechanism"));
+    assert_eq!(error("!M7", "M0"), "motor x and motor yr have the same connector, M0");
+}

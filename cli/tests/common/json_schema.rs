@@ -26,13 +26,24 @@ pub fn is_of(schema: &Value, value: &Value) -> bool {
         "properties" => value
             .as_object()
             .is_none_or(|fields| fields.iter().all(|(key, v)| said.get(key).is_none_or(|schema| is_of(schema, v)))),
+        "patternProperties" => value.as_object().is_none_or(|fields| {
+            let matching = |(key, v): (&String, &Value)| matching(said, key).all(|schema| is_of(schema, v));
+            fields.iter().all(matching)
+        }),
         "additionalProperties" => {
-            let known = &schema["properties"];
+            let (known, patterns) = (&schema["properties"], &schema["patternProperties"]);
             assert_eq!(said, false);
-            value.as_object().is_none_or(|fields| fields.keys().all(|key| known.get(key).is_some()))
+            let is_known = |key: &String| known.get(key).is_some() || matching(patterns, key).next().is_some();
+            value.as_object().is_none_or(|fields| fields.keys().all(is_known))
         }
         unknown => panic!("{unknown} is no keyword that this knows"),
     })
+}
+
+/// The schemas with a pattern that a key matches.
+fn matching<'s>(patterns: &'s Value, key: &'s str) -> impl Iterator<Item = &'s Value> {
+    let all = patterns.as_object().into_iter().flatten();
+    all.filter(move |(pattern, _)| Regex::new(pattern).unwrap().is_match(key)).map(|(_, schema)| schema)
 }
 
 fn is_of_type(name: &str, value: &Value) -> bool {

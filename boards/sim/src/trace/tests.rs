@@ -68,3 +68,22 @@ fn a_full_disk_is_reported_at_the_end() {
     writer.event(1, prototype::E, prototype::E);
     assert_eq!(writer.finish().unwrap_err().kind(), io::ErrorKind::StorageFull);
 }
+
+#[test]
+fn columns_are_the_motors_of_the_machine_by_their_names() {
+    let mut s = Settings::prototype();
+    s.mechanism.rows = [[0; 4]; MOTORS];
+    s.motor_names = [MotorName::NONE; MOTORS];
+    let rows = [("x", [1, 0, 0, 0]), ("y", [0, 1, 0, 0]), ("z", [0, 0, 1, 0]), ("za", [0; 4]), ("e", [0, 0, 0, 1])];
+    for (motor, (name, row)) in rows.into_iter().enumerate() {
+        (s.motor_names[motor], s.mechanism.rows[motor]) = (MotorName::lit(name), row);
+    }
+    let mut bytes = Vec::new();
+    let mut writer = TraceWriter::new(Some(&mut bytes), (&s).into());
+    writer.event(5, MotorSet(0x15), MotorSet(0x11));
+    writer.finish().unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let lines: Vec<_> = text.lines().collect();
+    assert!(lines[0].contains("kinematics=x(1,0,0,0);y(0,1,0,0);z(0,0,1,0);e(0,0,0,1) "), "{text}");
+    assert_eq!(lines[1..], ["tick,x,y,z,za,e", "5,1,0,-1,0,1"]);
+}
