@@ -311,7 +311,7 @@ fn write_files(
         trace.finish()?;
     }
     if let Some(out) = vcd {
-        let mut vcd = VcdWriter::new(out)?;
+        let mut vcd = VcdWriter::new(out, &settings.motor_names)?;
         for event in events {
             vcd.event(event.at / NS_PER_TICK, event.steps, event.forward);
         }

@@ -6,7 +6,7 @@
 use crate::steps::StepEvent;
 use crate::timer::Schedule;
 use anyhow::Result;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
@@ -99,7 +99,8 @@ impl fmt::Display for Difference {
 }
 
 fn motors(steps: MotorSet, forward: MotorSet) -> String {
-    let name = |m: &Motor| format!("{}{}", if forward.has(*m) { '+' } else { '-' }, m.name());
+    // The boards here have the prototype's motors.
+    let name = |m: &Motor| format!("{}{}", if forward.has(*m) { '+' } else { '-' }, prototype::NAMES[m.index()]);
     Motor::ALL.iter().filter(|m| steps.has(**m)).map(name).collect::<Vec<_>>().join(" ")
 }
 

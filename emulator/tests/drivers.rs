@@ -1,7 +1,6 @@
 //! Motors have power only while their drivers prove that they are as they should be.
 
 use crate::common::{Bench, MS, drivers, firmware, print, root};
-use corehbot::driver::Name;
 use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
@@ -47,7 +46,7 @@ fn a_driver_that_is_silent_from_the_start_keeps_all_motors_without_power() {
     for motor in [prototype::M8, prototype::E0] {
         let mut drivers = drivers();
         drivers.of(motor).chip.is_silent = true;
-        assert_refused(&print_on(&drivers), &format!("motor {} does not answer", Name(motor)));
+        assert_refused(&print_on(&drivers), &format!("motor {} does not answer", prototype::NAMES[motor.index()]));
     }
 }
 
@@ -140,7 +139,7 @@ fn raised(seen: &Seen, at: u64) -> i64 {
 fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of_its_belt_park_the_tool() {
     for motor in [prototype::M1, prototype::M11] {
         let fault = Injection::DriverReset { after: 45_000, motor };
-        let reset = format!("motor {} was reset", Name(motor));
+        let reset = format!("motor {} was reset", prototype::NAMES[motor.index()]);
         let (off, _, seen) = off_after(fault, MotorSet::of(motor), &[&reset]);
         assert!(off < 100 * MS, "{off} ns");
         assert!(
