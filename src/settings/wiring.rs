@@ -59,8 +59,10 @@ impl Wiring {
 
     /// The prototype's own plugs.
     pub(crate) const fn prototype() -> Self {
-        let sockets = ConnectorName::all(["M0", "M1", "M4", "M3", "M2", "M5", "M6"]);
-        Self::in_order(&sockets, &ConnectorName::all(["X-STOP", "Y-STOP", "Z-STOP"]))
+        const {
+            let sockets = ConnectorName::all(["M0", "M1", "M4", "M3", "M2", "M5", "M6"]);
+            Self::in_order(&sockets, &ConnectorName::all(["X-STOP", "Y-STOP", "Z-STOP"]))
+        }
     }
 
     /// Where `motor` is plugged in.
