@@ -85,7 +85,7 @@ impl Modal {
 
     /// A number of a line as a length.
     pub fn length(&self, number: Number) -> Mm {
-        Mm::from_num(self.unit(number.value()))
+        Mm::from_bits(self.unit(number.value()).to_bits())
     }
 
     /// A number of the units of lines as a number of mm.
@@ -96,7 +96,7 @@ impl Modal {
     /// The largest distance of places that coordinates with this many decimals mean as one.
     pub fn rounding(&self, decimals: u8) -> Mm {
         let last = LAST_DECIMALS.get(usize::from(decimals)).copied().unwrap_or(I32F32::ZERO);
-        ROUNDING.clamp(Mm::from_num(self.unit(last)))
+        ROUNDING.clamp(Mm::from_bits(self.unit(last).to_bits()))
     }
 
     /// A number of mm as lines give it, to a thousandth.
