@@ -241,7 +241,7 @@ impl Tune {
 
     fn peak(&mut self) {
         self.swing.most = self.swing.most.max(self.smooth);
-        if self.swing.most.saturating_sub(self.smooth) < Celsius::lit("0.5") {
+        if self.swing.most.saturating_sub(self.smooth) < const { Celsius::lit("0.5") } {
             if self.periods > LONGEST {
                 self.fail(TuningFailure::NoSwing);
             }
