@@ -342,7 +342,7 @@ const ANY_TEXT: [&[&str]; 5] = [
 
 /// Every code of G0 to G999 and M0 to M999 that is a command.
 fn known_codes() -> impl Iterator<Item = String> {
-    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
+    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..10_000).map(move |number| format!("{letter}{number}")));
     codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)))
 }
 

@@ -103,7 +103,7 @@ fn every_code_stands_once_in_the_reference_under_what_is_done_with_it() {
             assert_eq!(treatment_of(code).map(|it| heading_of(it).0), Some(heading), "{code}");
         }
     }
-    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
+    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..10_000).map(move |number| format!("{letter}{number}")));
     for code in codes.chain(["T0".to_owned()]).chain(names().map(str::to_owned)) {
         let Some(treatment) = treatment_of(&code) else { continue };
         let (_, words) = told.get(code.as_str()).unwrap_or_else(|| panic!("gcode.md has no row for {code}"));

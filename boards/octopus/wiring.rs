@@ -119,8 +119,8 @@ pub const ENTRY: Entry = Entry {
     chip: "STM32F446ZETx",
     start: 0x0800_8000,
     has_card_slot: true,
-    // The chip's own bootloader looks for hosts on USART3 too, and pulls up these pins, the gates of two heaters (AN2606,
-    // STM32F446xx configuration in system memory boot mode).
+    // The chip's own bootloader looks for hosts on USART3 too, and pulls up these pins, the gates of two heaters
+    // (AN2606, STM32F446xx configuration in system memory boot mode).
     before_dfu: "\
 before you set the BOOT0 jumper: unplug HE2 and HE3, because the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground",

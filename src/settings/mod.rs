@@ -9,7 +9,8 @@
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
-//! - Command: letters in `gcode/commands/settings`, their effect in `machine/commands/settings/set.rs` (or `shaping`, `drivers`).
+//! - Command: letters in `gcode/commands/settings`, their effect in `machine/commands/settings/set.rs` (or `shaping`,
+//!   `drivers`).
 //!   Checked by `every_setting.rs` and `legal_settings.rs`.
 //! - M503: `machine/reports/settings_report.rs`; for a line of its own also `machine/answers/setting.rs`. Checked by
 //!   `every_setting.rs`.
@@ -19,8 +20,10 @@
 //! - Sum in RAM: `kept`, by `Hash`. Checked by the compiler.
 //!
 //! A new [`ShaperKind`] comes last, as records hold its number. The compiler and tests then ask for its impulses
-//! (`motion::trajectory::shaper`), its names in M593 (`gcode/commands/settings/shaping.rs`, `machine/commands/shaping.rs`), M503 and the
-//! twin (`twin/src/shaping`). By hand: `examples/shaping.gcode`, docs/explanation/shaping.md, docs/research/twin.md.
+//! (`motion::trajectory::shaper`), its names in M593 (`gcode/commands/settings/shaping.rs`,
+//! `machine/commands/shaping.rs`), M503 and the twin (`twin/src/shaping`). By hand: `examples/shaping.gcode`,
+//! docs/explanation/shaping.md, docs/research/twin.md, docs/reference/host-protocol.md (M593 T), the comment above
+//! `[shaper.x]` in `examples/machines/prototype.toml`, and `SHAPERS` in `cli/src/twin/flow.rs`.
 
 mod axis;
 mod bed;
@@ -64,7 +67,7 @@ use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
 /// The rule that limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A
-/// machine file chooses a rule by its key (`corner` in `machine-file/src/lib.rs`), a line by its letter in M205
+/// machine file chooses a rule by its key (`corner.…`, `machine-file/src/keys.rs`), a line by its letter in M205
 /// (`machine/commands/settings/set.rs`). A new one comes last, as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {

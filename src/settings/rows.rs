@@ -12,7 +12,8 @@
 //! | a unit, and a comment with its meaning | people; not in an image, because nothing there refers to [`Text`] |
 //! | a [`Spec`]: its range and kind | all users |
 //!
-//! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID) counts).
+//! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)
+//! counts).
 
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,

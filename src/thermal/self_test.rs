@@ -13,8 +13,8 @@
 //! small compared to the next rise. The test begins with everything cold and no heat under way, and targets wait until
 //! it is over. All guards stay on.
 //!
-//! A heater that was warm cools meanwhile, perhaps faster than its pulse warms it. Heat comes late, so its reading falls
-//! at first. Such a test proves nothing, and is put off.
+//! A heater that was warm cools meanwhile, perhaps faster than its pulse warms it. Heat comes late, so its reading
+//! falls at first. Such a test proves nothing, and is put off.
 
 use super::fixed_point::RATE;
 use super::guard::Alarm;

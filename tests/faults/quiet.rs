@@ -60,8 +60,8 @@ fn hours_of_printing_trip_nothing() {
     println!("{hours} hours without an alarm");
 }
 
-/// Reproducer: a hotend in a cold room that comes down to a low target. It needs 2.5 times the power that a room of 25 C
-/// would take, and its reading hardly rises.
+/// Reproducer: a hotend in a cold room that comes down to a low target. It needs 2.5 times the power that a room of 25
+/// C would take, and its reading hardly rises.
 #[test]
 fn a_low_target_in_a_cold_room_is_held() {
     for (room, target) in (0..=6).flat_map(|room| (0..=10).map(move |target| (5 + 5 * room, 30 + 5 * target))) {

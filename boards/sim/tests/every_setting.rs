@@ -228,7 +228,8 @@ fn every_setting_has_a_key_in_the_machine_file_that_sets_it_alone() {
     for (path, mut file) in settings_and_files().into_iter().filter(|(path, _)| !OF_MOTORS.contains(&&**path)) {
         let before = by_path(&load(&file).unwrap());
         let after = changed(&path, &file);
-        let after = after.unwrap_or_else(|| panic!("no value changes {path}: machine-file/src/lib.rs"));
+        let after =
+            after.unwrap_or_else(|| panic!("no value changes {path}: its row in src/settings, or `changed` here"));
         let written = machine_file::written(&after).unwrap();
         assert!(machine_file::load(&written).unwrap() == after, "{path}: machine-file/src/written.rs");
         let after = by_path(&after);
@@ -247,7 +248,8 @@ fn m503_says_the_settings_that_a_line_sets_and_those_of_the_file_that_it_lists()
         assert_eq!(
             is_said,
             (line_for(path).is_some() || is_one_of(path, &FILE_ONLY)) && !is_e_length,
-            "{path}: src/machine/reports/settings_report.rs, and src/machine/answers/setting.rs if it has a line of its own"
+            "{path}: src/machine/reports/settings_report.rs, src/machine/answers/setting.rs if it has a line of its own, or \
+             FILE_ONLY here if M503 says it as a comment"
         );
     }
 }

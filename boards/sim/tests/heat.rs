@@ -166,7 +166,7 @@ fn heaters_that_nobody_uses_go_off_also_while_the_user_is_waited_for() {
 fn no_filament_moves_while_the_hotend_is_cold() {
     let told = "echo: cold extrusion prevented";
     let settings = machine(&[Heater::Hotend]);
-    // Nothing of this prints: a printing host is held (`paused.rs`).
+    // Nothing of this prints: a printing host is held (`paused/`).
     let lines = [
         "G1 X110 F6000",
         "G1 E5 F600",

@@ -5,8 +5,8 @@
 //! earlier erase was complete: it erases every sector once in this run before it writes there (`flash_slot`).
 //!
 //! It costs an erase for each save, and wear. On the STM32F446 that is up to 0.5 s (datasheet, t_ERASE16KB at 32 bits)
-//! and 10,000 erases a sector (N_END), so 20,000 saves. Several places in a sector would save erases; but a place that a cut
-//! has left half programmed may read as blank, so they need judging again.
+//! and 10,000 erases a sector (N_END), so 20,000 saves. Several places in a sector would save erases; but a place that
+//! a cut has left half programmed may read as blank, so they need judging again.
 //!
 //! The contract is narrower than the contract of an EEPROM. A slot is written from its last page to its first, as a
 //! save does. A write that does not go down starts the slot again, and all its other pages are blank then. The very

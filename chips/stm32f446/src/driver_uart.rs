@@ -1,8 +1,8 @@
 //! The UART of the motor drivers: one wire a driver, one exchange at a time, bit by bit in the interrupt of TIM8.
 //!
-//! [`exchange`](corehbot_board_support::exchange) decides the wire's next action; this file carries it out. The wire has a pull-up in
-//! the processor and is released. Only from one bit before a request to the request's end is it driven both ways. The
-//! driver answers after eight bit times and releases the wire by itself.
+//! [`exchange`](corehbot_board_support::exchange) decides the wire's next action; this file carries it out. The wire
+//! has a pull-up in the processor and is released. Only from one bit before a request to the request's end is it driven
+//! both ways. The driver answers after eight bit times and releases the wire by itself.
 //!
 //! The interrupt has the priority of the serial line, so steps delay it, and it delays no step. The timer runs on by
 //! itself, so ticks may be late but are never lost. Ticks are lost only if they are held off for 10 us while waiting

@@ -1,7 +1,7 @@
 //! Shared by boards with an STM32F446: everything except pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins (`chips/wiring`). An [`Image`](wiring::Image) lists one or several boards. It
-//! calls `run` with these boards and with the settings memory that they have.
+//! A board is a [`Board`](wiring::Board), a table of pins (`chips/wiring`). An [`Image`](wiring::Image) lists one or
+//! several boards. It calls `run` with these boards and with the settings memory that they have.
 //!
 //! | priority | context | runs |
 //! |---|---|---|

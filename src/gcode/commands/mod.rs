@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`reports`] | a family: its type, its rows, its readers |
+//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`reports`] | a family: type, rows and readers |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`row`] | the parts of a row |
 //! | [`grammar`] | the rules for words, and the lines that break them |

@@ -7,14 +7,15 @@
 //! The Console calls `carry_out` for a line and sends the returned answer, then the `ok`. A command is a function of
 //! its inputs. A file that only decides gets the settings that it changes. A command that waits, or uses more of the
 //! main loop than settings, gets `&mut MainLoop` with its owners, which keeps running during the wait, and the one to
-//! three [`states`] that it names. Where several functions need the same four, they are methods of a struct that borrows
-//! them ([`moves::Moves`]).
+//! three [`states`] that it names. Where several functions need the same four, they are methods of a struct that
+//! borrows them ([`moves::Moves`]).
 //!
 //! | family (the same in `gcode::commands`) | its arms | its work |
 //! |---|---|---|
 //! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`homing`], [`switch`], [`waits`] |
 //! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
-//! | heat and fans | [`heat`] | [`heating`], [`fans`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
+//! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
+//! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
 //! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915) |
 //! | reports and messages | [`reports`] | [`messages`] |

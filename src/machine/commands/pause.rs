@@ -118,8 +118,8 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     Ok(Answer::Kept)
 }
 
-/// The answer to a word that is not supported: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO, colour,
-/// name).
+/// The answer to a word that is not supported: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO,
+/// colour, name).
 const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
     match words.other {
         Some(b'E') => Answer::NotObeyed(code, b"E"),

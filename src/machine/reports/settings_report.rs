@@ -13,7 +13,7 @@ use crate::motion::advance_window;
 use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
 
-/// M503: every setting that G-code can set, and as a comment the reach of the look-ahead.
+/// M503: every setting that G-code can set, and as comments some that only a machine file sets.
 pub(in crate::machine) fn report_settings(
     to: &mut Speaker<'_>,
     s: &Settings,

@@ -190,8 +190,8 @@ fn two_heaters_that_are_fitted_share_no_output_and_no_sensor() {
     assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
 }
 
-/// Reproducer: a gantry was legal with 16 microsteps for motors of one driver table and 32 for those of another. It would
-/// have racked.
+/// Reproducer: a gantry was legal with 16 microsteps for motors of one driver table and 32 for those of another. It
+/// would have racked.
 #[test]
 fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ() {
     let z = [0, 0, 1, 0];

@@ -49,8 +49,8 @@ impl AtTarget {
         let target = target?;
         hold.is_reached |= magnitude(seen.measured, target) <= REACHED;
         let lost = hold.lost(guards, target, seen.measured);
-        // The floor's number limits the setting. A warm neighbour may warm it up to its own temperature: a hot bed takes
-        // a chamber far above its target.
+        // The floor's number limits the setting. A warm neighbour may warm it up to its own temperature: a hot bed
+        // takes a chamber far above its target.
         let limit = target.saturating_add(guards.overshoot.min(floor.overshoot)).max(seen.warmed_to);
         hold.overshoot(limit, seen).or(lost)
     }

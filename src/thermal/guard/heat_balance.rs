@@ -156,8 +156,8 @@ mod tests {
     use crate::connectors::{Output, Sensor};
     use crate::units::{Seconds, Watts, WattsPerKelvin};
 
-    /// Reproducer: a hotend of 30 W in a room of 7 C, over a cold bed, was held at 37 C. It needed 3.8 times the power of
-    /// its model, its reading hardly rose, and it counted as a heater that does not heat.
+    /// Reproducer: a hotend of 30 W in a room of 7 C, over a cold bed, was held at 37 C. It needed 3.8 times the power
+    /// of its model, its reading hardly rose, and it counted as a heater that does not heat.
     #[test]
     fn a_low_target_in_a_cold_room_is_in_balance() {
         let mut settings = HeaterSettings::hotend(Output::He0, Sensor::Hotend0);

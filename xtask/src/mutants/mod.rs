@@ -152,7 +152,7 @@ fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Co
     Ok(command)
 }
 
-/// The files in which these mutants are: `src/motion/shaper.rs:54:52: replace ...`.
+/// The files in which these mutants are: `src/motion/trajectory/shaper.rs:54:52: replace ...`.
 fn files(mutants: &[String]) -> BTreeSet<&str> {
     mutants.iter().filter_map(|mutant| mutant.split(':').next()).collect()
 }

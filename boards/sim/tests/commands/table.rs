@@ -355,7 +355,7 @@ fn every_command_is_answered_as_the_table_says() {
 /// Every code and name that stands for a command has a row, or is in `ELSEWHERE`.
 #[test]
 fn every_known_code_and_name_has_a_row() {
-    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
+    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..10_000).map(move |number| format!("{letter}{number}")));
     let codes = codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)));
     let known: Vec<_> = codes.chain(names().map(str::to_owned)).collect();
     let begins = |line: &str, code: &String| line.split(['.', ' ']).next() == Some(code);
