@@ -16,7 +16,7 @@ pub const SAMPLE_TICKS: u64 = (TICKS_PER_SECOND / SAMPLES_PER_SECOND) as u64;
 /// Samples of a pause that are shown; no sink may look back further than this.
 pub const LONGEST_WINDOW: usize = 512;
 
-/// Steps of each motor since the start, in the order of [`Motor::ALL`].
+/// Steps of each motor since the start, in the order of [`Motor::ALL`](corehbot::motors::Motor::ALL).
 pub type Counts = [i64; MOTORS];
 
 /// Positions at one instant.
