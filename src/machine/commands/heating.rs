@@ -176,7 +176,7 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     main_loop.job.note_target(heater, target, least);
     main_loop.heat.set_target(heater, target);
     main_loop.heat.note_used(main_loop.now());
-    main_loop.heat.send(&main_loop.settings.thermal);
+    main_loop.heat.send_orders(&main_loop.settings.thermal);
     Ok(true)
 }
 
@@ -292,7 +292,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
     if is_new {
         main_loop.reply(Answer::Line("echo:Heating again")).await?;
         main_loop.heat.note_used(main_loop.now());
-        main_loop.heat.send(&main_loop.settings.thermal);
+        main_loop.heat.send_orders(&main_loop.settings.thermal);
     }
     await_heat(main_loop, awaited, false).await?;
     main_loop.job.forget_targets();

@@ -56,7 +56,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     main_loop.pauses.end();
     // Done, failed or ended by M108, M410: in any case it is over.
     main_loop.heat.set_target(heater, Celsius::ZERO);
-    main_loop.heat.send(&main_loop.settings.thermal);
+    main_loop.heat.send_orders(&main_loop.settings.thermal);
     let tuned = match found? {
         Ok(tuned) => tuned,
         Err(failure) => return Ok(Answer::Line(way_out(failure))),

@@ -138,7 +138,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     async fn poll_halted(&mut self, are_new: &mut [bool; LINES]) {
         self.hosts.send();
         self.status.heat().beat_of_console();
-        self.heat.send(&self.settings.thermal);
+        self.heat.send_orders(&self.settings.thermal);
         yield_once(false).await;
         self.is_to_restart |= self.hosts.receive().restart;
         self.hosts.note_opened(are_new);

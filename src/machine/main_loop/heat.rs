@@ -73,7 +73,7 @@ impl<'m> Heaters<'m> {
     /// Heaters and fans go off, and no fan waits for its turn.
     pub fn switch_off(&mut self, thermal: &ThermalSettings) {
         self.drop_all();
-        self.send(thermal);
+        self.send_orders(thermal);
     }
 
     /// Finds out how a heater behaves.
@@ -82,7 +82,7 @@ impl<'m> Heaters<'m> {
     }
 
     /// Hands on the orders for which there is room.
-    pub fn send(&mut self, thermal: &ThermalSettings) {
+    pub fn send_orders(&mut self, thermal: &ThermalSettings) {
         let heat = self.status;
         let (period, fitted) = (heat.periods(), |heater: &Heater| thermal.heater(*heater).is_fitted);
         let are_read = || Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
@@ -123,7 +123,7 @@ impl<'m> Heaters<'m> {
     fn begin_test(&mut self, subject: u32, is_asked: bool, thermal: &ThermalSettings) {
         self.self_tests.begin(subject, is_asked);
         self.orders.test();
-        self.send(thermal);
+        self.send_orders(thermal);
     }
 
     /// Whether a self-test is under way.

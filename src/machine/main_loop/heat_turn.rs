@@ -25,7 +25,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat.note_motors(!self.power.powered().is_empty());
         self.watch_heaters(now);
         self.watch_idleness(now);
-        self.heat.send(&self.settings.thermal);
+        self.heat.send_orders(&self.settings.thermal);
         self.follow_self_test();
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {
             self.report_filament(now);

@@ -197,8 +197,8 @@ mod tests {
     #[test]
     fn what_is_no_trace_is_named_by_its_line() {
         let wrong = |text: &str| read(text.as_bytes()).unwrap_err().to_string();
-        assert!(wrong("").contains("no step trace"));
-        assert!(wrong("G28\n").contains("no step trace"));
+        assert!(wrong("").contains("not a step trace"));
+        assert!(wrong("G28\n").contains("not a step trace"));
         assert!(wrong(&format!("{HEAD}5,1,0,0\n")).contains("line 3"));
         assert!(wrong(&format!("{HEAD}5,2,0,0,0,0,0,0\n")).contains("line 3"));
         assert!(wrong(&format!("{HEAD}5,1,0,0,0,0,0,0\n4,1,0,0,0,0,0,0\n")).contains("earlier"));

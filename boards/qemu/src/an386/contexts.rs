@@ -10,7 +10,6 @@ use corehbot::app::Parts;
 use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
-use corehbot::motors::Motor;
 use corehbot::port::{Coupling, DriverBus, MotorSet, NoStorage, Pend};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;

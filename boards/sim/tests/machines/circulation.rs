@@ -104,7 +104,7 @@ fn fractions_of_relative_ways_are_kept_and_far_ways_end_at_the_edge() {
     let small = "G1 C0.007 F3000\n".repeat(100);
     assert_eq!(belt(&printed(&format!("G91\n{small}"))), [56; 4]);
     let told = said(&Settings::prototype(), "G1 C99999 F60000\nM114\n");
-    assert!(told.iter().any(|line| line.starts_with("echo:target beyond")), "{told:?}");
+    assert!(told.iter().any(|line| line.starts_with("echo:target out of reach")), "{told:?}");
     assert!(told.iter().any(|line| line.contains(" C:10000.00 ")), "{told:?}");
     // Other steps, the same way.
     let told = said(&Settings::prototype(), "G1 C10 F6000\nM92 X160 Y160\nM114 R\nG1 C20\nM400\nM114 R\n");
