@@ -21,8 +21,9 @@ use fixed::types::{I8F24, I12F20};
 const SLOPE_S: i32 = 8;
 const SLOPE: u32 = SLOPE_S.unsigned_abs() * RATE.unsigned_abs();
 
-/// Only a heating from the cold counts: a warm block's losses are no better known than its model.
-const COLD: Celsius = Celsius::const_from_int(60);
+/// Only a heating from below counts: the losses of a hot block are no better known than its model. A block of 70 W that
+/// is heated again two minutes after a print is below.
+const COLD: Celsius = Celsius::const_from_int(120);
 
 /// With losses above a quarter of the power, the result depends more on the losses than on the lag.
 const LOSSES: i32 = 4;
