@@ -8,7 +8,7 @@
 mod name;
 pub mod prototype;
 
-pub use name::MotorName;
+pub use name::{MotorName, OfMotor};
 
 /// Motors that a machine may have.
 pub const MOTORS: usize = 7;

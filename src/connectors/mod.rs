@@ -9,7 +9,7 @@ mod name;
 pub use board::BoardConnectors;
 #[cfg(test)]
 pub(crate) use board::samples;
-pub use name::ConnectorName;
+pub use name::{ConnectorName, OfConnector};
 
 use serde::{Deserialize, Serialize};
 

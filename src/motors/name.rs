@@ -1,107 +1,18 @@
 //! Names of motors, as machine files give them.
 
-use core::fmt::{self, Display};
-use core::hash::{Hash, Hasher};
-use serde::de::{Error, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use crate::text::{NameKind, ShortName};
 
-/// The name of a motor: up to [`LONGEST`](Self::LONGEST) letters and digits of ASCII. The empty name is no motor.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct MotorName([u8; Self::LONGEST]);
+/// The kind of [`MotorName`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum OfMotor {}
 
-impl MotorName {
-    /// Characters of the longest name.
-    pub const LONGEST: usize = 4;
-
-    /// No motor.
-    pub const NONE: Self = Self([0; Self::LONGEST]);
-
-    /// The name, or `None` if `text` is not a legal one.
-    #[must_use]
-    pub const fn new(text: &str) -> Option<Self> {
-        let mut from = text.as_bytes();
-        let mut name = [0; Self::LONGEST];
-        let mut to: &mut [u8] = &mut name;
-        while let [byte, after @ ..] = from {
-            let [slot, free @ ..] = to else { return None };
-            if !byte.is_ascii_alphanumeric() {
-                return None;
-            }
-            *slot = *byte;
-            (from, to) = (after, free);
-        }
-        Some(Self(name))
-    }
-
-    /// A name in the source: an illegal one does not compile in a `const`.
-    #[must_use]
-    pub const fn lit(text: &str) -> Self {
-        let name = Self::new(text);
-        assert!(name.is_some(), "no name of a motor");
-        match name {
-            Some(name) => name,
-            None => Self::NONE,
-        }
-    }
-
-    /// Whether it names no motor.
-    #[must_use]
-    pub const fn is_none(self) -> bool {
-        u32::from_le_bytes(self.0) == 0
-    }
-
-    /// The text.
-    #[must_use]
-    pub fn as_str(&self) -> &str {
-        let text = self.0.split(|byte| *byte == 0).next().unwrap_or_default();
-        core::str::from_utf8(text).unwrap_or_default()
-    }
+impl NameKind for OfMotor {
+    const IS_ALPHANUMERIC: bool = true;
+    const EXPECTED: &str = "the name of a motor, of at most 4 letters and digits";
 }
 
-impl Hash for MotorName {
-    // One word: settings are summed up all the time (`settings::Kept`).
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        state.write_u32(u32::from_le_bytes(self.0));
-    }
-}
-
-impl Display for MotorName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
-
-impl fmt::Debug for MotorName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Debug::fmt(self.as_str(), f)
-    }
-}
-
-impl Serialize for MotorName {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.as_str())
-    }
-}
-
-impl<'de> Deserialize<'de> for MotorName {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Name;
-
-        impl Visitor<'_> for Name {
-            type Value = MotorName;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the name of a motor, of at most 4 letters and digits")
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<MotorName, E> {
-                MotorName::new(text).ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
-            }
-        }
-
-        deserializer.deserialize_str(Name)
-    }
-}
+/// The name of a motor: up to 4 letters and digits of ASCII. The empty name is no motor.
+pub type MotorName = ShortName<4, OfMotor>;
 
 #[cfg(test)]
 mod tests {
