@@ -1,13 +1,18 @@
 //! Printing: a command as the shortest G-code that reads back as the same command.
 
-use core::fmt::{self, Display, Formatter, Write};
+mod flaws;
+mod words;
+
+use core::fmt::{self, Display, Formatter};
 
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    Absent, ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Command, CornerWords, Flaw, Form, HeatCommand,
-    JobCommand, MachineRecord, MotionCommand, MotorCommand, Named, Number, ParkWords, Part, Plane, RefusedCommand,
-    ReportCommand, SettingCommand, ShaperWords, TuningWords, VelocityWords,
+    ArcShape, ArcWords, Audience, Command, CornerWords, Form, HeatCommand, JobCommand, MachineRecord, MotionCommand,
+    MotorCommand, Number, ParkWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
 };
+use flaws::malformed;
+pub use words::reduced;
+use words::{axes, axis_line, decimals_of, flags, index, padded, parked, switch, velocity_limit, word, write_text};
 
 /// A command to be printed. One that represents a whole family is printed as one of it: M74 for silent ones. A line
 /// that is not in order is printed as one with the same flaw. In a text, `?` stands for every byte that is neither
@@ -295,183 +300,4 @@ fn refused(f: &mut Formatter<'_>, command: RefusedCommand) -> fmt::Result {
         RefusedCommand::Probing => f.write_str("G29"),
         _ => Err(fmt::Error),
     }
-}
-
-/// A line of letters and numbers with the last word of each letter, without comments and texts in quotes.
-pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
-    let text = String::from_utf8_lossy(line).to_ascii_uppercase();
-    let (mut words, mut rest) = (Vec::<(char, String)>::new(), text.as_str());
-    while let Some(first) = rest.chars().next() {
-        let after = &rest[first.len_utf8()..];
-        rest = match first {
-            ';' => "",
-            '(' => after.split_once(')').map_or("", |(_, after)| after),
-            '"' => after.split_once('"').map_or("", |(_, after)| after),
-            'A'..='Z' => {
-                let number = after.trim_start();
-                let end = number.find(|c: char| !matches!(c, '0'..='9' | '.' | '+' | '-')).unwrap_or(number.len());
-                let (number, after) = number.split_at(end);
-                // The code stays in front.
-                let place = words.iter().skip(1).position(|(letter, _)| *letter == first);
-                place.map(|place| words.remove(place + 1));
-                words.push((first, number.to_owned()));
-                after
-            }
-            _ => after,
-        };
-    }
-    let words: Vec<_> = words.into_iter().map(|(letter, number)| format!("{letter}{number}")).collect();
-    f.write_str(&words.join(" "))
-}
-
-/// The number of a heater in E.
-const fn index(heater: Option<Heater>) -> &'static str {
-    match heater {
-        Some(Heater::Hotend) => "E0",
-        Some(Heater::Bed) => "E-1",
-        Some(Heater::Chamber) => "E-2",
-        None => "E7",
-    }
-}
-
-/// A text, with `?` for every byte that is neither printable ASCII nor a tab.
-fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
-    text.iter().try_for_each(|&byte| {
-        f.write_char(match byte {
-            b' '..=b'~' => byte as char,
-            b'\t' => ' ',
-            _ => '?',
-        })
-    })
-}
-
-/// A line with that flaw.
-fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
-    match flaw {
-        Flaw::NoWord(text) | Flaw::SecondCommand(text) => {
-            f.write_str("G1 ")?;
-            write_text(f, text)
-        }
-        Flaw::OutOfRange(text) => {
-            f.write_str(if matches!(text, [b'f' | b'F', ..]) { "M593 " } else { "G4 " })?;
-            write_text(f, text)
-        }
-        Flaw::NoPair(_) => f.write_str("SET_VELOCITY_LIMIT ACCEL="),
-        Flaw::NoNumber(letter) => {
-            f.write_str(match letter {
-                b'S' | b'T' | b'B' => "M205 ",
-                b'D' => "M593 ",
-                b'W' => "M572 ",
-                b'A' | b'C' | b'H' | b'L' => "M306 ",
-                _ => "G2 ",
-            })?;
-            f.write_char(letter as char)
-        }
-        Flaw::NoAxis(letter) => write!(f, "G92 {}0", letter as char),
-        Flaw::Absent(absent) => absent_part(f, absent),
-    }
-}
-
-/// A line for a part that is not there.
-fn absent_part(f: &mut Formatter<'_>, Absent { command, part, which }: Absent<'_>) -> fmt::Result {
-    match command {
-        Named::Code(b'T', number) => return write!(f, "T{number}"),
-        Named::Name(name) => write!(f, "{name} EXTRUDER=")?,
-        Named::Code(letter, number) => {
-            let word = match (part, number) {
-                (Part::Extruder, 17 | 18 | 84 | 301) => 'E',
-                (Part::Extruder, 572) => 'D',
-                (Part::Tool, 116 | 207 | 208) | (Part::Bed | Part::Chamber, _) => 'P',
-                (Part::Preset | Part::Driver, _) => 'I',
-                (Part::Heater, _) => 'H',
-                (Part::Slot, _) => 'S',
-                (Part::Other, _) => 'L',
-                _ => 'T',
-            };
-            write!(f, "{}{number} {word}", letter as char)?;
-        }
-    }
-    write_text(f, which)
-}
-
-/// SET_VELOCITY_LIMIT with its words.
-fn velocity_limit(f: &mut Formatter<'_>, limit: VelocityWords<'_>) -> fmt::Result {
-    f.write_str("SET_VELOCITY_LIMIT")?;
-    for (name, number) in [
-        ("ACCEL", limit.acceleration),
-        ("ACCEL_TO_DECEL", limit.to_deceleration),
-        ("MINIMUM_CRUISE_RATIO", limit.cruise_ratio),
-        ("SQUARE_CORNER_VELOCITY", limit.square_corner),
-    ] {
-        if let Some(number) = number {
-            write!(f, " {name}={number}")?;
-        }
-    }
-    if let Some(name) = limit.other {
-        f.write_str(" ")?;
-        write_text(f, name)?;
-        f.write_str("=0")?;
-    }
-    Ok(())
-}
-
-/// One word, if it has a value.
-fn parked(f: &mut Formatter<'_>, code: &str, back: char, park: ParkWords) -> fmt::Result {
-    f.write_str(code)?;
-    for (letter, number) in [('X', park.x), ('Y', park.y), ('Z', park.z), (back, park.e), ('R', park.target)] {
-        word(f, letter, number)?;
-    }
-    for (letter, number) in [('U', park.unload), ('L', park.load)] {
-        word(f, letter, number)?;
-    }
-    park.other.map_or(Ok(()), |letter| write!(f, " {}0", letter as char))
-}
-
-fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {
-    match number {
-        Some(number) => write!(f, " {letter}{number}"),
-        None => Ok(()),
-    }
-}
-
-/// The axis words.
-fn axes(f: &mut Formatter<'_>, words: AxisWords) -> fmt::Result {
-    word(f, 'X', words.x)?;
-    word(f, 'Y', words.y)?;
-    word(f, 'Z', words.z)?;
-    word(f, 'E', words.e)
-}
-
-/// A command of axis words alone.
-fn axis_line(f: &mut Formatter<'_>, code: &str, words: AxisWords) -> fmt::Result {
-    f.write_str(code)?;
-    axes(f, words)
-}
-
-/// A command with an S word or nothing.
-fn switch(f: &mut Formatter<'_>, code: &str, value: Option<Number>) -> fmt::Result {
-    f.write_str(code)?;
-    word(f, 'S', value)
-}
-
-/// A command of axis names.
-fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
-    f.write_str(code)?;
-    for (is_named, name) in [(named.x, " X"), (named.y, " Y"), (named.z, " Z"), (named.e, " E")] {
-        if is_named {
-            f.write_str(name)?;
-        }
-    }
-    Ok(())
-}
-
-/// The decimals of a word.
-fn decimals_of(word: &str) -> usize {
-    word.split_once('.').map_or(0, |(_, decimals)| decimals.len())
-}
-
-/// A word with a number of decimals.
-fn padded(word: &str, decimals: usize) -> String {
-    let point = if word.contains('.') { "" } else { "." };
-    format!("{word}{point}{}", "0".repeat(decimals - decimals_of(word)))
 }

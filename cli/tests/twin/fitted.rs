@@ -1,0 +1,93 @@
+//! Parameters: one is varied, and others are found from measurements.
+
+use super::{complaint, file, json, near, twin};
+use serde_json::Value;
+use std::path::Path;
+
+#[test]
+fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
+    let swept = json("sweep --vary belt_EA_N=20000:60000:3");
+    let rows = swept["rows"].as_array().unwrap();
+    assert!(rows.len() == 3 && near(&rows[2]["Kxx_N_per_mm"], 3.0 * rows[0]["Kxx_N_per_mm"].as_f64().unwrap(), 1e-9));
+    let gcode = file("swept.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
+    let words = format!("sweep {} --vary head_mass_kg=0.4:0.8:2 --assume-homed 100,100,0", gcode.display());
+    let played = json(&words);
+    let [light, heavy] = [0, 1].map(|i| played["rows"][i]["contour_max_mm"].as_f64().unwrap());
+    assert!(light < heavy, "{played}");
+    assert!(complaint("sweep --vary belt_EA=1:2:3").contains("belt_EA_N"));
+    assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
+    // The model's own numbers must follow from the model's own ringing, given to a hundredth of a hertz.
+    let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
+        let modes = json(&format!("modes --model rotors --at {x},{y}"));
+        let hz = |i: usize| modes["frequencies_Hz"][i].as_f64().unwrap();
+        format!("--measured {x},{y},{:.2},{:.2}", hz(1), hz(0))
+    });
+    let found = json(&format!("fit {}", rung.join(" ")));
+    assert!(near(&found["belt_EA_N"], 30_000.0, 0.01) && near(&found["holding_torque_Nm"], 0.4, 0.02), "{found}");
+    assert!(near(&found["x"]["frequency_Hz"], 101.4, 1e-3) && near(&found["y"]["span_mm"], 862.2, 1e-9), "{found}");
+    let one = json("fit --measured 235,235,101.4,57.6");
+    assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
+    // Where x and y are swapped, or a harmonic was read, no machine rings like that.
+    for words in ["fit --measured 235,235,57.6,101.4", "fit --measured 235,235,101.4,57.6 --measured 60,50,215.6,61.9"]
+    {
+        let told = complaint(words);
+        assert!(told.contains("no belt and motors ring like this") && told.contains("measure it again"), "{told}");
+    }
+    assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
+    assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
+}
+
+#[test]
+fn what_an_owner_measured_becomes_a_file_of_parameters() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/twin/measured.toml");
+    let found = json(&format!("fit {}", example.display()));
+    for (key, value) in [("belt_EA_N", 30_000.0), ("preload_N", 40.0), ("holding_torque_Nm", 0.4)] {
+        assert!(near(&found["params"][key], value, 0.003), "{found}");
+    }
+    assert_eq!(found["estimates"].as_array().unwrap().len(), 6);
+    assert_eq!(found["measurements"].as_array().unwrap().len(), 9);
+    // It prints a file of parameters.
+    let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
+    let params = file("fitted.toml", &printed);
+    let modes = json(&format!("modes --model rotors --params {}", params.display()));
+    assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
+    // An unweighed belt makes the tension as uncertain as its weight.
+    let text = std::fs::read_to_string(&example).unwrap();
+    let unweighed = file("unweighed.toml", &text.replace("belt_kg_per_m", "# "));
+    let uncertainty = |found: &Value| found["estimates"][1]["uncertainty"].as_f64().unwrap();
+    assert_eq!(found["estimates"][1]["parameter"], "preload_N");
+    let unweighed = json(&format!("fit {}", unweighed.display()));
+    assert!((uncertainty(&found) - 0.0445).abs() < 5e-4 && (uncertainty(&unweighed) - 0.1065).abs() < 5e-4, "{found}");
+    assert_eq!(unweighed["not_told"][0]["parameter"], "belt_kg_per_m");
+    // Numbers that are not sought go through.
+    let other = file("wide.toml", "width_mm = 480\n");
+    let kept = twin(&format!("fit {} --params {}", example.display(), other.display()));
+    assert!(String::from_utf8(kept.stdout).unwrap().contains("width_mm = 480"));
+}
+
+#[test]
+fn measurements_that_do_not_do_are_told_in_one_line() {
+    let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";
+    let weights = "[[weight]]\nof = \"head\"\nmass_kg = 0.6\n[[weight]]\nof = \"bar\"\nmass_kg = 1.2\n";
+    let bad = [
+        (format!("{ring}{ring}"), "do not determine belt_EA_N and head_mass_kg"),
+        ("belt_uncertainty_percent = 5\n".to_owned(), "line 1: belt_uncertainty_percent is one of belt_kg_per_m"),
+        (String::new(), "nothing was measured"),
+        (ring.replace("101", "0"), "line 3: x_Hz = 0 is outside 1 to 5000"),
+        (ring.replace("x_Hz", "xHz"), "line 3: unknown field `xHz`"),
+        (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
+        ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: expected x_Hz or y_Hz"),
+        ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
+        ("[[weight]]\nof = \"head\"\nmass_kg = 30\n".to_owned(), "head_mass_kg = 29.9"),
+        (
+            format!("{ring}{}{weights}", ring.replace("101", "202")),
+            "no machine measures like this: of ring x_Hz in line 6",
+        ),
+    ];
+    for (text, word) in bad {
+        let path = file("unfit.toml", &text);
+        let told = complaint(&format!("fit {}", path.display()));
+        assert!(told.contains("unfit.toml") && told.contains(word), "{told}");
+    }
+    assert_eq!(twin("fit").status.code(), Some(2));
+}

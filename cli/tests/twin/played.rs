@@ -1,0 +1,90 @@
+//! Files that the twin plays: the same errors from G-code and trace, corners, a page.
+
+use super::{complaint, file, json, near, twin};
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
+    let gcode = file("corner.gcode", "G1 X100 Y100 F6000\nG1 X130 F12000\nG1 Y130\nM400\n");
+    let trace = gcode.with_file_name("corner.csv");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    run.arg("run").arg(&gcode).arg("--trace").arg(&trace).args(["--assume-homed", "100,100,0"]);
+    assert!(run.output().unwrap().status.success());
+    let played = |path: &Path| json(&format!("run {} --model rotors --assume-homed 100,100,0", path.display()));
+    let [a, b] = [gcode.as_path(), trace.as_path()].map(played);
+    assert_eq!(a["contour"], b["contour"], "{a} {b}");
+    assert_eq!(a["motors"], b["motors"]);
+    assert!(a["contour"]["max_mm"].as_f64().unwrap() > 0.005 && a["contour"]["max_mm"].as_f64().unwrap() < 0.2, "{a}");
+    // The corner is where G-code's (130, 100) is.
+    assert!(near(&a["corners"][0]["x_mm"], 170.0, 1e-3) && near(&a["corners"][0]["y_mm"], 126.2, 1e-3), "{a}");
+    assert_eq!(a["corners_total"], 1);
+    // Where the tool crosses the bisector it is off by no more than at its worst.
+    let [worst, bisector] = ["max_mm", "bisector_max_mm"].map(|key| a["contour"][key].as_f64().unwrap());
+    assert!(a["corners"][0]["bisector_mm"].as_f64() == Some(bisector) && bisector.abs() <= worst + 0.001, "{a}");
+    assert_eq!(a["motors"].as_array().unwrap().len(), 4);
+    assert!(a["motors"].as_array().unwrap().iter().all(|motor| motor["slips"] == 0));
+    assert!(a["tension_N"]["lo"][0].as_f64().unwrap() > 30.0, "{a}");
+    assert!(a["times_real_time"].as_f64().unwrap() > 0.0);
+    let hbot = json(&format!("run {} --machine hbot --assume-homed 100,100,0", trace.display()));
+    assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
+}
+
+/// Sides of 2048 steps, on which all four corners were lost. And a zigzag with lines 0.1 mm apart, which was measured
+/// against neighbouring lines when it was compared with another file.
+#[test]
+fn corners_are_found_and_a_line_is_held_against_that_of_its_own_time() {
+    let square = "G1 X125.6 Y100 F6000\nG1 Y125.6\nG1 X100\nG1 Y100\nG1 X125.6\nM400\n";
+    let square = file("square.gcode", square);
+    let a = json(&format!("run {} --assume-homed 100,100,0 --model rotors", square.display()));
+    assert_eq!((&a["corners_total"], &a["corners_unmatched"]), (&Value::from(4), &Value::from(0)), "{a}");
+    let zigzag = |a: u32| {
+        let line = |i: u32| format!("G1 X{} F9000\nG1 Y{:.1}\n", 100 + 2 * (1 - i % 2), 100.0 + 0.1 * f64::from(i + 1));
+        let lines: String = (0..20).map(line).collect();
+        file(&format!("zigzag-{a}.gcode"), &format!("M201 X9000 Y9000\nM204 P{a} T{a}\n{lines}M400\n"))
+    };
+    let [slow, fast] = [700, 7000].map(zigzag);
+    let rms = |against: &str| {
+        let words = format!("run {} {against} --assume-homed 100,100,0 --model rotors", fast.display());
+        json(&words)["contour"]["rms_mm"].as_f64().unwrap()
+    };
+    let own = rms("");
+    for against in [&fast, &slow] {
+        let found = rms(&format!("--against {}", against.display()));
+        assert!((found / own - 1.0).abs() < 0.05, "{own} {found} {}", against.display());
+    }
+}
+
+#[test]
+fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
+    let gcode = file("page.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
+    let page = gcode.with_file_name("page.html");
+    let words = format!("run {} --assume-homed 100,100,0 --report {}", gcode.display(), page.display());
+    assert!(twin(&words).status.success());
+    let text = std::fs::read_to_string(page).unwrap();
+    assert!(!text.contains("http://") && !text.contains("https://") && !text.contains("/*STYLE*/"));
+    let data = text.split_once("const D = ").unwrap().1.split_once(";\n").unwrap().0;
+    let data: Value = serde_json::from_str(data).unwrap();
+    let [lines, errors] = ["x", "error_um"].map(|key| data["path"][key].as_array().unwrap().len());
+    assert!(lines == errors && (3..10).contains(&lines), "{data}");
+    let [places, aside] = ["x", "off_x_um"].map(|key| data["trail"][key].as_array().unwrap().len());
+    assert!(places == aside && places > 1000, "{places} {aside}");
+    assert!(text.contains("id=\"times\"") && text.contains("showCorner"));
+    assert_eq!(data["spans"].as_array().unwrap().len(), 4);
+    assert!(data["error"].as_array().unwrap().iter().any(|mm| mm.as_f64().unwrap() > 0.001));
+}
+
+#[test]
+fn what_cannot_be_played_is_told_in_one_line() {
+    let path = file("far.gcode", "G1 X380 F12000\nM400\n");
+    let far = complaint(&format!("run {} --machine hbot --assume-homed 100,100,0", path.display()));
+    assert!(far.contains("far.gcode") && far.contains("reaches x 52.7"), "{far}");
+    let cut = file(
+        "cut.csv",
+        "# corehbot-trace v1 tick_hz=10000000 kinematics=corehbot steps_per_mm=80/800/400\n\
+        tick,m1,m4,m8,m11,z1,z2,e0\n5,1,0\n",
+    );
+    assert!(complaint(&format!("run {}", cut.display())).contains("cut.csv: line 3"));
+    assert!(complaint("run nothing.gcode").contains("cannot open"));
+}

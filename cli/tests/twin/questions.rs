@@ -1,0 +1,134 @@
+//! Questions about the machine: points, resonance, other mechanisms, limits.
+
+use super::{complaint, file, json, near, twin};
+use std::process::Command;
+
+#[test]
+fn points_are_answered_with_units_in_the_keys() {
+    let k = json("stiffness --at 150,180");
+    assert!(near(&k["Kxx_N_per_mm"], 300.010, 1e-3) && near(&k["Kyy_N_per_mm"], 282.963, 1e-3), "{k}");
+    assert!(k["Kxy_N_per_mm"].as_f64().unwrap().abs() < 1e-6, "{k}");
+    let modes = json("modes --model rotors");
+    let frequencies = &modes["frequencies_Hz"];
+    assert!(near(&frequencies[0], 57.64, 5e-3) && near(&frequencies[1], 101.38, 5e-3), "{modes}");
+    let slip = json("slip --motor 1 --at 235,235");
+    assert!(near(&slip["dx_mm"], -0.19949, 5e-3) && near(&slip["residual_mm"], 0.79797, 5e-3), "{slip}");
+    assert!(near(&slip["tension_change_N"]["up"], -13.88, 5e-3), "{slip}");
+    assert!(near(&slip["motor_torque_mNm"][3], -179.2, 5e-3), "{slip}");
+    let half = json("slip --motor 1 --at 235,235 --full-steps 2");
+    assert!(near(&half["dx_mm"], -0.09975, 5e-3), "{half}");
+    let yin = json("yin --speed 0.079 --model 4dof");
+    assert!(near(&yin["x_to_y_mm"], 0.7690, 5e-3) && near(&yin["y_to_x_mm"], 0.1962, 5e-3), "{yin}");
+    assert!(complaint("yin --speed 7").contains("speed"));
+    assert!(complaint("yin --speed 0.02 --friction -1").contains("the factor of friction, -1, is outside"));
+    let push = json("push --force 5,-5 --machine corexy --at 147.5,339.4");
+    assert!(push["dx_mm"].as_f64().unwrap() > 0.0 && push["residual_mm"].is_null(), "{push}");
+    let geometry = json("geometry");
+    assert!(near(&geometry["belt_lengths_mm"][0], 3593.091, 1e-6), "{geometry}");
+    assert_eq!(geometry["segments"].as_array().unwrap().len(), 14);
+    assert!(near(&geometry["transmission_error_mm"], 0.099_75, 1e-4), "{geometry}");
+    assert_eq!(geometry["toothed_pulleys"], serde_json::json!([1, 4, 5, 7, 8, 11, 12, 14]));
+    let short = geometry["machines"].as_array().unwrap();
+    assert!(short.len() == 4 && near(&short[1]["belt_mm"], 2704.095, 1e-6), "{geometry}");
+}
+
+#[test]
+fn a_free_motor_and_other_numbers_are_taken() {
+    let free = json("stiffness --free-motor 4");
+    assert!(near(&free["Kxy_N_per_mm"], -70.721, 1e-4), "{free}");
+    let stiff = file("stiff.toml", "belt_EA_N = 60000\n");
+    let k = json(&format!("stiffness --at 235,235 --params {}", stiff.display()));
+    assert!(near(&k["Kxx_N_per_mm"], 2.0 * 287.563, 1e-3), "{k}");
+}
+
+#[test]
+fn a_place_of_g_code_is_counted_from_the_corner_of_the_reach() {
+    let [paper, gcode] = ["stiffness --at 60,31.2", "stiffness --gcode-frame --at 20,5"].map(json);
+    assert!(near(&gcode["x_mm"], 60.0, 1e-9) && near(&gcode["Kxx_N_per_mm"], 348.927, 1e-3), "{gcode}");
+    assert!(near(&gcode["Kyy_N_per_mm"], paper["Kyy_N_per_mm"].as_f64().unwrap(), 1e-9), "{gcode}");
+}
+
+#[test]
+fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
+    let told = json("resonance --grid 3x4");
+    assert_eq!(told["x"]["frequencies_Hz"].as_array().unwrap().len(), 4);
+    assert_eq!(told["x"]["frequencies_Hz"][0].as_array().unwrap().len(), 3);
+    assert!(told["y"]["line"].as_str().unwrap().starts_with("M593 Y F6"), "{told}");
+    assert!(told["y"]["suggestion"]["worst_residual"].as_f64().unwrap() < 0.05, "{told}");
+    assert_eq!(told["x"]["suggestion"]["type"], "MZV");
+    let slowest = told["yaw"]["band_Hz"][1].as_f64().unwrap();
+    assert!(slowest < told["y"]["band_Hz"][0].as_f64().unwrap(), "{told}");
+    // The firmware takes the lines.
+    let lines = ["x", "y"].map(|axis| told[axis]["line"].as_str().unwrap().to_owned()).join("\n");
+    let gcode = file("shapers.gcode", &format!("{lines}\nG1 X110 F6000\nM400\n"));
+    let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("run").arg(&gcode).output().unwrap();
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success() && !text.contains("ignored"), "{text}");
+    assert_eq!(twin("resonance --grid 1x4").status.code(), Some(2));
+    let page = gcode.with_file_name("resonance.html");
+    assert!(twin(&format!("resonance --grid 3x4 --report {}", page.display())).status.success());
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains(told["y"]["line"].as_str().unwrap()) && !page.contains("/*"), "{page}");
+}
+
+#[test]
+fn mechanisms_are_compared_on_an_area_and_on_a_file() {
+    let plain = json("compare --grid 5x5");
+    let machines = plain["machines"].as_array().unwrap();
+    let deflections: Vec<f64> = machines.iter().map(|m| m["deflection_um"].as_f64().unwrap()).collect();
+    assert!(deflections[0] < deflections[1] && deflections[0] < deflections[2], "{plain}");
+    assert!(plain.get("runs").is_none());
+    let gcode = file("side.gcode", "G1 X130 F12000\nG1 Y130\nM400\n");
+    let page = gcode.with_file_name("compare.html");
+    let words = format!("compare {} --grid 3x3 --assume-homed 100,100,0 --report {}", gcode.display(), page.display());
+    let played = json(&words);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(
+        page.contains("side.gcode") && page.contains("\"racking_y_um_per_m_s2\"") && !page.contains("/*"),
+        "{page}"
+    );
+    let errors: Vec<f64> =
+        played["runs"].as_array().unwrap().iter().map(|r| r["contour"]["max_mm"].as_f64().unwrap()).collect();
+    assert!(errors.len() == 3 && errors.iter().all(|e| *e > 0.001 && *e < 0.2), "{errors:?}");
+    let wide = file("wide.gcode", "G1 X385 F12000\nM400\n");
+    assert!(complaint(&format!("compare {}", wide.display())).contains("H-bot: the path takes"));
+}
+
+#[test]
+fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
+    let told = json("limits --model reduced --error 0.05");
+    assert!(near(&told["x"]["speed_jump_mm_s"], 2.0 * 17.307, 1e-3), "{told}");
+    let half = json("limits --torque 0.25");
+    let whole = json("limits --torque 0.5");
+    let accelerations = [half, whole].map(|told| told["y"]["torque_acceleration_mm_s2"].as_f64().unwrap());
+    assert!((accelerations[1] / accelerations[0] - 2.0).abs() < 1e-9);
+    assert_eq!(twin("limits --torque 2").status.code(), Some(2));
+}
+
+#[test]
+fn limits_of_torque_fall_with_speed_and_are_told_as_settings() {
+    let told = json("limits --margin 0.75 --speed 300");
+    let told = &told["torque_at_speed"];
+    let [x, y, diagonal] = [0, 1, 2].map(|i| told["directions"][i]["acceleration_mm_s2"][3].as_f64().unwrap());
+    // At 300 mm/s the head alone is lightest, and a diagonal has two motors at 424 mm/s of belt.
+    assert!(x > y && y > diagonal && diagonal > 5000.0, "{told}");
+    assert_eq!(told["pull_out_torque_mNm"][0], 400.0);
+    let a = told["settings"]["acceleration_mm_s2"].as_f64().unwrap();
+    // The firmware takes the settings, and the motors of a move along y at them keep their part of the torque.
+    let printed = String::from_utf8(twin("limits --margin 0.75 --speed 300").stdout).unwrap();
+    let lines: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("M20")).collect();
+    assert!(lines.len() == 3 && lines[1] == format!("M201 X{a} Y{a}"), "{printed}");
+    let keys: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("motor_max")).collect();
+    let machine = file("torque.toml", &keys.join("\n"));
+    let gcode = file("torque.gcode", &format!("{}\nG1 Y150 F60000\nM400\n", lines.join("\n")));
+    let words = format!("run {} --assume-homed 100,100,0 --settings {}", gcode.display(), machine.display());
+    let played = json(&format!("{words} --model rotors"));
+    let margin = |i: usize| played["motors"][i]["margin_at_speed"].as_f64().unwrap();
+    assert!((0..4).all(|i| (0.3..0.8).contains(&margin(i))), "{played}");
+    assert!(json(&words)["motors"][0]["margin_at_speed"].is_null());
+    let fast = String::from_utf8(twin("limits --speed 2000").stdout).unwrap();
+    assert!(fast.contains("no acceleration leaves 50 % in every direction") && !fast.contains("M201"), "{fast}");
+    assert!(json("limits --speed 2000")["torque_at_speed"]["settings"].is_null());
+    assert_eq!(twin("limits --margin 1").status.code(), Some(2));
+    assert_eq!(twin("limits --margin 0.5 --torque 0.5").status.code(), Some(2));
+}

@@ -1,0 +1,168 @@
+//! The longest record: its values take the most bytes, and it fits.
+
+extern crate std;
+
+use super::spelled_out::heat;
+use crate::connectors::ConnectorName;
+use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
+use crate::settings::{
+    Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, EndstopPlug, FanRole,
+    FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, Pause, Pid, Settings, Shaper,
+    ShaperKind, ThermalSettings, Thermistor,
+};
+use crate::storage::payload::{LONGEST_PAYLOAD, Unknown, write};
+use crate::storage::record::{HEADER, LONGEST, encode};
+use crate::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
+
+#[test]
+fn the_longest_values_fit() {
+    let mut s = Settings::prototype();
+    let axis = AxisSettings {
+        steps_per_mm: StepsPerMm::MAX,
+        max_speed: MmPerSec::MAX,
+        max_acceleration: MmPerSec2::MAX,
+        length: Mm::MIN,
+    };
+    (s.axes.x, s.axes.y, s.axes.z, s.axes.e) = (axis, axis, axis, axis);
+    let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
+    (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
+    s.corner = CornerRule::JunctionDeviation(Mm::MIN);
+    let shaper = Shaper {
+        span: Mm::MIN,
+        motor_frequency: Hertz::MAX,
+        ..Shaper::new(ShaperKind::TwoHumpEi, Hertz::MAX, Ratio::MAX)
+    };
+    (s.shapers.x, s.shapers.y) = (shaper, shaper);
+    s.advance = Advance { time: Seconds::MAX, window: Some(Seconds::MAX) };
+    let drivers = DriverSettings {
+        current_ma: u16::MAX,
+        hold_percent: u8::MAX,
+        microsteps: u16::MAX,
+        stealth: true,
+        hybrid_threshold: MmPerSec::MAX,
+        stall_threshold: u8::MAX,
+    };
+    (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
+    s.wiring.motors.fill(MotorPlug { connector: ConnectorName::lit("12345678"), is_reversed: true });
+    let endstop = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
+    (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);
+    let endstop = Endstop { end: AxisEnd::Max, position: Mm::MIN };
+    (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
+    s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN };
+    s.probe = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
+    s.belt = Belt {
+        is_closed: true,
+        settling_ms: u16::MAX,
+        max_speed: MmPerSec::MAX,
+        max_acceleration: MmPerSec2::MAX,
+        homing_advance: Mm::MIN,
+        alignment: Alignment::Automatic,
+        preload: Mm::MIN,
+        phases: [u16::MAX; 2],
+        limp_lift: Mm::MIN,
+    };
+    s.pause = Pause {
+        retract: Mm::MIN,
+        retract_speed: MmPerSec::MAX,
+        unretract_speed: MmPerSec::MAX,
+        lift: Mm::MIN,
+        park: true,
+        x: Mm::MIN,
+        y: Mm::MIN,
+        travel_speed: MmPerSec::MAX,
+        heat_off_min: u8::MAX,
+    };
+    for acceleration in [
+        &mut s.motor_max_acceleration,
+        &mut s.print_acceleration,
+        &mut s.retract_acceleration,
+        &mut s.travel_acceleration,
+    ] {
+        *acceleration = MmPerSec2::MAX;
+    }
+    for speed in [&mut s.motor_max_speed, &mut s.extruder_jerk, &mut s.min_feed, &mut s.min_travel] {
+        *speed = MmPerSec::MAX;
+    }
+    (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);
+    (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
+    s.thermal = hottest();
+    // All names as long as they may be, and each number as great as it may be.
+    let name = Value::Text(Text24::try_from("1234").unwrap());
+    assert!(s.motor_names.iter_mut().all(|motor| motor.set(&name)));
+    s.visit(&mut Clamp);
+    let longest = encode(&s, &Unknown::NONE, u32::MAX).unwrap().receipt.bytes - HEADER;
+    assert!(longest <= LONGEST - HEADER, "{longest}");
+    let legal = rows_longest_legal();
+    assert!((legal..=legal * 5 / 4).contains(&LONGEST_PAYLOAD), "{legal}, reckoned with {LONGEST_PAYLOAD}");
+}
+
+/// Makes numbers legal.
+struct Clamp;
+
+impl Visitor for Clamp {
+    fn visit(&mut self, key: Key, field: &mut dyn Field) {
+        if let Value::Number(number) = field.get() {
+            let legal = key.row.legal(key.part.into());
+            assert!(field.set(&Value::Number(number.clamp(legal.least, legal.most))), "{key}");
+        }
+    }
+}
+
+/// Bytes of a payload in which every value is the longest that is legal.
+fn rows_longest_legal() -> usize {
+    struct Greatest;
+    impl Visitor for Greatest {
+        fn visit(&mut self, key: Key, field: &mut dyn Field) {
+            let legal = key.row.legal(key.part.into());
+            let longest = match field.get() {
+                Value::Text(_) => Value::Text(std::iter::repeat_n('M', legal.most as usize).collect()),
+                _ => Value::Number(if -legal.least > legal.most { legal.least } else { legal.most }),
+            };
+            // A number of a field that packs several may be no legal one: then it is as long as another one.
+            let _ = field.set(&longest);
+        }
+    }
+    let mut s = Settings::prototype();
+    s.visit(&mut Greatest);
+    let mut bytes = [0; 2 * LONGEST];
+    write(&s, &Unknown::NONE, &mut bytes).unwrap()
+}
+
+/// Heat settings with numbers that take the most bytes.
+fn hottest() -> ThermalSettings {
+    let heater = HeaterSettings {
+        thermistor: Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX },
+        most: Celsius::MIN,
+        power: Watts::MAX,
+        max_duty: Ratio::MAX,
+        period_ms: u16::MAX,
+        model: HeaterModel {
+            capacity: JoulesPerKelvin::MAX,
+            loss: WattsPerKelvin::MAX,
+            fan_loss: WattsPerKelvin::MAX,
+            heater_lag: Seconds::MAX,
+            sensor_lag: Seconds::MAX,
+        },
+        pid: Pid { p: Ratio::MAX, i: Ratio::MAX, d: Ratio::MAX },
+        guards: Guards {
+            heating: Ratio::MAX,
+            lost: Celsius::MIN,
+            lost_s: u8::MAX,
+            off_rise: Celsius::MIN,
+            overshoot: Celsius::MIN,
+        },
+        ..heat().heaters.bed
+    };
+    let fan = FanSettings { role: FanRole::Controller, kick_ms: u16::MAX, least: Ratio::MAX, most: Ratio::MAX };
+    ThermalSettings {
+        heaters: Heaters { hotend: heater, bed: heater, chamber: heater },
+        fans: heat().fans.map(|_| fan),
+        min_extrude: Celsius::MIN,
+        hotend_fan_above: Celsius::MIN,
+        fan_run_on_s: u16::MAX,
+        idle_min: u8::MAX,
+        filament: WattsPerKelvin::MAX,
+    }
+}

@@ -1,0 +1,137 @@
+//! Words of printed commands, and a line reduced to its words.
+
+use core::fmt::{self, Formatter, Write};
+
+use corehbot::connectors::Heater;
+use corehbot::gcode::{AxisFlags, AxisWords, Number, ParkWords, VelocityWords};
+
+/// A line of letters and numbers with the last word of each letter, without comments and texts in quotes.
+pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
+    let text = String::from_utf8_lossy(line).to_ascii_uppercase();
+    let (mut words, mut rest) = (Vec::<(char, String)>::new(), text.as_str());
+    while let Some(first) = rest.chars().next() {
+        let after = &rest[first.len_utf8()..];
+        rest = match first {
+            ';' => "",
+            '(' => after.split_once(')').map_or("", |(_, after)| after),
+            '"' => after.split_once('"').map_or("", |(_, after)| after),
+            'A'..='Z' => {
+                let number = after.trim_start();
+                let end = number.find(|c: char| !matches!(c, '0'..='9' | '.' | '+' | '-')).unwrap_or(number.len());
+                let (number, after) = number.split_at(end);
+                // The code stays in front.
+                let place = words.iter().skip(1).position(|(letter, _)| *letter == first);
+                place.map(|place| words.remove(place + 1));
+                words.push((first, number.to_owned()));
+                after
+            }
+            _ => after,
+        };
+    }
+    let words: Vec<_> = words.into_iter().map(|(letter, number)| format!("{letter}{number}")).collect();
+    f.write_str(&words.join(" "))
+}
+
+/// The number of a heater in E.
+pub const fn index(heater: Option<Heater>) -> &'static str {
+    match heater {
+        Some(Heater::Hotend) => "E0",
+        Some(Heater::Bed) => "E-1",
+        Some(Heater::Chamber) => "E-2",
+        None => "E7",
+    }
+}
+
+/// A text, with `?` for every byte that is neither printable ASCII nor a tab.
+pub fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
+    text.iter().try_for_each(|&byte| {
+        f.write_char(match byte {
+            b' '..=b'~' => byte as char,
+            b'\t' => ' ',
+            _ => '?',
+        })
+    })
+}
+
+/// SET_VELOCITY_LIMIT with its words.
+pub fn velocity_limit(f: &mut Formatter<'_>, limit: VelocityWords<'_>) -> fmt::Result {
+    f.write_str("SET_VELOCITY_LIMIT")?;
+    for (name, number) in [
+        ("ACCEL", limit.acceleration),
+        ("ACCEL_TO_DECEL", limit.to_deceleration),
+        ("MINIMUM_CRUISE_RATIO", limit.cruise_ratio),
+        ("SQUARE_CORNER_VELOCITY", limit.square_corner),
+    ] {
+        if let Some(number) = number {
+            write!(f, " {name}={number}")?;
+        }
+    }
+    if let Some(name) = limit.other {
+        f.write_str(" ")?;
+        write_text(f, name)?;
+        f.write_str("=0")?;
+    }
+    Ok(())
+}
+
+/// A command with the words of a parking place.
+pub fn parked(f: &mut Formatter<'_>, code: &str, back: char, park: ParkWords) -> fmt::Result {
+    f.write_str(code)?;
+    for (letter, number) in [('X', park.x), ('Y', park.y), ('Z', park.z), (back, park.e), ('R', park.target)] {
+        word(f, letter, number)?;
+    }
+    for (letter, number) in [('U', park.unload), ('L', park.load)] {
+        word(f, letter, number)?;
+    }
+    park.other.map_or(Ok(()), |letter| write!(f, " {}0", letter as char))
+}
+
+/// One word, if it has a value.
+pub fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {
+    match number {
+        Some(number) => write!(f, " {letter}{number}"),
+        None => Ok(()),
+    }
+}
+
+/// The axis words.
+pub fn axes(f: &mut Formatter<'_>, words: AxisWords) -> fmt::Result {
+    word(f, 'X', words.x)?;
+    word(f, 'Y', words.y)?;
+    word(f, 'Z', words.z)?;
+    word(f, 'E', words.e)
+}
+
+/// A command of axis words alone.
+pub fn axis_line(f: &mut Formatter<'_>, code: &str, words: AxisWords) -> fmt::Result {
+    f.write_str(code)?;
+    axes(f, words)
+}
+
+/// A command with an S word or nothing.
+pub fn switch(f: &mut Formatter<'_>, code: &str, value: Option<Number>) -> fmt::Result {
+    f.write_str(code)?;
+    word(f, 'S', value)
+}
+
+/// A command of axis names.
+pub fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
+    f.write_str(code)?;
+    for (is_named, name) in [(named.x, " X"), (named.y, " Y"), (named.z, " Z"), (named.e, " E")] {
+        if is_named {
+            f.write_str(name)?;
+        }
+    }
+    Ok(())
+}
+
+/// The decimals of a word.
+pub fn decimals_of(word: &str) -> usize {
+    word.split_once('.').map_or(0, |(_, decimals)| decimals.len())
+}
+
+/// A word with a number of decimals.
+pub fn padded(word: &str, decimals: usize) -> String {
+    let point = if word.contains('.') { "" } else { "." };
+    format!("{word}{point}{}", "0".repeat(decimals - decimals_of(word)))
+}
