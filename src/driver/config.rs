@@ -4,7 +4,7 @@
 use super::registers::{Register, chopconf, gconf, gstat};
 use crate::motors::Motor;
 use crate::settings::{DriverSettings, Settings};
-use crate::units::{StepsPerMm, mul_div};
+use crate::units::{StepRate, StepsPerMm, mul_div};
 
 /// Frequency of the driver's own clock (datasheet rev 1.09, electrical characteristics: 12 MHz with a tolerance of some
 /// percent, which is enough for a speed threshold).
@@ -153,13 +153,12 @@ fn rms_ma(scale: u32, is_sensitive: bool) -> u32 {
 
 /// TPWMTHRS: clocks between two finest steps at the threshold; 0 leaves stealthChop on at any speed.
 fn hybrid_threshold(d: &DriverSettings, steps_per_mm: StepsPerMm) -> u32 {
-    // Both factors carry 16 bits after the point.
-    let steps_a_second = u64::from(d.hybrid_threshold.to_bits()) * u64::from(steps_per_mm.to_bits());
-    let finest_a_second = mul_div(steps_a_second, FINEST, u64::from(d.microsteps)) >> 32;
-    if steps_a_second == 0 {
+    let rate = d.hybrid_threshold * steps_per_mm;
+    if rate == StepRate::ZERO {
         return 0;
     }
-    mul_div(CLOCK_HZ, 1, finest_a_second).clamp(1, u64::from(SLOWEST)) as u32
+    let finest = rate.scaled(FINEST, u64::from(d.microsteps)).whole();
+    mul_div(CLOCK_HZ, 1, u64::from(finest)).clamp(1, u64::from(SLOWEST)) as u32
 }
 
 #[cfg(test)]

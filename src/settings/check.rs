@@ -57,7 +57,7 @@ impl core::fmt::Display for SettingsError {
             Self::OutOfRange(key) => write!(f, "{key} is outside its legal range"),
             Self::OutOfRangeBeside(key) => write!(f, "{key} is outside its legal range"),
             Self::TooManySteps(axis) => {
-                write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
+                write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE.whole())
             }
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
             Self::MicrostepsDiffer { motors: [a, b], microsteps: [of_a, of_b], keys: [key_a, key_b] } => write!(
@@ -101,8 +101,8 @@ impl Visitor for Ranges {
 }
 
 fn step_rate(speed: MmPerSec, steps_per_mm: StepsPerMm, name: &'static str) -> Result<(), SettingsError> {
-    let rate = (u64::from(speed.to_bits()) * u64::from(steps_per_mm.to_bits())) >> 32;
-    if rate > u64::from(ranges::STEP_RATE) { Err(SettingsError::TooManySteps(name)) } else { Ok(()) }
+    let rate = (speed * steps_per_mm).whole();
+    if rate > ranges::STEP_RATE.whole() { Err(SettingsError::TooManySteps(name)) } else { Ok(()) }
 }
 
 /// An error with `key`, unless its value is legal together with other settings.

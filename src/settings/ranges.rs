@@ -4,7 +4,8 @@
 
 use super::Range;
 use crate::units::{
-    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepRate, StepsPerMm, Watts,
+    WattsPerKelvin,
 };
 
 /// Resolution: from a full-step rack to 256 microsteps on a fine screw.
@@ -56,7 +57,7 @@ pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_f
 pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
 /// Steps a second of one motor: twenty times the rate of 300 mm/s at 80 steps/mm, and half of the 1 MHz at which two
 /// pulses of a motor would touch.
-pub const STEP_RATE: u32 = 500_000;
+pub const STEP_RATE: StepRate = StepRate::of_whole(500_000);
 /// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is the limit of sense resistors of 110 mOhm
 /// (TMC2209 datasheet rev 1.09, section 9).
 pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };

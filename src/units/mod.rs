@@ -17,11 +17,23 @@
 //! let sum = Mm::ONE + Steps::ONE;
 //! ```
 //!
+//! A speed is no rate of steps without a resolution:
+//!
+//! ```
+//! use corehbot::units::{MmPerSec, StepRate, StepsPerMm};
+//! let is_legal = MmPerSec::ONE * StepsPerMm::ONE < StepRate::of_whole(500_000);
+//! ```
+//!
+//! ```compile_fail,E0308
+//! use corehbot::units::{MmPerSec, StepRate};
+//! let is_legal = MmPerSec::ONE < StepRate::of_whole(500_000);
+//! ```
+//!
 //! | file | for |
 //! |---|---|
 //! | `mod` | the quantities, one type for each unit |
 //! | `quantity` | the operations that all quantities have |
-//! | `resolution` | between millimetres and steps |
+//! | `resolution` | between millimetres and steps, and their rates |
 //! | `speed_sq` | squares of speeds, for ramps and corners |
 //! | `ticks` | time in ticks |
 //! | `lags` | lags of the first order in periods of a control loop |
@@ -36,6 +48,7 @@ mod wide;
 
 pub use lags::{part_per_period, periods_in};
 pub use quantity::Quantity;
+pub use resolution::StepRate;
 pub use speed_sq::SpeedSq;
 pub use ticks::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
 pub use wide::{mul_div, part_of, root};

@@ -177,7 +177,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 to.say(format_args!("echo:M92 ignored: {axes} share motors and need the same value"));
             }
             Answer::LoweredSpeeds => {
-                let most = ranges::STEP_RATE;
+                let most = ranges::STEP_RATE.whole();
                 to.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
             }
             Answer::TooMuchFilament => {

@@ -59,7 +59,7 @@ const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + ROUNDING) as f32;
 /// Ticks by which rounding and interpolation may move two steps closer to each other.
 const ROUNDING: u64 = 2;
 // The highest legal step rate is sparse, so that none of its steps is ever late.
-const _: () = assert!((MIN_STEP_INTERVAL + ROUNDING) * STEP_RATE as u64 <= TICKS_PER_SECOND as u64);
+const _: () = assert!((MIN_STEP_INTERVAL + ROUNDING) * STEP_RATE.whole() as u64 <= TICKS_PER_SECOND as u64);
 
 /// A piece is steady if the change of its speed shifts no step by more than a quarter of this, in ticks.
 const LEAST_SHIFT: f32 = 0.2;

@@ -15,7 +15,7 @@ use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
 use crate::settings::{Axes, AxisSettings, CornerRule, Range, Settings, ranges};
-use crate::units::{MmPerSec, MmPerSec2, Ratio, StepsPerMm, mul_div};
+use crate::units::{MmPerSec, MmPerSec2, Ratio, mul_div};
 
 /// Every axis that a line names, with its letter, its value, and its number.
 fn named<'a>(
@@ -26,12 +26,6 @@ fn named<'a>(
         .into_iter()
         .enumerate()
         .filter_map(|(place, (axis, letter, word))| word.map(|n| (axis, letter, n, place)))
-}
-
-/// The fastest legal speed of an axis of that resolution.
-fn fastest(steps_per_mm: StepsPerMm) -> MmPerSec {
-    let bits = (u64::from(ranges::STEP_RATE) << 32) / u64::from(steps_per_mm.to_bits().max(1));
-    MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
 }
 
 /// M201.
@@ -67,7 +61,7 @@ pub(in crate::machine) fn set_max_speed(
     let finest = [0, 1, 2, 3].map(|axis| s.finest(axis));
     let mut axes = s.axes;
     for (axis, letter, number, place) in named(&mut axes, words) {
-        let range = Range { most: ranges::SPEED.most.min(fastest(finest[place])), ..ranges::SPEED };
+        let range = Range { most: ranges::SPEED.most.min(ranges::STEP_RATE / finest[place]), ..ranges::SPEED };
         clamps.length(modal, ["M203", letter], number, range, &mut axis.max_speed);
     }
     if !clamps.refuses_line() {
@@ -100,7 +94,7 @@ fn set_resolution(words: &AxisWords, s: &mut Settings, clamps: &mut Clamps) -> R
         clamps.plain(["M92", letter], number, range, &mut axis.steps_per_mm);
     }
     s.check_shared_motors()?;
-    let most = [0, 1, 2, 3].map(|axis| fastest(s.finest(axis)));
+    let most = [0, 1, 2, 3].map(|axis| ranges::STEP_RATE / s.finest(axis));
     let [x, y, z, e] = most;
     let a = &mut s.axes;
     for (axis, most) in [(&mut a.x, x), (&mut a.y, y), (&mut a.z, z), (&mut a.e, e)] {
