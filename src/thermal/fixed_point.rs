@@ -1,12 +1,9 @@
 //! Arithmetic of the thermal room: everything saturates, so that no input gives nonsense.
 
-use crate::units::{self, Celsius, Ratio, Seconds};
+use crate::units::{self, Celsius, Power, Ratio, Seconds};
 use fixed::FixedI32;
 use fixed::types::extra::{LeEqU32, Unsigned};
 use fixed::types::{I0F32, I8F24, I12F20};
-
-/// A signed power in W, in steps of a millionth; +-2048.
-pub type Power = I12F20;
 
 /// Control periods a second.
 pub const RATE: i32 = 50;
@@ -19,11 +16,45 @@ pub fn part_per_period(lag: Seconds) -> I0F32 {
     units::part_per_period(lag, RATE.unsigned_abs())
 }
 
-/// A value times a factor.
+/// A quantity of 32 bits, which keeps its unit when a factor is a plain number.
+pub trait Word: Copy {
+    /// The value with these bits.
+    fn of(bits: i32) -> Self;
+
+    /// Its bits.
+    fn bits(self) -> i32;
+}
+
+impl Word for Celsius {
+    fn of(bits: i32) -> Self {
+        Self::from_bits(bits)
+    }
+
+    fn bits(self) -> i32 {
+        self.to_bits()
+    }
+}
+
+impl Word for Power {
+    fn of(bits: i32) -> Self {
+        Self::from_bits(bits)
+    }
+
+    fn bits(self) -> i32 {
+        self.to_bits()
+    }
+}
+
+/// A quantity times a plain factor, or a part of it.
 #[inline(always)]
-pub fn times<F: Unsigned + LeEqU32>(value: I12F20, factor: FixedI32<F>) -> I12F20 {
-    let product = i64::from(value.to_bits()) * i64::from(factor.to_bits());
-    I12F20::from_bits(saturated(product >> F::U32))
+pub fn times<Q: Word, F: Unsigned + LeEqU32>(value: Q, factor: FixedI32<F>) -> Q {
+    Q::of(product(value.bits(), factor))
+}
+
+/// Bits times a factor.
+#[inline(always)]
+fn product<F: Unsigned + LeEqU32>(bits: i32, factor: FixedI32<F>) -> i32 {
+    saturated((i64::from(bits) * i64::from(factor.to_bits())) >> F::U32)
 }
 
 /// A difference of temperatures as a plain number of K.
@@ -32,22 +63,17 @@ pub const fn kelvin(difference: Celsius) -> I12F20 {
     I12F20::from_bits(difference.to_bits())
 }
 
-/// The part of a difference of temperatures.
-#[inline(always)]
-pub fn part_of<F: Unsigned + LeEqU32>(difference: Celsius, part: FixedI32<F>) -> Celsius {
-    Celsius::from_bits(times(kelvin(difference), part).to_bits())
-}
-
-/// The power that a difference of temperatures drives, with a factor in W/K; or heat in J, with a factor in J/K.
+/// The power that a difference of temperatures drives, with a factor in W/K. With a factor in J/K it is heat in J, as
+/// the power that would bring it in a second.
 #[inline(always)]
 pub fn driven<F: Unsigned + LeEqU32>(difference: Celsius, factor: FixedI32<F>) -> Power {
-    times(kelvin(difference), factor)
+    Power::from_bits(product(difference.to_bits(), factor))
 }
 
 /// The rise by a power, with a factor in K/W.
 #[inline(always)]
 pub fn rise<F: Unsigned + LeEqU32>(power: Power, factor: FixedI32<F>) -> Celsius {
-    Celsius::from_bits(times(power, factor).to_bits())
+    Celsius::from_bits(product(power.to_bits(), factor))
 }
 
 /// A product or quotient in 32 bits.
@@ -97,11 +123,11 @@ const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
     (digit, (rest << 16 | next).wrapping_sub(digit.wrapping_mul(divisor)))
 }
 
-/// A value over a factor above 0.
-pub fn over(value: I12F20, factor: I8F24) -> I12F20 {
-    let magnitude = u64::from(value.unsigned_abs().to_bits()) << I8F24::FRAC_NBITS;
+/// A power over a factor above 0.
+pub fn over(value: Power, factor: I8F24) -> Power {
+    let magnitude = u64::from(value.to_bits().unsigned_abs()) << I8F24::FRAC_NBITS;
     let magnitude = i64::from(quotient(magnitude, factor.unsigned_abs().to_bits()));
-    I12F20::from_bits(saturated(if value < I12F20::ZERO { -magnitude } else { magnitude }))
+    Power::from_bits(saturated(if value < Power::ZERO { -magnitude } else { magnitude }))
 }
 
 /// A duty of 0 to 65,535 as a fraction.
@@ -116,8 +142,8 @@ pub fn duty(value: Power, whole: Power) -> u16 {
     if whole <= Power::ZERO {
         return 0;
     }
-    let product = u64::from(value.max(Power::ZERO).unsigned_abs().to_bits()) * 65_535;
-    quotient(product, whole.unsigned_abs().to_bits()).min(65_535) as u16
+    let product = u64::from(value.max(Power::ZERO).to_bits().unsigned_abs()) * 65_535;
+    quotient(product, whole.to_bits().unsigned_abs()).min(65_535) as u16
 }
 
 #[cfg(test)]
@@ -156,9 +182,9 @@ mod tests {
         assert_eq!(limits.map(saturated), [i32::MIN, i32::MAX]);
         assert_eq!([i64::MIN, limits[0] - 1].map(saturated), [i32::MIN; 2]);
         assert_eq!([i64::MAX, limits[1] + 1].map(saturated), [i32::MAX; 2]);
-        let (half, ten) = (I8F24::lit("0.5"), I12F20::lit("-10.25"));
-        assert_eq!((over(ten, half), over(I12F20::MIN, half)), (I12F20::lit("-20.5"), I12F20::MIN));
-        assert_eq!((over(I12F20::MAX, half), over(I12F20::ONE, I8F24::ZERO)), (I12F20::MAX, I12F20::MAX));
+        let (half, ten) = (I8F24::lit("0.5"), Power::lit("-10.25"));
+        assert_eq!((over(ten, half), over(Power::MIN, half)), (Power::lit("-20.5"), Power::MIN));
+        assert_eq!((over(Power::MAX, half), over(Power::ONE, I8F24::ZERO)), (Power::MAX, Power::MAX));
         assert_eq!([Power::MIN, Power::ZERO, Power::MAX].map(|whole| duty(Power::ONE, whole)), [0, 0, 31]);
         assert_eq!(
             [-1, 10, 20, 30].map(|watts| duty(Power::from_num(watts), Power::from_num(20))),

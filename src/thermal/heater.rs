@@ -1,6 +1,6 @@
 //! One heater: its sensor, its controller, its guards.
 
-use super::fixed_point::{Power, duty, saturated, share};
+use super::fixed_point::{duty, share};
 use super::guard::{Alarm, Numbers};
 use super::heater_guards::{Aim, HeaterGuards, Watched};
 use super::lag_watch::{LagNumbers, LagWatch};
@@ -13,7 +13,7 @@ use super::tune::Tune;
 use crate::connectors::Heater;
 use crate::fault::Cause;
 use crate::settings::{Bounds, Control, HeaterSettings};
-use crate::units::{Celsius, Ratio};
+use crate::units::{Celsius, Power, Ratio};
 use fixed::types::I8F24;
 
 /// The surroundings of a heater in a control period.
@@ -300,8 +300,7 @@ impl HeaterLoop {
 
     /// The power at a duty.
     fn power_at(&self, duty: u16) -> Power {
-        let watts = i64::from(self.settings.power.to_bits()) * i64::from(share(duty).to_bits());
-        Power::from_bits(saturated(watts >> 12))
+        self.settings.power.part(share(duty))
     }
 }
 

@@ -1,10 +1,9 @@
 //! The guards of one heater, and their inputs.
 
-use super::fixed_point::Power;
 use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Numbers, Seen, UnderWay, WhileOff, Window};
 use crate::connectors::Heater;
 use crate::settings::HeaterSettings;
-use crate::units::{Celsius, Ratio};
+use crate::units::{Celsius, Power, Ratio};
 use fixed::types::I8F24;
 
 /// A reading is smoothed over 1/2^4 of its history: 0.3 s.

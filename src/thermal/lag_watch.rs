@@ -11,10 +11,10 @@
 //!              /   _/
 //! ```
 
-use super::fixed_point::{Power, RATE, driven, kelvin, saturated};
+use super::fixed_point::{RATE, driven, kelvin, saturated};
 use super::room::ROOM;
 use crate::settings::HeaterModel;
-use crate::units::Celsius;
+use crate::units::{Celsius, Power};
 use fixed::types::{I8F24, I12F20};
 
 /// Time over which the slope is measured, in s, and in periods.

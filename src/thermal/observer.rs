@@ -12,11 +12,11 @@
 //! a heavier block. It is a Luenberger observer with all three poles at the same place (K. Astrom and R. Murray,
 //! Feedback Systems, section 8.2).
 
-use super::fixed_point::{Power, RATE, driven, kelvin, over, part_of, part_per_period, rise, saturated, times};
+use super::fixed_point::{RATE, driven, kelvin, over, part_per_period, rise, saturated, times};
 use super::lag_watch::Seen;
 use super::room::ROOM;
 use crate::settings::{HeaterModel, HeaterSettings};
-use crate::units::{Celsius, Ratio, Seconds};
+use crate::units::{Celsius, Power, Ratio, Seconds};
 use fixed::types::{I0F32, I2F30, I8F24, I12F20};
 
 /// Limits of the gain: 18 V at a supply of 24 V are 0.56, 26 V 1.17, a block may be a third lighter or heavier.
@@ -129,13 +129,13 @@ impl Observer {
         self.to_filament = past.filament;
         self.arriving = self.arriving.saturating_add(times(past.power.saturating_sub(self.arriving), n.element));
         let net = self.heat().saturating_sub(self.losses(self.block, self.to_filament));
-        let sensor_rise = part_of(self.block.saturating_sub(self.sensor), n.sensor);
+        let sensor_rise = times(self.block.saturating_sub(self.sensor), n.sensor);
         self.block = self.block.saturating_add(rise(net, n.warming));
         self.sensor = self.sensor.saturating_add(sensor_rise);
         let Some(measured) = past.measured else { return };
         let innovation = measured.saturating_sub(self.sensor);
-        self.sensor = self.sensor.saturating_add(part_of(innovation, n.sensor_step));
-        self.block = self.block.saturating_add(part_of(innovation, n.block_step));
+        self.sensor = self.sensor.saturating_add(times(innovation, n.sensor_step));
+        self.block = self.block.saturating_add(times(innovation, n.block_step));
         if past.is_free {
             self.drift = self.drift.saturating_add(driven(innovation, n.drift_step));
         } else if past.power > Power::ZERO {
@@ -179,7 +179,7 @@ impl Observer {
         let n = &self.numbers;
         let surplus = self.heat().saturating_sub(self.losses(self.block, I8F24::ZERO));
         let promised = driven(target.saturating_sub(ROOM), coming);
-        let on_its_way = times(n.heater_lag, surplus).saturating_sub(promised);
+        let on_its_way = times(surplus, n.heater_lag).saturating_sub(promised);
         // J times K a period for each W, times periods a second: K.
         let on_its_way = rise(on_its_way, n.warming).saturating_mul_int(RATE);
         self.block.saturating_sub(target).saturating_add(on_its_way)

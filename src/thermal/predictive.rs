@@ -5,9 +5,9 @@
 //! knows the power that was really given, so nothing winds up while the heater is at its limit, and its drift is the
 //! integral part.
 
-use super::fixed_point::{Power, driven};
+use super::fixed_point::driven;
 use super::observer::Observer;
-use crate::units::Celsius;
+use crate::units::{Celsius, Power};
 use fixed::types::I8F24;
 
 /// The look-ahead's knowledge of the filament.

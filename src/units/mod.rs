@@ -17,6 +17,13 @@
 //! let sum = Mm::ONE + Steps::ONE;
 //! ```
 //!
+//! Nor is a temperature a power:
+//!
+//! ```compile_fail,E0308
+//! use corehbot::units::{Celsius, Power};
+//! let sum = Power::ONE + Celsius::ONE;
+//! ```
+//!
 //! A speed is no rate of steps without a resolution:
 //!
 //! ```
@@ -148,6 +155,22 @@ signed!(Celsius);
 quantity! {
     /// A power in W; resolution 15 uW, range 65 kW.
     Watts(U16F16, u32)
+}
+
+quantity! {
+    /// A flow of heat or power in W, with a sign, as models reckon with it; resolution a millionth, range +-2048 W.
+    Power(I12F20, i32)
+}
+signed!(Power);
+
+impl Watts {
+    /// This part of it, within the range.
+    #[must_use]
+    pub fn part(self, part: Ratio) -> Power {
+        const SHIFT: u32 = Watts::FRAC_NBITS + Ratio::FRAC_NBITS - Power::FRAC_NBITS;
+        let bits = (u64::from(self.to_bits()) * u64::from(part.to_bits())) >> SHIFT;
+        Power::from_bits(i32::try_from(bits).unwrap_or(i32::MAX))
+    }
 }
 
 quantity! {

@@ -7,9 +7,9 @@
 use super::{Alarm, Episode, Seen, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
-use crate::thermal::fixed_point::{Power, RATE, driven, part_per_period, saturated, times};
+use crate::thermal::fixed_point::{RATE, driven, part_per_period, saturated, times};
 use crate::thermal::room::COLDEST_ROOM;
-use crate::units::{Celsius, JoulesPerKelvin, Ratio};
+use crate::units::{Celsius, JoulesPerKelvin, Power, Ratio};
 use fixed::types::{I0F32, I8F24};
 
 /// Lags in a balance, so that heat on its way is a small part of it, ...

@@ -31,11 +31,11 @@
 mod find;
 mod swings;
 
-use super::fixed_point::{Power, RATE, saturated};
+use super::fixed_point::RATE;
 use super::room::ROOM;
 use crate::settings::{Bounds, HeaterSettings};
 use crate::status::{Tuning, TuningFailure};
-use crate::units::Celsius;
+use crate::units::{Celsius, Power, Ratio};
 use swings::Swings;
 
 /// Swings that are skipped before those that count; the fan cools the block down first.
@@ -136,10 +136,7 @@ impl Tune {
         bounds: &'static Bounds,
         measured: Celsius,
     ) -> Self {
-        // W with 20 fractional bits; power and duty have 16 each.
-        let most = u64::from(settings.max_duty.to_bits().min(1 << 16));
-        let power = (u64::from(settings.power.to_bits()) * most) >> 12;
-        let power = Power::from_bits(saturated(power.cast_signed()));
+        let power = settings.power.part(settings.max_duty.min(Ratio::ONE));
         let phase = if measured > cold_enough(target) { Phase::Cool } else { Phase::Rise };
         Self {
             target,
