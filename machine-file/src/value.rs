@@ -2,7 +2,7 @@
 
 use crate::error::MachineFileError;
 use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
-use corehbot::kinematics::{MOST_MULTIPLE, Row, direction, multiple};
+use corehbot::kinematics::{self, MOST_MULTIPLE, Row};
 use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
 use corehbot::settings::{EndstopPlug, MachineName, Range, Thermistor, ranges};
@@ -130,9 +130,7 @@ fn motor_row(key: &str, items: &[Toml]) -> Result<Row, MachineFileError> {
         *slot = legal.unwrap_or_default();
         legal.is_some()
     });
-    let multiple = multiple(row);
-    let is_whole = row.iter().zip(direction(row)).all(|(times, direction)| *times == multiple * direction);
-    if is_of_numbers && is_whole && matches!(listed.len(), 3 | 4) {
+    if is_of_numbers && kinematics::row_number(row).is_some() && matches!(listed.len(), 3 | 4) {
         Ok(row)
     } else {
         Err(MachineFileError::Row { key: key.to_owned(), row: listed })

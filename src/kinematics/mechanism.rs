@@ -14,7 +14,7 @@
 //! stop every file; `tests/mechanisms/machines.rs` and docs/explanation/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};
-use super::row::{Row, direction, multiple};
+use super::row::{MOST_MULTIPLE, Row, multiple, row_number};
 use crate::motors::{MOST_GROUPS, MOTORS, Motor, MotorSet};
 use serde::{Deserialize, Serialize};
 
@@ -23,9 +23,6 @@ const NOT_FITTED: Row = [0; 4];
 
 /// Names of the axes.
 const AXES: [&str; 4] = ["x", "y", "z", "e"];
-
-/// Largest whole number of a row: pulleys of 60 and 16 teeth are 4 to 15.
-pub const MOST_MULTIPLE: i8 = 16;
 
 /// One row per motor, in the order of [`Motor::ALL`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -211,13 +208,10 @@ impl Mechanism {
     /// The first rule that they break.
     pub fn check(&self) -> Result<(), MechanismError> {
         for (motor, row) in self.motors() {
-            let multiple = multiple(row);
-            let is_entry =
-                |(times, direction): (i8, i8)| i16::from(times) == i16::from(direction) * i16::from(multiple);
-            if multiple > MOST_MULTIPLE || !row.into_iter().zip(direction(row)).all(is_entry) {
+            if row_number(row).is_none() {
                 return Err(MechanismError::Entry(motor));
             }
-            if multiple > 1 && row.iter().filter(|times| **times != 0).count() < 2 {
+            if multiple(row) > 1 && row.iter().filter(|times| **times != 0).count() < 2 {
                 return Err(MechanismError::Multiples);
             }
             let [x, y, z, e] = row;

@@ -8,6 +8,6 @@ mod row;
 
 pub use forward::ForwardKinematics;
 pub use groups::{Group, Grouping, Groupings, Groups, MotorTable, SETS, count_at};
-pub use mechanism::{MOST_MULTIPLE, Mechanism, MechanismError};
+pub use mechanism::{Mechanism, MechanismError};
 pub use residuals::{Residual, Residuals, motors_in};
-pub use row::{Row, direction, multiple};
+pub use row::{MOST_MULTIPLE, MOST_NUMBER, Row, direction, multiple, row_number, row_of};

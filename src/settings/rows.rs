@@ -130,9 +130,9 @@ impl Spec {
         Self { legal: Legal { is_text: true, ..legal }, kind }
     }
 
-    /// A number that its field packs and reads by itself, of `bits` bits and a sign.
-    pub(super) const fn packed(bits: u32, kind: Kind) -> Self {
-        Self::new(-(1 << bits), (1 << bits) - 1, kind)
+    /// A number that its field packs and reads by itself, from -`most` to `most`.
+    pub(super) const fn packed(most: i64, kind: Kind) -> Self {
+        Self::new(-most, most, kind)
     }
 
     /// The same, and 0 as well, which is "auto".

@@ -3,7 +3,7 @@
 use super::rows::{Field, Kind, Spec, Value, rows, text};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName};
-use crate::kinematics::Row;
+use crate::kinematics::{self, MOST_NUMBER, Row};
 use crate::motors::{MOTORS, Motor, MotorName};
 use serde::{Deserialize, Serialize};
 
@@ -196,15 +196,15 @@ pub(super) mod endstops {
 
 impl Field for Row {
     fn get(&self) -> Value {
-        let [x, y, z, e] = self.map(i8::cast_unsigned);
-        Value::Number(i32::from_le_bytes([x, y, z, e]).into())
+        // The number of an illegal row is out of range.
+        Value::Number(kinematics::row_number(*self).unwrap_or(i16::MAX).into())
     }
 
     fn set(&mut self, value: &Value) -> bool {
         let Value::Number(number) = *value else { return false };
-        let Ok(number) = i32::try_from(number) else { return false };
-        *self = number.to_le_bytes().map(u8::cast_signed);
-        true
+        let row = i16::try_from(number).ok().and_then(kinematics::row_of);
+        *self = row.unwrap_or(*self);
+        row.is_some()
     }
 }
 
@@ -222,6 +222,6 @@ pub(super) mod mechanism {
         ];
 
         /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
-        98 "" = *row, "", [Spec::packed(31, Kind::MotorRow)];
+        98 "" = *row, "", [Spec::packed(MOST_NUMBER as i64, Kind::MotorRow)];
     }
 }

@@ -212,8 +212,15 @@ fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
     let damaged = |bytes: &[u8]| assert_eq!(decode(&forge(FORMAT, bytes)), Err(Rejected::Damaged), "{bytes:?}");
     damaged(&whole[..whole.len() - 1]);
     damaged(&[whole.clone(), [0xFF].to_vec()].concat());
-    // A switch that is 2, an unknown choice, an illegal name, a speed of 64 bits.
-    for element in [&[11, 1, 4][..], &[58, 1, 40], &[1, 3, 2, b'a', b':'], &[2, 6, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1]] {
+    // A switch that is 2, an unknown choice, an illegal name, a speed of 64 bits, and the rows 641 and -641 of motors.
+    for element in [
+        &[11, 1, 4][..],
+        &[58, 1, 40],
+        &[1, 3, 2, b'a', b':'],
+        &[2, 6, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1],
+        &[98, 2, 0x82, 10],
+        &[98, 2, 0x81, 10],
+    ] {
         damaged(element);
     }
     // An empty one has no value.
