@@ -1,7 +1,7 @@
 //! Moves: released by the planner, stepped by the generator. A released move never changes.
 
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Steps, SubTicks};
+use crate::units::{Length, MmPerSec2, Steps, SubTicks};
 
 /// One in the fixed point of fractions of a move.
 pub const WHOLE: u32 = 1 << 31;
@@ -30,8 +30,8 @@ pub struct Move {
     pub cruise: SubTicks,
     /// Time of the decelerating phase.
     pub decelerate: SubTicks,
-    /// Length of its path, in raw `Mm` bits; of the filament if the tool does not move.
-    pub length: u64,
+    /// Length of its path; of the filament if the tool does not move.
+    pub length: Length,
     /// Acceleration of its ramps, also for braking that was not planned.
     pub acceleration: MmPerSec2,
     /// Pressure that its filament needs: filament length times advance, in steps times seconds.
@@ -56,7 +56,7 @@ impl Move {
         accelerate: SubTicks::ZERO,
         cruise: SubTicks::ZERO,
         decelerate: SubTicks::ZERO,
-        length: 0,
+        length: Length::ZERO,
         acceleration: MmPerSec2::ZERO,
         advance: Steps::ZERO,
         brakes_first: false,

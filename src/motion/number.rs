@@ -3,7 +3,7 @@
 //! IEEE 754 defines every bit of the sum, difference, product and quotient of two single-precision numbers. This code
 //! uses no other operation, so every platform computes the same.
 
-use crate::units::{MmPerSec, MmPerSec2, Steps, SubTicks};
+use crate::units::{Length, MmPerSec, MmPerSec2, SpeedSq, Steps, SubTicks};
 
 /// A time of less than 2^40 (16 s), in ticks times 2^16, as ticks.
 pub(crate) fn ticks(time: SubTicks) -> f32 {
@@ -13,6 +13,11 @@ pub(crate) fn ticks(time: SubTicks) -> f32 {
 /// Ticks below 2^24 as a time in ticks times 2^16.
 pub(crate) fn time(ticks: f32) -> SubTicks {
     SubTicks(u64::from((ticks * 256.0) as u32) << 8)
+}
+
+/// Ticks of any number as a time in ticks times 2^16.
+pub(crate) fn long_time(ticks: f32) -> SubTicks {
+    SubTicks(to_bits(ticks * const { 1.0 / 65536.0 }))
 }
 
 /// A distance in steps, exact to 2^-24 of its value. A number and its negative have the same digits, so that mirrored
@@ -62,13 +67,33 @@ pub(crate) fn large_root(square: u64) -> u32 {
     whole.saturating_add_signed(correction as i32)
 }
 
+/// A length in mm.
+pub(crate) fn mm(length: Length) -> f32 {
+    from_bits(length.0)
+}
+
+/// A length of so many mm.
+pub(crate) fn length_of(mm: f32) -> Length {
+    Length(to_bits(mm))
+}
+
+/// The square of a speed, in mm2/s2.
+pub(crate) fn square(speed_sq: SpeedSq) -> f32 {
+    from_bits(speed_sq.0)
+}
+
+/// A square of a speed of so many mm2/s2.
+pub(crate) fn speed_sq(square: f32) -> SpeedSq {
+    SpeedSq(to_bits(square))
+}
+
 /// A value with 32 fractional bits, as a number.
-pub(crate) fn from_bits(bits: u64) -> f32 {
+fn from_bits(bits: u64) -> f32 {
     ((bits >> 32) as u32) as f32 + ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 }
 }
 
 /// A non-negative number with 32 fractional bits. Saturates, also for NaN.
-pub(crate) fn to_bits(number: f32) -> u64 {
+fn to_bits(number: f32) -> u64 {
     const MOST: f32 = 4_294_967_296.0;
     if number < MOST {
         // Both differences and products are exact.

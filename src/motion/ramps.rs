@@ -1,19 +1,10 @@
 //! Ramps: formulas of motion at constant acceleration, for the planner and for unplanned braking.
 //!
-//! Over the length L the square of the speed changes by `2 a L`.
+//! Over the length L the square of the speed changes by `2 a L` ([`SpeedSq::gained`]).
 
 use super::moves::WHOLE;
-use super::number::{acceleration, from_bits, root_of, to_bits};
-use crate::units::{MmPerSec2, SpeedSq};
-
-/// Gain of squared speed over `length` (raw `Mm` bits): 2 a L, saturating.
-#[must_use]
-pub(in crate::motion) const fn gain_sq(a: MmPerSec2, length: u64) -> SpeedSq {
-    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7. Two halves avoid its upper 64 bits.
-    let a = a.to_bits() as u64;
-    let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
-    if high >> 38 != 0 { SpeedSq::MAX } else { SpeedSq((high << 25).saturating_add(low)) }
-}
+use super::number::{acceleration, length_of, root_of, square};
+use crate::units::{Length, MmPerSec2, SpeedSq};
 
 /// Speed of a square, in 2^-32 mm/s. Scaling the square up first gives the root 31 significant bits for slow moves too:
 /// at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
@@ -22,9 +13,9 @@ pub(in crate::motion) fn speed_of(SpeedSq(square): SpeedSq) -> u64 {
     if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
 }
 
-/// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
-pub(in crate::motion) fn ramp_length(change: SpeedSq, a: MmPerSec2) -> u64 {
-    to_bits(from_bits(change.0) / (acceleration(a) * 2.0))
+/// Length over which the squared speed changes by `change`: v^2 / 2a.
+pub(in crate::motion) fn ramp_length(change: SpeedSq, a: MmPerSec2) -> Length {
+    length_of(square(change) / (acceleration(a) * 2.0))
 }
 
 /// `part / whole`, scaled by [`WHOLE`].
@@ -70,15 +61,15 @@ mod tests {
     #[test]
     fn what_a_ramp_gains_is_lost_on_its_length() {
         for (a, mm) in [(1u32, 0.001), (3000, 0.5), (5000, 300.0), (20_000, 4000.0)] {
-            let (a, length) = (MmPerSec2::from_num(a), (mm * 4_294_967_296.0) as u64);
-            let gained = gain_sq(a, length);
+            let (a, length) = (MmPerSec2::from_num(a), Length((mm * 4_294_967_296.0) as u64));
+            let gained = SpeedSq::gained(a, length);
             let exact = 2.0 * a.to_num::<f64>() * mm;
             assert!((gained.0 as f64 / 4_294_967_296.0 - exact).abs() <= 1e-6 + 1e-9 * exact, "{a} {mm}");
-            assert!((ramp_length(gained, a) as f64 / length as f64 - 1.0).abs() < 1e-5, "{a} {mm}");
+            assert!((ramp_length(gained, a).0 as f64 / length.0 as f64 - 1.0).abs() < 1e-5, "{a} {mm}");
         }
         // The last value that fits, and the first that does not.
-        let (a, length) = (MmPerSec2::from_bits(1 << 16), (1 << 54) - 1);
-        assert_eq!(gain_sq(a, length), SpeedSq(length << 9));
-        assert_eq!(gain_sq(a, 1 << 54), SpeedSq::MAX);
+        let (a, length) = (MmPerSec2::from_bits(1 << 16), Length((1 << 54) - 1));
+        assert_eq!(SpeedSq::gained(a, length), SpeedSq(length.0 << 9));
+        assert_eq!(SpeedSq::gained(a, Length(1 << 54)), SpeedSq::MAX);
     }
 }

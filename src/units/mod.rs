@@ -17,6 +17,13 @@
 //! let sum = Mm::ONE + Steps::ONE;
 //! ```
 //!
+//! Nor is a length a position, which has a sign:
+//!
+//! ```compile_fail,E0308
+//! use corehbot::units::{Length, Mm};
+//! let is_long = Length::of(Mm::ONE) > Mm::ONE;
+//! ```
+//!
 //! Nor is a temperature a power:
 //!
 //! ```compile_fail,E0308
@@ -40,6 +47,7 @@
 //! |---|---|
 //! | `mod` | the quantities, one type for each unit |
 //! | `quantity` | the operations that all quantities have |
+//! | `length` | lengths of paths |
 //! | `resolution` | between millimetres and steps, and their rates |
 //! | `speed_sq` | squares of speeds, for ramps and corners |
 //! | `ticks` | time in ticks |
@@ -47,6 +55,7 @@
 //! | `wide` | integer arithmetic with all the bits in between |
 
 mod lags;
+mod length;
 mod quantity;
 mod resolution;
 mod speed_sq;
@@ -54,6 +63,7 @@ mod ticks;
 mod wide;
 
 pub use lags::{part_per_period, periods_in};
+pub use length::Length;
 pub use quantity::Quantity;
 pub use resolution::StepRate;
 pub use speed_sq::SpeedSq;
@@ -78,6 +88,14 @@ quantity! {
 }
 signed!(Steps);
 wrapping!(Steps);
+
+impl Mm {
+    /// Whole micrometres, rounded down; the count wraps.
+    #[must_use]
+    pub const fn wrapping_um(self) -> i64 {
+        self.to_bits().wrapping_mul(1000) >> Self::FRAC_NBITS
+    }
+}
 
 impl Steps {
     /// So many whole steps; the count wraps.

@@ -1,6 +1,6 @@
 //! Squares of speeds.
 
-use super::MmPerSec;
+use super::{Length, MmPerSec, MmPerSec2};
 
 /// The square of a speed, in 2^-32 mm2/s2: the square of a raw [`MmPerSec`]. Ramps and corners are laws of the square,
 /// and a square cannot be taken for the speed itself.
@@ -19,6 +19,15 @@ impl SpeedSq {
     #[inline(always)]
     pub const fn of(speed: MmPerSec) -> Self {
         Self(speed.to_bits() as u64 * speed.to_bits() as u64)
+    }
+
+    /// The gain at an acceleration over a length: 2 a L, at most [`MAX`](Self::MAX).
+    #[must_use]
+    pub const fn gained(a: MmPerSec2, Length(length): Length) -> Self {
+        // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7. Two halves avoid its upper 64 bits.
+        let a = a.to_bits() as u64;
+        let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
+        if high >> 38 != 0 { Self::MAX } else { Self((high << 25).saturating_add(low)) }
     }
 
     /// The sum, at most [`MAX`](Self::MAX).

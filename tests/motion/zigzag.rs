@@ -4,7 +4,7 @@
 use super::line::plan;
 use corehbot::motion::{Move, WHOLE};
 use corehbot::settings::Settings;
-use corehbot::units::Ratio;
+use corehbot::units::{Length, Ratio};
 use std::f64::consts::TAU;
 
 fn with(ratio: f64) -> Settings {
@@ -57,7 +57,7 @@ fn swing(moves: &[Move], width: f64, frequency: f64) -> f64 {
     let mut sign = 1.0;
     for m in moves {
         // Every other move goes along x; in those along y the tool has no acceleration there.
-        let is_along = (m.length as f64 / 2f64.powi(32) - width).abs() < 0.05;
+        let is_along = (m.length.0 as f64 / 2f64.powi(32) - width).abs() < 0.05;
         let a = m.acceleration.to_num::<f64>() * if is_along { sign } else { 0.0 };
         for (time, a) in [(m.accelerate, a), (m.cruise, 0.0), (m.decelerate, -a)] {
             let steps = (seconds(time.0) / 20e-6).ceil();
@@ -117,7 +117,7 @@ fn long_moves_and_chains_of_short_ones_stay_as_they_are() {
         let [off, on] = [0.0, 0.5].map(|ratio| plan(&path, &with(ratio)));
         assert_eq!(off.len(), on.len());
         // The hop from line to line of 1 mm is too short to cruise at 100 mm/s.
-        for (off, on) in off.iter().zip(&on).filter(|(off, _)| off.length != 1 << 32) {
+        for (off, on) in off.iter().zip(&on).filter(|(off, _)| off.length != Length(1 << 32)) {
             assert_eq!(off, on);
         }
     }

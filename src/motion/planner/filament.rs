@@ -1,14 +1,14 @@
 //! Filament ahead: the amount that the planned moves push within a given time, for the heater control.
 
 use super::Planner;
-use crate::units::{Mm, Steps, TICKS_PER_SECOND};
+use crate::units::{Steps, TICKS_PER_SECOND};
 
 impl Planner<'_> {
     /// A position or length of filament in um.
     #[must_use]
     pub fn filament_um(&self, steps: Steps) -> i64 {
         let [.., e] = self.step_scale;
-        (e.mm_bits(steps).wrapping_mul(1000)) >> Mm::FRAC_NBITS
+        e.mm(steps).wrapping_um()
     }
 
     /// Filament in um that passes the nozzle within `ticks` from now, and um/s at their end. The extruder stands `at`,

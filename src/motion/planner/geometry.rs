@@ -4,9 +4,10 @@
 //! precision (see [`number`](crate::motion::number)).
 
 use crate::kinematics::{Groups, direction};
-use crate::motion::number::{acceleration, from_bits, large_root, speed};
+use crate::motion::number::{acceleration, large_root, mm, speed};
 use crate::motors::MOST_GROUPS;
 use crate::settings::{Axes, AxisSettings, Settings};
+use crate::units::{Length, Mm};
 use heapless::Vec;
 
 /// One in the fixed point of unit vectors.
@@ -15,8 +16,8 @@ pub(in crate::motion) const UNIT: i32 = 1 << 30;
 /// A move as a vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::motion) struct Geometry {
-    /// Length of the path of the tool, in raw `Mm` bits (2^-32 mm); of the filament if the tool does not move.
-    pub length: u64,
+    /// Length of the path of the tool; of the filament if the tool does not move.
+    pub length: Length,
     /// The same in mm.
     pub size: f32,
     /// Direction of the tool in x, y, z, scaled by [`UNIT`]; zero if only the extruder moves.
@@ -118,16 +119,17 @@ impl Belts {
 
 impl Geometry {
     /// No move.
-    pub const NONE: Self = Self { length: 0, size: 0.0, unit: [0; 3], direction: [0.0; 3], extrusion: 0.0 };
+    pub const NONE: Self = Self { length: Length::ZERO, size: 0.0, unit: [0; 3], direction: [0.0; 3], extrusion: 0.0 };
 
-    /// The vector `delta` (x, y, z, e in raw `Mm` bits).
+    /// The vector `delta` (x, y, z, e).
     #[inline(always)]
-    pub fn new([x, y, z, e]: [i64; 4]) -> Self {
-        let filament = from_bits(e.unsigned_abs());
+    pub fn new([x, y, z, e]: [Mm; 4]) -> Self {
+        let (of_filament, (x, y, z)) = (Length::of(e), (x.to_bits(), y.to_bits(), z.to_bits()));
+        let filament = mm(of_filament);
         let largest = x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs();
         if largest == 0 {
-            let extrusion = if e == 0 { 0.0 } else { sign(e) };
-            return Self { length: e.unsigned_abs(), size: filament, unit: [0; 3], direction: [0.0; 3], extrusion };
+            let extrusion = if e == Mm::ZERO { 0.0 } else { sign(e) };
+            return Self { length: of_filament, size: filament, unit: [0; 3], direction: [0.0; 3], extrusion };
         }
         // With the largest component scaled to 31 bits, the squares of all three fit 64.
         let shift = largest.leading_zeros() as i32 - 33;
@@ -143,16 +145,16 @@ impl Geometry {
         let component = |d: i32| ((i64::from(d) * i64::from(part) + (1 << 30)) >> 31) as i32;
         let unit = [component(x), component(y), component(z)];
         let direction = [x as f32 * inverse, y as f32 * inverse, z as f32 * inverse];
-        let length = if shift > 0 {
+        let length = Length(if shift > 0 {
             // Rounded: a length that is always cut short would run ahead of the clock in the long run.
             u64::from((root >> shift) + (root >> (shift - 1) & 1))
         } else {
             u64::from(root) << shift.unsigned_abs()
-        };
+        });
         let root = root as f32;
         // 2^(-32 - shift), with a shift of -33 to 30.
         let size = root * f32::from_bits(((127 - 32 - shift) as u32) << 23);
-        let extrusion = if e == 0 { 0.0 } else { sign(e) * (filament / size) };
+        let extrusion = if e == Mm::ZERO { 0.0 } else { sign(e) * (filament / size) };
         Self { length, size, unit, direction, extrusion }
     }
 
@@ -163,10 +165,10 @@ impl Geometry {
         *self = Self { length, size, unit: [x, y, z], direction: [a, b, c], extrusion };
     }
 
-    /// The path of the tool, in raw `Mm` bits.
+    /// The path of the tool.
     #[inline(always)]
-    pub const fn path(&self) -> u64 {
-        if self.is_extruder_only() { 0 } else { self.length }
+    pub const fn path(&self) -> Length {
+        if self.is_extruder_only() { Length::ZERO } else { self.length }
     }
 
     /// Whether the tool stands still and only filament moves.
@@ -177,8 +179,8 @@ impl Geometry {
     }
 }
 
-fn sign(value: i64) -> f32 {
-    if value < 0 { -1.0 } else { 1.0 }
+fn sign(value: Mm) -> f32 {
+    if value < Mm::ZERO { -1.0 } else { 1.0 }
 }
 
 /// `2^61 / root` with an error of two at most, clamped to `i32::MAX`, for a root of 31 or 32 bits. Single precision
@@ -194,22 +196,21 @@ fn reciprocal(root: u32) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::Mm;
 
     fn belts(s: &Settings) -> Belts {
         Belts::new(&Groups::new(&s.mechanism))
     }
 
-    fn mm(v: f64) -> i64 {
-        Mm::from_num(v).to_bits()
+    fn mm(v: f64) -> Mm {
+        Mm::from_num(v)
     }
 
     #[test]
     fn lengths_are_true_from_nanometres_to_metres() {
         for scale in [1e-6, 1e-3, 0.05, 1.0, 300.0, 4000.0] {
-            let g = Geometry::new([mm(0.6 * scale), mm(-0.64 * scale), mm(0.48 * scale), 0]);
+            let g = Geometry::new([mm(0.6 * scale), mm(-0.64 * scale), mm(0.48 * scale), Mm::ZERO]);
             let exact = scale * (0.36f64 + 0.4096 + 0.2304).sqrt() * 2f64.powi(32);
-            assert!((g.length as f64 - exact).abs() <= 2.0 + exact * 2e-9, "{scale}: {} {exact}", g.length);
+            assert!((g.length.0 as f64 - exact).abs() <= 2.0 + exact * 2e-9, "{scale}: {} {exact}", g.length.0);
         }
     }
 
@@ -229,10 +230,10 @@ mod tests {
     fn directions_have_thirty_bits() {
         for scale in [1e-4, 0.2, 0.7, 50.0, 3000.0] {
             for d in [[0.6, -0.64, 0.48], [-1.0, 0.0, 0.0], [0.0, 0.8, -0.6], [1e-4, 1.0, 0.0]] {
-                let raw = d.map(|d: f64| mm(d * scale));
-                let [x, y, z] = raw;
+                let [x, y, z] = d.map(|d: f64| mm(d * scale));
+                let raw = [x, y, z].map(Mm::to_bits);
                 let size = raw.iter().map(|d| (*d as f64).powi(2)).sum::<f64>().sqrt();
-                let g = Geometry::new([x, y, z, 0]);
+                let g = Geometry::new([x, y, z, Mm::ZERO]);
                 for ((unit, direction), d) in g.unit.into_iter().zip(g.direction).zip(raw) {
                     let exact = d as f64 / size;
                     assert!((f64::from(unit) / f64::from(UNIT) - exact).abs() < 4e-9, "{d} of {scale}: {unit}");
@@ -250,7 +251,7 @@ mod tests {
     #[test]
     fn a_diagonal_is_as_fast_as_its_motors() {
         let s = Settings::prototype();
-        let g = Geometry::new([mm(10.0), mm(10.0), 0, 0]);
+        let g = Geometry::new([mm(10.0), mm(10.0), Mm::ZERO, Mm::ZERO]);
         let v = speed_limit(&g, 1000.0, &s);
         // u = x + y runs sqrt(2) times as fast as the tool: 450 / 1.414, below the axes' 300 * 1.414.
         assert!((v - 318.198).abs() < 0.01, "{v}");
@@ -259,7 +260,7 @@ mod tests {
     #[test]
     fn a_dense_extrusion_is_as_fast_as_the_extruder() {
         let s = Settings::prototype();
-        let g = Geometry::new([mm(0.001), 0, 0, mm(10.0)]);
+        let g = Geometry::new([mm(0.001), Mm::ZERO, Mm::ZERO, mm(10.0)]);
         let v = speed_limit(&g, 100.0, &s);
         assert!((v - 0.008).abs() < 2e-5, "{v}");
     }

@@ -294,7 +294,7 @@ fn filament_way(target: &Target, from: Mm) -> Ordering {
 /// A length of less than 16 mm, in mm.
 #[inline(always)]
 fn short(to: Mm, from: Mm) -> Option<f32> {
-    let bits = to.to_bits().wrapping_sub(from.to_bits()) >> 5;
+    let bits = to.wrapping_sub(from).to_bits() >> 5;
     i32::try_from(bits).ok().map(|bits| bits as f32 * const { 1.0 / (1 << 27) as f32 })
 }
 
@@ -302,7 +302,7 @@ fn short(to: Mm, from: Mm) -> Option<f32> {
 #[inline(always)]
 fn is_thousandths([x, y, z, _]: [Mm; 4], [from_x, from_y, from_z, _]: [Mm; 4]) -> bool {
     let is_whole = |to: Mm, from: Mm| {
-        let part = to.to_bits().wrapping_sub(from.to_bits()) as u32;
+        let part = to.wrapping_sub(from).to_bits() as u32;
         part.wrapping_mul(1000).wrapping_add(THOUSANDTHS_SLACK) <= 2 * THOUSANDTHS_SLACK
     };
     is_whole(x, from_x) && is_whole(y, from_y) && is_whole(z, from_z)

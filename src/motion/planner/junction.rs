@@ -33,9 +33,9 @@
 
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
-use crate::motion::number::{from_bits, root, speed, to_bits};
+use crate::motion::number::{mm, root, speed, speed_sq};
 use crate::settings::{CornerRule, Settings};
-use crate::units::SpeedSq;
+use crate::units::{Length, SpeedSq};
 use core::f32::consts::SQRT_2;
 
 /// Where the sine of half the angle is less than this, the second move goes straight back: directions have 30 bits.
@@ -102,7 +102,7 @@ pub(in crate::motion) fn junction_speed_sq(
         let jerk = speed(s.extruder_jerk) / jump;
         most = least(most, jerk * jerk);
     }
-    SpeedSq(to_bits(most))
+    speed_sq(most)
 }
 
 /// The greatest speed squared, in mm2/s2, at which the tool may turn from `before` to `after`.
@@ -131,7 +131,7 @@ fn bend(
     }
     let max_accel = if is_straight { accel_limits.acceleration } else { accel_limits.along(change, root(change_sq)) };
     let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => max_accel * from_bits(d.to_bits().unsigned_abs()),
+        CornerRule::JunctionDeviation(d) => max_accel * mm(Length::of(d)),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
     };
     let lead_length = root(lead_sq);
@@ -221,7 +221,7 @@ mod tests {
 
     fn heading(degrees: f64) -> Geometry {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
+        Geometry::new([Mm::from_num(10.0 * cos), Mm::from_num(10.0 * sin), Mm::ZERO, Mm::ZERO])
     }
 
     /// After a long move that led to `before`.
@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn a_corner_into_z_is_as_slow_as_z() {
         let s = Settings::prototype();
-        let up = Geometry::new([0, 0, Mm::ONE.to_bits(), 0]);
+        let up = Geometry::new([Mm::ZERO, Mm::ZERO, Mm::ONE, Mm::ZERO]);
         let sq = corner(&heading(0.0), &up, MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
         // Z bears 200 mm/s2 and has 0.707 of the change.
         let exact = 200.0 * 2f64.sqrt() * 0.013 * 0.5f64.sqrt() / (1.0 - 0.5f64.sqrt());
@@ -257,7 +257,7 @@ mod tests {
 
     fn chord(angle: f64, length: f64) -> Geometry {
         let (sin, cos) = angle.sin_cos();
-        Geometry::new([Mm::from_num(length * cos).to_bits(), Mm::from_num(length * sin).to_bits(), 0, 0])
+        Geometry::new([Mm::from_num(length * cos), Mm::from_num(length * sin), Mm::ZERO, Mm::ZERO])
     }
 
     #[test]

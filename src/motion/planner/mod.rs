@@ -50,7 +50,7 @@ use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::number::{acceleration, speed};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
+use crate::units::{Length, Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
 use geometry::{Belts, Geometry, Limits, Shares};
 use joining::OpenLine;
 use junction::{AccelLimits, junction_speed_sq};
@@ -78,7 +78,7 @@ pub struct Target {
 
 /// Moves shorter than this wait for the next target instead of being planned: 0.5 um is a twentieth of a step of the
 /// belt, and its time would be lost between two ticks.
-const LEAST_LENGTH: u64 = (1 << 32) / 2000;
+const LEAST_LENGTH: Length = Length((1 << 32) / 2000);
 
 /// From this many ticks on, 27 s, the 30 bits of a length are too few for its time.
 const LONG_TICKS: u32 = LONG_TIME.whole_ticks() as u32;
@@ -119,8 +119,8 @@ pub struct Planner<'m> {
     moves: u32,
     /// Moves that wait: the moves of the window, and the open line. Each turn of the Console reads it.
     count: usize,
-    /// Path of the tool, raw `Mm` bits.
-    path: u64,
+    /// Path of the tool; wraps.
+    path: Length,
 }
 
 impl<'m> Planner<'m> {
@@ -144,7 +144,7 @@ impl<'m> Planner<'m> {
             released_filament: Steps::ZERO,
             moves: 0,
             count: 0,
-            path: 0,
+            path: Length::ZERO,
         };
         planner.end = planner.steps(position);
         planner.released_filament = planner.end[3];
@@ -193,7 +193,7 @@ impl<'m> Planner<'m> {
     pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
         let ([x, y, z, e], [.., asked]) = (self.step_scale, self.asked);
         let [sx, sy, sz, se] = steps;
-        let [x, y, z] = [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz)].map(Mm::from_bits);
+        let [x, y, z] = [x.mm(sx), y.mm(sy), z.mm(sz)];
         [x, y, z, e.mm_near(se, asked)]
     }
 
@@ -267,7 +267,7 @@ impl<'m> Planner<'m> {
     /// Gives the move from `begin` to the end of the last move its place in the window. Its vector is known (`vector`),
     /// and this part of its length may be for ramps.
     #[inline(never)]
-    fn place(&mut self, target: &Target, begin: [Steps; 4], max_ramp_length: u64, settings: &Settings) {
+    fn place(&mut self, target: &Target, begin: [Steps; 4], max_ramp_length: Length, settings: &Settings) {
         let vector = &self.vector;
         let is_extruder_only = vector.is_extruder_only();
         let (least, most) = purpose(vector, settings);
@@ -364,7 +364,7 @@ impl<'m> Planner<'m> {
         let vector = Geometry::new([dx, dy, dz, de]);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
             // The rest of an axis is made up when it is next sent to another position.
-            let extrusion = Geometry::new([0, 0, 0, de]);
+            let extrusion = Geometry::new([Mm::ZERO, Mm::ZERO, Mm::ZERO, de]);
             return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
         Some(([x, y, z, e], vector))
@@ -420,13 +420,13 @@ impl<'m> Planner<'m> {
     /// Moves planned so far, and the path of the tool in um; both wrap.
     #[must_use]
     pub const fn planned(&self) -> (u32, u32) {
-        (self.moves, ((self.path as u128 * 1000) >> 32) as u32)
+        (self.moves, self.path.wrapping_um())
     }
 
     /// The path of the tool that was planned so far, in mm; it wraps after 4,294 km.
     #[must_use]
     pub const fn path(&self) -> u32 {
-        (self.path >> 32) as u32
+        self.path.whole_mm()
     }
 
     /// Checks a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks,
@@ -465,25 +465,25 @@ impl<'m> Planner<'m> {
     }
 }
 
-/// The exact distance from `begin` to `end`, in raw `Mm` bits, given one with 30 right bits.
+/// The exact distance from `begin` to `end`, given one with 30 right bits.
 #[cold]
 #[inline(never)]
-fn exact_length(step_scale: &[StepScale; 4], begin: [Steps; 4], end: [Steps; 4], about: u64) -> u64 {
+fn exact_length(step_scale: &[StepScale; 4], begin: [Steps; 4], end: [Steps; 4], about: Length) -> Length {
     let mut ways = [0; 4];
     for (((way, scale), to), from) in ways.iter_mut().zip(step_scale).zip(end).zip(begin) {
-        *way = scale.mm_bits(to.wrapping_sub(from));
+        *way = scale.mm(to.wrapping_sub(from)).to_bits();
     }
     let [x, y, z, e] = ways;
     let square = |way: i64| i128::from(way) * i128::from(way);
     let sum = if x | y | z == 0 { square(e) } else { square(x) + square(y) + square(z) };
     // One of Newton's steps.
-    let about = about.cast_signed();
-    about.saturating_add((sum - square(about)) as i64 / about.saturating_mul(2).max(1)).unsigned_abs()
+    let about = about.0.cast_signed();
+    Length(about.saturating_add((sum - square(about)) as i64 / about.saturating_mul(2).max(1)).unsigned_abs())
 }
 
-/// The part of a move's length that may be for ramps, in raw `Mm` bits.
+/// The part of a move's length that may be for ramps.
 #[inline(always)]
-fn max_ramps(vector: &Geometry, settings: &Settings) -> u64 {
+fn max_ramps(vector: &Geometry, settings: &Settings) -> Length {
     if vector.is_extruder_only() {
         vector.length
     } else {

@@ -1,8 +1,7 @@
 //! A move in the look-ahead, and the memory for a window of them.
 
 use super::profile::MoveSpec;
-use crate::motion::number::{from_bits, speed};
-use crate::motion::ramps::gain_sq;
+use crate::motion::number::{mm, speed};
 use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
 /// Moves that stay in the window when a forced batch has left it: the look-ahead sees at least this many, when the
@@ -70,7 +69,7 @@ impl Planned {
     /// Its possible gain of speed squared.
     #[inline(always)]
     pub fn gain_sq(&self) -> SpeedSq {
-        gain_sq(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
+        SpeedSq::gained(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
     }
 
     /// `m + G` of the window's formula; wraps.
@@ -96,7 +95,7 @@ impl Planned {
     pub fn set_nominal(&mut self, wanted: MmPerSec) {
         // A move that was requested does not stand still.
         self.spec.nominal = wanted.min(self.max_speed).max(MmPerSec::DELTA);
-        let seconds = from_bits(self.spec.length) / speed(self.spec.nominal);
+        let seconds = mm(self.spec.length) / speed(self.spec.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 

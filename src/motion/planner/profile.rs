@@ -8,44 +8,35 @@
 //! is entered above its nominal speed brakes to it first.
 
 use crate::motion::moves::{LONG_TIME, Move, WHOLE};
-use crate::motion::number::{acceleration, from_bits, root, to_bits};
-use crate::motion::ramps::gain_sq;
+use crate::motion::number::{acceleration, length_of, long_time, mm, root, speed, square};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
+use crate::units::{Length, MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
 
-/// Ticks as a time in ticks times 2^16.
-fn to_time(ticks: f32) -> SubTicks {
-    SubTicks(to_bits(ticks * const { 1.0 / 65536.0 }))
-}
-
-/// Time in ticks times 2^16 over `level` (raw `Mm` bits) at a nominal speed (raw `MmPerSec` bits). It may be long, so
-/// every bit counts. One step of Newton's method refines the single-precision value, to 2^-16 of a tick in three
-/// minutes and to a thousandth of a tick in hours.
-fn cruise_time(level: u64, nominal: u32) -> SubTicks {
-    let speed = nominal as f32 * const { 1.0 / 65536.0 };
-    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 }).0;
+/// Time over `level` at a nominal speed. It may be long, so every bit counts. One step of Newton's method refines the
+/// single-precision value, to 2^-16 of a tick in three minutes and to a thousandth of a tick in hours.
+fn cruise_time(level: Length, nominal: MmPerSec) -> SubTicks {
+    let guess = long_time(mm(level) / speed(nominal) * const { TICKS_PER_SECOND as f32 }).0;
+    let nominal = nominal.to_bits();
     // Both products may wrap; their difference fits 63 bits.
-    let product = level.wrapping_mul(TICKS_PER_SECOND.into());
+    let product = level.0.wrapping_mul(TICKS_PER_SECOND.into());
     let remainder = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
     let remainder = ((remainder >> 32) as i32) as f32 * 4_294_967_296.0 + (remainder as u32) as f32;
     SubTicks(guess.saturating_add_signed(i64::from((remainder / nominal as f32) as i32)))
 }
 
-/// The part of a length that only ramps may take up, in raw `Mm` bits, given the part of it that is to be a cruise.
+/// The part of a length that only ramps may take up, given the part of it that is to be a cruise.
 #[must_use]
-pub(in crate::motion) fn max_ramp_length(length: u64, cruise: Ratio) -> u64 {
-    const WIDTH: u32 = Ratio::FRAC_NBITS;
-    let part = u64::from((Ratio::ONE.saturating_sub(cruise)).to_bits());
-    (((length >> 32) * part) << (32 - WIDTH)) + (((length & 0xFFFF_FFFF) * part) >> WIDTH)
+pub(in crate::motion) fn max_ramp_length(length: Length, cruise: Ratio) -> Length {
+    length.ratio(Ratio::ONE.saturating_sub(cruise))
 }
 
 /// The parts of a trapezoid.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct MoveSpec {
-    /// Its length in raw `Mm` bits.
-    pub length: u64,
+    /// Its length.
+    pub length: Length,
     /// The part of it for accelerating and braking, if entry and exit allow it.
-    pub max_ramp_length: u64,
+    pub max_ramp_length: Length,
     /// Acceleration of the ramps.
     pub acceleration: MmPerSec2,
     /// Speed not to be exceeded.
@@ -59,8 +50,8 @@ pub(in crate::motion) struct MoveSpec {
 impl MoveSpec {
     /// None.
     pub const NONE: Self = Self {
-        length: 0,
-        max_ramp_length: 0,
+        length: Length::ZERO,
+        max_ramp_length: Length::ZERO,
         acceleration: MmPerSec2::ZERO,
         nominal: MmPerSec::ZERO,
         end: [Steps::ZERO; 4],
@@ -69,8 +60,8 @@ impl MoveSpec {
 }
 
 /// The move over a distance with these entry and exit speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
-/// in mm/s; the entry speed is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` except for
-/// rounding.
+/// in mm/s; the entry speed is known. They must be possible: `|exit_sq - entry_sq| <= SpeedSq::gained(a, length)`
+/// except for rounding.
 #[must_use]
 #[inline(always)]
 pub(in crate::motion) fn profile(
@@ -80,31 +71,31 @@ pub(in crate::motion) fn profile(
 ) -> (Move, f32) {
     let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
     let nominal_sq = SpeedSq::of(nominal);
-    let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + gain_sq(a, max_ramp_length).0 / 2);
+    let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + SpeedSq::gained(a, max_ramp_length).0 / 2);
     let brakes_first = entry_sq > nominal_sq;
     let least_sq = if brakes_first { SpeedSq(1) } else { entry_sq.max(SpeedSq(1)) };
     let peak_sq = nominal_sq.min(meet_sq).max(exit_sq).max(least_sq);
-    let size = from_bits(length);
+    let size = mm(length);
     let twice_a = acceleration(a) * 2.0;
-    let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(from_bits(exit_sq.0)) };
+    let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(square(exit_sq)) };
     // In the middle of a long ramp the peak is one of the ends, and its root known.
     let peak_speed = match peak_sq {
         _ if peak_sq == exit_sq => exit_speed,
         _ if peak_sq == entry_sq => entry_speed,
-        _ => root(from_bits(peak_sq.0)),
+        _ => root(square(peak_sq)),
     };
     let rise = Ramp::new(peak_sq.abs_diff(entry_sq), twice_a, entry_speed, peak_speed);
     let fall = Ramp::new(peak_sq.wrapping_sub(exit_sq), twice_a, exit_speed, peak_speed);
     // In integers, because a cruise may be long.
-    let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
+    let level = length.saturating_sub(length_of(rise.length)).saturating_sub(length_of(fall.length));
     let scale = const { WHOLE as f32 } / size;
     let accelerated = ((rise.length * scale) as u32).min(WHOLE);
     let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
     // The rounding remainder of a move that only ramps fill is no cruise: it would have time, but no length.
     let cruise = match level {
         _ if cruised == accelerated => SubTicks::ZERO,
-        _ if peak_sq == nominal_sq => cruise_time(level, nominal.to_bits()),
-        _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
+        _ if peak_sq == nominal_sq => cruise_time(level, nominal),
+        _ => long_time(mm(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
     let times = match [rise.time, cruise, fall.time] {
         long if cruise >= LONG_TIME => evened(long, (rise.length * scale, fall.length * scale)),
@@ -161,7 +152,7 @@ impl Ramp {
     fn new(change: SpeedSq, twice_a: f32, end: f32, peak: f32) -> Self {
         let sum = end + peak;
         let slow = if end < peak { end } else { peak };
-        let gain = from_bits(change.0);
+        let gain = square(change);
         let share = if slow * 3.0 <= sum {
             ((slow + slow) / sum * const { WHOLE as f32 }) as u32
         } else {
@@ -171,7 +162,7 @@ impl Ramp {
             return Self { length: 0.0, time: SubTicks::ZERO, share };
         }
         let length = gain / twice_a;
-        Self { length, time: to_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
+        Self { length, time: long_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
     }
 }
 
@@ -193,7 +184,7 @@ mod tests {
     }
 
     fn cruising(ratio: f64, length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
-        let length = Mm::from_num(length).to_bits() as u64;
+        let length = Length::of(Mm::from_num(length));
         let spec = MoveSpec {
             length,
             max_ramp_length: max_ramp_length(length, Ratio::from_num(ratio)),

@@ -36,9 +36,9 @@ impl StepScale {
     /// The end position in steps of a move that begins at `from`, with `asked` as the commanded position there, and its
     /// distance. An axis with the same target again stays where it is.
     #[inline(always)]
-    pub fn end_and_distance(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, i64) {
+    pub fn end_and_distance(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, Mm) {
         if to == asked {
-            return (from, 0);
+            return (from, Mm::ZERO);
         }
         let end = self.steps(to);
         (end, self.distance(end.wrapping_sub(from)))
@@ -59,24 +59,23 @@ impl StepScale {
     /// The position in mm of a count of steps that has wrapped with the counters, as often as makes it the nearest to
     /// `near`.
     pub fn mm_near(&self, steps: Steps, near: Mm) -> Mm {
-        let beside = self.mm_bits(steps.wrapping_sub(self.steps(near)));
-        Mm::from_bits(near.to_bits().wrapping_add(beside))
+        near.wrapping_add(self.mm(steps.wrapping_sub(self.steps(near))))
     }
 
-    /// A position or distance of `steps` in raw `Mm` bits, to the nearest.
-    pub fn mm_bits(&self, steps: Steps) -> i64 {
+    /// A position or distance of `steps`, to the nearest bit.
+    pub fn mm(&self, steps: Steps) -> Mm {
         let wide = i128::from(steps.to_bits()) * i128::from(self.mm_per_step);
-        ((wide + (1 << 47)) >> 48) as i64
+        Mm::from_bits(((wide + (1 << 47)) >> 48) as i64)
     }
 
-    /// A distance of `steps` in raw `Mm` bits, with 32 right bits.
+    /// A distance of `steps`, with 32 right bits.
     #[inline(always)]
-    pub fn distance(&self, steps: Steps) -> i64 {
+    pub fn distance(&self, steps: Steps) -> Mm {
         let bits = steps.to_bits();
         let (high, low) = (i64::from((bits >> 32) as i32), u64::from(bits as u32));
         let mantissa = u64::from(self.mantissa);
         let wide = high * mantissa.cast_signed() + ((low * mantissa) >> 32).cast_signed();
-        wide >> (self.shift & 31)
+        Mm::from_bits(wide >> (self.shift & 31))
     }
 }
 
@@ -84,17 +83,13 @@ impl StepScale {
 mod tests {
     use super::*;
 
-    fn mm(v: f64) -> i64 {
-        Mm::from_num(v).to_bits()
-    }
-
     #[test]
     fn steps_and_millimetres_agree() {
         let scale = StepScale::new(StepsPerMm::from_num(80));
         for v in [-417.6, -1.0, 0.0125, 0.3, 390.0] {
             let steps = scale.steps(Mm::from_num(v));
             assert!((steps.to_num::<f64>() - 80.0 * v).abs() < 1e-6);
-            assert!((scale.mm_bits(steps) - mm(v)).abs() <= 1);
+            assert!((scale.mm(steps) - Mm::from_num(v)).saturating_abs() <= Mm::DELTA);
         }
     }
 
@@ -125,7 +120,7 @@ mod tests {
             let scale = StepScale::new(StepsPerMm::from_num(resolution));
             for v in [-417.6, -1.0, -0.001, 0.0125, 0.3, 390.0] {
                 let exact = (v * 2f64.powi(32)).abs();
-                let distance = scale.distance(Steps::from_num(v * resolution));
+                let distance = scale.distance(Steps::from_num(v * resolution)).to_bits();
                 let error = (distance as f64 - v * 2f64.powi(32)).abs();
                 assert!(error <= 1.5 + exact * 5e-10, "{v} mm of {resolution} steps: {distance}, off by {error}");
             }

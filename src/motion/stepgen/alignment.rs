@@ -18,11 +18,11 @@ use crate::kinematics::{Groups, count_at};
 use crate::motion::moves::Move;
 use crate::motion::trajectory::Position;
 use crate::motors::MOST_GROUPS;
-use crate::units::Steps;
+use crate::units::{Length, Steps};
 
 /// A long move: a millimetre (lengths have 30 bits). An offset of half a step bends a following move of that length by
 /// less than 0.4 degrees. Shorter moves are chords of curves, where it would cause speed ripple.
-const LONG: u64 = (1 << 32) - 8;
+const LONG: Length = Length((1 << 32) - 8);
 
 /// Fraction of a position between two counts.
 const HALF: u32 = 1 << 31;

@@ -7,9 +7,9 @@
 use super::current_move::LastPhase;
 use super::{StepGenerator, Task};
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
+use crate::motion::ramps::{fraction, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
-use crate::units::{SpeedSq, SubTicks, TICKS_PER_SECOND, mul_div};
+use crate::units::{Length, SpeedSq, SubTicks, TICKS_PER_SECOND, mul_div};
 
 /// State of an unplanned stop.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -30,19 +30,19 @@ pub(super) struct PathPoint {
     pub speed_sq: SpeedSq,
 }
 
-/// Time over `length` (raw `Mm` bits) at a mean speed (2^-32 mm/s), in ticks times 2^16.
-const fn time_over(length: u64, mean: u64) -> SubTicks {
+/// Time over `length` at a mean speed (2^-32 mm/s).
+const fn time_over(Length(length): Length, mean: u64) -> SubTicks {
     SubTicks(if length == 0 { 0 } else { mul_div(length, (TICKS_PER_SECOND as u64) << 16, mean) })
 }
 
 impl PathPoint {
     /// Point and speed in a move of a length, `elapsed` (ticks times 2^16) after the begin of a phase that begins with
     /// the fraction `begin` covered.
-    pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: SubTicks) -> Self {
+    pub fn within(length: Length, phase: &Phase, begin: u32, elapsed: SubTicks) -> Self {
         let whole = u64::from(WHOLE);
         let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time).0, phase.time.0)));
         let share = u64::from(phase.end.saturating_sub(begin));
-        let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time.0);
+        let mean = mul_div(length.part(share, whole).0, u64::from(TICKS_PER_SECOND) << 16, phase.time.0);
         let speed = mul_div(mean, pace, whole) >> 16;
         let covered = begin + (share * way / whole) as u32;
         Self { covered: covered.min(WHOLE), speed_sq: SpeedSq(speed.saturating_mul(speed)) }
@@ -56,9 +56,9 @@ impl PathPoint {
     /// Brakes from here on. Returns the phase to play and the speed squared at its end. If that is not zero, the phase
     /// ends where the move ends.
     pub fn brake(self, m: &Move) -> (Phase, SpeedSq) {
-        let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
+        let left = m.length.part(u64::from(WHOLE - self.covered), u64::from(WHOLE));
         let before = speed_of(self.speed_sq);
-        let left_sq = self.speed_sq.saturating_sub(gain_sq(m.acceleration, left));
+        let left_sq = self.speed_sq.saturating_sub(SpeedSq::gained(m.acceleration, left));
         if left_sq > SpeedSq::ZERO {
             let after = speed_of(left_sq);
             let time = time_over(left, before.midpoint(after).max(1));
@@ -69,7 +69,7 @@ impl PathPoint {
             );
         }
         let length = ramp_length(self.speed_sq, m.acceleration).min(left);
-        let way = mul_div(length, u64::from(WHOLE), m.length).min(u64::from(WHOLE - self.covered)) as u32;
+        let way = length.parts_of(m.length, u64::from(WHOLE)).min(u64::from(WHOLE - self.covered)) as u32;
         let time = time_over(length, (before / 2).max(1));
         (Phase { curve: Curve::Slowing, end: self.covered + way, slow_share: 0, time }, SpeedSq::ZERO)
     }

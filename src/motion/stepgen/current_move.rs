@@ -5,7 +5,7 @@
 use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::trajectory::phase::{Curve, Phase, phases};
 use crate::motion::trajectory::{AXES, LONGEST, Position, Trajectory};
-use crate::units::{Steps, SubTicks};
+use crate::units::{Length, Steps, SubTicks};
 use heapless::Vec;
 
 /// Progress of laying a move.
@@ -31,7 +31,7 @@ pub(in crate::motion) struct LastPhase {
     /// Covered fraction of the move at its begin.
     pub begin: u32,
     /// Length of the move.
-    pub length: u64,
+    pub length: Length,
 }
 
 impl CurrentMove {
