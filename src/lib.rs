@@ -16,7 +16,7 @@
 //! 1. `units`, `text`, `checksum`
 //! 2. `motors`, `connectors`, and `fault`, which uses `connectors`
 //! 3. `status`, and `port`
-//! 4. `protocol`, `gcode`, `kinematics`, and `settings`, which uses `kinematics`
+//! 4. `protocol`, `kinematics`, `settings`, which uses `kinematics`, and `gcode`, which uses `settings`
 //! 5. `motion`, `driver`, `storage`, `thermal`
 //! 6. `machine`
 //! 7. `app`

@@ -4,6 +4,8 @@
 
 use corehbot::fault::{Cause, Fault};
 use corehbot::gcode::{Command, Flaw, Treatment, described, names, parse};
+use corehbot::settings::plain;
+use corehbot::settings::table::described as settings;
 use std::collections::BTreeMap;
 
 /// The heading of a table in gcode.md, and the heads of its columns.
@@ -28,6 +30,26 @@ fn treatment_of(code: &str) -> Option<Treatment> {
     }
 }
 
+/// The row of an M-code that sets plain settings, from their letters and meanings.
+fn plain_row(number: u16) -> String {
+    let of_code = || settings().filter(|(row, _)| row.line.is_some_and(|line| line.number == number));
+    let mut words = Vec::new();
+    for letter in plain::letters(number).flat_map(|letters| letters.split('/')) {
+        if !words.contains(&letter) {
+            words.push(letter);
+        }
+    }
+    let meanings = of_code().map(|(row, text)| {
+        // The last part says the line.
+        let meaning: Vec<_> = text.meaning.iter().rev().skip(1).rev().map(|line| line.trim()).collect();
+        let meaning = meaning.join(" ");
+        let (first, others) = meaning.trim_end_matches('.').split_at(1);
+        let letters = row.line.filter(|_| of_code().count() > 1).map(|line| line.letters.join(" ") + " ");
+        format!("{}{}{others}", letters.unwrap_or_default().replace('/', ", "), first.to_lowercase())
+    });
+    format!("| M{number} | {} | {}; or reports |\n", words.join(" "), meanings.collect::<Vec<_>>().join("; "))
+}
+
 /// The document with its tables made anew from the rows of `gcode::commands`, a table below each heading of a family.
 fn with_tables(document: &str) -> String {
     let mut tables = BTreeMap::<&str, String>::new();
@@ -37,6 +59,10 @@ fn with_tables(document: &str) -> String {
             .entry(line.family)
             .or_insert_with(|| format!("| {} |\n|{}\n", heads.join(" | "), "---|".repeat(heads.len())));
         let (letter, numbers) = line.codes;
+        if numbers.iter().any(|number| plain::letters(*number).count() > 0) {
+            numbers.iter().for_each(|number| *table += &plain_row(*number));
+            continue;
+        }
         let codes = numbers.iter().map(|number| format!("{letter}{number}"));
         let names: Vec<_> = codes.chain(line.names.iter().map(|name| (*name).to_owned())).collect();
         let words = line.text.words;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::settings::Settings;
+use corehbot::settings::plain::{AXIS_CODES, MACHINE_CODES};
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
 use corehbot::settings::table::{NEXT_ID, described};
 use std::collections::BTreeSet;
@@ -99,4 +100,22 @@ fn numbers(value: &serde_json::Value, into: &mut Vec<String>, path: &str) {
         }
         serde_json::Value::Null | serde_json::Value::String(_) => {}
     }
+}
+
+/// A line sets a plain setting while moves wait, and tells no other part.
+#[test]
+fn no_other_part_keeps_a_copy_of_a_plain_setting() {
+    let before = Settings::prototype();
+    let mut changed = before;
+    let mut count = 0;
+    for code in MACHINE_CODES.iter().chain(AXIS_CODES) {
+        changed.visit_code(*code, &mut |_, field| {
+            let Value::Number(number) = field.get() else { return };
+            count += usize::from(field.set(&Value::Number(number + 1)));
+        });
+    }
+    assert!(count >= 12, "{count}");
+    let kept =
+        |s: &Settings| (s.drivers, s.shapers, s.advance, s.thermal, s.belt, s.axes.map(|axis| axis.steps_per_mm));
+    assert!(changed.is_built_as(&before) && kept(&changed) == kept(&before));
 }

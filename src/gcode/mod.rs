@@ -7,8 +7,8 @@
 //! kept: a line gives the same command after any other lines.
 //!
 //! `parse` finds the code and its row in `commands`, where each family of commands has a file: the type, the reader of
-//! its words, its rules for them, and its line in docs/reference/gcode.md. `index` has the parts that words select. The
-//! other files read letters, numbers and axes.
+//! its words, its rules for them, and its line in docs/reference/gcode.md. Codes and letters of plain settings come from
+//! the rows of `settings`. `index` has the parts that words select. The other files read letters, numbers and axes.
 
 mod axes;
 mod code;
@@ -28,5 +28,5 @@ pub use number::Number;
 pub use parse::parse;
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, CornerWords, Flaw, Form, MachineRecord, ModelWords, ParkWords,
-    Plane, ShaperWords, TuningWords, VelocityWords,
+    PlainWords, Plane, ShaperWords, TuningWords, VelocityWords,
 };

@@ -3,6 +3,7 @@
 use super::index::Absent;
 use super::number::Number;
 use crate::connectors::Heater;
+use crate::settings::plain::MOST_WORDS;
 
 /// One value per axis, each only if the line gave it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -15,6 +16,15 @@ pub struct AxisWords {
     pub z: Option<Number>,
     /// Value of the E word.
     pub e: Option<Number>,
+}
+
+/// The words of a line that sets plain settings (`settings::plain`).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PlainWords {
+    /// The number of the M-code.
+    pub code: u16,
+    /// A number for each setting that the line gave one, in the order of the settings.
+    pub numbers: [Option<Number>; MOST_WORDS],
 }
 
 /// The axes that a line named, with or without a value.

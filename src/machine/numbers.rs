@@ -18,7 +18,13 @@ pub(in crate::machine) fn rate(lag: Seconds) -> Ratio {
 
 /// The number with the fewest decimals that is read as `value`. `fixed` can print that too, in 3 KiB of flash.
 pub(in crate::machine) fn shortest<T: Quantity>(value: T) -> Number {
-    let (bits, half) = (value.into().to_bits(), 1u64 << 31 >> T::FRAC_NBITS);
+    shortest_with(value.into(), T::FRAC_NBITS)
+}
+
+/// The same for a value with so many bits after the point.
+#[inline(never)]
+pub(in crate::machine) fn shortest_with(value: I32F32, fraction_bits: u32) -> Number {
+    let (bits, half) = (value.to_bits(), 1u64 << 31 >> fraction_bits);
     let fraction = bits as u64 & 0xFFFF_FFFF;
     let mut power = 1u64;
     let mut short = bits;

@@ -123,10 +123,10 @@ rows! {
 
     /// Steps a millimetre (M92).
     20 "steps_per_mm" = axis.steps_per_mm, "steps/mm", [ranges::STEPS_PER_MM.spec()];
-    /// Speed limit (M203).
-    21 "max_speed" = axis.max_speed, "mm/s", [ranges::SPEED.spec()];
-    /// Acceleration limit (M201).
-    22 "max_acceleration" = axis.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+    /// Speed limit.
+    21 "max_speed" = axis.max_speed, "mm/s", [ranges::SPEED.spec()], "M203" "X" "Y" "Z" "E";
+    /// Acceleration limit.
+    22 "max_acceleration" = axis.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M201" "X" "Y" "Z" "E";
     /// How far the axis reaches from 0; for the extruder, the longest single move.
     23 "length" = axis.length, "mm", [ranges::AXIS_LENGTH.spec()];
 }

@@ -9,11 +9,10 @@
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
-//! - Command: letters in `gcode/commands/settings`, their effect in `machine/commands/settings/set.rs` (or `shaping`,
-//!   `drivers`).
-//!   Checked by `every_setting.rs` and `legal_settings.rs`.
-//! - M503: `machine/reports/settings_report.rs`; for a line of its own also `machine/answers/setting.rs`. Checked by
-//!   `every_setting.rs`.
+//! - Command and M503: from the [`line`] of the row, if its number is [`plain`]. Otherwise letters in
+//!   `gcode/commands/settings`, their effect in `machine/commands/settings/set.rs` (or `shaping`, `drivers`), the report
+//!   in `machine/reports/settings_report.rs` and `machine/answers/setting.rs`. Checked by `every_setting.rs` and
+//!   `legal_settings.rs`.
 //! - Readers: `motion`, `driver`, `thermal` or `machine`, with their own tests.
 //! - Time at which it takes effect: [`Settings::is_built_as`] for a setting that a board reads only when it starts.
 //!   Checked by the compiler.
@@ -32,8 +31,10 @@ mod check;
 mod drivers;
 mod endstops;
 mod kept;
+pub mod line;
 mod name;
 mod pause;
+pub mod plain;
 mod plugged;
 mod range;
 pub mod ranges;
@@ -376,12 +377,12 @@ mod top {
         2 "motor_max_speed" = machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
         /// Acceleration limit of one belt motor, in mm of belt.
         3 "motor_max_acceleration" = machine.motor_max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
-        /// Acceleration of moves that print (M204 P).
-        4 "print_acceleration" = machine.print_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
-        /// Acceleration of moves of the extruder alone (M204 R).
-        5 "retract_acceleration" = machine.retract_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
-        /// Acceleration of moves that do not print (M204 T).
-        6 "travel_acceleration" = machine.travel_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        /// Acceleration of moves that print.
+        4 "print_acceleration" = machine.print_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "P/S";
+        /// Acceleration of moves of the extruder alone.
+        5 "retract_acceleration" = machine.retract_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "R";
+        /// Acceleration of moves that do not print.
+        6 "travel_acceleration" = machine.travel_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "T/S";
         /// The part of a move over which its speed holds at least, unless it accelerates or brakes all along
         /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
         7 "minimum_cruise_ratio" = machine.minimum_cruise_ratio, "", [ranges::CRUISE_RATIO.spec()];
@@ -397,8 +398,8 @@ mod top {
         12 "require_homing" = machine.require_homing, "", [Spec::SWITCH];
         /// How far the chords of an arc may lie inside it.
         13 "arc_tolerance" = machine.arc_tolerance, "mm", [ranges::TOLERANCE.spec()];
-        /// Time between two busy messages; 0 is none (M113).
-        14 "keepalive_s" = machine.keepalive_s, "s", [ranges::KEEPALIVE_S.spec()];
+        /// Time between two busy messages; 0 is none.
+        14 "keepalive_s" = machine.keepalive_s, "s", [ranges::KEEPALIVE_S.spec()], "M113" "S";
         /// Silence in the middle of numbered lines after which the host is asked to go on; 0 is never.
         15 "patience_ms" = machine.patience_ms, "ms", [ranges::PATIENCE_MS.spec().or_zero()];
         /// Motion at nominal speed that waits in the look-ahead before a line is answered.

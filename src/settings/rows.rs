@@ -11,6 +11,7 @@
 //! | the field | getting and setting it |
 //! | a unit, and a comment with its meaning | people; not in an image, because nothing there refers to [`Text`] |
 //! | a [`Spec`]: its range and kind | all users |
+//! | a [`Line`], if its number is plain | G-code: reading, setting, reports, docs/reference/gcode.md |
 //!
 //! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)
 //! counts).
@@ -20,6 +21,7 @@ use crate::units::{
 };
 use core::fmt::{self, Display};
 
+use super::line::Line;
 use super::{Range, Settings};
 
 /// Characters of the longest text that a setting may have.
@@ -135,6 +137,14 @@ impl Spec {
         Self::new(-most, most, kind)
     }
 
+    /// Bits after the point of its number.
+    pub(super) const fn bits(self) -> u32 {
+        match self.kind {
+            Kind::Fixed(bits) | Kind::Auto(bits) => bits,
+            _ => 0,
+        }
+    }
+
     /// The same, and 0 as well, which is "auto".
     #[must_use]
     pub const fn or_auto(self) -> Self {
@@ -168,6 +178,8 @@ pub struct Row {
     pub leaf: &'static str,
     /// The legal values: one entry for all parts, or one for each.
     legal: &'static [Legal],
+    /// The line that sets it.
+    pub line: Option<&'static Line>,
 }
 
 impl Row {
@@ -178,7 +190,13 @@ impl Row {
         leaf: &'static str,
         legal: &'static [Legal],
     ) -> Self {
-        Self { id, tables, leaf, legal }
+        Self { id, tables, leaf, legal, line: None }
+    }
+
+    /// The same, and a line sets it.
+    pub(super) const fn set_by(self, line: &'static Line) -> Self {
+        assert!(line.letters.len() == self.tables.len(), "a letter for each part");
+        Self { line: Some(line), ..self }
     }
 
     /// The legal values of a part.
@@ -264,23 +282,32 @@ pub(super) struct Rows {
 }
 
 /// Makes the rows of a file of this room: `for PART in PARTS named [TABLE of each part]`, then for each setting its
-/// comment and `ID "KEY" = FIELD, "UNIT", [SPEC];`.
+/// comment and `ID "KEY" = FIELD, "UNIT", [SPEC];`. If a line sets it, its code and a letter for each part follow:
+/// `ID "KEY" = FIELD, "UNIT", [SPEC], "M201" "X" "Y" "Z" "E";`.
 macro_rules! rows {
     (
         for $part:ident in $parts:path, named $tables:expr;
-        $($(#[doc = $meaning:literal])+ $id:literal $leaf:literal = $field:expr, $unit:literal, [$($spec:expr),+];)+
+        $(
+            $(#[doc = $meaning:literal])+
+            $id:literal $leaf:literal = $field:expr, $unit:literal, [$spec:expr $(, $others:expr)*]$(, $code:literal $($letters:literal)+)?;
+        )+
     ) => {
         /// The rows.
         pub(in crate::settings) const ROWS: $crate::settings::rows::Rows = $crate::settings::rows::Rows {
-            rows: const { &[$($crate::settings::rows::Row::new($id, const { $tables }, $leaf, const { &[$($spec.legal),+] })),+] },
+            rows: const { &[$(
+                $crate::settings::rows::Row::new($id, const { $tables }, $leaf, const { &[$spec.legal $(, $others.legal)*] })
+                    $(.set_by(const {
+                        &$crate::settings::line::Line::new($code, &[$($letters),+], $unit, $spec.bits())
+                    }))?
+            ),+] },
             visit,
         };
 
         /// The texts of the rows for people.
         pub(in crate::settings) const TEXTS: &[$crate::settings::rows::Text] = &[$($crate::settings::rows::Text {
             unit: $unit,
-            meaning: &[$($meaning),+],
-            kind: rows!(@first $($spec),+).kind,
+            meaning: &[$($meaning),+ $(, concat!(" Set by ", $code $(, " ", $letters)+, "."))?],
+            kind: $spec.kind,
         }),+];
 
         fn visit(settings: &mut $crate::settings::Settings, visitor: &mut dyn $crate::settings::rows::Visitor) {
@@ -292,7 +319,6 @@ macro_rules! rows {
             })+
         }
     };
-    (@first $first:expr $(, $others:expr)*) => { $first };
 }
 pub(super) use rows;
 

@@ -24,7 +24,7 @@ pub const NEXT_ID: u16 = {
 macro_rules! files {
     ($($file:ident$(::$inner:ident)*),+ $(,)?) => {
         /// The rows of each file.
-        const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
+        pub(super) const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
 
         /// The texts of the rows of each file.
         const TEXTS: &[&[Text]] = &[$(super::$file$(::$inner)*::TEXTS),+];

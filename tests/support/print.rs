@@ -8,8 +8,10 @@ use core::fmt::{self, Display, Formatter};
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
     ArcShape, ArcWords, Audience, Command, CornerWords, Form, HeatCommand, JobCommand, MachineRecord, MotionCommand,
-    MotorCommand, Number, ParkWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
+    MotorCommand, Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords,
+    TuningWords,
 };
+use corehbot::settings::plain::letters;
 use flaws::malformed;
 pub use words::reduced;
 use words::{axes, axis_line, decimals_of, flags, index, padded, parked, switch, velocity_limit, word, write_text};
@@ -130,13 +132,10 @@ fn motor(f: &mut Formatter<'_>, command: MotorCommand, line: &[u8]) -> fmt::Resu
 fn setting(f: &mut Formatter<'_>, command: SettingCommand<'_>, line: &[u8]) -> fmt::Result {
     match command {
         SettingCommand::StepsPerMm(words) => axis_line(f, "M92", words),
-        SettingCommand::MaxAcceleration(words) => axis_line(f, "M201", words),
-        SettingCommand::MaxSpeed(words) => axis_line(f, "M203", words),
-        SettingCommand::Acceleration { print, retract, travel } => {
-            f.write_str("M204")?;
-            word(f, 'P', print)?;
-            word(f, 'R', retract)?;
-            word(f, 'T', travel)
+        SettingCommand::Plain(PlainWords { code, numbers }) => {
+            write!(f, "M{code}")?;
+            let named = letters(code).filter_map(|letters| letters.chars().next()).zip(numbers);
+            named.into_iter().try_for_each(|(letter, number)| word(f, letter, number))
         }
         SettingCommand::Corners(CornerWords { deviation, jerk, min_feed, min_travel, min_segment }) => {
             axis_line(f, "M205", jerk)?;
@@ -266,7 +265,6 @@ fn job(f: &mut Formatter<'_>, command: JobCommand<'_>, line: &[u8]) -> fmt::Resu
 fn report(f: &mut Formatter<'_>, command: ReportCommand<'_>, line: &[u8]) -> fmt::Result {
     match command {
         ReportCommand::LineNumber => f.write_str("M110"),
-        ReportCommand::Keepalive(seconds) => switch(f, "M113", seconds),
         ReportCommand::ReportPosition { real } => f.write_str(if real { "M114 R" } else { "M114" }),
         ReportCommand::ReportFirmware => f.write_str("M115"),
         ReportCommand::Message => f.write_str("M117"),

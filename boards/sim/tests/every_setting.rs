@@ -8,6 +8,8 @@
 mod deaf;
 #[path = "common/lines.rs"]
 mod lines;
+#[path = "common/plain_lines.rs"]
+mod plain_lines;
 #[path = "common/setting_lines.rs"]
 mod setting_lines;
 
@@ -21,6 +23,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::run_on;
 use deaf::Deaf;
 use lines::Lines;
+use plain_lines::plain_lines;
 use serde_json::Value;
 use setting_lines::LINES;
 use std::collections::BTreeMap;
@@ -121,17 +124,20 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
     all
 }
 
-/// The place of a setting in a machine file.
-fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
+/// The key of a setting in a machine file.
+fn key_of(path: &str) -> String {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.replace("homing_order", "homing.order");
     let path = if path == "probe" { "endstops.probe".to_owned() } else { path };
     let path = path.replace("belt.is_closed", "belt.closed").replace("settling_ms", "settling");
     let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
-    let path = CornerRule::all()
-        .map(corner)
-        .fold(path, |path, [of_rule, key, _]| path.replace(of_rule, &format!("corner.{key}")));
+    CornerRule::all().map(corner).fold(path, |path, [of_rule, key, _]| path.replace(of_rule, &format!("corner.{key}")))
+}
+
+/// The place of a setting in a machine file.
+fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
+    let path = key_of(path);
     let (tables, key) = path.rsplit_once('.').unwrap_or(("", &path));
     tables
         .split('.')
@@ -214,13 +220,11 @@ fn is_of_all_machines(path: &str) -> bool {
 
 /// The line that sets a setting.
 fn line_for(path: &str) -> Option<String> {
-    if path.starts_with("belt.") || path.starts_with("pause.") {
-        return None;
-    }
     let of_corners = CornerRule::all().map(corner).map(|[path, _, line]| (path, line));
-    let (_, line) = LINES.into_iter().chain(of_corners).find(|(name, _)| is_one_of(path, &[name]))?;
+    let own = LINES.into_iter().chain(of_corners).find(|(name, _)| is_one_of(path, &[name]));
     let axis = path.split('.').nth(1).map(|axis| if axis == "belt" { "X".to_owned() } else { axis.to_uppercase() });
-    Some(line.replace("{}", axis.as_deref().unwrap_or_default()))
+    let own = own.map(|(_, line)| line.replace("{}", axis.as_deref().unwrap_or_default()));
+    own.or_else(|| plain_lines().remove(&key_of(path)))
 }
 
 #[test]

@@ -9,12 +9,15 @@ use crate::gcode::index::{Absent, Named, Part, absent};
 use crate::gcode::lexer::{Words, is_blank, skip_blanks, skip_past};
 use crate::gcode::number::Number;
 use crate::gcode::parts::Flaw;
+use crate::settings::plain::letters;
 
 /// The rules for the words of a command.
 #[derive(Clone, Copy)]
 pub(in crate::gcode) struct Grammar {
     /// Letters that need a number.
     numbers: &'static [u8],
+    /// The letters of plain settings need one too.
+    is_plain: bool,
     /// Letters of axes that the machine does not have.
     no_axes: &'static [u8],
     /// Letters with a number that must not be negative.
@@ -32,7 +35,18 @@ pub(super) const WORDS: &Grammar = &Grammar::numbers(b"");
 impl Grammar {
     /// Words, and nothing else; these letters need a number.
     pub(super) const fn numbers(numbers: &'static [u8]) -> Self {
-        Self { numbers, no_axes: &[], not_negative: &[], parts: &[] }
+        Self { numbers, is_plain: false, no_axes: &[], not_negative: &[], parts: &[] }
+    }
+
+    /// The letters of the code's plain settings need a number.
+    pub(super) const fn plain() -> Self {
+        Self { is_plain: true, ..Self::numbers(b"") }
+    }
+
+    /// Whether a letter needs a number.
+    fn needs_number(&self, code: Code, letter: u8) -> bool {
+        self.numbers.contains(&letter)
+            || (self.is_plain && letters(code.number).any(|letters| letters.as_bytes().contains(&letter)))
     }
 
     /// The same, and these letters are axes that there are not.
@@ -69,7 +83,7 @@ fn flaw_of<'a>(grammar: &Grammar, code: Code, text: &'a [u8]) -> Option<Flaw<'a>
         let is_negative = word.number.is_some_and(|number| number < Number::ZERO);
         if grammar.no_axes.contains(&word.letter) {
             return Some(Flaw::NoAxis(word.letter));
-        } else if word.number.is_none() && grammar.numbers.contains(&word.letter) {
+        } else if word.number.is_none() && grammar.needs_number(code, word.letter) {
             return Some(Flaw::NoNumber(word.letter));
         } else if let Some(part) = absent(grammar.parts, word.letter, word.number) {
             let which = shown(begin).get(1..).map_or(&[][..], skip_blanks);

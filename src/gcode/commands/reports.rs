@@ -14,8 +14,6 @@ use crate::text::trim_end;
 pub enum ReportCommand<'a> {
     /// M110: set or, without a number, report the line number. The protocol room acts on it.
     LineNumber,
-    /// M113: seconds between busy messages, or report them.
-    Keepalive(Option<Number>),
     /// M114: report the position; with R the real one, counted from emitted steps.
     ReportPosition {
         /// Whether R was given.
@@ -50,9 +48,6 @@ const SECONDS: &Grammar = &Grammar::numbers(b"S");
 /// Rows without a grammar have a text behind them, take no words at all, or must act in any case.
 pub(super) const ROWS: &[Described] = &[
     Described::m(&[110], |_, _| report(ReportCommand::LineNumber)).does("N", "sets or reports the line number"),
-    Described::m(&[113], |_, text| report(ReportCommand::Keepalive(number(text, b'S'))))
-        .grammar(SECONDS)
-        .does("S", "seconds between `busy` messages; or reports"),
     Described::m(&[114], |_, text| report(ReportCommand::ReportPosition { real: last(text, b'R').is_some() }))
         .does("R", "position; R counts it from the steps made"),
     Described::m(&[115], |_, _| report(ReportCommand::ReportFirmware)).does("", "name, version, capabilities"),

@@ -6,13 +6,20 @@ use super::*;
 use crate::connectors::Heater;
 use crate::gcode::number::Number;
 use crate::gcode::parse::parse;
-use crate::gcode::parts::{AxisFlags, AxisWords, CornerWords, ModelWords, ParkWords, TuningWords};
+use crate::gcode::parts::{AxisFlags, AxisWords, CornerWords, ModelWords, ParkWords, PlainWords, TuningWords};
+use crate::settings::plain::MOST_WORDS;
+
+/// The command of a code with numbers for its first settings.
+fn plain<const N: usize>(code: u16, first: [Option<Number>; N]) -> Command<'static> {
+    let mut numbers = [None; MOST_WORDS];
+    numbers[..N].copy_from_slice(&first);
+    Command::Setting(SettingCommand::Plain(PlainWords { code, numbers }))
+}
 
 #[test]
 fn a_t_word_is_not_a_tool_change() {
     let five_hundred = Some(Number::from(500));
-    let expected =
-        Command::Setting(SettingCommand::Acceleration { print: five_hundred, retract: None, travel: five_hundred });
+    let expected = plain(204, [five_hundred, None, five_hundred]);
     assert_eq!(parse(b"M204 P500 T500"), expected);
     assert_eq!(parse(b"M204 S500"), expected);
     let target = Some(Number::from(200));
@@ -192,10 +199,10 @@ fn every_code_has_its_command() {
         ("M110 N5", Command::Report(ReportCommand::LineNumber)),
         ("M111 S1", Command::Job(JobCommand::Debug(one))),
         ("M112", Command::Job(JobCommand::EmergencyStop)),
-        ("M113 S1", Command::Report(ReportCommand::Keepalive(one))),
+        ("M113 S1", plain(113, [one])),
         ("M119", Command::Report(ReportCommand::ReportEndstops)),
-        ("M201", Command::Setting(SettingCommand::MaxAcceleration(none))),
-        ("M203", Command::Setting(SettingCommand::MaxSpeed(none))),
+        ("M201", plain(201, [])),
+        ("M203 X1 Z1", plain(203, [one, None, one])),
         ("M207 S1 F1 Z1", Command::Motion(MotionCommand::RetractSettings { length: one, feed: one, lift: one })),
         ("M207", Command::Motion(MotionCommand::RetractSettings { length: None, feed: None, lift: None })),
         ("M208 S1", Command::Motion(MotionCommand::RecoverSettings { extra: one, feed: None })),
@@ -219,8 +226,7 @@ fn every_code_has_its_command() {
 #[test]
 fn letters_that_only_one_code_knows() {
     let [one, two, three, four] = [1, 2, 3, 4].map(|n| Some(Number::from(n)));
-    let retract = Command::Setting(SettingCommand::Acceleration { print: one, retract: two, travel: three });
-    assert_eq!(parse(b"M204 P1 R2 T3 S4"), retract);
+    assert_eq!(parse(b"M204 P1 R2 T3 S4"), plain(204, [one, two, three]));
     let expected = Command::Setting(SettingCommand::Corners(CornerWords {
         deviation: one,
         jerk: AxisWords { y: four, ..AxisWords::default() },

@@ -62,7 +62,6 @@ pub(in crate::machine) enum Answer<'a> {
     FlowPercent(u16),
     /// M111: whether it is a dry run.
     DebugFlags(bool),
-    Keepalive,
     /// M28, with the name of the file: there is no card.
     NoCard(&'a [u8]),
     /// An upload to a card has ended; this many lines were not carried out.

@@ -2,7 +2,6 @@
 
 use super::messages::send_message;
 use super::motors::diagnose;
-use super::settings::set::set_keepalive;
 use super::states::States;
 use crate::gcode::{Number, ReportCommand};
 use crate::machine::answers::answer::Answer;
@@ -23,7 +22,6 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
     Ok(match *command {
         // The receive path passes nothing of it on.
         ReportCommand::LineNumber => Answer::Nothing,
-        ReportCommand::Keepalive(seconds) => set_keepalive(seconds, &mut main_loop.live_settings(), clamps),
         ReportCommand::ReportPosition { real } => Answer::Position { real },
         ReportCommand::ReportFirmware => Answer::Firmware,
         // There is no display.

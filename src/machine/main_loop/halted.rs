@@ -7,7 +7,7 @@
 
 use crate::driver;
 use crate::fault::Fault;
-use crate::gcode::{self, Command, HeatCommand, JobCommand, MotionCommand, ReportCommand};
+use crate::gcode::{self, Command, HeatCommand, JobCommand, MotionCommand, PlainWords, ReportCommand, SettingCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::asked::Asked;
@@ -21,6 +21,9 @@ use crate::protocol::{Activity, NoRoom, Replies};
 
 /// The greeting of a host. Not "start", which would be a reset (OctoPrint, comm.py).
 const GREETING: &str = "echo:Printer halted. Send M999 or reset";
+
+/// M113: the time between two busy messages.
+const KEEPALIVE: u16 = 113;
 
 /// Why the machine stopped.
 #[derive(Clone, Copy)]
@@ -49,11 +52,11 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
         Command::Report(
             ReportCommand::AutoPosition(_)
                 | ReportCommand::AutoReport(_)
-                | ReportCommand::Keepalive(_)
                 | ReportCommand::Message
                 | ReportCommand::ReportPosition { .. }
         ) | Command::Job(JobCommand::Debug(_) | JobCommand::Progress { .. })
             | Command::Motion(MotionCommand::FeedPercent(_) | MotionCommand::FlowPercent(_) | MotionCommand::Tool)
+            | Command::Setting(SettingCommand::Plain(PlainWords { code: KEEPALIVE, .. }))
             | Command::Silent
     )
 }

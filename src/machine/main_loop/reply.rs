@@ -8,6 +8,7 @@ use crate::gcode::{Absent, Flaw, Named, Part};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::message::Message;
+use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
@@ -142,7 +143,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::FeedPercent => to.say(format_args!("FR:{}%", motion.feed_percent())),
             Answer::FlowPercent(percent) => to.say(format_args!("echo:E0 Flow: {percent}%")),
             Answer::DebugFlags(is_dry) => to.say(format_args!("echo:DEBUG:{}", if is_dry { "DRYRUN" } else { "off" })),
-            Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
             // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
             Answer::NoCard(name) => {
                 let name = Echo(name);
@@ -162,6 +162,8 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 }
             }
             Answer::Machine(answer) => report_machine(to, &answer),
+            // Marlin's words, which are no line of M503 (M113.cpp).
+            Answer::Setting(Setting::Plain(113)) => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
             Answer::Setting(setting) => report_setting(to, setting, s),
             Answer::Words(words) => to.setting(format_args!("{words}")),
             Answer::Settings { retraction, for_replay } => {

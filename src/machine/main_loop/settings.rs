@@ -2,7 +2,7 @@
 //!
 //! | settings | change by | and then |
 //! |---|---|---|
-//! | limits, soft endstops, keepalive | [`MainLoop::live_settings`] | the open line keeps its limits |
+//! | limits, soft endstops, plain numbers | [`MainLoop::live_settings`] | the open line keeps its limits |
 //! | heaters and fans | [`MainLoop::heat_settings`] | the heater control gets them |
 //! | drivers | [`MainLoop::use_driver_settings`] | the drivers get them |
 //! | pressure advance | [`MainLoop::use_advance`] | motion comes to rest before a new delay |
@@ -15,7 +15,9 @@ use crate::kinematics::Residuals;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
-use crate::settings::{Advance, Axes, AxisSettings, Belt, DriverGroups, Kept, Settings, ThermalSettings};
+use crate::settings::plain::Word;
+use crate::settings::rows::Field;
+use crate::settings::{Advance, Belt, DriverGroups, Kept, Settings, ThermalSettings};
 use crate::units::{Instant, Mm};
 use core::ops::Deref;
 
@@ -129,22 +131,19 @@ impl LiveSettings<'_> {
         dynamics.put(self.0);
     }
 
-    /// Sets the greatest speeds and accelerations of the axes.
-    pub fn set_axis_limits(&mut self, axes: &Axes<AxisSettings>) {
-        let Axes { x, y, z, e } = &mut self.0.axes;
-        for (axis, wanted) in [(x, &axes.x), (y, &axes.y), (z, &axes.z), (e, &axes.e)] {
-            (axis.max_speed, axis.max_acceleration) = (wanted.max_speed, wanted.max_acceleration);
+    /// Sets the plain settings of an M-code, all of them if `set` returns true for each, otherwise none.
+    pub fn set_plain(&mut self, code: u16, set: &mut dyn FnMut(Word, &mut dyn Field) -> bool) {
+        let mut wanted = **self;
+        let mut are_legal = true;
+        wanted.visit_code(code, &mut |word, field| are_legal &= set(word, field));
+        if are_legal {
+            **self.0 = wanted;
         }
     }
 
     /// Turns the soft endstops on or off.
     pub fn set_soft_endstops(&mut self, on: bool) {
         self.0.soft_endstops = on;
-    }
-
-    /// Sets the seconds between two signs of life.
-    pub fn set_keepalive(&mut self, seconds: u8) {
-        self.0.keepalive_s = seconds;
     }
 }
 

@@ -7,11 +7,15 @@ use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::answers::words::Words;
-use crate::machine::numbers::{exact, shortest};
+use crate::machine::numbers::{exact, shortest, shortest_with};
 use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
+use crate::settings::plain::Word;
+use crate::settings::rows::Value;
 use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
+use core::fmt::{self, Display, Formatter};
+use fixed::types::I32F32;
 
 /// M503: every setting that G-code can set, and as comments some that only a machine file sets.
 pub(in crate::machine) fn report_settings(
@@ -31,9 +35,11 @@ pub(in crate::machine) fn report_settings(
     }
     report_heat_settings(to, &s.thermal);
     report_space(to, s);
-    let (soft, keepalive) = (u8::from(s.soft_endstops), s.keepalive_s);
+    let soft = u8::from(s.soft_endstops);
     to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
-    to.setting(format_args!("M113 S{keepalive}"));
+    for setting in Setting::others() {
+        report_setting(to, setting, s);
+    }
     let lookahead = shortest(s.lookahead_time);
     to.remark(format_args!("Look-ahead: {lookahead} s"));
 }
@@ -42,13 +48,7 @@ pub(in crate::machine) fn report_settings(
 pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
     match setting {
         Setting::Resolutions => report_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
-        Setting::MaxSpeeds => report_axes(to, "M203", s.axes.map(|a| exact(a.max_speed)).to_array()),
-        Setting::MaxAccelerations => report_axes(to, "M201", s.axes.map(|a| exact(a.max_acceleration)).to_array()),
-        Setting::Accelerations => {
-            let accelerations = [s.print_acceleration, s.retract_acceleration, s.travel_acceleration];
-            let [p, r, t] = accelerations.map(exact);
-            to.setting(format_args!("M204 P{p} R{r} T{t}"));
-        }
+        Setting::Plain(code) => to.setting(format_args!("{}", Plain { code, s })),
         Setting::Corners => {
             let [e, feed, travel] = [s.extruder_jerk, s.min_feed, s.min_travel].map(exact);
             match s.corner {
@@ -82,6 +82,27 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
 /// Says the line of a command that takes a number for each axis.
 fn report_axes(to: &mut Speaker<'_>, code: &'static str, values: [Number; 4]) {
     to.setting(format_args!("{}", Words::of_axes(code, values)));
+}
+
+/// Plain settings as the line that sets them.
+struct Plain<'s> {
+    code: u16,
+    s: &'s Settings,
+}
+
+impl Display for Plain<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "M{}", self.code)?;
+        let mut written = Ok(());
+        self.s.clone().visit_code(self.code, &mut |Word { line, key, .. }, field| {
+            if let Value::Number(bits) = field.get() {
+                let value = I32F32::from_bits(bits << (32 - line.bits));
+                let number = if line.is_length { exact(value) } else { shortest_with(value, line.bits) };
+                written = written.and_then(|()| write!(f, " {}{number}", line.letter(key.part)));
+            }
+        });
+        written
+    }
 }
 
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.

@@ -6,9 +6,10 @@
 //! reason. A value that may have been intended (`M203 X300` in mm/min) is obeyed.
 
 use crate::gcode::Number;
-use crate::machine::numbers::{nearest, shortest, to_thousandth};
+use crate::machine::numbers::{nearest, shortest, shortest_with, to_thousandth};
 use crate::machine::state::modal::Modal;
-use crate::settings::{Range, ranges};
+use crate::settings::rows::Legal;
+use crate::settings::{Range, plain, ranges};
 use crate::units::{MmPerSec, Quantity};
 use core::fmt;
 use fixed::types::I32F32;
@@ -137,13 +138,21 @@ pub(in crate::machine) struct Clamps {
 }
 
 /// A value of a line, and its form in messages.
-struct Asked<T> {
+struct Asked {
     word: Word,
     number: Number,
     /// The number in the unit of the value, before the limits of its type.
     value: I32F32,
     /// The number as far as the type can hold it.
-    wanted: T,
+    wanted: I32F32,
+    /// Bits that the type has after the point.
+    bits: u32,
+}
+
+impl Asked {
+    fn new<T: Quantity>(word: Word, number: Number, value: I32F32, wanted: T) -> Self {
+        Self { word, number, value, wanted: wanted.into(), bits: T::FRAC_NBITS }
+    }
 }
 
 impl Clamps {
@@ -177,22 +186,22 @@ impl Clamps {
 
     /// The value if it is legal, or its fate. If the type holds a value far from the number, the type has cut it off.
     /// Messages show all values as `scale` converts them; `old` is the present one.
-    fn judge<T: Quantity>(
+    fn judge(
         &mut self,
-        asked: &Asked<T>,
-        range: Range<T>,
-        old: Option<T>,
-        scale: impl Fn(I32F32) -> I32F32,
-    ) -> Option<T> {
-        let Asked { word, number, value, wanted } = *asked;
+        asked: &Asked,
+        range: Range<I32F32>,
+        old: Option<I32F32>,
+        scale: &dyn Fn(I32F32) -> I32F32,
+    ) -> Option<I32F32> {
+        let Asked { word, number, value, wanted, bits } = *asked;
         let legal = range.clamp(wanted);
-        let is_cut = value.saturating_sub(wanted.into()).saturating_abs() > I32F32::from_bits(1 << 32 >> T::FRAC_NBITS);
+        let is_cut = value.saturating_sub(wanted).saturating_abs() > I32F32::from_bits(1 << 32 >> bits);
         if legal == wanted && !is_cut {
             return Some(legal);
         }
-        let told = |value: T| Number::saturating(scale(shortest(value).value()));
+        let told = |value| Number::saturating(scale(shortest_with(value, bits).value()));
         let ends = [told(range.least), told(range.most)];
-        let is_below = value < range.least.into();
+        let is_below = value < range.least;
         let rule = Rule::of(word).map_or(Beyond::Kept, |rule| if is_below { rule.below } else { rule.above });
         match rule {
             Beyond::Edge => {
@@ -206,6 +215,44 @@ impl Clamps {
         }
     }
 
+    /// The same for a type.
+    fn judge_typed<T: Quantity>(
+        &mut self,
+        asked: &Asked,
+        range: Range<T>,
+        old: Option<T>,
+        scale: &dyn Fn(I32F32) -> I32F32,
+    ) -> Option<T> {
+        let range = Range { least: range.least.into(), most: range.most.into() };
+        self.judge(asked, range, old.map(Into::into), scale).map(T::saturating_from)
+    }
+
+    /// The bits of a plain setting. `None` if it is refused. A length is cut off where its type ends, as positions are;
+    /// a whole number at the point.
+    pub fn setting(
+        &mut self,
+        modal: &Modal,
+        word: plain::Word,
+        asked: Number,
+        legal: Legal,
+        old: Option<i64>,
+    ) -> Option<i64> {
+        let plain::Word { line, key, .. } = word;
+        let shift = 32 - line.bits;
+        let fixed = |bits: i64| I32F32::from_bits(bits << shift);
+        let value = match line.bits {
+            _ if line.is_length => modal.unit(asked.value()),
+            0 => Number::from(asked.to_int()).value(),
+            _ => asked.value(),
+        };
+        let half = if line.is_length { 0 } else { 1 << shift >> 1 };
+        let wanted = fixed(value.to_bits().saturating_add(half) >> shift);
+        let asked = Asked { word: [line.code, line.letter(key.part)], number: asked, value, wanted, bits: line.bits };
+        let range = Range { least: fixed(legal.least), most: fixed(legal.most) };
+        let scale = |told| if line.is_length { modal.in_words(told) } else { told };
+        self.judge(&asked, range, old.map(fixed), &scale).map(|legal| legal.to_bits() >> shift)
+    }
+
     /// A length, or a length per second. `None` if it is refused.
     pub fn length_of<T: Quantity>(
         &mut self,
@@ -216,8 +263,8 @@ impl Clamps {
         old: Option<T>,
     ) -> Option<T> {
         let value = modal.unit(asked.value());
-        let asked = Asked { word, number: asked, value, wanted: T::saturating_from(value) };
-        self.judge(&asked, range, old, |told| modal.in_words(told))
+        let asked = Asked::new(word, asked, value, T::saturating_from(value));
+        self.judge_typed(&asked, range, old, &|told| modal.in_words(told))
     }
 
     /// The same, put into its place if it is not refused.
@@ -228,9 +275,9 @@ impl Clamps {
     /// A length a minute, as a speed.
     fn speed_of(&mut self, modal: &Modal, word: Word, asked: Number, old: MmPerSec) -> Option<MmPerSec> {
         let value = modal.unit(asked.value()) / 60;
-        let asked = Asked { word, number: asked, value, wanted: MmPerSec::saturating_from_num(value) };
+        let asked = Asked::new(word, asked, value, MmPerSec::saturating_from_num(value));
         let scale = |told: I32F32| to_thousandth(modal.in_words(told.saturating_mul_int(60)));
-        self.judge(&asked, ranges::SPEED, Some(old), scale)
+        self.judge_typed(&asked, ranges::SPEED, Some(old), &scale)
     }
 
     /// The same, put into its place if it is not refused.
@@ -254,8 +301,8 @@ impl Clamps {
     /// Any other number, cut off where its type ends. `None` if it is refused.
     pub fn plain_of<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, old: Option<T>) -> Option<T> {
         let value = asked.value();
-        let asked = Asked { word, number: asked, value, wanted: T::saturating_from(value) };
-        self.judge(&asked, range, old, |told| told)
+        let asked = Asked::new(word, asked, value, T::saturating_from(value));
+        self.judge_typed(&asked, range, old, &|told| told)
     }
 
     /// The same, put into its place if it is not refused.
@@ -265,8 +312,8 @@ impl Clamps {
 
     /// Any other number, as the nearest value of its type. `None` if it is refused.
     pub fn near_of<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, old: Option<T>) -> Option<T> {
-        let asked = Asked { word, number: asked, value: asked.value(), wanted: nearest(asked) };
-        self.judge(&asked, range, old, |told| told)
+        let asked = Asked::new(word, asked, asked.value(), nearest::<T>(asked));
+        self.judge_typed(&asked, range, old, &|told| told)
     }
 
     /// The same, put into its place if it is not refused.
@@ -279,8 +326,8 @@ impl Clamps {
         let wanted = Number::from(asked.to_int()).value();
         let [least, most] = [range.least, range.most].map(I32F32::from);
         let old = old.map(I32F32::from);
-        let asked = Asked { word, number: asked, value: wanted, wanted };
-        self.judge(&asked, Range { least, most }, old, |told| told).map(|legal| legal.to_num())
+        let asked = Asked::new(word, asked, wanted, wanted);
+        self.judge(&asked, Range { least, most }, old, &|told| told).map(|legal| legal.to_num())
     }
 
     /// The same, put into its place if it is not refused.

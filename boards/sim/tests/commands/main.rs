@@ -9,4 +9,6 @@ mod asker;
 #[path = "../common/deaf.rs"]
 mod deaf;
 mod effects;
+#[path = "../common/plain_lines.rs"]
+mod plain_lines;
 mod table;

@@ -1,6 +1,7 @@
 //! The table: a line, and the answer before its `ok`.
 
 use super::asker::answers;
+use super::plain_lines::plain_lines;
 use corehbot::gcode::{Command, names, parse};
 use corehbot::protocol::BUSY_PAUSED;
 use std::collections::BTreeSet;
@@ -352,14 +353,35 @@ fn every_command_is_answered_as_the_table_says() {
     }
 }
 
-/// Every code and name that stands for a command has a row, or is in `ELSEWHERE`.
+/// Whether a line begins with that code.
+fn begins(line: &str, code: &str) -> bool {
+    line.split(['.', ' ']).next() == Some(code)
+}
+
+/// M113 alone has another answer, in its row.
+#[test]
+fn a_plain_setting_is_set_in_silence_and_reported_as_the_line_that_sets_it() {
+    for line in plain_lines().into_values().filter(|line| !begins(line, "M113")) {
+        let (code, word) = line.split_once(' ').unwrap();
+        let heard = answers(&[code, &line, code]);
+        let [before, _, _, after, _] = heard.as_slice() else { panic!("{line}: {heard:?}") };
+        assert!(before.starts_with(&format!("  {code} ")), "{heard:?}");
+        let changed: Vec<_> =
+            before.split(' ').zip(after.split(' ')).filter(|(before, after)| before != after).collect();
+        let [(_, changed)] = changed[..] else { panic!("{line}: {heard:?}") };
+        assert_eq!(changed[..1], word[..1], "{line}: {heard:?}");
+    }
+}
+
+/// Every code and name that stands for a command has a row, is in `ELSEWHERE`, or sets plain settings.
 #[test]
 fn every_known_code_and_name_has_a_row() {
     let codes = ["G", "M"].into_iter().flat_map(|letter| (0..10_000).map(move |number| format!("{letter}{number}")));
     let codes = codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)));
     let known: Vec<_> = codes.chain(names().map(str::to_owned)).collect();
-    let begins = |line: &str, code: &String| line.split(['.', ' ']).next() == Some(code);
-    let has_row = |code: &String| ROWS.iter().any(|(line, _)| begins(line, code));
+    let plain: Vec<_> = plain_lines().into_values().collect();
+    let lines = || ROWS.iter().map(|(line, _)| *line).chain(plain.iter().map(String::as_str));
+    let has_row = |code: &String| lines().any(|line| begins(line, code));
     let without: BTreeSet<_> = known.into_iter().filter(|code| !has_row(code)).collect();
     assert_eq!(without, ELSEWHERE.map(|(code, _)| code.to_owned()).into(), "a row, or a place in ELSEWHERE");
 }

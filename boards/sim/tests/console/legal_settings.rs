@@ -6,20 +6,19 @@ mod setting_lines;
 
 use super::talk::keep;
 use corehbot::settings::Settings;
+use corehbot::settings::plain::{AXIS_CODES, MACHINE_CODES};
 use corehbot_machine_file as machine_file;
 use corehbot_sim::eeprom::Eeprom;
 use proptest::prelude::*;
 use setting_lines::LINES;
+use std::collections::BTreeSet;
 
-/// Codes that set settings, each with its letters. Those of [`LINES`] are added to them.
-const SETTERS: [(&str, &str); 20] = [
+/// Codes that set settings with rules of their own, each with its letters. Those of [`LINES`] and of
+/// plain settings are added to them.
+const SETTERS: [(&str, &str); 16] = [
     ("M92", "XYZE"),
-    ("M201", "XYZE"),
-    ("M203", "XYZE"),
-    ("M204", "PRTS"),
     ("M205", "JEST"),
     ("M205", "XYE"),
-    ("M113", "S"),
     ("M211", "S"),
     ("M301", "PID"),
     ("M304", "PID"),
@@ -38,6 +37,14 @@ const SETTERS: [(&str, &str); 20] = [
 /// Codes that set settings, each with all of its letters.
 pub fn setters() -> Vec<(&'static str, String)> {
     let mut all: Vec<_> = SETTERS.iter().map(|(code, letters)| (*code, (*letters).to_owned())).collect();
+    for number in MACHINE_CODES.iter().chain(AXIS_CODES) {
+        let (mut code, mut letters) = ("", BTreeSet::new());
+        Settings::prototype().visit_code(*number, &mut |word, _| {
+            code = word.line.code;
+            letters.extend(word.line.letters[usize::from(word.key.part)].split('/'));
+        });
+        all.push((code, letters.into_iter().collect()));
+    }
     for (code, words) in
         LINES.iter().filter(|(_, line)| line.starts_with('M')).filter_map(|(_, line)| line.split_once(' '))
     {

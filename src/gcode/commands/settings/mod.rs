@@ -1,6 +1,7 @@
 //! Settings, and where they are kept.
 
 mod machine_record;
+mod plain;
 mod shaping;
 
 use super::Command;
@@ -10,7 +11,9 @@ use crate::gcode::axes::{axis_words, take_axis};
 use crate::gcode::index::Part;
 use crate::gcode::lexer::{Words, switch};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{AxisWords, CornerWords, MachineRecord, ShaperWords, VelocityWords};
+use crate::gcode::parts::{AxisWords, CornerWords, MachineRecord, PlainWords, ShaperWords, VelocityWords};
+use crate::settings::plain::{AXIS_CODES, MACHINE_CODES};
+use plain::plain;
 pub use shaping::ShaperName;
 use shaping::{linear_advance, pressure_advance, set_pressure_advance, set_velocity_limit, shaper};
 
@@ -20,19 +23,8 @@ use shaping::{linear_advance, pressure_advance, set_pressure_advance, set_veloci
 pub enum SettingCommand<'a> {
     /// M92: steps a millimetre.
     StepsPerMm(AxisWords),
-    /// M201: acceleration limits, units/s2.
-    MaxAcceleration(AxisWords),
-    /// M203: speed limits, units/s.
-    MaxSpeed(AxisWords),
-    /// M204: accelerations of printing, retracting and travelling moves, units/s2.
-    Acceleration {
-        /// P, or S.
-        print: Option<Number>,
-        /// R.
-        retract: Option<Number>,
-        /// T, or S.
-        travel: Option<Number>,
-    },
+    /// Numbers of rows of `settings`, or report.
+    Plain(PlainWords),
     /// M205: corner speeds and least feeds.
     Corners(CornerWords),
     /// M211: keep moves inside the reachable space, or report.
@@ -75,15 +67,8 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[92], |_, text| setting(SettingCommand::StepsPerMm(axis_words(text))))
         .grammar(AXES)
         .does("X Y Z E", "steps per mm; or reports"),
-    Described::m(&[201, 203], |number, text| {
-        let words = axis_words(text);
-        setting(if number == 201 { SettingCommand::MaxAcceleration(words) } else { SettingCommand::MaxSpeed(words) })
-    })
-    .grammar(AXES)
-    .does("X Y Z E", "limits of acceleration, speed; or reports"),
-    Described::m(&[204], |_, text| setting(acceleration(text)))
-        .grammar(&Grammar::numbers(b"PRTS"))
-        .does("P R T S", "acceleration of printing, retracting, travel; S is P and T; or reports"),
+    Described::m(AXIS_CODES, plain).grammar(AXES),
+    Described::m(MACHINE_CODES, plain).grammar(&Grammar::plain()),
     Described::m(&[205], |_, text| setting(corners(text)))
         .grammar(&Grammar::numbers(b"XYZEJSTB"))
         .does("X Y Z E J S T B", "jerks, junction deviation, least feeds; B is not used; or reports"),
@@ -129,21 +114,6 @@ pub(super) const ROWS: &[Described] = &[
 
 const fn setting(command: SettingCommand<'_>) -> Option<Command<'_>> {
     Some(Command::Setting(command))
-}
-
-/// M204; S is the old name for printing and travelling at once.
-fn acceleration(text: &[u8]) -> SettingCommand<'static> {
-    let (mut print, mut retract, mut travel, mut both) = (None, None, None, None);
-    for word in Words::new(text) {
-        match word.letter {
-            b'P' => print = word.number,
-            b'R' => retract = word.number,
-            b'T' => travel = word.number,
-            b'S' => both = word.number,
-            _ => {}
-        }
-    }
-    SettingCommand::Acceleration { print: print.or(both), retract, travel: travel.or(both) }
 }
 
 /// M205.

@@ -2,7 +2,8 @@
 //!
 //! | file | does | commands |
 //! |---|---|---|
-//! | [`set`] | takes the values of a line if all are legal | M92, M113, M201, M203 to M205, SET_VELOCITY_LIMIT |
+//! | [`plain`] | takes numbers of rows of `settings` if all are legal | M113, M201, M203, M204 |
+//! | [`set`] | the same for settings with rules of their own | M92, M205, SET_VELOCITY_LIMIT |
 //! | [`machine_record`] | exchanges the whole machine with a computer | MACHINE_GET, MACHINE_PUT, MACHINE_STORE |
 //! | [`stored`] | keeps all settings in memory that survives without power | M500, M501, M502, M504 |
 //!
@@ -11,6 +12,7 @@
 //! stored (`retraction`). `reports::settings_report` writes each setting as the line that sets it.
 
 mod machine_record;
+mod plain;
 pub(in crate::machine) mod set;
 pub(in crate::machine) mod stored;
 
@@ -23,7 +25,8 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use machine_record::exchange_machine;
-use set::{change_resolution, set_acceleration, set_corners, set_max_acceleration, set_max_speed, set_velocity_limit};
+use plain::set_plain;
+use set::{change_resolution, set_corners, set_velocity_limit};
 use stored::{check_storage, load_settings, reset_settings, save_settings};
 
 /// Carries out a command about settings.
@@ -35,13 +38,7 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
     let States { modal, retraction, clamps, notices, pieces, cold: _ } = states;
     Ok(match *command {
         SettingCommand::StepsPerMm(ref words) => return change_resolution(main_loop, clamps, words).await,
-        SettingCommand::MaxAcceleration(ref words) => {
-            set_max_acceleration(words, &mut main_loop.live_settings(), modal, clamps)
-        }
-        SettingCommand::MaxSpeed(ref words) => set_max_speed(words, &mut main_loop.live_settings(), modal, clamps),
-        SettingCommand::Acceleration { print, retract, travel } => {
-            set_acceleration([print, retract, travel], &mut main_loop.live_settings(), modal, clamps)
-        }
+        SettingCommand::Plain(ref words) => set_plain(words, &mut main_loop.live_settings(), modal, clamps),
         SettingCommand::Corners(ref words) => {
             set_corners(words, &mut main_loop.live_settings(), modal, clamps, notices)
         }

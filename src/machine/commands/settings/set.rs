@@ -28,48 +28,6 @@ fn named<'a>(
         .filter_map(|(place, (axis, letter, word))| word.map(|n| (axis, letter, n, place)))
 }
 
-/// M201.
-pub(in crate::machine) fn set_max_acceleration(
-    words: &AxisWords,
-    s: &mut LiveSettings<'_>,
-    modal: &Modal,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    if *words == AxisWords::default() {
-        return Answer::Setting(Setting::MaxAccelerations);
-    }
-    let mut axes = s.axes;
-    for (axis, letter, number, _) in named(&mut axes, words) {
-        clamps.length(modal, ["M201", letter], number, ranges::ACCELERATION, &mut axis.max_acceleration);
-    }
-    if !clamps.refuses_line() {
-        s.set_axis_limits(&axes);
-    }
-    Answer::Nothing
-}
-
-/// M203.
-pub(in crate::machine) fn set_max_speed(
-    words: &AxisWords,
-    s: &mut LiveSettings<'_>,
-    modal: &Modal,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    if *words == AxisWords::default() {
-        return Answer::Setting(Setting::MaxSpeeds);
-    }
-    let finest = [0, 1, 2, 3].map(|axis| s.finest(axis));
-    let mut axes = s.axes;
-    for (axis, letter, number, place) in named(&mut axes, words) {
-        let range = Range { most: ranges::SPEED.most.min(ranges::STEP_RATE / finest[place]), ..ranges::SPEED };
-        clamps.length(modal, ["M203", letter], number, range, &mut axis.max_speed);
-    }
-    if !clamps.refuses_line() {
-        s.set_axis_limits(&axes);
-    }
-    Answer::Nothing
-}
-
 /// Side effects of M92 on other settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Resolved {
@@ -127,29 +85,6 @@ pub(in crate::machine) async fn change_resolution<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     main_loop.use_settings(wanted).await?;
     Ok(Answer::Nothing)
-}
-
-/// M204.
-pub(in crate::machine) fn set_acceleration(
-    [print, retract, travel]: [Option<Number>; 3],
-    s: &mut LiveSettings<'_>,
-    modal: &Modal,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    if print.or(retract).or(travel).is_none() {
-        return Answer::Setting(Setting::Accelerations);
-    }
-    let mut wanted = Dynamics::of(s);
-    for ((place, letter), number) in wanted.accelerations.iter_mut().zip(["P", "R", "T"]).zip([print, retract, travel])
-    {
-        if let Some(number) = number {
-            clamps.length(modal, ["M204", letter], number, ranges::ACCELERATION, place);
-        }
-    }
-    if !clamps.refuses_line() {
-        s.set_dynamics(&wanted);
-    }
-    Answer::Nothing
 }
 
 /// M205. J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90
@@ -239,19 +174,4 @@ pub(in crate::machine) fn set_velocity_limit<'a>(
     dynamics.cruise_ratio = cruise_ratio;
     s.set_dynamics(&dynamics);
     words.other.map_or(Answer::Nothing, |other| Answer::NotObeyed(NAME, other))
-}
-
-/// M113.
-pub(in crate::machine) fn set_keepalive(
-    seconds: Option<Number>,
-    s: &mut LiveSettings<'_>,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    let Some(seconds) = seconds else { return Answer::Keepalive };
-    let Range { least, most } = ranges::KEEPALIVE_S;
-    let legal = Range { least: least.into(), most: most.into() };
-    let mut wanted = u16::from(s.keepalive_s);
-    clamps.whole(["M113", "S"], seconds, legal, &mut wanted);
-    s.set_keepalive(wanted as u8);
-    Answer::Nothing
 }
