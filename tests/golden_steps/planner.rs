@@ -71,8 +71,8 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
             if dice.roll() < 0.7 {
                 assert!((0..MOST_PARTS).any(|_| planner.replan()));
             }
-            planner.prepare();
-            // When some exit speeds are frozen.
+            planner.replan();
+            // When some have left.
             seen.take(&mut planner, (3.0 * dice.roll()) as usize);
         }
         let at = position.map(Mm::from_num);
@@ -88,7 +88,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
             // Waiting moves are made first, or dropped.
             if dice.roll() < 0.5 {
                 planner.release_all();
-                assert!((0..MOST_PARTS).any(|_| planner.prepare()));
+                assert!((0..MOST_PARTS).any(|_| planner.replan()));
                 seen.take(&mut planner, usize::MAX);
             }
             // It stopped a little short, and continues with motors in other groups, or as before.
@@ -104,7 +104,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     }
     assert_eq!(was_full, fills);
     planner.release_all();
-    assert!((0..MOST_PARTS).any(|_| planner.prepare()));
+    assert!((0..MOST_PARTS).any(|_| planner.replan()));
     seen.take(&mut planner, usize::MAX);
     let mut finer = *settings;
     finer.axes.x.steps_per_mm = finer.axes.x.steps_per_mm * 2;

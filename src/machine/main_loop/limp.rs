@@ -123,7 +123,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Goes to a place with a speed and acceleration that three motors hold easily. The motor that has failed has no
     /// power, so the move does not require it.
     async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
-        while !self.motion.prepare() {
+        while !self.motion.replan() {
             self.poll_again().await?;
         }
         let target = Target { position, speed, has_overrides: false, watch: EndstopSet::NONE };

@@ -328,7 +328,7 @@ impl Planner<'_> {
         self.count_move();
         let is_line = target.watch.is_empty() && !self.vector.is_extruder_only();
         if !is_line || !self.line.start(target, &self.vector, (begin, asked), filament_step, settings) {
-            while !self.prepare() {}
+            while !self.replan() {}
             self.place(target, begin, max_ramps(&self.vector, settings), settings);
         }
         true
@@ -364,7 +364,7 @@ impl Planner<'_> {
 
     #[inline(never)]
     fn place_line(&mut self, settings: &Settings) {
-        while !self.prepare() {}
+        while !self.replan() {}
         let OpenLine { begin, feed, has_overrides, is_joined, .. } = self.line;
         let target = Target { position: self.asked, speed: feed, has_overrides, watch: EndstopSet::NONE };
         let max_ramp_length = if is_joined {

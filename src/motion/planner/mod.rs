@@ -3,7 +3,7 @@
 //! ```text
 //! push(Target) -> step_scale -> geometry -> junction -> | window: moves that wait  | -> profile -> pop() -> Move
 //!                 mm to steps   length,     speed at    | planned, planned, ...    |    trapezoid
-//!                               direction   the corner  | ^ passes: replan, freeze |
+//!                               direction   the corner  | ^ passes: replan, count  |
 //! ```
 //!
 //! A stream of moves comes by [`add`](Planner::add), which first joins chords that are one line ([`joining`]); `push`
@@ -19,9 +19,8 @@
 //! - **purpose**: the use of a move (print, travel, retract), each with its acceleration and least speed; limits of
 //!   speed are `Limits` in `geometry`.
 //! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
-//! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed
-//!   now,
-//!   because its move had to leave early (**forced**).
+//! - **final**: an exit speed that no later move can change. **forced**: a move that leaves though its exit speed is not
+//!   final. For it, the window ends where it ended when the move was forced.
 //! - **gain**: the possible growth of the square of the speed over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
 //! - **chord**: a move that is a part of a curve, or of a straight line. **bend**: where several of them turn the path.
@@ -34,7 +33,6 @@ mod geometry;
 mod joining;
 mod junction;
 mod overrides;
-mod pass_progress;
 mod passes;
 mod path_curvature;
 mod planned;
@@ -56,7 +54,7 @@ use joining::OpenLine;
 use junction::{AccelLimits, junction_speed_sq};
 use overrides::Override;
 use path_curvature::PathCurvature;
-use planned::{FORCED_BATCH, NOT_FROZEN, Planned};
+use planned::{FORCED_BATCH, Planned};
 pub use planned::{LOOKAHEAD_MOVES, MoveMemory};
 use pressure::{Flow, Most, Pressure};
 use profile::{MoveSpec, max_ramp_length};
@@ -233,7 +231,7 @@ impl<'m> Planner<'m> {
     /// [`has_room`](Self::has_room).
     pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
         self.close_line(settings);
-        while !self.prepare() {}
+        while !self.replan() {}
         let begin = self.end;
         if !self.go_to(target.position) {
             return false;
@@ -305,7 +303,7 @@ impl<'m> Planner<'m> {
                 junction_sq,
                 max_entry_sq: SpeedSq::ZERO,
                 cumulative_gain_sq,
-                frozen_exit_sq: NOT_FROZEN,
+                forced_end_sq: SpeedSq::ZERO,
                 nominal_ticks: 0,
                 advance,
             };
@@ -325,18 +323,6 @@ impl<'m> Planner<'m> {
         }
         self.last.copy_from(&self.vector);
         self.path = self.path.wrapping_add(self.vector.path());
-    }
-
-    /// Whether the waiting moves allow another move to be planned. If not, a part of the work for that has been done.
-    /// Without it [`push`](Self::push) does all of it.
-    pub fn prepare(&mut self) -> bool {
-        if self.replan() && self.window.are_exits_frozen() {
-            return true;
-        }
-        if self.is_planned() {
-            self.window.freeze_exits();
-        }
-        false
     }
 
     /// Whether a target at `position` would be a move.

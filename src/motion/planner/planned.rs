@@ -26,9 +26,6 @@ const _: () = assert!(LOOKAHEAD_MOVES < MINIMA_PLACES, "more moves need wider in
 const MOST_GAIN_SQ: SpeedSq = SpeedSq(50_000_000_000_000_000);
 const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / LOOKAHEAD_MOVES as u64);
 
-/// The exit speed is not frozen.
-pub(in crate::motion) const NOT_FROZEN: SpeedSq = SpeedSq::MAX;
-
 /// A move in the window.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Planned {
@@ -43,8 +40,8 @@ pub(in crate::motion) struct Planned {
     pub max_entry_sq: SpeedSq,
     /// The possible gain of all moves before it, G of the [window](super::window)'s formula; wraps.
     pub cumulative_gain_sq: SpeedSq,
-    /// Exit speed squared, if that was frozen when the move was made to leave, else [`NOT_FROZEN`].
-    pub frozen_exit_sq: SpeedSq,
+    /// G at the end of the window when the move was forced to leave, if it was.
+    pub forced_end_sq: SpeedSq,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
     /// The advance that its filament needs.
@@ -61,7 +58,7 @@ impl Planned {
         junction_sq: SpeedSq::ZERO,
         max_entry_sq: SpeedSq::ZERO,
         cumulative_gain_sq: SpeedSq::ZERO,
-        frozen_exit_sq: SpeedSq::ZERO,
+        forced_end_sq: SpeedSq::ZERO,
         nominal_ticks: 0,
         advance: Seconds::ZERO,
     };

@@ -19,10 +19,11 @@
 //! a speed that no later move can change: it is **final**. The move before a final corner may leave, sooner or later,
 //! without a difference to the steps. When a move must leave that is not final, the steps would depend on when it left.
 //! Therefore that happens in two cases only. The stream of commands itself causes it (the window is full of moves that
-//! are not final, or a command waits for the motion), or no commands come any more.
+//! are not final, or a command waits for the motion), or no commands come any more. Such a move is **forced**: for it
+//! the window ends from then on where it ended at that moment. Corners that are added later allow at least as much as
+//! that end does, so the move leaves with the speeds of that moment, however late it leaves.
 
-use super::pass_progress::{FinalCount, Passes};
-use super::planned::{LOOKAHEAD_MOVES, MINIMA_PLACES, MoveMemory, NOT_FROZEN, Planned};
+use super::planned::{LOOKAHEAD_MOVES, MINIMA_PLACES, MoveMemory, Planned};
 use super::profile::profile;
 use crate::motion::moves::Move;
 use crate::units::{Seconds, SpeedSq, Steps};
@@ -68,6 +69,25 @@ impl core::fmt::Display for Full {
 
 impl core::error::Error for Full {}
 
+/// The moves known to be final, as far as they have been counted.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion) struct FinalCount {
+    /// The index of the next move to look at, and the speed squared at which it is entered.
+    pub next: usize,
+    pub entry_sq: SpeedSq,
+    /// The nominal time of those before it, in ticks.
+    pub ticks: u64,
+    /// It is not final.
+    pub is_done: bool,
+}
+
+impl FinalCount {
+    /// None; motion continues with that speed squared.
+    pub const fn new(front_sq: SpeedSq) -> Self {
+        Self { next: 0, entry_sq: front_sq, ticks: 0, is_done: false }
+    }
+}
+
 pub(in crate::motion) struct Window<'m> {
     pub(in crate::motion) moves: &'m mut [Planned; LOOKAHEAD_MOVES],
     pub(in crate::motion) minima: Minima<'m>,
@@ -84,7 +104,9 @@ pub(in crate::motion) struct Window<'m> {
     pub(in crate::motion) front_sq: SpeedSq,
     /// That speed, in mm/s.
     front_speed: f32,
-    pub(in crate::motion) passes: Passes,
+    /// The index of the next move to plan again, and the limit of the exit speed squared of the move before it.
+    pub(in crate::motion) replan: Option<(usize, SpeedSq)>,
+    pub(in crate::motion) counted: FinalCount,
 }
 
 impl<'m> Window<'m> {
@@ -101,7 +123,8 @@ impl<'m> Window<'m> {
             is_stuck: false,
             front_sq: SpeedSq::ZERO,
             front_speed: 0.0,
-            passes: Passes::NONE,
+            replan: None,
+            counted: FinalCount::new(SpeedSq::ZERO),
         }
     }
 
@@ -152,7 +175,7 @@ impl<'m> Window<'m> {
         let bound_sq = planned.bound_sq();
         self.add_minimum(slot, bound_sq);
         self.len += 1;
-        (self.passes.counted.is_done, self.is_stuck) = (false, false);
+        (self.counted.is_done, self.is_stuck) = (false, false);
         Ok(())
     }
 
@@ -179,8 +202,8 @@ impl<'m> Window<'m> {
     /// Forgets every move; the machine stands.
     pub fn clear(&mut self) {
         self.minima.clear();
-        (self.len, self.total_gain_sq, self.forced, self.passes) = (0, SpeedSq::ZERO, 0, Passes::NONE);
-        self.is_stuck = false;
+        (self.len, self.total_gain_sq, self.forced, self.is_stuck) = (0, SpeedSq::ZERO, 0, false);
+        (self.replan, self.counted) = (None, FinalCount::new(SpeedSq::ZERO));
         (self.front_sq, self.front_speed) = (SpeedSq::ZERO, 0.0);
     }
 
@@ -199,15 +222,22 @@ impl<'m> Window<'m> {
     /// final; `None` if no move follows.
     pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, minimum: u8) -> Option<(SpeedSq, bool)> {
         let (this, next) = (self.get(index)?, self.get(index + 1)?);
-        Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(minimum)?))
+        Some(self.exit_sq_between(this, next, (entry_sq, self.total_gain_sq), self.minima.get(minimum)?))
     }
 
-    /// The exit speed of `this` towards `next`, given the slot of the least corner that follows `this`.
+    /// The exit speed of `this` towards `next`, given its entry speed, G at the end of the window, and the slot of the
+    /// least corner that follows `this`.
     #[inline(always)]
-    fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: SpeedSq, least_slot: usize) -> (SpeedSq, bool) {
+    fn exit_sq_between(
+        &self,
+        this: &Planned,
+        next: &Planned,
+        (entry_sq, end_sq): (SpeedSq, SpeedSq),
+        least_slot: usize,
+    ) -> (SpeedSq, bool) {
         let bound_sq = self.bound_sq(least_slot).wrapping_sub(next.cumulative_gain_sq);
         let reach = entry_sq.saturating_add(next.cumulative_gain_sq.wrapping_sub(this.cumulative_gain_sq));
-        let (known, end) = (bound_sq.min(reach), self.total_gain_sq.wrapping_sub(next.cumulative_gain_sq));
+        let (known, end) = (bound_sq.min(reach), end_sq.wrapping_sub(next.cumulative_gain_sq));
         (known.min(end), known <= end)
     }
 
@@ -223,7 +253,8 @@ impl<'m> Window<'m> {
             own if own == self.first => self.minima.get(1)?,
             least => least,
         };
-        Some(self.exit_sq_between(this, next, self.front_sq, least_slot))
+        let end_sq = if self.forced > 0 { this.forced_end_sq } else { self.total_gain_sq };
+        Some(self.exit_sq_between(this, next, (self.front_sq, end_sq), least_slot))
     }
 
     /// Whether the first move may leave.
@@ -231,12 +262,15 @@ impl<'m> Window<'m> {
         self.forced > 0 || self.first_exit_sq().is_some_and(|(_, is_final)| is_final)
     }
 
-    /// Lets the first `count` moves leave though they may not be final.
+    /// Lets the first `count` moves leave though they may not be final. Those that were forced before keep their end.
     pub fn force(&mut self, count: usize) {
         let count = count.min(self.len);
         if count > self.forced {
+            let (more, slot, end_sq) = (count - self.forced, self.slot(self.forced), self.total_gain_sq);
+            if let Some((wrapped, straight)) = self.moves.split_at_mut_checked(slot) {
+                straight.iter_mut().chain(wrapped).take(more).for_each(|planned| planned.forced_end_sq = end_sq);
+            }
             (self.forced, self.is_stuck) = (count, false);
-            self.passes.begin_freeze(self.front_sq);
         }
     }
 
@@ -255,11 +289,7 @@ impl<'m> Window<'m> {
         let slot = self.first;
         let planned = self.moves.get(slot)?;
         // Planned as `min`, so the ramps fit except for the rounding of squares and roots.
-        let exit_sq = match exit {
-            Some((exit, _)) if planned.frozen_exit_sq == NOT_FROZEN => exit,
-            Some(_) => planned.frozen_exit_sq,
-            None => SpeedSq::ZERO,
-        };
+        let exit_sq = exit.map_or(SpeedSq::ZERO, |(exit_sq, _)| exit_sq);
         let (mut released, exit_speed) = profile(&planned.spec, (self.front_sq, self.front_speed), exit_sq);
         released.rests = exit.is_none();
         if planned.advance > Seconds::ZERO {
@@ -274,8 +304,7 @@ impl<'m> Window<'m> {
         if self.minima.get(0) == Some(slot) {
             self.minima.begin = self.minima.begin.wrapping_add(1);
         }
-        self.passes.frozen.pop(exit_sq);
-        self.passes.counted = FinalCount::new(exit_sq);
+        self.counted = FinalCount::new(exit_sq);
         Some((released, ticks))
     }
 

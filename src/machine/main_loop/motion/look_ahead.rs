@@ -98,11 +98,6 @@ impl<W: Pend> Motion<'_, W> {
         self.follow_stream();
     }
 
-    /// Whether the waiting moves allow another move to be planned. If not, a part of the work for that has been done.
-    pub(in crate::machine::main_loop) fn prepare(&mut self) -> bool {
-        self.planner.prepare()
-    }
-
     /// Adds the move.
     pub(in crate::machine::main_loop) fn add(&mut self, target: &Target, settings: &Settings, now: Instant) {
         // The stream may have run dry since the move was expected.

@@ -20,7 +20,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.poll().await?;
         }
         self.motion.expect(&target, self.now());
-        while !self.motion.prepare() {
+        while !self.motion.replan() {
             self.poll_again().await?;
         }
         let now = self.now();
