@@ -38,9 +38,8 @@ pub(in crate::motion) struct Endpoint {
     pub speed: f32,
 }
 
-/// Lengths of a run with changing speed. They never grow by more than one level at once, because a run that is slightly
-/// too long is easily much too long.
-const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
+/// The longest run with changing speed; all lengths are powers of two.
+const LONGEST_CURVED: u8 = 32;
 
 /// Maximum error of interpolation in ticks. Fixed point adds less than a 30th: a run of 32 sums twice a value rounded
 /// to half a bit of [`FINE`], and three times a value cut to a bit of [`FINER`](super::cubic_run::FINER).
@@ -81,8 +80,9 @@ pub(in crate::motion) struct StepTimeSolver {
     base: u32,
     /// Speed at the next step.
     fast: f32,
-    /// Length of the runs: an index into [`LENGTHS`].
-    level: u8,
+    /// Length of the runs while speed changes, as long as the piece and the caller's room last. It never more than
+    /// doubles at once, because a run that is slightly too long is easily much too long.
+    run: u8,
     /// Whether two pulses may come too close: the piece is fast, or rounding has left a late step from the previous
     /// piece.
     pub is_dense: bool,
@@ -99,7 +99,7 @@ impl StepTimeSolver {
         offset: 0.0,
         base: 0,
         fast: 0.0,
-        level: 0,
+        run: 1,
         is_dense: true,
     };
 
@@ -131,8 +131,8 @@ impl StepTimeSolver {
         if curve == Curve::Speeding {
             Self { curve, ..piece }.seen_from_slow_end(distance(from.position, first))
         } else {
-            let level = LENGTHS.len() as u8 - 1;
-            Self { curve, offset: begin + time, level, ..piece }.seen_from_slow_end(distance(first, to.position))
+            Self { curve, offset: begin + time, run: LONGEST_CURVED, ..piece }
+                .seen_from_slow_end(distance(first, to.position))
         }
     }
 
@@ -212,21 +212,16 @@ impl StepTimeSolver {
 
     /// Possible length of the next run, which begins at a distance from the slow end.
     fn length(&mut self, distance: f32, most: usize) -> usize {
-        let length = |level: u8| LENGTHS.get(usize::from(level)).copied();
-        let mut long = length(self.level).unwrap_or(1);
+        let length = |run: u8| most.min(usize::from(run));
         if self.curve == Curve::Slowing {
-            while self.level > 0 && !self.is_smooth(distance, most.min(long)) {
-                self.level -= 1;
-                long = length(self.level).unwrap_or(1);
+            // The curvature grows along the piece.
+            while self.run > 1 && !self.is_smooth(distance, length(self.run)) {
+                self.run /= 2;
             }
-        } else if long < most
-            && let Some(longer) = length(self.level + 1)
-            && self.is_smooth(distance, longer)
-        {
-            self.level += 1;
-            long = longer;
+        } else if length(self.run) < most.min(LONGEST_CURVED.into()) && self.is_smooth(distance, 2 * length(self.run)) {
+            self.run *= 2;
         }
-        most.min(long)
+        length(self.run)
     }
 
     /// Whether a cubic is accurate enough for this many steps.
