@@ -195,7 +195,14 @@ impl MachineFileError {
                 return Place::of_key(text, &plugged(error)).or_else(|| Place::of_key(text, "board"));
             }
             Self::Corner => "corner.square_corner".to_owned(),
-            Self::MotorName(_) | Self::Settings(SettingsError::MotorNames) => "motors.names".to_owned(),
+            Self::MotorName(_) | Self::Settings(SettingsError::MotorNames | SettingsError::NamedAsGroup(_)) => {
+                "motors.names".to_owned()
+            }
+            Self::Settings(SettingsError::BeltCurrents { motors, .. }) => {
+                // One of them is in the file.
+                let keys = motors.map(|motor| Place::of_key(text, &format!("drivers.{motor}.current_ma")));
+                return keys.into_iter().flatten().last();
+            }
             Self::Name(_) => "name".to_owned(),
             Self::Settings(SettingsError::OutOfRange(key)) => key.to_string(),
             Self::Settings(SettingsError::OutOfRangeBeside(key)) => (*key).to_owned(),

@@ -43,6 +43,9 @@ pub(crate) const ROTATION_DISTANCE: &str = "rotation_distance";
 /// Full steps of such a turn.
 pub(crate) const FULL_STEPS: &str = "full_steps";
 
+/// The table of the driver of the first motor.
+pub(crate) const OF_MOTOR: &str = "drivers.#0";
+
 const AXES: &[&str] = &["axes.x", "axes.y", "axes.z", "axes.e"];
 
 /// Keys without a setting.
@@ -67,7 +70,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 29] = [
+pub(crate) const TABLES: [(&str, &str); 30] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -96,6 +99,7 @@ pub(crate) const TABLES: [(&str, &str); 29] = [
     ("drivers.belt", "Drivers of the motors that move x or y."),
     ("drivers.z", "Drivers of the motors that move z alone."),
     ("drivers.e", "Driver of the extruder."),
+    (OF_MOTOR, "Driver of one motor, by its name: values in which it differs from its group."),
     ("thermal", "Settings that heaters and fans have in common."),
     ("heaters", "Heaters."),
     ("heaters.hotend", "The hotend (T)."),
@@ -142,7 +146,9 @@ pub(crate) fn named(path: &str, names: &[MotorName]) -> Option<String> {
     let Some((table, rest)) = path.split_once(".#") else { return Some(path.to_owned()) };
     let (number, leaf) = rest.split_once('.').unwrap_or((rest, ""));
     let name = names.get(number.parse::<usize>().ok()?).filter(|name| !name.is_none())?;
-    Some(join(&join(table, name.as_str()), leaf))
+    let motor = join(table, name.as_str());
+    // `drivers.z` is a group of drivers, also if a motor has this name.
+    (!is_table(&motor)).then(|| join(&motor, leaf))
 }
 
 /// The reverse: a path in such a file, with the number of a motor for its name.
@@ -151,11 +157,16 @@ pub(crate) fn numbered(path: &str, names: &[MotorName]) -> String {
     let (table, name, leaf) = (words.next(), words.next(), words.next());
     let number = name.and_then(|name| names.iter().position(|known| !name.is_empty() && known.as_str() == name));
     match (table, number) {
-        (Some(table @ ("mechanism" | "motors")), Some(number)) => {
+        (Some(table), Some(number)) if has_motors(table) && !is_table(&join(table, name.unwrap_or_default())) => {
             join(&format!("{table}.#{number}"), leaf.unwrap_or_default())
         }
         _ => path.to_owned(),
     }
+}
+
+/// Whether a table has keys or tables that are named by motors.
+fn has_motors(table: &str) -> bool {
+    is_table(&format!("{table}.#0")) || find(&format!("{table}.#0")).is_some()
 }
 
 /// The key at that path.
@@ -193,6 +204,7 @@ pub(crate) const fn fraction(kind: Kind) -> u32 {
     match kind {
         Kind::Fixed(bits) | Kind::Auto(bits) => bits,
         Kind::Whole
+        | Kind::OfMotor
         | Kind::Switch
         | Kind::Choice(_)
         | Kind::Name
@@ -206,8 +218,10 @@ pub(crate) const fn fraction(kind: Kind) -> u32 {
 /// The legal numbers, in words.
 pub(crate) fn legal_words(legal: Legal, kind: Kind) -> String {
     let [least, most] = [legal.least, legal.most].map(|bits| shortest(bits, fraction(kind)));
-    let whole = if matches!(kind, Kind::Whole) { "the whole numbers " } else { "" };
-    let zero = if legal.may_be_zero && legal.least > 0 && !matches!(kind, Kind::Auto(_)) { "0 and " } else { "" };
+    let whole = if matches!(kind, Kind::Whole | Kind::OfMotor) { "the whole numbers " } else { "" };
+    // Files say this 0 by a word, or by nothing.
+    let is_hidden = matches!(kind, Kind::Auto(_) | Kind::OfMotor);
+    let zero = if legal.may_be_zero && legal.least > 0 && !is_hidden { "0 and " } else { "" };
     format!("{zero}{whole}{least} to {most}")
 }
 

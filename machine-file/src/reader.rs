@@ -58,12 +58,12 @@ impl Given {
                     let read = self.key(&inner, known.of, toml);
                     self.errors.extend(read.err());
                 }
-                (None, Toml::Table(table)) if is_table(&inner) => {
+                (None, Toml::Table(table)) if is_table(&numbered(&inner, &self.motors)) => {
                     // An empty table says something too: a mechanism without motors.
                     self.paths.push(inner.clone());
                     self.table(table, &inner);
                 }
-                (None, other) if is_table(&inner) => {
+                (None, other) if is_table(&numbered(&inner, &self.motors)) => {
                     self.errors.push(MachineFileError::kind(&inner, "a table of keys", other));
                 }
                 (None, _) => self.errors.push(MachineFileError::Unknown {

@@ -44,7 +44,7 @@ pub(super) fn resolution(s: &mut Settings, number: usize, given: &Given) -> Resu
 
 /// The microsteps of the drivers that move an axis, if they have the same.
 fn microsteps(s: &Settings, axis: usize) -> Option<u16> {
-    let mut of_axis = s.mechanism.motors_of(axis).iter().map(|motor| s.driver_of(motor).0.microsteps);
+    let mut of_axis = s.mechanism.motors_of(axis).iter().map(|motor| s.driver_of(motor).microsteps);
     let first = of_axis.next()?;
     of_axis.all(|other| other == first).then_some(first)
 }

@@ -1,7 +1,7 @@
 //! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all
 //! settings, defaults from the prototype.
 
-use crate::keys::{ALL, BOARD, FULL_STEPS, Of, Other, about, fraction, named, names_of, shortest};
+use crate::keys::{ALL, BOARD, FULL_STEPS, OF_MOTOR, Of, Other, about, fraction, named, names_of, shortest};
 use crate::value;
 use crate::written;
 use corehbot::motors::prototype;
@@ -34,10 +34,13 @@ pub fn schema() -> Value {
         {
             insert(&mut schema, "default", default.clone());
         }
-        if known.path.ends_with(".#0") {
-            of_any_motor(&mut root, &known.path, &schema);
+        match known.path.split_once(".#0") {
+            Some((name, "")) => of_any_motor(&mut root, name, &schema),
+            Some((name, key)) => of_any_driver(&mut root, name, key, &schema),
+            None => {}
         }
-        if let Some(path) = named(&known.path, &prototype::NAMES) {
+        let is_of_driver = known.path.starts_with("drivers.#");
+        if let Some(path) = named(&known.path, &prototype::NAMES).filter(|_| !is_of_driver) {
             put(&mut root, &path, "", schema);
         }
     }
@@ -74,8 +77,7 @@ fn put(schema: &mut Value, path: &str, above: &str, key: Value) {
 }
 
 /// Motors may have other names than the prototype's.
-fn of_any_motor(root: &mut Value, path: &str, schema: &Value) {
-    let (name, _) = path.split_once('.').unwrap_or((path, ""));
+fn of_any_motor(root: &mut Value, name: &str, schema: &Value) {
     let mut schema = schema.clone();
     if let Some(keys) = schema.as_object_mut() {
         keys.remove("default");
@@ -84,6 +86,16 @@ fn of_any_motor(root: &mut Value, path: &str, schema: &Value) {
         let motors = tables.entry(name).or_insert_with(|| table(name));
         insert(motors, "patternProperties", json!({ MOTOR_NAME: schema }));
     }
+}
+
+/// The same of tables. Groups of drivers have other keys, so these are the tables that have no properties of their own.
+fn of_any_driver(root: &mut Value, name: &str, key: &str, schema: &Value) {
+    let Some(tables) = root.get_mut("properties").and_then(Value::as_object_mut) else { return };
+    let drivers = tables.entry(name).or_insert_with(|| table(name));
+    if drivers["additionalProperties"] == false {
+        insert(drivers, "additionalProperties", table(OF_MOTOR));
+    }
+    put(&mut drivers["additionalProperties"], key.trim_start_matches('.'), OF_MOTOR, schema.clone());
 }
 
 /// The pattern of motors' names.
@@ -111,6 +123,7 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
     match kind {
         Kind::Fixed(_) => number("number", kind, legal),
         Kind::Whole => number("integer", kind, legal),
+        Kind::OfMotor => number("integer", kind, Legal { may_be_zero: false, ..legal }),
         Kind::Auto(_) => {
             let number = number("number", kind, Legal { may_be_zero: false, ..legal });
             json!({ "anyOf": [{ "type": "string", "enum": ["auto"] }, number] })

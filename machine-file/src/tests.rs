@@ -236,3 +236,40 @@ fn names_that_are_wrong_are_errors() {
     assert_eq!(error("z = [0, 0, 1]", "z = [0, 0, 4]").split(':').next(), Some("mechanism"));
     assert_eq!(error("!M7", "M0"), "motor x and motor yr have the same connector, M0");
 }
+
+#[test]
+fn a_motor_may_have_values_of_its_own() {
+    let s = load("[drivers.z]\ncurrent_ma = 900\n[drivers.z1]\ncurrent_ma = 600\nstall_threshold = 40").unwrap();
+    let z = [prototype::Z1, prototype::Z2].map(|motor| s.driver_of(motor));
+    assert_eq!(z.map(|driver| (driver.current_ma, driver.stall_threshold)), [(600, 40), (900, 0)]);
+    let text = written(&s).unwrap();
+    let tables: Vec<&str> = text.lines().filter(|line| line.starts_with("[drivers.")).collect();
+    assert_eq!(tables, ["[drivers.belt]", "[drivers.e]", "[drivers.z]", "[drivers.z1]"], "none without own values");
+    assert_eq!(load(&text).unwrap(), s);
+    // Names are the file's own, also where a motor is called like a group.
+    let named =
+        format!("{NAMED}[drivers.yr]\ncurrent_ma = 500\n[drivers.x]\ncurrent_ma = 450\n[drivers.z]\nstealth = true\n");
+    let s = load(&named).unwrap();
+    assert_eq!(s.drivers.own.map(|own| own.current_ma)[..5], [450, 0, 500, 0, 0]);
+    assert!(s.drivers.z.stealth);
+    assert_eq!(load(&written(&s).unwrap()).unwrap(), s);
+}
+
+#[test]
+fn own_values_that_do_not_do_are_told_with_their_place() {
+    let error = |text: &str| {
+        let error = load(text).unwrap_err();
+        format!("{}: {error}", error.place(text).unwrap())
+    };
+    let range = "2:14: drivers.z1.current_ma = 0 is outside the whole numbers 100 to 1700";
+    assert_eq!(error("[drivers.z1]\ncurrent_ma = 0"), range);
+    assert!(error("[drivers.z1]\nstall_threshold = 256").ends_with("is outside the whole numbers 1 to 255"));
+    let microsteps = error("[drivers.z1]\nmicrosteps = 16");
+    assert!(microsteps.starts_with("2:1: unknown field `microsteps`"), "{microsteps}");
+    let unknown = error("[drivers.z9]\ncurrent_ma = 600");
+    assert!(unknown.starts_with("1:10: unknown field `z9`") && unknown.contains("`e`, `m1`"), "{unknown}");
+    let belt = error("[drivers.m4]\ncurrent_ma = 600");
+    assert!(belt.starts_with("2:14: motors m1 and m4 pull one closed belt, but only m4 has its own current"), "{belt}");
+    let all: String = ["m1", "m4", "m8", "m11"].map(|m| format!("[drivers.{m}]\ncurrent_ma = 600\n")).concat();
+    assert_eq!(load(&all).unwrap().driver_of(prototype::M8).current_ma, 600);
+}

@@ -7,6 +7,7 @@ use corehbot::motion::advance_window;
 use corehbot::motors::Motor;
 use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
 use corehbot::units::{Mm, Watts};
+use std::collections::BTreeMap;
 
 /// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In
 /// its switches of 170 mOhm each that is 1.4 W, on 15 x 20 mm. The 2 A (root mean square) of its datasheet (rev 1.09,
@@ -17,17 +18,24 @@ const MODULE_MA: u16 = 1414;
 /// `octopus_sustained_motor_steps_per_s`.
 const STEPS_A_SECOND: f64 = 1.8e6;
 
+/// The currents of all fitted motors, each with its table: the motor's own, or its group's.
+fn currents(s: &Settings) -> BTreeMap<String, u16> {
+    let current = |motor: Motor| match s.drivers.own(motor).current_ma {
+        0 => (s.driver_group(motor).1.to_owned(), s.driver_of(motor).current_ma),
+        own => (format!("drivers.{}", s.name_of(motor)), own),
+    };
+    s.mechanism.fitted().iter().map(current).collect()
+}
+
 /// The warnings, each with the key that would change it.
 pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     let s = &machine.settings;
     let mut found = Vec::new();
     let mut warn = |key: &str, text: String| found.push((key.to_owned(), text));
-    let groups = [("drivers.belt", s.drivers.belt), ("drivers.z", s.drivers.z), ("drivers.e", s.drivers.e)];
-    for (group, driver) in groups {
-        let is_used = s.mechanism.fitted().iter().any(|motor| s.driver_of(motor).1 == group);
-        if driver.current_ma > MODULE_MA && is_used {
-            let key = format!("{group}.current_ma");
-            let text = format!("{key} = {}: above {MODULE_MA} mA a TMC2209 on a module needs a fan", driver.current_ma);
+    for (table, current) in currents(s) {
+        if current > MODULE_MA {
+            let key = format!("{table}.current_ma");
+            let text = format!("{key} = {current}: above {MODULE_MA} mA a TMC2209 on a module needs a fan");
             warn(&key, text);
         }
     }
@@ -199,6 +207,11 @@ mod tests {
     #[test]
     fn too_much_current_is_told_of_drivers_that_there_are() {
         assert_eq!(keys("[drivers.z]\ncurrent_ma = 1415\n[drivers.e]\ncurrent_ma = 1414"), ["drivers.z.current_ma"]);
+        // Each motor by its own current.
+        assert_eq!(keys("[drivers.z]\ncurrent_ma = 1415\n[drivers.z1]\ncurrent_ma = 900"), ["drivers.z.current_ma"]);
+        assert_eq!(keys("[drivers.z1]\ncurrent_ma = 1415"), ["drivers.z1.current_ma"]);
+        let both = "[drivers.z]\ncurrent_ma = 1415\n[drivers.z1]\ncurrent_ma = 900\n[drivers.z2]\ncurrent_ma = 800";
+        assert_eq!(keys(both), [""; 0], "no motor has the group's");
     }
 
     #[test]

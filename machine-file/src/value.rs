@@ -23,6 +23,8 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
             }
             other => Err(MachineFileError::kind(key, "\"auto\" or a number of seconds", other)),
         },
+        // 0 is the value of the group, which a file does not say.
+        Kind::OfMotor => number(key, toml, kind, Legal { may_be_zero: false, ..legal }).map(Value::Number),
         Kind::Switch => match toml {
             Toml::Boolean(is) => Ok(Value::Number((*is).into())),
             other => Err(MachineFileError::kind(key, "true or false", other)),
@@ -59,7 +61,7 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
 /// The problem of the value.
 pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
     let number = float(key, toml)?;
-    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole);
+    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole | Kind::OfMotor);
     match bits_of(number, fraction(kind)) {
         Some(bits) if is_whole && legal.holds(bits) => Ok(bits),
         _ => Err(MachineFileError::Range { key: key.to_owned(), value: number, legal: legal_words(legal, kind) }),
@@ -143,7 +145,7 @@ pub(crate) const FULL_STEPS: Range<u16> = Range { least: 20, most: 800 };
 /// A value as a machine file has it; `None` if it is left out.
 pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
     Some(match (value, kind) {
-        (Value::Absent, _) => return None,
+        (Value::Absent, _) | (Value::Number(0), Kind::OfMotor) => return None,
         (Value::Number(0), Kind::Auto(_)) => "auto".into(),
         (Value::Number(bits), Kind::Fixed(fraction) | Kind::Auto(fraction)) => float_toml(shortest(*bits, fraction)),
         (Value::Number(number), Kind::Switch) => (*number != 0).into(),
@@ -164,7 +166,9 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
             row.set(value).then_some(())?;
             Toml::Array(row.map(|times| i64::from(times).into()).to_vec())
         }
-        (Value::Number(number), Kind::Whole | Kind::Name | Kind::MotorName | Kind::Plug) => (*number).into(),
+        (Value::Number(number), Kind::Whole | Kind::OfMotor | Kind::Name | Kind::MotorName | Kind::Plug) => {
+            (*number).into()
+        }
         (Value::Text(text), _) => text.as_str().into(),
     })
 }

@@ -64,7 +64,7 @@ impl Config {
     /// The required configuration of `motor`'s driver.
     #[must_use]
     pub fn new(motor: Motor, settings: &Settings) -> Self {
-        Self::of(settings.driver_of(motor).0, settings.steps_per_mm(motor))
+        Self::of(&settings.driver_of(motor), settings.steps_per_mm(motor))
     }
 
     fn of(d: &DriverSettings, steps_per_mm: StepsPerMm) -> Self {

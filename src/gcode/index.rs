@@ -6,6 +6,7 @@
 //! Prusa-Firmware-Buddy. Left out with a reason:
 //!
 //! - P of M106 and M107: the machine knows its number of fans (`machine::commands::fans`).
+//! - I of M906 and M914: the machine knows the drivers of an axis (`machine::commands::drivers`).
 //! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`commands::heat`). T of M306 requests a tuning, T of
 //!   M204 and M205 is for travel.
 //! - Reports (M105 T, M114, M122 P): their result does not depend on their words.
@@ -25,7 +26,7 @@ pub enum Part {
     Bed,
     /// A chamber; there is one.
     Chamber,
-    /// A driver of an axis; all drivers of an axis have one set of values.
+    /// A driver of an axis, where all drivers of an axis have one value.
     Driver,
     /// A fan.
     Fan,
@@ -158,11 +159,9 @@ mod tests {
             ("M900 T1 K.2", Part::Extruder, "1"),
             ("M900 S1", Part::Slot, "1"),
             ("M900 K.1 L.2", Part::Other, ".2"),
-            ("M906 I1 X700", Part::Driver, "1"),
             ("M906 T1 E700", Part::Extruder, "1"),
             ("M569 S1 I1 X", Part::Driver, "1"),
             ("M913 I 2X100", Part::Driver, "2"),
-            ("M914 I1 X100", Part::Driver, "1"),
             ("M92 T1 E400", Part::Extruder, "1"),
             ("M201 T1 E400", Part::Extruder, "1"),
             ("M203 T-1 E40", Part::Extruder, "-1"),

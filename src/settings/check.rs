@@ -3,10 +3,10 @@
 use super::ranges;
 use super::rows::{Field, Key, Value, Visitor};
 use super::thermal::{ThermalSettings, Thermistor};
-use super::{Endstop, HomedAxis, Settings};
+use super::{DriverGroups, Endstop, HomedAxis, OwnDriver, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, multiple};
-use crate::motors::{Motor, MotorName};
+use crate::motors::{Motor, MotorName, MotorSet};
 use crate::units::{Mm, MmPerSec, Seconds, StepsPerMm};
 
 /// The error in a set of settings; the text names the setting.
@@ -30,6 +30,15 @@ pub enum SettingsError {
         /// Keys of their drivers in machine files.
         keys: [&'static str; 2],
     },
+    /// These motors pull one closed belt, and their own currents differ.
+    BeltCurrents {
+        /// The motors.
+        motors: [MotorName; 2],
+        /// Their own currents in mA; 0 is the current of their group.
+        currents: [u16; 2],
+    },
+    /// This motor has own values of its driver, but its name means a group of drivers.
+    NamedAsGroup(MotorName),
     /// The motors fit no machine.
     Mechanism {
         /// Why.
@@ -65,6 +74,18 @@ impl core::fmt::Display for SettingsError {
                 "motors {a} and {b} move the same axis with {of_a} and {of_b} microsteps, so one moves further than the \
                 other: set {key_a}.microsteps and {key_b}.microsteps alike",
             ),
+            Self::BeltCurrents { motors: [a, b], currents: [of_a, of_b] } => {
+                write!(f, "motors {a} and {b} pull one closed belt, but ")?;
+                match (of_a, of_b) {
+                    (0, of_b) => write!(f, "only {b} has its own current, {of_b} mA")?,
+                    (of_a, 0) => write!(f, "only {a} has its own current, {of_a} mA")?,
+                    (of_a, of_b) => write!(f, "with {of_a} and {of_b} mA")?,
+                }
+                write!(f, ": give all motors of the belt the same current_ma, or set drivers.belt.current_ma alone")
+            }
+            Self::NamedAsGroup(motor) => {
+                write!(f, "drivers.{motor} is a group of drivers, not motor {motor} alone: rename the motor")
+            }
             Self::Mechanism { error, motor } if motor.is_none() => write!(f, "mechanism: {error}"),
             Self::Mechanism { error, motor } => write!(f, "mechanism.{motor}: {error}"),
             Self::MotorNames => f.write_str("motors.names has every motor once"),
@@ -202,6 +223,7 @@ impl Settings {
             }
         }
         self.check_motor_names()?;
+        self.check_own_drivers()?;
         self.check_microsteps()?;
         thermal(&self.thermal)
     }
@@ -217,6 +239,25 @@ impl Settings {
         Ok(())
     }
 
+    /// Checks that motors with own values of their drivers may have them.
+    fn check_own_drivers(&self) -> Result<(), SettingsError> {
+        let belt = if self.belt.is_closed { self.mechanism.belt_motors() } else { MotorSet::NONE };
+        let own = |motor: Motor| (self.name_of(motor), self.drivers.own(motor).current_ma);
+        let mut currents = belt.iter().map(own);
+        if let Some(first) = currents.next()
+            && let Some(other) = currents.find(|(_, current)| *current != first.1)
+        {
+            let (motors, currents) = ([first.0, other.0], [first.1, other.1]);
+            return Err(SettingsError::BeltCurrents { motors, currents });
+        }
+        let is_group = |motor: &Motor| DriverGroups::NAMES.contains(&self.name_of(*motor).as_str());
+        let has_own = |motor: &Motor| self.drivers.own(*motor) != OwnDriver::NONE;
+        match Motor::ALL.into_iter().find(|motor| is_group(motor) && has_own(motor)) {
+            Some(motor) => Err(SettingsError::NamedAsGroup(self.name_of(motor))),
+            None => Ok(()),
+        }
+    }
+
     /// Checks that motors which move an axis together go equally far in a full step, by their rows and their drivers'
     /// microsteps. With the same microsteps their rows may differ, because pulleys may; with others, rows must be in
     /// the same ratio.
@@ -225,7 +266,7 @@ impl Settings {
         for (a, row) in rows() {
             for (b, other) in rows().skip(a.index() + 1) {
                 let shares = row.iter().zip(other).any(|(times, others)| *times != 0 && others != 0);
-                let ((first, key), (second, other_key)) = (self.driver_of(a), self.driver_of(b));
+                let ((first, key), (second, other_key)) = (self.driver_group(a), self.driver_group(b));
                 let microsteps = [first.microsteps, second.microsteps];
                 let full_steps = |row, other: u16| u32::from(multiple(row).unsigned_abs()) * u32::from(other);
                 if shares

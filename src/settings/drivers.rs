@@ -1,8 +1,8 @@
-//! Drivers: the TMC2209 settings of each group of motors.
+//! Drivers: the TMC2209 settings of each group of motors, and of single motors.
 
 use super::rows::{Spec, rows};
 use super::{Range, Settings, ranges};
-use crate::motors::Motor;
+use crate::motors::{MOTORS, Motor, MotorSet};
 use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,23 @@ pub struct DriverSettings {
     pub stall_threshold: u8,
 }
 
+/// Values of a single motor's driver. 0 stands for the value of its group.
+///
+/// Motors of one axis may be of different kinds, so each may need its own current, and its own threshold to tell a load
+/// from a stall. Microsteps must agree within an axis, so no motor has its own.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Default, Serialize, Deserialize)]
+pub struct OwnDriver {
+    /// [`DriverSettings::current_ma`] (M906 I).
+    pub current_ma: u16,
+    /// [`DriverSettings::stall_threshold`] (M914 I).
+    pub stall_threshold: u8,
+}
+
+impl OwnDriver {
+    /// All values are the group's.
+    pub const NONE: Self = Self { current_ma: 0, stall_threshold: 0 };
+}
+
 /// Settings of the drivers by group of motors. The four belt motors have one set: they pull one belt.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct DriverGroups {
@@ -32,6 +49,8 @@ pub struct DriverGroups {
     pub z: DriverSettings,
     /// Motors of the filament.
     pub e: DriverSettings,
+    /// Values of single motors, in the order of [`Motor::ALL`].
+    pub own: [OwnDriver; MOTORS],
 }
 
 impl DriverGroups {
@@ -48,20 +67,70 @@ impl DriverGroups {
             hybrid_threshold: MmPerSec::ZERO,
             stall_threshold: 0,
         };
-        Self { belt, z: DriverSettings { hold_percent: 100, ..belt }, e: belt }
+        Self { belt, z: DriverSettings { hold_percent: 100, ..belt }, e: belt, own: [OwnDriver::NONE; MOTORS] }
+    }
+}
+
+/// The key of the drivers of the belt in machine files.
+const BELT: &str = "drivers.belt";
+/// The same of the drivers of z.
+const Z: &str = "drivers.z";
+/// The same of the drivers of the filament.
+const E: &str = "drivers.e";
+
+impl DriverGroups {
+    /// The names of the groups in machine files. A motor with such a name has no section of its own.
+    pub const NAMES: [&str; 3] = ["belt", "z", "e"];
+
+    /// The own values of a motor.
+    #[must_use]
+    pub fn own(&self, motor: Motor) -> OwnDriver {
+        self.own.get(motor.index()).copied().unwrap_or(OwnDriver::NONE)
     }
 }
 
 impl Settings {
-    /// The settings of a motor's driver, and their key in machine files: those of the belt for a motor that moves x or
-    /// y, else those of z or e.
+    /// The group of a motor's driver, and its key in machine files: the belt's for a motor that moves x or y, else the
+    /// group of z or e.
     #[must_use]
-    pub fn driver_of(&self, motor: Motor) -> (&DriverSettings, &'static str) {
+    pub fn driver_group(&self, motor: Motor) -> (&DriverSettings, &'static str) {
         match self.mechanism.axis_of(motor) {
-            Some(0 | 1) => (&self.drivers.belt, "drivers.belt"),
-            Some(2) => (&self.drivers.z, "drivers.z"),
-            _ => (&self.drivers.e, "drivers.e"),
+            Some(0 | 1) => (&self.drivers.belt, BELT),
+            Some(2) => (&self.drivers.z, Z),
+            _ => (&self.drivers.e, E),
         }
+    }
+
+    /// The settings of a motor's driver: its own where it has any, else its group's.
+    #[must_use]
+    pub fn driver_of(&self, motor: Motor) -> DriverSettings {
+        let (own, mut driver) = (self.drivers.own(motor), *self.driver_group(motor).0);
+        if own.current_ma != 0 {
+            driver.current_ma = own.current_ma;
+        }
+        if own.stall_threshold != 0 {
+            driver.stall_threshold = own.stall_threshold;
+        }
+        driver
+    }
+
+    /// The motors of an axis that a line can give values of their own, by their places (I of M906): those that move
+    /// this axis alone. A motor without another one in its group has the group's values, unless it has its own already.
+    /// Motors of one closed belt are alike.
+    #[must_use]
+    pub fn single_drivers(&self, axis: usize) -> MotorSet {
+        let fitted = self.mechanism.fitted();
+        let group = |motor: Motor| self.driver_group(motor).1;
+        let is_single = |motor: &Motor| {
+            let row = self.mechanism.rows.get(motor.index()).copied().unwrap_or_default();
+            let moves_it_alone = row.iter().enumerate().all(|(other, times)| (*times != 0) == (other == axis));
+            let has_others = fitted.iter().any(|other| other != *motor && group(other) == group(*motor));
+            moves_it_alone
+                && (has_others || self.drivers.own(*motor) != OwnDriver::NONE)
+                && !DriverGroups::NAMES.contains(&self.name_of(*motor).as_str())
+                && !(self.belt.is_closed && group(*motor) == BELT)
+        };
+        fitted.iter().filter(is_single).fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
     }
 }
 
@@ -70,7 +139,7 @@ fn parts(s: &mut Settings) -> [&mut DriverSettings; 3] {
 }
 
 rows! {
-    for driver in parts, named &["drivers.belt", "drivers.z", "drivers.e"];
+    for driver in parts, named &[BELT, Z, E];
 
     /// Current of a running motor, root mean square (M906).
     40 "current_ma" = driver.current_ma, "mA", [ranges::CURRENT_MA.spec()];
@@ -86,13 +155,67 @@ rows! {
     45 "stall_threshold" = driver.stall_threshold, "", [Range { least: u8::MIN, most: u8::MAX }.spec()];
 }
 
+/// Rows of [`DriverGroups::own`].
+pub(super) mod own {
+    use super::*;
+
+    /// The tables of the motors, by their numbers.
+    const TABLES: [&str; MOTORS] =
+        ["drivers.#0", "drivers.#1", "drivers.#2", "drivers.#3", "drivers.#4", "drivers.#5", "drivers.#6"];
+
+    fn parts(s: &mut Settings) -> [&mut OwnDriver; MOTORS] {
+        s.drivers.own.each_mut()
+    }
+
+    rows! {
+        for driver in parts, named &TABLES;
+
+        /// Own current of this motor, root mean square (M906 I). Left out, it has the current of its group, `belt`, `z`
+        /// or `e`.
+        101 "current_ma" = driver.current_ma, "mA", [ranges::CURRENT_MA.spec().or_group()];
+        /// Own StallGuard threshold of this motor (M914 I). Left out, it has the threshold of its group.
+        102 "stall_threshold" = driver.stall_threshold, "", [ranges::OWN_STALL_THRESHOLD.spec().or_group()];
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motors::prototype;
 
     #[test]
     fn screws_hold_with_all_of_their_current_and_the_other_motors_with_half() {
-        let DriverGroups { belt, z, e } = DriverGroups::prototype();
+        let DriverGroups { belt, z, e, .. } = DriverGroups::prototype();
         assert_eq!([belt, z, e].map(|group| group.hold_percent), [50, 100, 50]);
+    }
+
+    #[test]
+    fn a_motor_has_its_own_values_and_those_of_its_group_otherwise() {
+        let mut s = Settings::prototype();
+        let group = s.drivers.z;
+        s.drivers.own[prototype::Z2.index()] = OwnDriver { current_ma: 600, stall_threshold: 0 };
+        assert_eq!(s.driver_of(prototype::Z1), group);
+        assert_eq!(s.driver_of(prototype::Z2), DriverSettings { current_ma: 600, ..group });
+        s.drivers.own[prototype::Z2.index()] = OwnDriver { current_ma: 0, stall_threshold: 7 };
+        assert_eq!(s.driver_of(prototype::Z2), DriverSettings { stall_threshold: 7, ..group });
+    }
+
+    #[test]
+    fn lines_reach_single_motors_that_move_an_axis_alone_and_not_those_of_a_closed_belt() {
+        let mut s = Settings::prototype();
+        let single = |s: &Settings| [0, 1, 2, 3].map(|axis| s.single_drivers(axis));
+        let [none, z] = [MotorSet::NONE, prototype::Z];
+        assert_eq!(single(&s), [none, none, z, none]);
+        s.belt.is_closed = false;
+        assert_eq!(single(&s), [none, none, z, none], "each belt motor moves x and y");
+        s.mechanism.rows[..4].copy_from_slice(&[[1, 0, 0, 0], [0, 1, 0, 0], [0, -1, 0, 0], [0; 4]]);
+        let (x, y) = (MotorSet::of(prototype::M1), MotorSet::of(prototype::M4).with(MotorSet::of(prototype::M8)));
+        assert_eq!(single(&s), [x, y, z, none]);
+        s.belt.is_closed = true;
+        assert_eq!(single(&s), [none, none, z, none]);
+        s.drivers.own[prototype::E0.index()].current_ma = 500;
+        assert_eq!(single(&s)[3], MotorSet::of(prototype::E0), "alone, but with a value of its own");
+        s.motor_names[prototype::Z1.index()] = crate::motors::MotorName::lit("z");
+        assert_eq!(single(&s)[2], MotorSet::of(prototype::Z2), "z is the group");
     }
 }

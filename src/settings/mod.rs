@@ -48,7 +48,7 @@ pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
 pub use belt::{Alignment, Belt, PHASES};
 pub use check::SettingsError;
-pub use drivers::{DriverGroups, DriverSettings};
+pub use drivers::{DriverGroups, DriverSettings, OwnDriver};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
 pub use name::MachineName;

@@ -61,6 +61,8 @@ pub const STEP_RATE: StepRate = StepRate::of_whole(500_000);
 /// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is the limit of sense resistors of 110 mOhm
 /// (TMC2209 datasheet rev 1.09, section 9).
 pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };
+/// StallGuard threshold of a single motor; 0 is the threshold of its group.
+pub const OWN_STALL_THRESHOLD: Range<u8> = Range { least: 1, most: u8::MAX };
 /// Hold current in percent of the run current.
 pub const HOLD_PERCENT: Range<u8> = Range { least: 0, most: 100 };
 /// Frequency of an input shaper: below 10 Hz a shaper takes longer than the trajectory remembers, above 500 it takes

@@ -70,6 +70,8 @@ pub enum Kind {
     Choice(fn(usize) -> Option<&'static str>),
     /// Such a number, or "auto" for 0.
     Auto(u32),
+    /// A whole number of one motor. It is left out for 0: the value of its group counts.
+    OfMotor,
     /// The name of a machine.
     Name,
     /// The name of a motor.
@@ -152,6 +154,12 @@ impl Spec {
             Kind::Fixed(bits) => Self { kind: Kind::Auto(bits), ..self.or_zero() },
             _ => self,
         }
+    }
+
+    /// The same, and 0 as well, which is the value of the motor's group.
+    #[must_use]
+    pub const fn or_group(self) -> Self {
+        Self { kind: Kind::OfMotor, ..self.or_zero() }
     }
 
     /// The same, and 0 as well.

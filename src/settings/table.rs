@@ -39,6 +39,7 @@ files! {
     belt,
     belt::phases,
     drivers,
+    drivers::own,
     endstops,
     endstops::order,
     pause,

@@ -92,6 +92,12 @@ fn file(rule: CornerRule) -> Table {
     }
     // One that follows the shapers would change with them.
     file["advance"]["window"] = 0.03.into();
+    // A driver with values of its own for each motor.
+    for motor in prototype::NAMES {
+        let own = [("current_ma", 300), ("stall_threshold", 3)].map(|(key, value)| (key.to_owned(), value.into()));
+        let drivers = file["drivers"].as_table_mut().unwrap();
+        drivers.insert(motor.to_string(), toml::Value::Table(Table::from_iter(own)));
+    }
     // No board: it has not every connector that a setting may name.
     file.remove("board");
     file
@@ -111,6 +117,10 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
             Value::Array(items) if path.ends_with(".motors") => {
                 let motors = prototype::NAMES.into_iter().zip(items);
                 motors.for_each(|(motor, value)| gather(value, &format!("{path}.{motor}"), into));
+            }
+            Value::Array(items) if path.ends_with(".own") => {
+                let motors = prototype::NAMES.into_iter().zip(items);
+                motors.for_each(|(motor, value)| gather(value, &format!("{}.{motor}", path.replace(".own", "")), into));
             }
             // A connector and which way round it is are one text.
             Value::Object(fields) if !["bits", "connector", "Sheet"].iter().any(|key| fields.contains_key(*key)) => {
@@ -221,10 +231,15 @@ fn is_of_all_machines(path: &str) -> bool {
 /// The line that sets a setting.
 fn line_for(path: &str) -> Option<String> {
     let of_corners = CornerRule::all().map(corner).map(|[path, _, line]| (path, line));
+    // The motors of `file` by their places. One of them is not fitted.
+    let single = [("m1", "I0 X"), ("m4", "I1 X"), ("m8", "I0 Y"), ("m11", "I1 Y"), ("z1", "I0 Z"), ("e0", "I0 E")];
+    let axis = match path.split('.').nth(1).unwrap_or_default() {
+        "belt" => "X".to_owned(),
+        "z2" => return None,
+        part => single.iter().find(|(motor, _)| *motor == part).map_or(part.to_uppercase(), |(_, word)| (*word).into()),
+    };
     let own = LINES.into_iter().chain(of_corners).find(|(name, _)| is_one_of(path, &[name]));
-    let axis = path.split('.').nth(1).map(|axis| if axis == "belt" { "X".to_owned() } else { axis.to_uppercase() });
-    let own = own.map(|(_, line)| line.replace("{}", axis.as_deref().unwrap_or_default()));
-    own.or_else(|| plain_lines().remove(&key_of(path)))
+    own.map(|(_, line)| line.replace("{}", &axis)).or_else(|| plain_lines().remove(&key_of(path)))
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::row::Described;
 use crate::gcode::axes::{axis_flags, axis_words};
 use crate::gcode::index::Part;
 use crate::gcode::lexer::{last, number, switch};
+use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, AxisWords};
 
 /// Motors, their drivers and belts.
@@ -29,11 +30,21 @@ pub enum MotorCommand {
         axes: AxisFlags,
     },
     /// M906: run current in mA, or report.
-    DriverCurrent(AxisWords),
+    DriverCurrent {
+        /// The currents.
+        axes: AxisWords,
+        /// I: which driver of each axis; all of them without a number.
+        driver: Option<Number>,
+    },
     /// M913: speed above which spreadCycle replaces stealthChop, units/s, or report.
     HybridThreshold(AxisWords),
     /// M914: StallGuard threshold, or report.
-    StallThreshold(AxisWords),
+    StallThreshold {
+        /// The thresholds.
+        axes: AxisWords,
+        /// As in M906.
+        driver: Option<Number>,
+    },
     /// M915: align the motors of one belt, or check them.
     AlignBelt {
         /// D: report changes since they were aligned.
@@ -43,11 +54,14 @@ pub enum MotorCommand {
     },
 }
 
-/// Words that select a driver.
+/// Words that select a driver, where all drivers of an axis have one value.
 const DRIVERS: &[(u8, Part)] = &[(b'I', Part::Driver), (b'T', Part::Extruder)];
 
 /// A number for the drivers of each axis.
-const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES).parts(DRIVERS);
+const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES);
+
+/// The same where I selects one of the machine's drivers. The machine knows how many an axis has.
+const OF_DRIVER: &Grammar = &AXES.parts(&[(b'T', Part::Extruder)]);
 
 pub(super) const ROWS: &[Described] = &[
     Described::m(&[17], |_, text| motor(MotorCommand::EnableMotors(axis_flags(text))))
@@ -60,15 +74,19 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[569], |_, text| if last(text, b'P').is_none() { motor(stealth(text)) } else { None })
         .grammar(&Grammar::numbers(b"").no_axes(NO_AXES).parts(DRIVERS))
         .does("S X Y Z E", "stealthChop (1) or spreadCycle (0); or reports; with P unknown"),
-    Described::m(&[906], |_, text| motor(MotorCommand::DriverCurrent(axis_words(text))))
-        .grammar(AXES)
-        .does("X Y Z E", "run current in mA; or reports"),
+    Described::m(&[906], |_, text| {
+        motor(MotorCommand::DriverCurrent { axes: axis_words(text), driver: number(text, b'I') })
+    })
+    .grammar(OF_DRIVER)
+    .does("X Y Z E, I", "run current in mA, of one driver of the axis with I; or reports"),
     Described::m(&[913], |_, text| motor(MotorCommand::HybridThreshold(axis_words(text))))
-        .grammar(AXES)
+        .grammar(const { &AXES.parts(DRIVERS) })
         .does("X Y Z E", "speed above which stealthChop ends, mm/s; or reports"),
-    Described::m(&[914], |_, text| motor(MotorCommand::StallThreshold(axis_words(text))))
-        .grammar(AXES)
-        .does("X Y Z E", "StallGuard threshold; or reports"),
+    Described::m(&[914], |_, text| {
+        motor(MotorCommand::StallThreshold { axes: axis_words(text), driver: number(text, b'I') })
+    })
+    .grammar(OF_DRIVER)
+    .does("X Y Z E, I", "StallGuard threshold, of one driver of the axis with I; or reports"),
     Described::m(&[915], |_, text| align(text)).grammar(WORDS).does(
         "D, R",
         "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt.md#alignment-m915))",

@@ -59,7 +59,15 @@ fn drivers() {
     assert_eq!(parse(b"M569"), Command::Motor(MotorCommand::Stealth { on: None, axes: AxisFlags::default() }));
     assert_eq!(parse(b"M569 P0 S0"), Command::Unknown(b"M569 P0 S0"));
     let words = AxisWords { x: Some(Number::from(900)), ..AxisWords::default() };
-    assert_eq!(parse(b"M906 X900"), Command::Motor(MotorCommand::DriverCurrent(words)));
+    assert_eq!(parse(b"M906 X900"), Command::Motor(MotorCommand::DriverCurrent { axes: words, driver: None }));
+    let driver = |line: &str| match parse(line.as_bytes()) {
+        Command::Motor(MotorCommand::DriverCurrent { driver, .. } | MotorCommand::StallThreshold { driver, .. }) => {
+            driver
+        }
+        other => panic!("{line}: {other:?}"),
+    };
+    let numbers = [("M906 I1 X700", 1), ("M914 X100 I 2", 2), ("M906 I-1 X700", -1), ("M914 I0", 0)];
+    numbers.iter().for_each(|(line, number)| assert_eq!(driver(line), Some((*number).into()), "{line}"));
     assert_eq!(parse(b"M122"), Command::Report(ReportCommand::Diagnose));
 }
 
@@ -216,7 +224,7 @@ fn every_code_has_its_command() {
         ("M503 S1", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
         ("M503 S0", Command::Setting(SettingCommand::ReportSettings { for_replay: true })),
         ("M913", Command::Motor(MotorCommand::HybridThreshold(none))),
-        ("M914", Command::Motor(MotorCommand::StallThreshold(none))),
+        ("M914", Command::Motor(MotorCommand::StallThreshold { axes: none, driver: None })),
         ("M999", Command::Job(JobCommand::Restart)),
     ] {
         assert_eq!(parse(line.as_bytes()), command, "{line}");

@@ -13,7 +13,7 @@ use super::storage_news::StorageNews;
 use super::words::Words;
 use crate::connectors::Heater;
 use crate::driver::{DriverError, Fault, Reading};
-use crate::gcode::{Flaw, Form};
+use crate::gcode::{Flaw, Form, Number};
 use crate::machine::state::clamps::Clamp;
 use crate::machine::state::retraction::RetractionSettings;
 use crate::port::{EndstopSet, Motor};
@@ -82,6 +82,8 @@ pub(in crate::machine) enum Answer<'a> {
     NoHeater(Heater),
     /// M106 for a fan that no machine has.
     NoFan(u8),
+    /// A command for a driver of an axis that has no such driver, or whose drivers have one value.
+    NoDriver(&'static str, Number),
     /// M106 for a fan that something else decides on.
     NotCommanded(u8),
     HeatSetting(HeatSetting),
@@ -110,6 +112,8 @@ pub(in crate::machine) enum Answer<'a> {
     LoweredSpeeds,
     TooMuchFilament,
     DriverValues(DriverValue),
+    /// The same of the motors that have their own.
+    OwnDriverValues(DriverValue),
     /// M122: a driver and its reading; `None` without a UART.
     Driver(Motor, Option<Result<Reading, DriverError>>),
     /// Motors that can pull against each other.

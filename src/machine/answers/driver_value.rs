@@ -2,7 +2,8 @@
 
 use crate::gcode::Number;
 use crate::machine::numbers::exact;
-use crate::settings::DriverSettings;
+use crate::port::Motor;
+use crate::settings::{DriverSettings, Settings};
 
 /// A setting that a command reports or changes for each axis.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -35,5 +36,19 @@ impl DriverValue {
             Self::StallThreshold => exact(i32::from(group.stall_threshold)),
             Self::Mode => exact(i32::from(group.stealth)),
         }
+    }
+
+    /// The numbers of the fitted motors that have their own.
+    pub fn of_motors(self, s: &Settings) -> impl Iterator<Item = (Motor, Number)> {
+        let own = move |motor: Motor| {
+            let own = s.drivers.own(motor);
+            let number = match self {
+                Self::Current => own.current_ma,
+                Self::StallThreshold => own.stall_threshold.into(),
+                Self::HybridThreshold | Self::Mode => 0,
+            };
+            (number != 0).then(|| (motor, Number::from(i32::from(number))))
+        };
+        s.mechanism.fitted().iter().filter_map(own)
     }
 }

@@ -1,9 +1,12 @@
 //! The settings of the motor drivers: M569, M906, M913, M914.
 //!
-//! X and Y both mean the four belt motors, which have one set of settings. A change reaches the drivers of motors
-//! with power within a second, in the background and without stopping the motion; the others before they get it.
+//! X and Y both mean the four belt motors, which have one set of settings. With I a line is for one driver of an axis,
+//! as in Marlin (`M906.cpp`): I0 is the first, -1 is all of them. It sets the motor's own value, and 0 takes that away.
+//! A change reaches the drivers of motors with power within a second, in the background and without stopping the
+//! motion; the others before they get it.
 
-use crate::gcode::{AxisFlags, AxisWords, Number};
+use super::states::States;
+use crate::gcode::{Absent, AxisFlags, AxisWords, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::interrupt::Interrupt;
@@ -11,40 +14,115 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::port::Pend;
-use crate::settings::{DriverGroups, DriverSettings, Range, ranges};
+use crate::port::{Motor, Pend};
+use crate::settings::{DriverSettings, OwnDriver, Range, Settings, ranges};
 use crate::units::MmPerSec;
+
+/// The drivers that a word of an axis sets.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// All of the group.
+    Group,
+    /// A single one.
+    Motor(Motor),
+}
+
+/// The drivers of an axis that I selects. `None` if it has no such driver.
+fn place(s: &Settings, axis: usize, driver: Option<Number>) -> Option<Place> {
+    let Some(driver) = driver.filter(|driver| *driver != Number::from(-1)) else { return Some(Place::Group) };
+    let single = s.single_drivers(axis);
+    if single.is_empty() {
+        return (driver == Number::ZERO).then_some(Place::Group);
+    }
+    let found = (0..).zip(single.iter()).find(|(number, _)| Number::from(*number) == driver);
+    found.map(|(_, motor)| Place::Motor(motor))
+}
 
 /// M906, M913, M914, and M569. The named values are changed; without words all are reported.
 pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     value: DriverValue,
     words: &AxisWords,
-    modal: &Modal,
-    clamps: &mut Clamps,
+    driver: Option<Number>,
+    states: &mut States,
 ) -> Answer<'static> {
+    let States { modal, clamps, notices, .. } = states;
+    let (code, is_report) = (value.code(), *words == AxisWords::default());
+    let asked = [words.x, words.y, words.z, words.e];
+    let places = [0, 1, 2, 3].map(|axis| place(&main_loop.settings, axis, driver));
+    let mut named = places.iter().zip(asked).filter(|(_, number)| is_report || number.is_some());
+    let is_absent =
+        if is_report { named.all(|(place, _)| place.is_none()) } else { named.any(|(place, _)| place.is_none()) };
+    if let Some(driver) = driver.filter(|_| is_absent) {
+        let which = driver.value().to_bits().to_le_bytes();
+        let absent = Absent { command: Named::Name(code), part: Part::Driver, which: &which };
+        return if notices.give_absent(absent.key()) { Answer::NoDriver(code, driver) } else { Answer::Nothing };
+    }
     if main_loop.power.uarts().is_empty() {
         return Answer::Line("echo:drivers are set by their jumpers");
     }
-    if *words == AxisWords::default() {
+    if is_report {
         return Answer::DriverValues(value);
     }
-    let code = value.code();
-    if words.x.is_some() && words.y.is_some() && words.x != words.y {
+    let [x, y, ..] = places;
+    let are_one = words.x.is_some() && words.y.is_some() && x == y;
+    if are_one && words.x != words.y {
         return Answer::OneBelt(code);
     }
-    let mut wanted = main_loop.settings.drivers;
-    let DriverGroups { belt, z, e } = &mut wanted;
-    let xy = if words.x.is_some() { "X" } else { "Y" };
-    for (group, axis, number) in [(belt, xy, words.x.or(words.y)), (z, "Z", words.z), (e, "E", words.e)] {
-        if let Some(number) = number {
-            change(group, value, axis, number, modal, clamps);
+    let (mut wanted, mut sets_group) = (main_loop.settings.drivers, false);
+    for (axis, (place, number)) in places.into_iter().zip(asked).enumerate() {
+        // X has set the belt.
+        let Some(number) = number.filter(|_| !(are_one && axis == 1)) else { continue };
+        let (group, letter) = match axis {
+            0 => (&mut wanted.belt, "X"),
+            1 => (&mut wanted.belt, "Y"),
+            2 => (&mut wanted.z, "Z"),
+            _ => (&mut wanted.e, "E"),
+        };
+        let Some(Place::Motor(motor)) = place else {
+            change(group, value, letter, number, modal, clamps);
+            sets_group = true;
+            continue;
+        };
+        let present = main_loop.settings.driver_of(motor);
+        if let Some(own) = wanted.own.get_mut(motor.index()) {
+            change_own(own, &present, value, letter, number, clamps);
         }
     }
-    if !clamps.refuses_line() {
-        main_loop.use_driver_settings(wanted);
+    if clamps.refuses_line() {
+        return Answer::Nothing;
     }
-    Answer::Nothing
+    main_loop.use_driver_settings(wanted);
+    // Motors with their own value do not follow their group.
+    let has_own = value.of_motors(&main_loop.settings).next().is_some();
+    if sets_group && has_own { Answer::OwnDriverValues(value) } else { Answer::Nothing }
+}
+
+/// Changes a value of a single motor if it is legal; 0 is the value of its group.
+fn change_own(
+    own: &mut OwnDriver,
+    present: &DriverSettings,
+    value: DriverValue,
+    axis: &'static str,
+    number: Number,
+    clamps: &mut Clamps,
+) {
+    let (range, present) = match value {
+        DriverValue::Current => (ranges::CURRENT_MA, present.current_ma),
+        DriverValue::StallThreshold => {
+            let Range { least, most } = ranges::OWN_STALL_THRESHOLD;
+            (Range { least: least.into(), most: most.into() }, present.stall_threshold.into())
+        }
+        // The drivers of an axis have one value.
+        DriverValue::HybridThreshold | DriverValue::Mode => return,
+    };
+    let is_group = number == Number::ZERO;
+    let wanted = if is_group { Some(0) } else { clamps.whole_of([value.code(), axis], number, range, Some(present)) };
+    match (value, wanted) {
+        (DriverValue::Current, Some(wanted)) => own.current_ma = wanted,
+        (DriverValue::StallThreshold, Some(wanted)) => own.stall_threshold = wanted as u8,
+        _ => {}
+    }
 }
 
 /// Changes one value if it is legal.
@@ -82,8 +160,7 @@ fn mode_words(stealth: bool, axes: AxisFlags) -> AxisWords {
 /// M569. The motion rests first: a motor that changes its mode at speed may lose steps.
 pub(in crate::machine) async fn change_mode<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    modal: &Modal,
-    clamps: &mut Clamps,
+    states: &mut States,
     stealth: Option<bool>,
     axes: AxisFlags,
 ) -> Result<Answer<'static>, Interrupt> {
@@ -92,7 +169,7 @@ pub(in crate::machine) async fn change_mode<P: PortSet, W: Pend>(
         main_loop.finish().await?;
         words = mode_words(stealth, axes);
     }
-    let answer = set_drivers(main_loop, DriverValue::Mode, &words, modal, clamps);
+    let answer = set_drivers(main_loop, DriverValue::Mode, &words, None, states);
     main_loop.await_drivers().await?;
     Ok(answer)
 }

@@ -21,7 +21,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     states: &mut States,
     command: &MotorCommand,
 ) -> Result<Answer<'static>, Interrupt> {
-    let States { modal, clamps, notices, .. } = states;
     Ok(match *command {
         MotorCommand::EnableMotors(flags) => {
             main_loop.power_up(motors_of(main_loop.motion.groups(), flags)).await?;
@@ -32,16 +31,22 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             main_loop.power.set_idle_timeout(seconds, main_loop.now());
             Answer::Nothing
         }
-        MotorCommand::Stealth { on, axes } => return change_mode(main_loop, modal, clamps, on, axes).await,
-        MotorCommand::DriverCurrent(ref words) => set_drivers(main_loop, DriverValue::Current, words, modal, clamps),
+        MotorCommand::Stealth { on, axes } => return change_mode(main_loop, states, on, axes).await,
+        MotorCommand::DriverCurrent { ref axes, driver } => {
+            set_drivers(main_loop, DriverValue::Current, axes, driver, states)
+        }
         MotorCommand::HybridThreshold(ref words) => {
-            set_drivers(main_loop, DriverValue::HybridThreshold, words, modal, clamps)
+            set_drivers(main_loop, DriverValue::HybridThreshold, words, None, states)
         }
-        MotorCommand::StallThreshold(ref words) => {
-            set_drivers(main_loop, DriverValue::StallThreshold, words, modal, clamps)
+        MotorCommand::StallThreshold { ref axes, driver } => {
+            set_drivers(main_loop, DriverValue::StallThreshold, axes, driver, states)
         }
-        MotorCommand::AlignBelt { diagnoses: false, repairs: false } => return align_belt(main_loop, notices).await,
-        MotorCommand::AlignBelt { diagnoses: _, repairs } => return examine_belt(main_loop, notices, repairs).await,
+        MotorCommand::AlignBelt { diagnoses: false, repairs: false } => {
+            return align_belt(main_loop, &mut states.notices).await;
+        }
+        MotorCommand::AlignBelt { diagnoses: _, repairs } => {
+            return examine_belt(main_loop, &mut states.notices, repairs).await;
+        }
     })
 }
 

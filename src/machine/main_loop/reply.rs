@@ -16,7 +16,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::belt_report::report_belt;
-use crate::machine::reports::driver_report::{report_driver, report_driver_values};
+use crate::machine::reports::driver_report::{report_driver, report_driver_values, report_own_driver_values};
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
 use crate::machine::reports::machine_report::report_machine;
@@ -172,6 +172,10 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 }
                 report_settings(to, s, &retraction, !power.uarts().is_empty());
             }
+            Answer::NoDriver(code, number) => {
+                let driver = Part::Driver.name();
+                to.say(format_args!("echo:{code} ignored: there is no {driver} {number}"));
+            }
             Answer::OneBelt(code) => {
                 to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
             }
@@ -187,6 +191,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
             }
             Answer::DriverValues(value) => report_driver_values(to, value, s),
+            Answer::OwnDriverValues(value) => report_own_driver_values(to, value, s),
             Answer::Driver(motor, reading) => report_driver(to, (motor, reading), power.drivers(), s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
             Answer::Storage(news) => report_storage(to, &news),

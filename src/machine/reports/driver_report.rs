@@ -2,10 +2,11 @@
 
 use super::report::Hundredths;
 use crate::driver::{Config, DriverError, Drivers, Reading};
+use crate::gcode::Number;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::speaker::Speaker;
 use crate::port::Motor;
-use crate::settings::{DriverGroups, DriverSettings, Settings};
+use crate::settings::{DriverGroups, Settings};
 use crate::units::StepsPerMm;
 use core::fmt;
 
@@ -77,27 +78,35 @@ fn turn_of(steps_per_mm: StepsPerMm, microsteps: u32) -> Hundredths {
     Hundredths::of(steps_per_mm.length_of(FULL_STEPS * i64::from(microsteps)))
 }
 
-/// The value of one axis in Marlin's words.
-struct DriverValueLine<'g>(char, DriverValue, &'g DriverSettings);
+/// The value of one axis, or of a motor with its own, in Marlin's words.
+struct DriverValueLine<N>(N, DriverValue, Number);
 
-impl fmt::Display for DriverValueLine<'_> {
+impl<N: fmt::Display> fmt::Display for DriverValueLine<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(axis, value, group) = *self;
+        let Self(name, value, number) = self;
         let what = match value {
             DriverValue::Current => "driver current",
             DriverValue::HybridThreshold => "stealthChop max speed",
             DriverValue::StallThreshold => "homing sensitivity",
-            DriverValue::Mode if group.stealth => return write!(f, "{axis} driver mode: stealthChop"),
-            DriverValue::Mode => return write!(f, "{axis} driver mode: spreadCycle"),
+            DriverValue::Mode if *number == Number::ZERO => return write!(f, "{name} driver mode: spreadCycle"),
+            DriverValue::Mode => return write!(f, "{name} driver mode: stealthChop"),
         };
-        write!(f, "{axis} {what}: {}", value.number(group))
+        write!(f, "{name} {what}: {number}")
     }
 }
 
-/// One value of each axis.
+/// One value of each axis, and of each motor that has its own.
 pub(in crate::machine) fn report_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
-    let DriverGroups { belt, z, e } = s.drivers;
+    let DriverGroups { belt, z, e, .. } = s.drivers;
     for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
-        to.say(format_args!("{}", DriverValueLine(axis, value, &group)));
+        to.say(format_args!("{}", DriverValueLine(axis, value, value.number(&group))));
+    }
+    report_own_driver_values(to, value, s);
+}
+
+/// The value of each motor that has its own.
+pub(in crate::machine) fn report_own_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+    for (motor, number) in value.of_motors(s) {
+        to.say(format_args!("{}", DriverValueLine(s.name_of(motor), value, number)));
     }
 }

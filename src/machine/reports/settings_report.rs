@@ -186,6 +186,20 @@ fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
         let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
         report_axes(to, value.code(), [belt, belt, z, e]);
+        report_own_values(to, value, s);
+    }
+}
+
+/// M503, the values of single motors: as lines with I, or as comments where no line sets them.
+fn report_own_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+    let code = value.code();
+    for (motor, number) in value.of_motors(s) {
+        let axis = s.mechanism.axis_of(motor).unwrap_or_default();
+        let place = s.single_drivers(axis).iter().position(|single| single == motor);
+        match (place, "XYZE".chars().nth(axis)) {
+            (Some(place), Some(letter)) => to.setting(format_args!("{code} I{place} {letter}{number}")),
+            _ => to.remark(format_args!("{code} of motor {}: {number}", s.name_of(motor))),
+        }
     }
 }
 

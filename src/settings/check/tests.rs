@@ -147,6 +147,15 @@ fn errors_name_the_setting_that_is_wrong() {
             "motors m1 and z1 move the same axis with 16 and 32 microsteps, so one moves further than the other: set \
             drivers.belt.microsteps and drivers.z.microsteps alike",
         ),
+        (
+            SettingsError::BeltCurrents { motors: ["m1", "m4"].map(MotorName::lit), currents: [700, 900] },
+            "motors m1 and m4 pull one closed belt, but with 700 and 900 mA: give all motors of the belt the same \
+            current_ma, or set drivers.belt.current_ma alone",
+        ),
+        (
+            SettingsError::NamedAsGroup(MotorName::lit("z")),
+            "drivers.z is a group of drivers, not motor z alone: rename the motor",
+        ),
         (SettingsError::NoSuchMicrosteps("drivers.z"), "drivers.z: microsteps are 1, 2, 4 and so on up to 256"),
     ];
     for (error, text) in texts {
@@ -231,4 +240,36 @@ fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ()
     assert_eq!(belts([4, 0, 4, 0], [0, 0, 5, 0], 16, 16), Ok(()));
     assert_eq!(belts([1, 0, 1, 0], [0, 0, 1, 0], 16, 32), differ(["m11", "z1"], [16, 32]));
     assert_eq!(belts([4, 0, 4, 0], [0, 0, 5, 0], 16, 32), differ(["m11", "z1"], [16, 32]));
+}
+
+/// A stronger motor would drag the others along the belt.
+#[test]
+fn motors_of_a_closed_belt_have_one_current() {
+    let mut s = Settings::prototype();
+    let belt = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
+    s.drivers.own[belt[1].index()].current_ma = 700;
+    let motors = ["m1", "m4"].map(MotorName::lit);
+    assert_eq!(s.check(), Err(SettingsError::BeltCurrents { motors, currents: [0, 700] }));
+    let said = s.check().unwrap_err().to_string();
+    assert!(
+        said.starts_with("motors m1 and m4 pull one closed belt, but only m4 has its own current, 700 mA:"),
+        "{said}"
+    );
+    // As much as the group's is no excuse: M906 X changes only the group.
+    s.drivers.belt.current_ma = 700;
+    assert!(s.check().is_err());
+    belt.iter().for_each(|motor| s.drivers.own[motor.index()].current_ma = 700);
+    assert_eq!(s.check(), Ok(()));
+    s.drivers.own[belt[3].index()].current_ma = 0;
+    let motors = ["m1", "m11"].map(MotorName::lit);
+    assert_eq!(s.check(), Err(SettingsError::BeltCurrents { motors, currents: [700, 0] }));
+    s.belt.is_closed = false;
+    assert_eq!(s.check(), Ok(()), "two belts");
+    s.belt.is_closed = true;
+    belt.iter().for_each(|motor| s.drivers.own[motor.index()].current_ma = 0);
+    // Other motors, and thresholds of a stall, may differ.
+    (s.drivers.own[prototype::Z1.index()].current_ma, s.drivers.own[belt[0].index()].stall_threshold) = (600, 9);
+    assert_eq!(s.check(), Ok(()));
+    s.motor_names[prototype::Z1.index()] = MotorName::lit("e");
+    assert_eq!(s.check(), Err(SettingsError::NamedAsGroup(MotorName::lit("e"))));
 }

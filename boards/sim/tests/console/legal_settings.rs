@@ -29,9 +29,9 @@ const SETTERS: [(&str, &str); 16] = [
     ("M593", "XYFDT"),
     ("M710", "RSDAI"),
     ("M900", "K"),
-    ("M906", "XYZE"),
+    ("M906", "XYZEI"),
     ("M913", "XYZE"),
-    ("M914", "XYZE"),
+    ("M914", "XYZEI"),
 ];
 
 /// Codes that set settings, each with all of its letters.

@@ -10,9 +10,18 @@ use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::run_on;
 
-/// Letters with a switch, a choice or an axis as number, or with clamping; they have rows of their own below.
-const NO_RANGE: [(&str, &str); 7] =
-    [("M113", "S"), ("M211", "S"), ("M302", "P"), ("M306", "E"), ("M569", "SXZE"), ("M593", "XYT"), ("M710", "SRAI")];
+/// Letters with a switch, a choice, an axis or a driver as number, or with clamping; they have rows of their own below.
+const NO_RANGE: [(&str, &str); 9] = [
+    ("M113", "S"),
+    ("M211", "S"),
+    ("M302", "P"),
+    ("M306", "E"),
+    ("M569", "SXZE"),
+    ("M593", "XYT"),
+    ("M710", "SRAI"),
+    ("M906", "I"),
+    ("M914", "I"),
+];
 
 /// Settings that are not stored.
 const NOT_STORED: [(&str, &str); 2] = [("M207", "SFZ"), ("M208", "SF")];

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod failures;
+mod own_values;
 mod power;
 mod script;
 mod trust;

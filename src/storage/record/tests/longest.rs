@@ -7,8 +7,8 @@ use crate::connectors::ConnectorName;
 use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
 use crate::settings::{
     Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, EndstopPlug, FanRole,
-    FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, Pause, Pid, Settings, Shaper,
-    ShaperKind, ThermalSettings, Thermistor,
+    FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver, Pause, Pid, Settings,
+    Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::storage::payload::{LONGEST_PAYLOAD, Unknown, write};
 use crate::storage::record::{HEADER, LONGEST, encode};
@@ -45,6 +45,7 @@ fn the_longest_values_fit() {
         stall_threshold: u8::MAX,
     };
     (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
+    s.drivers.own.fill(OwnDriver { current_ma: u16::MAX, stall_threshold: u8::MAX });
     s.wiring.motors.fill(MotorPlug { connector: ConnectorName::lit("12345678"), is_reversed: true });
     let endstop = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);

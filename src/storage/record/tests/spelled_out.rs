@@ -57,7 +57,7 @@ pub fn spelled_out() -> Settings {
         patience_ms: 700,
         lookahead_time: Seconds::const_from_int(3),
         advanced_ok: true,
-        drivers: DriverGroups { belt: drivers(0), z: drivers(1), e: drivers(2) },
+        drivers: DriverGroups { belt: drivers(0), z: drivers(1), e: drivers(2), own: Default::default() },
         minimum_cruise_ratio: Ratio::lit("0.4"),
         mechanism: Mechanism::corehbot(),
         // The first release stored none.
