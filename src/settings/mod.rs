@@ -40,6 +40,7 @@ mod range;
 pub mod ranges;
 pub mod rows;
 mod shaping;
+mod spec;
 pub mod table;
 mod thermal;
 mod wiring;

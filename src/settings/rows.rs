@@ -22,6 +22,7 @@ use crate::units::{
 use core::fmt::{self, Display};
 
 use super::line::Line;
+pub use super::spec::{Choice, Kind, Legal, Spec};
 use super::{Range, Settings};
 
 /// Characters of the longest text that a setting may have.
@@ -49,130 +50,6 @@ pub trait Field {
     /// Takes a value, and returns whether it fits the type; otherwise nothing changes. Ranges are asked elsewhere.
     #[must_use]
     fn set(&mut self, value: &Value) -> bool;
-}
-
-/// One of a few things, which a machine file calls by a name and a record by its number.
-pub trait Choice: Copy + PartialEq + 'static {
-    /// All of them by their numbers, with their names.
-    const ALL: &'static [(Self, &'static str)];
-}
-
-/// The kind of value of a setting: its form in a machine file.
-#[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    /// A number with this many bits after the point.
-    Fixed(u32),
-    /// A whole number.
-    Whole,
-    /// `true` or `false`.
-    Switch,
-    /// One of these names, by its number.
-    Choice(fn(usize) -> Option<&'static str>),
-    /// Such a number, or "auto" for 0.
-    Auto(u32),
-    /// A whole number of one motor. It is left out for 0: the value of its group counts.
-    OfMotor,
-    /// The name of a machine.
-    Name,
-    /// The name of a motor.
-    MotorName,
-    /// The name of a connector, with `!` before it if it is inverted.
-    Plug,
-    /// The name of a thermistor, or its numbers.
-    Thermistor,
-    /// The turn of a motor for a step of each axis.
-    MotorRow,
-}
-
-/// Which numbers are legal.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Legal {
-    /// The least, in bits; of texts 0.
-    pub least: i64,
-    /// The greatest, in bits; of texts their most characters.
-    pub most: i64,
-    /// Whether 0 is legal too, although it is less than `least`: it switches something off.
-    pub may_be_zero: bool,
-    /// The values are texts.
-    pub is_text: bool,
-}
-
-impl Legal {
-    /// Whether a number is legal.
-    #[must_use]
-    pub const fn holds(&self, number: i64) -> bool {
-        (self.least <= number && number <= self.most) || (self.may_be_zero && number == 0)
-    }
-}
-
-/// The legal values of a setting.
-#[derive(Clone, Copy, Debug)]
-pub struct Spec {
-    /// Which numbers are legal.
-    pub legal: Legal,
-    /// Its kind of value.
-    pub kind: Kind,
-}
-
-impl Spec {
-    /// `true` or `false`.
-    pub const SWITCH: Self = Self::new(0, 1, Kind::Switch);
-
-    const fn new(least: i64, most: i64, kind: Kind) -> Self {
-        Self { legal: Legal { least, most, may_be_zero: false, is_text: false }, kind }
-    }
-
-    /// One of these.
-    #[must_use]
-    pub const fn choice<T: Choice>() -> Self {
-        Self::new(0, T::ALL.len() as i64 - 1, Kind::Choice(name_of::<T>))
-    }
-
-    /// A text of `longest` characters at most.
-    pub(super) const fn text(longest: usize, kind: Kind) -> Self {
-        let Self { legal, kind } = Self::new(0, longest as i64, kind);
-        Self { legal: Legal { is_text: true, ..legal }, kind }
-    }
-
-    /// A number that its field packs and reads by itself, from -`most` to `most`.
-    pub(super) const fn packed(most: i64, kind: Kind) -> Self {
-        Self::new(-most, most, kind)
-    }
-
-    /// Bits after the point of its number.
-    pub(super) const fn bits(self) -> u32 {
-        match self.kind {
-            Kind::Fixed(bits) | Kind::Auto(bits) => bits,
-            _ => 0,
-        }
-    }
-
-    /// The same, and 0 as well, which is "auto".
-    #[must_use]
-    pub const fn or_auto(self) -> Self {
-        match self.kind {
-            Kind::Fixed(bits) => Self { kind: Kind::Auto(bits), ..self.or_zero() },
-            _ => self,
-        }
-    }
-
-    /// The same, and 0 as well, which is the value of the motor's group.
-    #[must_use]
-    pub const fn or_group(self) -> Self {
-        Self { kind: Kind::OfMotor, ..self.or_zero() }
-    }
-
-    /// The same, and 0 as well.
-    #[must_use]
-    pub const fn or_zero(self) -> Self {
-        Self { legal: Legal { may_be_zero: true, ..self.legal }, ..self }
-    }
-
-    /// The same from 0 on.
-    #[must_use]
-    pub const fn from_zero(self) -> Self {
-        Self { legal: Legal { least: 0, ..self.legal }, ..self }
-    }
 }
 
 /// The part of a row that all users need.
@@ -225,19 +102,6 @@ impl Row {
             legal = others;
         }
         longest * self.tables.len()
-    }
-}
-
-impl Legal {
-    /// Bytes of the longest value in a record: seven bits a byte, and a length before a text.
-    const fn longest(&self) -> usize {
-        if self.is_text {
-            return 1 + self.most as usize;
-        }
-        // Greater numbers are longer, and a sign takes a bit.
-        let most = if self.most > -self.least { self.most } else { -self.least };
-        let bits = 65 - most.leading_zeros();
-        bits.div_ceil(7) as usize
     }
 }
 
@@ -398,11 +262,6 @@ impl Field for bool {
         }
         true
     }
-}
-
-/// The name of a choice.
-fn name_of<T: Choice>(number: usize) -> Option<&'static str> {
-    T::ALL.get(number).map(|(_, name)| *name)
 }
 
 /// A choice as a field.
