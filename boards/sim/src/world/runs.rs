@@ -1,0 +1,136 @@
+//! Runs: what hosts send is printed to the end, on a machine of any state.
+
+use super::{Desk, Outcome, World};
+use crate::drivers::Drivers;
+use crate::ends::{Host, Sink};
+use crate::ports::Wire;
+use corehbot::port::{NoStorage, Storage};
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+
+/// Why a run has no outcome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WorldError {
+    /// The printer waits for input and the host is silent, for ten virtual minutes.
+    Stalled,
+}
+
+impl std::fmt::Display for WorldError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Stalled => f.write_str("printer and host wait for each other"),
+        }
+    }
+}
+
+impl std::error::Error for WorldError {}
+
+/// With nothing moving and nothing said for this long, nothing will ever happen.
+const PATIENCE_MS: u32 = 600_000;
+
+/// Prints what `host` sends on a machine that stands at `start` (x, y, z) as if homed, or somewhere.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    host: &mut dyn Host,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    run_with(settings, start, NoStorage, &mut [host], sink)
+}
+
+/// The same with storage, and with several hosts, each on its own serial line. The firmware takes the settings in the
+/// storage; the mechanism stays the one of `settings`.
+///
+/// # Errors
+/// If printer and hosts wait for each other.
+pub fn run_with(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    run_on(settings, start, storage, &Drivers::new(), hosts, sink)
+}
+
+/// The same on drivers that the caller shares.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_on(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    run_from(0, settings, start, storage, drivers, hosts, sink)
+}
+
+/// The same on a machine with its clock at `now`, in ticks.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_from(
+    now: u64,
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    run_at(&mut Desk::at(hosts.len(), now), settings, start, storage, drivers, hosts, sink)
+}
+
+/// The same at that desk, which has a line for each host.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_at(
+    desk: &mut Desk,
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    let mut world = World::new(desk, settings, start, storage, drivers, sink);
+    let mut idle_ms = 0;
+    while !(hosts.iter().all(|host| host.is_done()) || world.status().is_halted()) {
+        world.poll();
+        for (host, wire) in hosts.iter_mut().zip(world.wires()) {
+            wire.deliver(*host);
+            if host.opens() {
+                wire.open();
+            }
+            host.clock(world.now());
+            wire.take(|bytes| host.interject(bytes));
+        }
+        if world.is_awaiting_hosts() {
+            let sent = |(host, wire): (&mut &mut dyn Host, &Wire)| wire.take(|bytes| host.send(bytes));
+            if hosts.iter_mut().zip(world.wires()).map(sent).sum::<usize>() > 0 {
+                idle_ms = 0;
+                continue;
+            }
+        }
+        if world.advance() || world.is_heating() {
+            idle_ms = 0;
+        } else {
+            idle_ms += 1;
+            if idle_ms > PATIENCE_MS {
+                return Err(WorldError::Stalled);
+            }
+        }
+    }
+    world.poll();
+    for (host, wire) in hosts.iter_mut().zip(world.wires()) {
+        wire.deliver(*host);
+    }
+    Ok(world.outcome())
+}
