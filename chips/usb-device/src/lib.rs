@@ -1,0 +1,48 @@
+//! A driver of OTG_FS, the Synopsys core (DWC2) of STM32 chips, as a device at full speed, for [`embassy_usb_driver`]:
+//! control, bulk and interrupt endpoints of up to 64 bytes a packet.
+//!
+//! Clocks, pins, session and interrupt belong to the chip; this crate reaches the core by [`Registers`] alone, so it
+//! runs on a chip and on the model in `chips/usb-model` alike, and has no `unsafe`.
+//!
+//! It is not `embassy-usb-synopsys-otg` 0.3.3, because that one ends a print in these cases (`tests/` has each of
+//! them): a host's odd packet is an assertion in the interrupt; a flush is waited for without end; a suspend from before
+//! a reset wedges the enumeration; clear-halt leaves the data toggle; and a stall leaves a packet in flight behind. This
+//! one is smaller too, as it has no high speed, no isochronous endpoints and no host mode.
+//!
+//! Rules:
+//! - Nothing that a host sends is an assertion, an index or a wait without end.
+//! - Every wait for the core has a bound ([`POLLS`](wait::POLLS)); the driver goes on after it.
+//! - Words go to a transmit FIFO in one piece (errata sheet ES0298, transmit data FIFO).
+//! - The interrupt touches the receive FIFO, the flags and endpoint 0; all else belongs to the task.
+//!
+//! | file | has |
+//! |---|---|
+//! | `bits` | addresses and bits of registers |
+//! | [`registers`] | access to them |
+//! | `wait` | waits with a bound |
+//! | `stop` | the sequences that end a transfer under way |
+//! | [`state`] | what interrupt and task share |
+//! | [`interrupt`] | the interrupt |
+//! | [`driver`] | endpoints are given out |
+//! | [`bus`] | reset, suspend, resume; endpoints on, off, halted |
+//! | [`endpoint`] | packets of bulk and interrupt endpoints |
+//! | [`control`] | endpoint 0 |
+#![no_std]
+#![forbid(unsafe_code)]
+#![allow(async_fn_in_trait, reason = "the traits are embassy's")]
+
+mod bits;
+pub mod bus;
+pub mod control;
+pub mod driver;
+pub mod endpoint;
+pub mod interrupt;
+pub mod registers;
+pub mod state;
+mod stop;
+mod wait;
+
+pub use driver::{Config, Driver};
+pub use interrupt::on_interrupt;
+pub use registers::Registers;
+pub use state::State;
