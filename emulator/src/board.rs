@@ -8,6 +8,7 @@ use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
+use crate::usb_line::UsbLine;
 use crate::warm;
 use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Timer, Wiring};
 use anyhow::{Context, Result, ensure};
@@ -205,11 +206,17 @@ impl Emulated {
         if port.is_on_apb2 { apb2 } else { apb1 }
     }
 
-    /// The far ends of the serial ports that have one.
+    /// Plugs the USB cable of a host in.
+    pub fn plug(&mut self, host: HostLine) {
+        self.mcu.usb.cable = Some(UsbLine::new(host));
+    }
+
+    /// The far ends of the ports that have one, USB first.
     pub fn hosts(&mut self) -> impl Iterator<Item = &mut HostLine> {
         // In the order of the wiring, which differs from the chip's order.
-        let mut hosts: Vec<_> = self.mcu.usart.iter_mut().map(|usart| usart.chip_mut::<HostLine>()).collect();
-        self.wiring.host_ports.iter().filter_map(move |port| hosts[port.place].take())
+        let (on_usb, usarts) = self.mcu.lines();
+        let mut hosts: Vec<_> = usarts.iter_mut().map(|usart| usart.chip_mut::<HostLine>()).collect();
+        on_usb.into_iter().chain(self.wiring.host_ports.iter().filter_map(move |port| hosts[port.place].take()))
     }
 }
 

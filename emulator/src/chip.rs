@@ -1,8 +1,8 @@
-//! The chip: the STM32F427 model with a clock tree of its own, a USB port with nothing plugged in, and the lines of
+//! The chip: the STM32F427 model with a clock tree of its own, a USB port, and the lines of
 //! EXTI.
 //!
-//! The crate's own model of OTG_FS handles only the reset register; all other registers keep the written value. A
-//! firmware that clears interrupt flags by writing ones would find all of them set, and would always see a host.
+//! The crate's own model of OTG_FS handles only the reset register, and its tables lack the FIFOs. So OTG_FS is a window
+//! ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset line.
 //!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the
@@ -15,19 +15,19 @@ use crate::board::RAIL;
 use crate::clock_tree::{ClockTree, Defect, Supply};
 use crate::flash::FlashSectors;
 use crate::flash_interface::FlashInterface;
+use crate::line::HostLine;
+use crate::usb_line::UsbLine;
+use crate::usb_port::{UsbPort, window};
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
 use rigless::emulator::Access;
 use rigless::mcu::{Mcu, Operate};
+use rigless::soc::stm32f427::generated::exti;
 use rigless::soc::stm32f427::generated::otg_fs_global::Register;
-use rigless::soc::stm32f427::generated::{exti, otg_fs_device};
-use rigless::soc::stm32f427::peripherals::otg::Otg;
+use rigless::soc::stm32f427::peripherals::usart::Usart;
 use rigless::soc::stm32f427::{MEMORY, Stm32f427};
 use rigless::soc::{Bus, Error, Region, Width};
 use rigless::time::VirtualNanos;
 use std::ops::{Deref, DerefMut};
-
-/// GINTSTS of a core in device mode on which nothing has happened (RM0390 rev 6, section 31.15.6).
-const NOTHING_HAPPENED: u64 = 0x0400_0020;
 
 /// The part's memory, with a flash that may change.
 static PROGRAMMABLE: [Region; MEMORY.len()] =
@@ -37,8 +37,10 @@ static PROGRAMMABLE: [Region; MEMORY.len()] =
 #[derive(Debug)]
 pub struct Chip {
     part: Stm32f427,
-    core: Core,
-    device: Block,
+    usb_reset: UsbReset,
+    /// The USB port.
+    pub usb: UsbPort<UsbLine>,
+    usb_slot: usize,
     clock_tree: ClockTree,
     supply: Supply,
     lines: Lines,
@@ -46,33 +48,22 @@ pub struct Chip {
     pub flash: Option<FlashInterface>,
     /// A bus with that board's memory, which gives the emulator its map before it starts.
     map: Option<Bus>,
-    /// Where the bus has the six.
-    slots: [Option<usize>; 6],
+    /// Where the bus has the five.
+    slots: [Option<usize>; 5],
 }
 
-/// The global registers of OTG_FS.
+/// The crate's slot of OTG_FS, which nothing reaches but the reset line.
 #[derive(Debug, Default)]
-struct Core(Otg);
+struct UsbReset {
+    was_reset: bool,
+}
 
-impl Device for Core {
+impl Device for UsbReset {
     type Register = Register;
 
-    fn write(&mut self, register: Register, value: u64, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
-        match register {
-            Register::FsGintsts => registers.set(Register::FsGintsts, NOTHING_HAPPENED),
-            // No session has ever ended.
-            Register::FsGotgint => registers.set(Register::FsGotgint, 0),
-            _ => Device::write(&mut self.0, register, value, registers, context),
-        }
+    fn reset_line(&mut self, _: &mut RegisterFile, _: &mut DeviceContext<'_>) {
+        self.was_reset = true;
     }
-}
-
-/// The device registers of OTG_FS, which keep the written value: without a host they have no effect.
-#[derive(Debug, Default)]
-struct Block;
-
-impl Device for Block {
-    type Register = otg_fs_device::Register;
 }
 
 /// The lines of EXTI, on which nothing happens.
@@ -96,13 +87,16 @@ impl Chip {
     /// # Errors
     /// If the model contradicts itself.
     pub fn new() -> Result<Self, Error> {
-        let part = Stm32f427::new()?;
-        let slots = ["OTG_FS_GLOBAL", "OTG_FS_DEVICE", "RCC", "PWR", "EXTI", "FLASH"]
+        let mut part = Stm32f427::new()?;
+        let usb_slot = part.bus_mut().add_window(window())?;
+        let usb = UsbPort::new(part.bus().slots()[usb_slot].peripheral().registers);
+        let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH"]
             .map(|name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name));
         Ok(Self {
             part,
-            core: Core::default(),
-            device: Block,
+            usb_reset: UsbReset::default(),
+            usb,
+            usb_slot,
             clock_tree: ClockTree::new(),
             supply: Supply::new(),
             lines: Lines,
@@ -132,7 +126,7 @@ impl Chip {
 
     /// The processor has made a store to flash.
     pub fn store_to_flash(&mut self, store: &Access) {
-        if let (Some(flash), Some(slot)) = (&mut self.flash, self.slots[5]) {
+        if let (Some(flash), Some(slot)) = (&mut self.flash, self.slots[4]) {
             let registers = self.part.bus_mut().slot_mut(slot).registers_mut();
             flash.store(store.virtual_time, store.address, store.width, store.value & store.width.mask(), registers);
         }
@@ -159,15 +153,20 @@ impl Chip {
 
     /// Puts the board's rail on the supply that is broken, if it is in use.
     fn power(&mut self) {
-        if let Some(slot) = self.slots[3].filter(|_| self.clock_tree.defect() == Defect::OverDrive) {
+        if let Some(slot) = self.slots[2].filter(|_| self.clock_tree.defect() == Defect::OverDrive) {
             self.supply.power(RAIL, self.part.bus_mut().slot_mut(slot).registers_mut());
         }
+    }
+
+    /// The host on the USB cable, and the USARTs.
+    pub fn lines(&mut self) -> (Option<&mut HostLine>, &mut [Usart]) {
+        (self.usb.cable.as_mut().map(|cable| &mut cable.line), &mut self.part.usart)
     }
 
     /// The rates of HCLK, PCLK1 and PCLK2 in Hz.
     #[must_use]
     pub fn rates(&self) -> [u64; 3] {
-        let Some(slot) = self.slots[2] else { return [0; 3] };
+        let Some(slot) = self.slots[1] else { return [0; 3] };
         let (rates, registers) = (self.clock_tree.rates(), self.part.bus().slots()[slot].registers());
         [rates.hclk(registers), rates.pclk1(registers), rates.pclk2(registers)]
     }
@@ -198,13 +197,18 @@ impl Mcu for Chip {
     }
 
     fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
+        if slot == self.usb_slot {
+            if std::mem::take(&mut self.usb_reset.was_reset) {
+                self.usb.reset();
+            }
+            return (self.part.bus_mut(), Some(&mut self.usb));
+        }
         let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
-            Some(0) => &mut self.core,
-            Some(1) => &mut self.device,
-            Some(2) => &mut self.clock_tree,
-            Some(3) if self.clock_tree.defect() == Defect::OverDrive => &mut self.supply,
-            Some(4) => &mut self.lines,
-            Some(5) if let Some(flash) = &mut self.flash => flash,
+            Some(0) => &mut self.usb_reset,
+            Some(1) => &mut self.clock_tree,
+            Some(2) if self.clock_tree.defect() == Defect::OverDrive => &mut self.supply,
+            Some(3) => &mut self.lines,
+            Some(4) if let Some(flash) = &mut self.flash => flash,
             _ => return self.part.split(slot),
         };
         (self.part.bus_mut(), Some(model))
@@ -212,8 +216,9 @@ impl Mcu for Chip {
 
     fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
         self.part.reset(at, cause);
+        self.usb.reset();
         self.supply = Supply::new();
-        if let Some(slot) = self.slots[2] {
+        if let Some(slot) = self.slots[1] {
             self.clock_tree.restarted(cause, self.part.bus_mut().slot_mut(slot).registers_mut());
         }
         self.power();
@@ -232,21 +237,27 @@ impl Mcu for Chip {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decoder::WINDOW;
 
     const AHB2ENR: u64 = 0x4002_3834;
-    const GRSTCTL: u64 = 0x5000_0010;
-    const GINTSTS: u64 = 0x5000_0014;
+    const AHB2RSTR: u64 = 0x4002_3814;
+    const GINTSTS: u64 = WINDOW + 0x14;
+    const DCFG: u64 = WINDOW + 0x800;
 
     #[test]
-    fn without_a_cable_the_usb_core_is_idle_and_nothing_ever_happens() {
+    fn the_usb_core_answers_while_its_clock_is_on_and_forgets_all_when_it_is_reset() {
         let mut chip = Chip::new().unwrap();
         let at = VirtualNanos(1);
         chip.check().unwrap();
+        assert!(chip.read(at, DCFG, Width::W32).is_err());
         chip.write(at, AHB2ENR, Width::W32, 1 << 7).unwrap();
         chip.write(at, GINTSTS, Width::W32, u64::from(u32::MAX)).unwrap();
-        assert_eq!(chip.read(at, GINTSTS, Width::W32), Ok(NOTHING_HAPPENED));
-        // The flush of all FIFOs is over at once, and the core's own bus is idle.
-        chip.write(at, GRSTCTL, Width::W32, 0x430).unwrap();
-        assert_eq!(chip.read(at, GRSTCTL, Width::W32), Ok(0x8000_0400));
+        // Nothing has happened on a bus without a host (RM0390 rev 6, section 31.15.6).
+        assert_eq!(chip.read(at, GINTSTS, Width::W32), Ok(0x0400_0020));
+        chip.write(at, DCFG, Width::W32, 3).unwrap();
+        assert_eq!(chip.read(at, DCFG, Width::W32), Ok(3));
+        chip.write(at, AHB2RSTR, Width::W32, 1 << 7).unwrap();
+        chip.write(at, AHB2RSTR, Width::W32, 0).unwrap();
+        assert_eq!(chip.read(at, DCFG, Width::W32), Ok(0));
     }
 }

@@ -25,6 +25,8 @@ pub struct Manner {
     pub damaged: u32,
     /// They send all lines at once, as they are, and only count the answers.
     pub is_impatient: bool,
+    /// The first one is on the USB cable.
+    pub is_on_usb: bool,
     /// Impatient ones say it all again whenever they hear that the machine stays off.
     pub insists: bool,
 }
@@ -91,14 +93,11 @@ impl std::fmt::Debug for HostLine {
     }
 }
 
-impl Store for HostLine {}
-
-impl Peer for HostLine {
-    fn receive(&mut self, word: u16, context: &mut Timeline<'_, '_>) {
-        let now = context.now().0;
+impl HostLine {
+    /// A byte comes from the board at `now`, in ns.
+    pub fn hear(&mut self, byte: u8, now: u64) {
         self.active = now;
         self.bytes[1] += 1;
-        let byte = word as u8;
         if byte != b'\n' {
             self.heard.push(byte);
             return;
@@ -120,22 +119,35 @@ impl Peer for HostLine {
         }
     }
 
-    fn transmit(&mut self, now: VirtualNanos) -> Option<u16> {
+    /// The next byte to the board, at `now`.
+    pub fn say(&mut self, now: u64) -> Option<u8> {
         self.started?;
         if self.to_board.is_empty() {
             let mut bytes = Vec::new();
             if self.manner.is_impatient {
                 bytes.append(&mut std::mem::take(&mut self.text).into_bytes());
             } else {
-                self.host.clock(now.0 / NS_PER_TICK);
+                self.host.clock(now / NS_PER_TICK);
                 self.host.interject(&mut bytes);
                 self.host.send(&mut bytes);
             }
             self.to_board.extend(bytes);
         }
         let byte = self.to_board.pop_front()?;
-        self.active = now.0;
+        self.active = now;
         self.bytes[0] += 1;
-        Some(u16::from(byte))
+        Some(byte)
+    }
+}
+
+impl Store for HostLine {}
+
+impl Peer for HostLine {
+    fn receive(&mut self, word: u16, context: &mut Timeline<'_, '_>) {
+        self.hear(word as u8, context.now().0);
+    }
+
+    fn transmit(&mut self, now: VirtualNanos) -> Option<u16> {
+        self.say(now.0).map(u16::from)
     }
 }

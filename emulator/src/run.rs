@@ -97,6 +97,8 @@ pub struct Seen {
     pub gaps: Gaps,
     /// Rules for clocks that were broken.
     pub breaches: Vec<Breach>,
+    /// What the firmware did to the USB core against the manual.
+    pub usb_breaches: Vec<corehbot_usb_model::Breach>,
     /// Resets of the chip.
     pub resets: Vec<Reset>,
     /// After a supply that fell, the firmware waited for it before it set its clocks.
@@ -155,8 +157,12 @@ pub struct LineSeen {
 pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
     let texts = [Some(request.gcode), request.second].into_iter().flatten();
-    let hosts = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
+    let mut hosts: Vec<_> = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
+    let on_usb = request.manner.is_on_usb.then(|| hosts.remove(0));
     let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone(), request.flash.clone())?;
+    if let Some(host) = on_usb {
+        board.plug(host);
+    }
     board.heat(request.thermistors)?;
     board.weaken(request.defect);
     if let Some((pin, high)) = request.stuck {
@@ -194,6 +200,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let resets = session.resets().to_vec();
     let board = session.board_mut();
     let bauds = request.wiring.host_ports.iter().map(|port| baud(board, port, stop.at)).collect::<Result<Vec<_>>>()?;
+    let usb_breaches = board.mcu.usb.core.breaches().to_vec();
     let [core_hz, ..] = board.mcu.rates();
     let debug_pins = board.port(0).alternate >> 13 & 3;
     let mut clocked = [0; 3];
@@ -219,6 +226,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         belt: watch.mechanics.figures(),
         gaps,
         breaches: watch.clock_rules.breaches,
+        usb_breaches,
         resets,
         has_waited: watch.has_waited,
         injected: watch.injected,

@@ -16,6 +16,7 @@
 //! run.
 #![allow(unsafe_code, reason = "a core has its memory by its address in this process")]
 
+use crate::decoder::Decoder;
 use rigless::emulator::{CoreBus, CoreSpec, DataModel, Error, Exit, HostCall, Processor, ProcessorConstructor, Queued};
 use rigless::soc::{Endian, Width};
 use rigless::time::VirtualNanos;
@@ -276,7 +277,7 @@ impl Processor for Core {
                 self.warm_up().ok();
             }
         }
-        self.core.run(budget, bus)
+        self.core.run(budget, &mut Decoder(bus))
     }
 
     fn retired(&self) -> u64 {

@@ -16,3 +16,4 @@ mod plant;
 mod restart;
 mod steps;
 mod storage;
+mod usb;

@@ -1,12 +1,12 @@
-//! OTG_FS: the USB core of the chip, as a device at full speed, below embassy's driver.
+//! OTG_FS: the USB core of the chip, as a device at full speed, below the driver in `chips/usb-device`.
 //!
 //! Not by embassy-stm32's own module, which expects 48 MHz where embassy-stm32 0.6.0 would have set them (see
 //! [`clocks::start_usb`](crate::clocks::start_usb)).
 
+use corehbot_usb_device::{Config, Driver, Registers, State, on_interrupt};
 use embassy_stm32::pac::{self, RCC};
 use embassy_stm32::{interrupt, pac::Interrupt};
-use embassy_usb_synopsys_otg::otg_v1::{Otg, vals::Dspd};
-use embassy_usb_synopsys_otg::{Config, Driver, OtgInstance, PhyType, State, on_interrupt};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 
 use crate::ports::{self, Speed};
 use crate::resources::USB_FUNCTION;
@@ -22,29 +22,42 @@ const ENDPOINTS: usize = 6;
 /// Words of FIFO memory: 1.25 KiB (RM0390, 31.3).
 const FIFO: u16 = 320;
 
-/// Words of the receive FIFO beyond the packets' words: the number in embassy-stm32 0.6.0.
-const MORE_FIFO: u16 = 30;
-
 /// Turnaround time in clocks of the bus, from 32 MHz on (RM0390, table of TRDT values).
-const TURNAROUND: u8 = 6;
+const TURNAROUND: u32 = 6;
 
 /// Polls of a status register, at four cycles of 180 MHz each or more. They take longer than the 25 ms in which the
 /// core becomes a device (RM0390, 31.15.4, FDMOD).
 const LOOKS: u32 = 2_000_000;
 
-static STATE: State<ENDPOINTS> = State::new();
+static STATE: State<CriticalSectionRawMutex, ENDPOINTS> = State::new();
 
-/// embassy's driver of the port.
-pub type UsbDriver = Driver<'static, ENDPOINTS>;
+/// The driver of the port.
+pub type UsbDriver = Driver<'static, Core, CriticalSectionRawMutex, ENDPOINTS>;
 
-fn registers() -> Otg {
-    // SAFETY: both crates mean the same device; the address is the address of its first register.
-    unsafe { Otg::from_ptr(pac::USB_OTG_FS.as_ptr()) }
+/// The registers of the core.
+#[derive(Clone, Copy)]
+pub struct Core;
+
+impl Core {
+    fn at(offset: u32) -> *mut u32 {
+        pac::USB_OTG_FS.as_ptr().cast::<u32>().wrapping_byte_add(offset as usize)
+    }
 }
 
-/// Switches the core on, as a device that is not connected yet. `buffer` holds packets from the host, one for each
-/// endpoint. Returns `None` if the core does not become a device.
-pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
+impl Registers for Core {
+    fn read(self, offset: u32) -> u32 {
+        // SAFETY: the driver reads registers of the core and its FIFOs alone, which are all words (RM0390, 31.15).
+        unsafe { Self::at(offset).read_volatile() }
+    }
+
+    fn write(self, offset: u32, value: u32) {
+        // SAFETY: as above; no register of the core reaches memory, because it has no DMA.
+        unsafe { Self::at(offset).write_volatile(value) }
+    }
+}
+
+/// Switches the core on, as a device that is not connected yet. Returns `None` if the core does not become a device.
+pub fn start() -> Option<UsbDriver> {
     for pin in USB {
         ports::speed_up(pin, Speed::VeryHigh);
         ports::make_alternate(pin, USB_FUNCTION);
@@ -53,7 +66,7 @@ pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
     RCC.ahb2enr().modify(|w| w.set_usb_otg_fsen(true));
     RCC.ahb2rstr().modify(|w| w.set_usb_otg_fsrst(true));
     RCC.ahb2rstr().modify(|w| w.set_usb_otg_fsrst(false));
-    let otg = registers();
+    let otg = pac::USB_OTG_FS;
     let is_idle = (0..LOOKS).any(|_| otg.grstctl().read().ahbidl());
     otg.gusbcfg().modify(|w| {
         w.set_fdmod(true);
@@ -69,26 +82,13 @@ pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
         w.set_bvaloen(true);
         w.set_bvaloval(true);
     });
-    let instance = OtgInstance {
-        regs: otg,
-        state: &STATE,
-        fifo_depth_words: FIFO,
-        endpoint_count: ENDPOINTS,
-        phy_type: PhyType::InternalFullSpeed,
-        extra_rx_fifo_words: MORE_FIFO,
-        calculate_trdt_fn: turnaround,
-    };
-    (is_idle && is_device).then(|| Driver::new(buffer, instance, Config::default()))
-}
-
-fn turnaround(_speed: Dspd) -> u8 {
-    TURNAROUND
+    let config = Config { fifo_words: FIFO, turnaround: TURNAROUND };
+    (is_idle && is_device).then(|| Driver::new(Core, &STATE, config))
 }
 
 #[interrupt]
 fn OTG_FS() {
     static RATE: CallRate = CallRate::new();
     count_call(IRQ, &RATE);
-    // SAFETY: registers, state and number of endpoints are those that the one driver has.
-    unsafe { on_interrupt(registers(), &STATE, ENDPOINTS) }
+    on_interrupt(Core, &STATE);
 }

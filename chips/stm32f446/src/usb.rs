@@ -28,15 +28,12 @@ struct Memory {
     /// 12 bytes are used.
     capabilities: [u8; 32],
     control: [u8; PACKET],
-    /// A packet of endpoint 0 and one of the port.
-    packets: [u8; 2 * PACKET],
 }
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory {
     configuration: [0; 128],
     capabilities: [0; 32],
     control: [0; PACKET],
-    packets: [0; 2 * PACKET],
 });
 static STATE: StaticCell<State<'static>> = StaticCell::new();
 static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
@@ -61,7 +58,7 @@ pub struct UsbPort {
 /// If it was started before.
 pub fn start(board: &'static Board, farewell: Option<ResetReason>) -> Option<(UsbLine, UsbPort)> {
     let memory = MEMORY.take();
-    let driver = otg::start(&mut memory.packets)?;
+    let driver = otg::start()?;
     let mut config = Config::new(IDENTITY.0, IDENTITY.1);
     config.manufacturer = Some("corehbot");
     config.product = Some(board.name);

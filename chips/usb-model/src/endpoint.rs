@@ -62,11 +62,8 @@ impl Endpoint {
                 self.toggle = value & SD1PID != 0;
             }
         }
-        if value & CNAK != 0 {
-            self.is_nak = false;
-        }
         let is_set = value & SNAK != 0;
-        self.is_nak |= is_set;
+        self.is_nak = is_set || (self.is_nak && value & CNAK == 0);
         is_set
     }
 }

@@ -237,5 +237,6 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
     let seen = run(&request).unwrap_or_else(|e| panic!("{e:#}"));
     let breaches: Vec<_> = seen.breaches.iter().map(ToString::to_string).collect();
     assert!(breaches.is_empty() || bench.may_break_rules, "rules for clocks:\n{}", breaches.join("\n"));
+    assert_eq!(seen.usb_breaches, []);
     seen
 }

@@ -1,0 +1,161 @@
+//! A computer on the USB cable: it finds the board as Linux does, opens its serial port, and talks through it.
+
+use crate::line::HostLine;
+use crate::usb_port::{Cable, PACKET_NS};
+use corehbot_usb_model::UsbCore;
+use corehbot_usb_model::host::{Outcome, PACKET, Transfer, UsbHost};
+
+/// A host waits so long after a device appears, for its contacts (USB 2.0, section 7.1.7.3: TATTDB).
+const DEBOUNCE_NS: u64 = 100_000_000;
+/// It holds a reset so long, and rests after it (USB 2.0, section 7.1.7.5: TDRSTR and TRSTRCY).
+const RESET_NS: u64 = 50_000_000;
+const RECOVERY_NS: u64 = 10_000_000;
+
+/// How often the computer has a look at what it wants to say, when nothing else happens.
+const IDLE_NS: u64 = 1_000_000;
+
+/// The endpoints of the port's data: the CDC class gives out the one for its notifications first.
+const TO_BOARD: usize = 1;
+const FROM_BOARD: usize = 2;
+
+/// Bytes that are asked for at once, as Linux' driver of such ports does.
+const ASKED: usize = 512;
+
+/// What a host asks for from the reset to the open port: the requests of Linux 6.1, the strings left out.
+const REQUESTS: [([u8; 8], &[u8]); 7] = [
+    // The first part of the device's descriptor, its address, and the whole.
+    ([0x80, 6, 0, 1, 0, 0, 64, 0], &[]),
+    ([0, 5, 7, 0, 0, 0, 0, 0], &[]),
+    ([0x80, 6, 0, 1, 0, 0, 18, 0], &[]),
+    ([0x80, 6, 0, 2, 0, 0, 255, 0], &[]),
+    ([0, 9, 1, 0, 0, 0, 0, 0], &[]),
+    // 115,200 baud; then DTR and RTS.
+    ([0x21, 0x20, 0, 0, 0, 0, 7, 0], &[0, 0xC2, 1, 0, 0, 0, 8]),
+    ([0x21, 0x22, 3, 0, 0, 0, 0, 0], &[]),
+];
+
+/// How far it has come.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Stage {
+    /// Nothing is on the cable.
+    Alone,
+    /// It has seen the device.
+    Seen,
+    /// It holds the bus in reset.
+    Resetting,
+    /// It makes this request.
+    Asking(usize, u32),
+    /// The port is open.
+    Open,
+    /// The device did not answer as it should.
+    Failed,
+}
+
+/// The computer.
+#[derive(Debug)]
+pub struct UsbLine {
+    /// The conversation.
+    pub line: HostLine,
+    /// The descriptors that came.
+    pub descriptors: Vec<Vec<u8>>,
+    host: UsbHost,
+    stage: Stage,
+    reading: Option<u32>,
+    writing: Option<u32>,
+}
+
+impl UsbLine {
+    /// A computer that has this conversation.
+    #[must_use]
+    pub fn new(line: HostLine) -> Self {
+        let host = UsbHost::new();
+        Self { line, descriptors: Vec::new(), host, stage: Stage::Alone, reading: None, writing: None }
+    }
+
+    /// Whether the port is open.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.stage == Stage::Open
+    }
+
+    fn request(&mut self, number: usize) -> Stage {
+        let Some(&(setup, data)) = REQUESTS.get(number) else { return Stage::Open };
+        Stage::Asking(number, self.host.submit(Transfer::Control { setup, data: data.to_vec() }))
+    }
+
+    /// A request ended.
+    fn answered(&mut self, number: usize, outcome: Outcome) {
+        self.stage = match outcome {
+            Outcome::Done(bytes) => {
+                if !bytes.is_empty() {
+                    self.descriptors.push(bytes);
+                }
+                self.request(number + 1)
+            }
+            Outcome::Stalled | Outcome::Lost => Stage::Failed,
+        };
+    }
+
+    /// Reads and writes through the open port.
+    fn talk(&mut self, now: u64) {
+        if self.reading.is_none() {
+            self.reading = Some(self.host.submit(Transfer::In { endpoint: FROM_BOARD, length: ASKED }));
+        }
+        if self.writing.is_none() {
+            let data: Vec<u8> = std::iter::from_fn(|| self.line.say(now)).take(PACKET).collect();
+            if !data.is_empty() {
+                self.writing = Some(self.host.submit(Transfer::Out { endpoint: TO_BOARD, data }));
+            }
+        }
+    }
+
+    fn ended(&mut self, id: u32, outcome: Outcome, now: u64) {
+        match self.stage {
+            Stage::Asking(number, asked) if asked == id => self.answered(number, outcome),
+            _ if self.writing == Some(id) => self.writing = None,
+            _ if self.reading == Some(id) => {
+                self.reading = None;
+                if let Outcome::Done(bytes) = outcome {
+                    bytes.into_iter().for_each(|byte| self.line.hear(byte, now));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Cable for UsbLine {
+    fn attend(&mut self, core: &mut UsbCore, now: u64) -> Option<u64> {
+        if !core.is_connected() {
+            self.stage = Stage::Alone;
+            return None;
+        }
+        match self.stage {
+            Stage::Alone => {
+                self.stage = Stage::Seen;
+                return Some(now + DEBOUNCE_NS);
+            }
+            Stage::Seen => {
+                self.host.reset(core);
+                self.stage = Stage::Resetting;
+                return Some(now + RESET_NS);
+            }
+            Stage::Resetting => {
+                core.end_reset();
+                self.stage = self.request(0);
+                return Some(now + RECOVERY_NS);
+            }
+            Stage::Open => self.talk(now),
+            Stage::Asking(..) | Stage::Failed => {}
+        }
+        let has_moved = self.host.turn(core);
+        while let Some((id, outcome)) = self.host.take_ended() {
+            self.ended(id, outcome, now);
+        }
+        match self.stage {
+            _ if has_moved => Some(now + PACKET_NS),
+            Stage::Open => Some(now + IDLE_NS),
+            _ => None,
+        }
+    }
+}
