@@ -8,7 +8,7 @@ use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
-use crate::usb_line::UsbLine;
+use crate::usb_line::{UsbHabits, UsbLine};
 use crate::warm;
 use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Timer, Wiring};
 use anyhow::{Context, Result, ensure};
@@ -21,6 +21,7 @@ use rigless::snapshot::Store;
 use rigless::soc::stm32f427::generated::gpioa::Register;
 use rigless::soc::stm32f427::peripherals::{adc, gpio};
 use rigless::time::VirtualNanos;
+use std::collections::VecDeque;
 use std::num::{NonZeroU32, NonZeroU64};
 
 /// The core's clock: 180 MHz with over-drive.
@@ -206,9 +207,9 @@ impl Emulated {
         if port.is_on_apb2 { apb2 } else { apb1 }
     }
 
-    /// Plugs the USB cable of a host in.
-    pub fn plug(&mut self, host: HostLine) {
-        self.mcu.usb.cable = Some(UsbLine::new(host));
+    /// Plugs the USB cable of a computer in, which has one conversation after the other.
+    pub fn plug(&mut self, habits: UsbHabits, conversations: VecDeque<HostLine>) {
+        self.mcu.usb.cable = UsbLine::new(habits, conversations);
     }
 
     /// The far ends of the ports that have one, USB first.

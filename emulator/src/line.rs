@@ -4,6 +4,7 @@
 //! no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
 
 use crate::timer::NS_PER_TICK;
+use crate::usb_line::UsbHabits;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
 use rigless::chip::Timeline;
@@ -25,8 +26,8 @@ pub struct Manner {
     pub damaged: u32,
     /// They send all lines at once, as they are, and only count the answers.
     pub is_impatient: bool,
-    /// The first one is on the USB cable.
-    pub is_on_usb: bool,
+    /// The first one is on the USB cable, with these habits.
+    pub usb: Option<UsbHabits>,
     /// Impatient ones say it all again whenever they hear that the machine stays off.
     pub insists: bool,
 }

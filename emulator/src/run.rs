@@ -158,10 +158,10 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
     let texts = [Some(request.gcode), request.second].into_iter().flatten();
     let mut hosts: Vec<_> = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
-    let on_usb = request.manner.is_on_usb.then(|| hosts.remove(0));
+    let on_usb = request.manner.usb.map(|habits| (habits, hosts.drain(..).collect()));
     let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone(), request.flash.clone())?;
-    if let Some(host) = on_usb {
-        board.plug(host);
+    if let Some((habits, hosts)) = on_usb {
+        board.plug(habits, hosts);
     }
     board.heat(request.thermistors)?;
     board.weaken(request.defect);

@@ -4,6 +4,7 @@ use crate::line::HostLine;
 use crate::usb_port::{Cable, PACKET_NS};
 use corehbot_usb_model::UsbCore;
 use corehbot_usb_model::host::{Outcome, PACKET, Transfer, UsbHost};
+use std::collections::VecDeque;
 
 /// A host waits so long after a device appears, for its contacts (USB 2.0, section 7.1.7.3: TATTDB).
 const DEBOUNCE_NS: u64 = 100_000_000;
@@ -22,17 +23,32 @@ const FROM_BOARD: usize = 2;
 const ASKED: usize = 512;
 
 /// What a host asks for from the reset to the open port: the requests of Linux 6.1, the strings left out.
-const REQUESTS: [([u8; 8], &[u8]); 7] = [
+const REQUESTS: [Request; 6] = [
     // The first part of the device's descriptor, its address, and the whole.
     ([0x80, 6, 0, 1, 0, 0, 64, 0], &[]),
     ([0, 5, 7, 0, 0, 0, 0, 0], &[]),
     ([0x80, 6, 0, 1, 0, 0, 18, 0], &[]),
     ([0x80, 6, 0, 2, 0, 0, 255, 0], &[]),
     ([0, 9, 1, 0, 0, 0, 0, 0], &[]),
-    // 115,200 baud; then DTR and RTS.
+    // 115,200 baud.
     ([0x21, 0x20, 0, 0, 0, 0, 7, 0], &[0, 0xC2, 1, 0, 0, 0, 8]),
-    ([0x21, 0x22, 3, 0, 0, 0, 0, 0], &[]),
 ];
+
+/// DTR and RTS on and off: a program opens the port, and closes it.
+const OPEN: Request = ([0x21, 0x22, 3, 0, 0, 0, 0, 0], &[]);
+const CLOSE: Request = ([0x21, 0x22, 0, 0, 0, 0, 0, 0], &[]);
+
+/// A request and its data.
+type Request = ([u8; 8], &'static [u8]);
+
+/// What the computer does beside its conversation.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct UsbHabits {
+    /// It opens the port and closes it so often before.
+    pub openings: usize,
+    /// When the cable is pulled, and plugged in again, in ns. The next conversation begins then.
+    pub pulled: Option<(u64, u64)>,
+}
 
 /// How far it has come.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -47,6 +63,8 @@ enum Stage {
     Asking(usize, u32),
     /// The port is open.
     Open,
+    /// The cable is pulled.
+    Pulled,
     /// The device did not answer as it should.
     Failed,
 }
@@ -58,6 +76,9 @@ pub struct UsbLine {
     pub line: HostLine,
     /// The descriptors that came.
     pub descriptors: Vec<Vec<u8>>,
+    habits: UsbHabits,
+    /// Conversations to come.
+    next: VecDeque<HostLine>,
     host: UsbHost,
     stage: Stage,
     reading: Option<u32>,
@@ -65,11 +86,11 @@ pub struct UsbLine {
 }
 
 impl UsbLine {
-    /// A computer that has this conversation.
+    /// A computer that has these conversations; without any there is none.
     #[must_use]
-    pub fn new(line: HostLine) -> Self {
-        let host = UsbHost::new();
-        Self { line, descriptors: Vec::new(), host, stage: Stage::Alone, reading: None, writing: None }
+    pub fn new(habits: UsbHabits, mut next: VecDeque<HostLine>) -> Option<Self> {
+        let (line, host, stage) = (next.pop_front()?, UsbHost::new(), Stage::Alone);
+        Some(Self { line, descriptors: Vec::new(), habits, next, host, stage, reading: None, writing: None })
     }
 
     /// Whether the port is open.
@@ -79,8 +100,32 @@ impl UsbLine {
     }
 
     fn request(&mut self, number: usize) -> Stage {
-        let Some(&(setup, data)) = REQUESTS.get(number) else { return Stage::Open };
+        let toggled = number.saturating_sub(REQUESTS.len());
+        let (setup, data) = match REQUESTS.get(number) {
+            Some(request) => *request,
+            None if toggled > 2 * self.habits.openings => return Stage::Open,
+            None => [OPEN, CLOSE][toggled % 2],
+        };
         Stage::Asking(number, self.host.submit(Transfer::Control { setup, data: data.to_vec() }))
+    }
+
+    /// The cable is pulled, or plugged in again, if it is time for that. Returns when it is plugged in.
+    fn pull(&mut self, core: &mut UsbCore, now: u64) -> Option<u64> {
+        let (_, plugged) = self.habits.pulled.filter(|(pulled, _)| now >= *pulled)?;
+        if now < plugged {
+            // Without VBUS sensing the device sees a bus on which nothing happens.
+            if self.stage != Stage::Pulled {
+                core.suspend();
+            }
+            (self.stage, self.reading, self.writing) = (Stage::Pulled, None, None);
+            return Some(plugged);
+        }
+        self.habits.pulled = None;
+        self.stage = Stage::Alone;
+        if let Some(next) = self.next.pop_front() {
+            self.line = next;
+        }
+        None
     }
 
     /// A request ended.
@@ -126,6 +171,9 @@ impl UsbLine {
 
 impl Cable for UsbLine {
     fn attend(&mut self, core: &mut UsbCore, now: u64) -> Option<u64> {
+        if let Some(plugged) = self.pull(core, now) {
+            return Some(plugged);
+        }
         if !core.is_connected() {
             self.stage = Stage::Alone;
             return None;
@@ -146,7 +194,7 @@ impl Cable for UsbLine {
                 return Some(now + RECOVERY_NS);
             }
             Stage::Open => self.talk(now),
-            Stage::Asking(..) | Stage::Failed => {}
+            Stage::Asking(..) | Stage::Pulled | Stage::Failed => {}
         }
         let has_moved = self.host.turn(core);
         while let Some((id, outcome)) = self.host.take_ended() {

@@ -1,23 +1,51 @@
 //! A computer on the USB cable: it finds the board, opens the port, and prints through it.
 
-use crate::common::{Bench, firmware, print, print_on};
+use crate::common::{Bench, MS, bench_of, firmware, heated, print, print_on};
 use corehbot_emulator::line::Manner;
-use corehbot_emulator::steps::StepEvent;
+use corehbot_emulator::run::Seen;
+use corehbot_emulator::usb_line::UsbHabits;
 use corehbot_emulator::watch::End;
 
-const ON_USB: Manner = Manner { baud: None, damaged: 0, is_impatient: false, is_on_usb: true, insists: false };
+const PRINT: &str = "G92 X0 Y0 Z0\nM17\nG1 X20 Y5 F6000\nG1 X3 Y9\nG1 X0 Y0\nM400\nM115\nM18\n";
+
+fn on_usb(usb: UsbHabits) -> Manner {
+    Manner { usb: Some(usb), ..Manner::default() }
+}
+
+/// The motors of all step events, in their order.
+fn steps(seen: &Seen) -> Vec<corehbot::motors::MotorSet> {
+    seen.recorder.events.iter().map(|event| event.steps).collect()
+}
 
 #[test]
 fn a_print_over_usb_has_the_steps_that_it_has_over_the_serial_line() {
-    let gcode = "G92 X0 Y0 Z0\nM17\nG1 X20 Y5 F6000\nG1 X3 Y9\nG1 X0 Y0\nM400\nM115\nM18\n";
     let firmware = firmware();
-    let seen = print_on(&firmware, gcode, &Bench { manner: ON_USB, ..Bench::default() });
+    let serial = print(&firmware, PRINT, None);
+    // A program that opens the port and closes it again and again changes nothing.
+    for openings in [0, 20] {
+        let manner = on_usb(UsbHabits { openings, pulled: None });
+        let seen = print_on(&firmware, PRINT, &Bench { manner, ..Bench::default() });
+        let said = &seen.line.said;
+        assert_eq!((seen.end, &seen.line.failure, seen.line.resends), (End::Done, &None, 0), "{said:?}");
+        assert!(said.iter().any(|line| line.starts_with("FIRMWARE_NAME:CoreH-bot")), "{said:?}");
+        assert_eq!(said.iter().filter(|line| *line == "start").count(), 1, "{said:?}");
+        assert_eq!(steps(&seen), steps(&serial));
+        assert!(seen.recorder.events.len() > 1000);
+    }
+}
+
+#[test]
+fn a_cable_that_is_pulled_while_it_heats_and_moves_stops_nothing_and_the_next_session_is_clean() {
+    let gcode = "G92 X0 Y0 Z0\nM17\nM104 S60\nG1 X40 F600\nG1 X0\nG1 X40\nM400\nM115\n";
+    let manner = on_usb(UsbHabits { openings: 0, pulled: Some((1_500 * MS, 2_500 * MS)) });
+    let bench = Bench { manner, second: Some("M115\nM105\nM104 S0\nM18\n"), ..bench_of(heated()) };
+    let seen = print_on(&firmware(), gcode, &bench);
     let said = &seen.line.said;
-    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{said:?}");
-    assert!(said.iter().any(|line| line.contains("FIRMWARE_NAME:CoreH-bot")), "{said:?}");
-    assert!(seen.line.warnings.is_empty() && seen.line.resends == 0, "{:?}", seen.line.warnings);
-    let serial = print(&firmware, gcode, None);
-    let steps = |events: &[StepEvent]| events.iter().map(|event| event.steps).collect::<Vec<_>>();
-    assert_eq!(steps(&seen.recorder.events), steps(&serial.recorder.events));
-    assert!(seen.recorder.events.len() > 1000);
+    assert_eq!((seen.end, &seen.line.failure, seen.resets.len()), (End::Done, &None, 0), "{said:?}");
+    assert!(seen.safety.dangers.is_empty(), "{:?}", seen.safety.dangers);
+    assert_eq!(said.iter().filter(|line| *line == "start").count(), 1, "{said:?}");
+    assert!(said.iter().any(|line| line.starts_with("FIRMWARE_NAME:CoreH-bot")), "{said:?}");
+    assert!(said.iter().any(|line| line.contains("/60.00")), "it still heats: {said:?}");
+    let last = seen.recorder.events.last().unwrap().at;
+    assert!(last > 2_500 * MS, "it moved on without the computer, until {last} ns");
 }
