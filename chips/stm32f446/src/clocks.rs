@@ -32,7 +32,7 @@ const DIVR: PllRDiv = PllRDiv::DIV2;
 /// Takes the 48 MHz of USB from PLLSAI instead of the main PLL (RM0390, 6.3.27, CK48MSEL).
 const CK48MSEL: u32 = 1 << 27;
 
-/// Starts crystal, PLL and over-drive once, one after the other, and returns the one that does not start. embassy-stm32
+/// Starts crystal, over-drive and PLL once, one after the other, and returns the one that does not start. embassy-stm32
 /// 0.6.0 waits for each of them without an end. The internal oscillator is the system clock, before and after.
 pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     RCC.cr().modify(|w| w.set_hsebyp(crystal == Crystal::Clock8MHz));
@@ -42,6 +42,25 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
             Crystal::Oscillator12MHz => "the crystal of 12 MHz does not start",
             Crystal::Clock8MHz => "the ST-LINK gives no clock of 8 MHz",
         });
+    }
+    RCC.apb1enr().modify(|w| w.set_pwren(true));
+    // It answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
+    let _ = RCC.apb1enr().read();
+    // As embassy-stm32 does it later: in this order, on an oscillator and with the PLL off (RM0390, 5.1.4).
+    PWR.cr1().modify(|w| w.set_oden(true));
+    if !comes(|| PWR.csr1().read().odrdy()) {
+        return Err("the supply of the processor has no over-drive");
+    }
+    PWR.cr1().modify(|w| w.set_odswen(true));
+    if !comes(|| PWR.csr1().read().odswrdy()) {
+        return Err("the processor does not switch to over-drive");
+    }
+    PWR.cr1().modify(|w| {
+        w.set_oden(false);
+        w.set_odswen(false);
+    });
+    if !comes(|| !PWR.csr1().read().odswrdy()) {
+        return Err("the processor does not leave over-drive");
     }
     RCC.pllcfgr().write(|w| {
         w.set_pllsrc(PllSource::HSE);
@@ -55,24 +74,8 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     if !comes(|| RCC.cr().read().pllrdy()) {
         return Err("the PLL does not lock");
     }
-    RCC.apb1enr().modify(|w| w.set_pwren(true));
-    // It answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
-    let _ = RCC.apb1enr().read();
-    // In this order, and while the PLL runs (RM0390, 5.1.4, entering over-drive mode).
-    PWR.cr1().modify(|w| w.set_oden(true));
-    if !comes(|| PWR.csr1().read().odrdy()) {
-        return Err("the supply of the processor has no over-drive");
-    }
-    PWR.cr1().modify(|w| w.set_odswen(true));
-    if !comes(|| PWR.csr1().read().odswrdy()) {
-        return Err("the processor does not switch to over-drive");
-    }
-    PWR.cr1().modify(|w| {
-        w.set_oden(false);
-        w.set_odswen(false);
-    });
     RCC.cr().modify(|w| w.set_pllon(false));
-    let is_off = comes(|| !PWR.csr1().read().odswrdy() && !RCC.cr().read().pllrdy());
+    let is_off = comes(|| !RCC.cr().read().pllrdy());
     is_off.then_some(()).ok_or("the PLL does not stop")
 }
 
@@ -107,6 +110,15 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     });
     // embassy-stm32 0.6.0 writes the wait states into ACR and with that switches prefetch and both caches off, which
     // every start of a branch would pay with five cycles and more.
+    // Both caches are off now, so they may be emptied of a bootloader's lines first (RM0390, 3.8.1, ICRST and DCRST).
+    FLASH.acr().modify(|w| {
+        w.set_icrst(true);
+        w.set_dcrst(true);
+    });
+    FLASH.acr().modify(|w| {
+        w.set_icrst(false);
+        w.set_dcrst(false);
+    });
     FLASH.acr().modify(|w| {
         w.set_prften(true);
         w.set_icen(true);

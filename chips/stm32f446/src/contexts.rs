@@ -9,7 +9,7 @@ use corehbot::fault::{Cause, Fault};
 use corehbot::port::{LINES, Lines, Pend, Received, Serial as _};
 use corehbot::status::Status;
 use corehbot::{machine, motion, thermal};
-use corehbot_cortex_m4::Handover;
+use corehbot_cortex_m4::{Handover, finish_stores};
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::exception;
 use embassy_executor::{Executor, SpawnError, SpawnToken, Spawner};
@@ -206,6 +206,7 @@ fn CAN2_SCE() {
     if GENERATOR.with(|generator| generator.run(&IrqPend)) {
         wake_console();
     }
+    finish_stores();
 }
 
 /// A control period begins.
@@ -225,6 +226,7 @@ fn TIM5() {
     if let Some(second) = heater_timer::count_period() {
         reset_reason::set_uptime(second);
     }
+    finish_stores();
 }
 
 /// Pends the interrupts of the contexts.

@@ -12,7 +12,7 @@
 //! received, 1 %. While motors have power the wire has little rest: ticks come 25,000 times a second then.
 
 use corehbot::port::{BusError, Frame};
-use corehbot_cortex_m4::Handover;
+use corehbot_cortex_m4::{Handover, finish_stores};
 use cortex_m::peripheral::NVIC;
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::timer::vals::Urs;
@@ -154,4 +154,5 @@ fn TIM8_UP_TIM13() {
     // Flags are cleared by writing 0, and only the update is in use.
     TIM8.sr().write(|_| ());
     ENGINE.with(Engine::tick);
+    finish_stores();
 }

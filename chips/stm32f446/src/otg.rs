@@ -3,6 +3,7 @@
 //! Not by embassy-stm32's own module, which expects 48 MHz where embassy-stm32 0.6.0 would have set them (see
 //! [`clocks::start_usb`](crate::clocks::start_usb)).
 
+use corehbot_cortex_m4::finish_stores;
 use corehbot_usb_device::{Config, Driver, Registers, State, on_interrupt};
 use embassy_stm32::pac::{self, RCC};
 use embassy_stm32::{interrupt, pac::Interrupt};
@@ -91,4 +92,5 @@ fn OTG_FS() {
     static RATE: CallRate = CallRate::new();
     count_call(IRQ, &RATE);
     on_interrupt(Core, &STATE);
+    finish_stores();
 }

@@ -4,7 +4,7 @@
 //! USART1 and USART2 run the same code. Each may have a host, at the same time.
 
 use corehbot::port::{Received, Serial};
-use corehbot_cortex_m4::Handover;
+use corehbot_cortex_m4::{Handover, finish_stores};
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::dma::Dma;
 use embassy_stm32::pac::usart::Usart as Registers;
@@ -189,6 +189,7 @@ fn USART1() {
     static RATE: CallRate = CallRate::new();
     count_call(Interrupt::USART1, &RATE);
     ONE.on_interrupt();
+    finish_stores();
 }
 
 #[interrupt]
@@ -196,6 +197,7 @@ fn USART2() {
     static RATE: CallRate = CallRate::new();
     count_call(Interrupt::USART2, &RATE);
     TWO.on_interrupt();
+    finish_stores();
 }
 
 #[interrupt]
@@ -203,6 +205,7 @@ fn DMA2_STREAM5() {
     static RATE: CallRate = CallRate::new();
     count_call(Interrupt::DMA2_STREAM5, &RATE);
     ONE.receiver().on_interrupt();
+    finish_stores();
 }
 
 #[interrupt]
@@ -210,4 +213,5 @@ fn DMA1_STREAM5() {
     static RATE: CallRate = CallRate::new();
     count_call(Interrupt::DMA1_STREAM5, &RATE);
     TWO.receiver().on_interrupt();
+    finish_stores();
 }

@@ -30,11 +30,8 @@ struct Memory {
     control: [u8; PACKET],
 }
 
-static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory {
-    configuration: [0; 128],
-    capabilities: [0; 32],
-    control: [0; PACKET],
-});
+static MEMORY: ConstStaticCell<Memory> =
+    ConstStaticCell::new(Memory { configuration: [0; 128], capabilities: [0; 32], control: [0; PACKET] });
 static STATE: StaticCell<State<'static>> = StaticCell::new();
 static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 
