@@ -1,4 +1,4 @@
-//! The bootloader's stand-in: leaves the chip as BTT's does.
+//! The bootloaders' stand-ins: leave the chip as BTT's and Fysetc's do.
 //!
 //! The state after BTT's bootloader was read from its machine code, `DFU Update bootloader/bootload/F446/bootload.hex`
 //! of github.com/bigtreetech/BIGTREETECH-OCTOPUS-V1.0. The addresses in `STEPS` are addresses of its instructions.
@@ -113,6 +113,32 @@ const STEPS: &[Step] = &[
     Set(RCC_APB1RSTR, 1 << 18, 0),
 ];
 
+/// Fysetc's bootloader, by the end of its run: 72 MHz from the crystal by M, N and P of 6, 72 and 2 with two wait states,
+/// voltage scale 3, no over-drive; the data cache on; SysTick counts without an interrupt; VTOR is the application's, no
+/// interrupt was enabled. This was read from its machine code (it jumps at 0x08001aac). Q, R, the divider of APB1 and
+/// SysTick's lap were not read: they are what 48 MHz for USB, the limits of the chip and a millisecond need.
+const FYSETC: &[Step] = &[
+    // Not read either: the stand-in's own code uses the floating-point unit.
+    Set(SCB_CPACR, 0xF << 20, 0xF << 20),
+    Set(RCC_APB1ENR, 1 << 28, 1 << 28),
+    Set(PWR_CR, 3 << 14, 1 << 14),
+    Set(PWR_CR, 3 << 16, 0),
+    Set(RCC_CR, 1 << 16, 1 << 16),
+    Await(RCC_CR, 1 << 17, 1 << 17),
+    Set(RCC_PLLCFGR, ALL, 6 | 72 << 6 | 1 << 22 | 3 << 24 | 2 << 28),
+    Set(RCC_CR, 1 << 24, 1 << 24),
+    Await(RCC_CR, 1 << 25, 1 << 25),
+    Set(FLASH_ACR, 0xF, 2),
+    Set(RCC_CFGR, 0x1C00, 0x1000),
+    Set(RCC_CFGR, 3, 2),
+    Await(RCC_CFGR, 0xC, 8),
+    Set(FLASH_ACR, 1 << 10, 1 << 10),
+    Set(SYST_RVR, ALL, 71_999),
+    Set(SYST_CVR, ALL, 0),
+    Set(SYST_CSR, ALL, 5),
+    Set(SCB_VTOR, ALL, 0x0800_8000),
+];
+
 /// Goes through rows of address, bits and value until an address is 0; the lowest bit of the address asks to wait for
 /// the row. A value in a register of the floating-point unit makes CONTROL report such values, as BTT's bootloader does
 /// with a baud rate that it computes. Then stack and entry are the application's.
@@ -148,6 +174,8 @@ pub enum Bootloader {
     /// As BTT's leaves it.
     #[default]
     Btt,
+    /// As Fysetc's leaves it.
+    Fysetc,
     /// Worse than any known bootloader: SysTick is about to interrupt, priorities have no bits that count, and SWDIO is
     /// an output.
     Careless,
@@ -171,6 +199,7 @@ impl Bootloader {
     pub fn image(self, application: u32) -> Vec<u8> {
         match self {
             Self::Btt => image(application, STEPS),
+            Self::Fysetc => image(application, FYSETC),
             Self::Careless => image(application, &[STEPS, CARELESS].concat()),
         }
     }

@@ -49,6 +49,9 @@ const HSEBYP: u64 = 1 << 18;
 const PLLON: u64 = 1 << 24;
 const PLLSAION: u64 = 1 << 28;
 
+/// FLASH_ACR (section 3.8.1): ICEN and DCEN; ICRST and DCRST are two places above them.
+const CACHES: u64 = 3 << 9;
+
 /// The internal oscillator (section 6.2.2).
 const HSI_HZ: u64 = 16_000_000;
 
@@ -78,6 +81,10 @@ pub enum Rule {
     WaitStates(u64, u64),
     /// A clock is faster than it may be, in Hz.
     TooFast(&'static str, u64),
+    /// A cache was emptied while it was on.
+    CacheInUse,
+    /// A cache was switched on with lines from before.
+    StaleCache,
 }
 
 impl fmt::Display for Rule {
@@ -102,6 +109,8 @@ impl fmt::Display for Rule {
             Self::WaitStates(has, needs) => {
                 write!(f, "{has} wait states of flash, the clock needs {needs} (RM0390, 3.4.1)")
             }
+            Self::CacheInUse => f.write_str("a cache of flash emptied while it is on (RM0390, 3.8.1)"),
+            Self::StaleCache => f.write_str("a cache of flash switched on again without emptying it (RM0390, 3.8.1)"),
             Self::TooFast(name, hz) => write!(f, "{name} at {hz} Hz is too fast (RM0390, 5.1.4, 6.2)"),
         }
     }
@@ -152,6 +161,8 @@ const RESET: Registers = Registers {
 pub struct ClockRules {
     hse: Hse,
     before: Registers,
+    /// Caches that were on since they were emptied, as their bits of ACR.
+    used_caches: u64,
     /// The broken rules, each once.
     pub breaches: Vec<Breach>,
 }
@@ -160,12 +171,12 @@ impl ClockRules {
     /// A watch over a chip out of reset with that source of the high-speed clock.
     #[must_use]
     pub const fn new(hse: Hse) -> Self {
-        Self { hse, before: RESET, breaches: Vec::new() }
+        Self { hse, before: RESET, used_caches: 0, breaches: Vec::new() }
     }
 
     /// The chip was reset.
     pub fn reset(&mut self) {
-        self.before = RESET;
+        (self.before, self.used_caches) = (RESET, 0);
     }
 
     /// The firmware wrote to a register.
@@ -204,6 +215,17 @@ impl ClockRules {
                 if now.cr & PLLON != 0 && (value ^ before.power) & VOS != 0 {
                     broken.push(Rule::VoltageScale);
                 }
+            }
+            FLASH_ACR => {
+                let (were_on, are_on, emptied) = (before.acr & CACHES, value & CACHES, value >> 2 & CACHES);
+                if emptied & were_on != 0 {
+                    broken.push(Rule::CacheInUse);
+                }
+                self.used_caches &= !emptied;
+                if are_on & !were_on & self.used_caches != 0 {
+                    broken.push(Rule::StaleCache);
+                }
+                self.used_caches |= are_on;
             }
             RCC_APB1RSTR if now.is_on_pll() && value & PWRRST != 0 => broken.push(Rule::PowerReset),
             RCC_PLLCFGR => {

@@ -203,3 +203,15 @@ fn a_breach_says_who_and_what() {
         "1.235 ms, from 0x08009abc: over-drive switched while the system clock comes from the PLL (RM0390, 5.4.1)";
     assert_eq!(breach.to_string(), text);
 }
+
+#[test]
+fn caches_are_emptied_while_they_are_off_before_they_are_on_again() {
+    let [on, off, empty] = [7 << 8 | 5, 5, 3 << 11 | 5].map(|value| (FLASH_ACR, value));
+    assert_eq!(broken_at_180_mhz(on), []);
+    let again = |writes: &[Write]| breaks(&[&UP[..], writes].concat());
+    assert_eq!(again(&[on, off, empty, off, on]), []);
+    assert_eq!(again(&[on, off, on]), [Rule::StaleCache]);
+    assert_eq!(again(&[on, (FLASH_ACR, 1 << 11 | on.1)]), [Rule::CacheInUse]);
+    // Only one of them was emptied.
+    assert_eq!(again(&[on, off, (FLASH_ACR, 1 << 11 | 5), off, on]), [Rule::StaleCache]);
+}

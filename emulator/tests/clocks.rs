@@ -47,6 +47,16 @@ fn an_image_that_stays_on_the_bootloaders_pll_is_caught() {
     );
 }
 
+/// Fysetc's leaves the data cache on, at 72 MHz of the PLL.
+#[test]
+fn the_image_starts_after_fysetcs_bootloader_by_the_rules() {
+    let mut firmware = firmware();
+    firmware.bootloader = Bootloader::Fysetc;
+    let seen = print_on(&firmware, "M105\n", &Bench { whole: 2000 * MS, ..Bench::default() });
+    assert_eq!((seen.end, seen.resets.len(), seen.core_hz), (End::Done, 0, 180_000_000), "{:?}", seen.line.said);
+    assert_eq!(seen.breaches, []);
+}
+
 #[test]
 fn an_interrupt_that_a_bootloader_left_is_lost() {
     let mut firmware = firmware();
