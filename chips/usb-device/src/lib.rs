@@ -11,7 +11,7 @@
 //!
 //! Rules:
 //! - Nothing that a host sends is an assertion, an index or a wait without end.
-//! - Every wait for the core has a bound ([`POLLS`](wait::POLLS)); the driver goes on after it.
+//! - Every wait for the core has a bound (`wait::POLLS`); the driver goes on after it.
 //! - Words go to a transmit FIFO in one piece (errata sheet ES0298, transmit data FIFO).
 //! - The interrupt touches the receive FIFO, the flags and endpoint 0; all else belongs to the task.
 //!
