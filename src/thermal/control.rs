@@ -1,4 +1,6 @@
-//! ThermalControl: the handle of the thermal context.
+//! ThermalControl: the handle of the thermal context. `self_testing` has its part of the self-test.
+
+mod self_testing;
 
 use super::fans::{Fan, Needs};
 use super::fixed_point::{PERIOD_MS, quotient, saturated, share};
@@ -13,7 +15,7 @@ use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
 use crate::settings::{Bounds, ThermalSettings, part_fans, sum};
-use crate::status::{self, Status, Tuning};
+use crate::status::{Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
 
@@ -166,64 +168,6 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// The reading of each heater's sensor.
     fn readings(&self) -> Readings {
         self.heaters.each_ref().map(|heater| heater.measured().filter(|_| heater.settings().is_fitted))
-    }
-
-    fn begin_self_test(&mut self) {
-        if self.self_test.is_some() {
-            return;
-        }
-        let held = self.heaters.each_ref().map(HeaterLoop::target);
-        let settings = self.heaters.each_ref().map(HeaterLoop::settings);
-        // The reading of a heater that was on a moment ago still rises by itself.
-        let is_warming = self.heaters.iter().any(HeaterLoop::is_warming);
-        self.self_test = SelfTest::new(settings, &self.readings(), held).filter(|_| !is_warming);
-        let is_begun = self.self_test.is_some();
-        if is_begun {
-            self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
-        }
-        let state = if is_begun { status::SelfTest::Testing } else { status::SelfTest::PutOff };
-        self.status.heat().set_self_test(state);
-    }
-
-    /// One control period of the current self-test.
-    fn test(&mut self) -> Result<(), (Heater, Alarm)> {
-        if self.self_test.is_none() {
-            return Ok(());
-        }
-        let readings = self.readings();
-        let settings = self.heaters.each_ref().map(HeaterLoop::settings);
-        let end = self.self_test.as_mut().and_then(|test| test.period(settings, &readings));
-        if let Some(End::Failed(heater, alarm)) = end {
-            self.stop_self_test();
-            return Err((heater, alarm));
-        }
-        if let Some(end) = end {
-            self.end_self_test(end);
-        } else {
-            let powered = self.self_test.as_ref().and_then(SelfTest::powered);
-            Heater::ALL.into_iter().for_each(|heater| self.heaters[heater as usize].pulse(powered == Some(heater)));
-        }
-        Ok(())
-    }
-
-    /// Ends the current self-test; heaters get their held targets.
-    fn end_self_test(&mut self, end: End) {
-        let Some(test) = self.self_test.take() else { return };
-        for (heater, target) in self.heaters.iter_mut().zip(test.held()) {
-            heater.pulse(false);
-            heater.set_target(target);
-        }
-        let is_passed = end == End::Passed;
-        let state = if is_passed { status::SelfTest::Passed } else { status::SelfTest::PutOff };
-        self.status.heat().set_self_test(state);
-    }
-
-    /// Ends the current self-test and all heating.
-    fn stop_self_test(&mut self) {
-        if self.self_test.take().is_some() {
-            self.heaters.iter_mut().for_each(|heater| heater.pulse(false));
-            self.status.heat().set_self_test(status::SelfTest::None);
-        }
     }
 
     /// Whether the board drives one of them.
