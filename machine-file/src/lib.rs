@@ -15,6 +15,8 @@
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
+//! | `klipper` | a configuration of Klipper to a machine file |
+//! | `pattern` | patterns of names |
 //! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
 //!
 //! `examples/machines/prototype.toml` shows every key. A file that names a `board` must use its connectors.
@@ -23,6 +25,8 @@
 
 mod error;
 mod keys;
+pub mod klipper;
+mod pattern;
 mod place;
 mod problems;
 mod reader;
