@@ -16,6 +16,7 @@
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
 //! | `klipper` | a configuration of Klipper to a machine file |
+//! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
 //! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
 //!
@@ -27,6 +28,7 @@ mod error;
 mod keys;
 pub mod klipper;
 mod pattern;
+mod peers;
 mod place;
 mod problems;
 mod reader;
