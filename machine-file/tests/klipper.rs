@@ -208,6 +208,55 @@ fn pins_of_two_sockets_are_to_be_decided() {
     assert_eq!(verdict(&report, "stepper_x", "enable_pin").0, Kind::NotYet);
 }
 
+/// A heater with the wrong sensor would heat to the wrong temperature.
+#[test]
+fn a_heater_without_a_known_sensor_is_not_fitted() {
+    let head = "[extruder]\nheater_pin: PA2\nsensor_pin: PF4\n";
+    for (more, is_fitted) in [
+        ("sensor_type: PT1000", true),
+        ("sensor_type: PT1000\npullup_resistor: 4700\ninline_resistor: 0", true),
+        ("sensor_type: mine\n[thermistor mine]\ntemperature1: 25\nresistance1: 10000\nbeta: 3950", true),
+        ("sensor_type: mine\n[thermistor mine]\ntemperature1: 25\nresistance1: 10000", false),
+        ("sensor_type: MAX31865", false),
+        ("", false),
+        ("sensor_type: PT1000\npullup_resistor: 1000", false),
+        ("sensor_type: PT1000\nheater_pin: !PA2", false),
+        ("sensor_type: PT1000\nsensor_pin: PF2", false),
+    ] {
+        let text = of_text(&format!("{head}{more}")).text;
+        assert!(text.contains("\n[heaters.hotend]\n"), "{text}");
+        assert!(text.contains(&format!("\nis_fitted = {is_fitted}  # ")), "{more}: {text}");
+    }
+}
+
+/// By hand: 100 kOhm at 25 C and 1770 Ohm at 150 C are a B of 4071.7 K.
+#[test]
+fn a_thermistor_of_three_points_is_an_ntc() {
+    let points = "temperature1: 25\nresistance1: 100000\ntemperature2: 90\nresistance2: 8700\ntemperature3: 150\nresistance3: 1770";
+    let text = of_text(&format!("[thermistor a b]\n{points}\n[heater_bed]\nsensor_type: a b\n")).text;
+    assert!(text.contains("\nthermistor = { beta = 4072, ohms = 100000 }"), "{text}");
+}
+
+#[test]
+fn a_switch_without_a_place_sits_at_its_end() {
+    let done = of_text("[stepper_x]\nposition_max: 300\nhoming_positive_dir: True\n[stepper_y]\nposition_max: 200\n");
+    assert!(done.text.contains("end = \"max\"  # printer.cfg:3\n"), "{}", done.text);
+    assert_eq!(verdict(&done.report, "stepper_x", "homing_positive_dir").0, Kind::Taken);
+    assert!(done.report.notes.iter().any(|note| note.text.contains("homing.y.position is the min end")));
+}
+
+/// A note on another board with the same pins comes later.
+#[test]
+fn the_first_board_that_is_named_counts() {
+    for (text, board) in [
+        ("# For the OctoPus V1\n[a]\nstep_pin: PF13 # as on the Octopus Pro", "octopus"),
+        ("# octopus_pro\n# octopus\n[a]\nstep_pin: PF13", "octopus-pro"),
+        ("# octopus\n[a]\nstep_pin: PE11", "spider"),
+    ] {
+        assert_eq!(translate(&read(text).unwrap(), None).unwrap().report.board.key, board, "{text}");
+    }
+}
+
 #[test]
 fn a_board_that_cannot_be_told_is_asked_for() {
     let config = read("[stepper_x]\nstep_pin: PX1\n").unwrap();

@@ -113,18 +113,23 @@ fn homing(work: &mut Work<'_>, axis: &str, section: &str) {
         Some((entry, distance)) => work.take_number(entry, &key("back_off"), distance),
         None => work.set_default(&key("back_off"), RETRACT),
     }
-    let Some((entry, place)) = work.number(section, "position_endstop") else { return };
-    let length = work.number(section, "position_max").map_or(place, |(_, most)| most);
+    let (place, most) = (work.number(section, "position_endstop"), work.number(section, "position_max"));
     let positive = work.value(section, "homing_positive_dir");
-    let is_max = match positive {
-        Some((_, text)) => text.eq_ignore_ascii_case("true") || text == "1" || text.eq_ignore_ascii_case("yes"),
-        None => place > length / 2.0,
+    let is_max = match (positive, place, most) {
+        (Some((_, text)), ..) => ["true", "1", "yes", "on"].contains(&text.to_lowercase().as_str()),
+        (None, Some((_, place)), Some((_, most))) => place > most / 2.0,
+        (None, ..) => false,
     };
     let end = if is_max { "max" } else { "min" };
     match positive {
         Some((entry, _)) => work.take(entry, &key("end"), end),
         None => work.lines.set(&key("end"), end.into(), "nearest to position_endstop"),
     }
+    let Some((entry, place)) = place else {
+        let text = format!("[{section}] has no position_endstop: {} is the {end} end of the axis", key("position"));
+        return work.notes.push(Verdict::new(Kind::Approximated, text));
+    };
+    let length = most.map_or(place, |(_, most)| most);
     let (least, most) = if is_max { (length / 2.0, length + OUTSIDE) } else { (-OUTSIDE, length / 2.0) };
     if (least..=most).contains(&place) {
         work.take_number(entry, &key("position"), place);

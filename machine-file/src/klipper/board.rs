@@ -116,14 +116,18 @@ pub(super) fn found(config: &Config, aliases: &Aliases) -> Option<&'static Board
         steps.iter().filter(|pin| pin.is_on_board() && is_here(&pin.name)).count()
     };
     let best = entries().map(fits).max().filter(|most| *most > 0)?;
-    let mut alike: Vec<_> = entries().filter(|entry| fits(entry) == best).map(|entry| entry.board.connectors).collect();
-    // The longest name first: "octopus pro" names the Octopus too.
-    alike.sort_by_key(|board| std::cmp::Reverse(board.key.len()));
+    let alike: Vec<_> = entries().filter(|entry| fits(entry) == best).map(|entry| entry.board.connectors).collect();
+    if let [only] = alike[..] {
+        return Some(only);
+    }
     let names = config.sections.iter().map(|section| &section.name).chain(&config.files);
     let words = names.fold(config.comments.clone(), |words, name| words + &name.to_lowercase() + "\n");
-    let is_named = |board: &&&BoardConnectors| {
+    let named = |board: &BoardConnectors| {
         let spelled = [board.key.to_owned(), board.key.replace('-', " "), board.key.replace('-', "_")];
-        spelled.iter().any(|name| words.contains(name))
+        spelled.iter().filter_map(|name| words.find(name)).min()
     };
-    alike.iter().find(is_named).or(if alike.len() == 1 { alike.first() } else { None }).copied()
+    // The first one that is named, because notes on others come later; of two at one place the longer name, because
+    // "octopus pro" names the Octopus too.
+    let named = alike.into_iter().filter_map(|board| Some((named(board)?, board)));
+    named.min_by_key(|(place, board)| (*place, std::cmp::Reverse(board.key.len()))).map(|(_, board)| board)
 }

@@ -42,11 +42,16 @@ fn heater(work: &mut Work<'_>, name: &str, section: &str) {
         return;
     }
     let key = |leaf: &str| format!("heaters.{name}.{leaf}");
-    let (has_output, has_sensor) = (output(work, &key("output"), section), input(work, &key("sensor"), section));
-    let is_fitted = has_output && has_sensor;
-    let why = if is_fitted { section } else { "its output or its sensor is missing" };
+    let parts = [
+        output(work, &key("output"), section),
+        input(work, &key("sensor"), section),
+        sensor_type(work, &key("thermistor"), section),
+        pullup(work, section),
+    ];
+    // A heater with wrong temperatures must not heat.
+    let is_fitted = parts.into_iter().all(|is_right| is_right);
+    let why = if is_fitted { section } else { "until its output and its sensor are right" };
     work.lines.set(&key("is_fitted"), is_fitted.into(), why);
-    sensor_type(work, &key("thermistor"), section);
     match work.value(section, "control") {
         Some((entry, "pid")) => {
             work.take(entry, &key("control"), "pid");
@@ -59,17 +64,6 @@ fn heater(work: &mut Work<'_>, name: &str, section: &str) {
         Some((entry, _)) => work.say(entry, Kind::Approximated, "its model controls it: M303 finds out the model"),
         None => {}
     }
-    if let Some((entry, ohms)) = work.number(section, "pullup_resistor") {
-        if (ohms - PULLUP_OHMS).abs() < 1.0 {
-            work.say(entry, Kind::Taken, "as on the board");
-        } else {
-            work.say(
-                entry,
-                Kind::NotYet,
-                format!("sensors are computed with {PULLUP_OHMS} Ohm: temperatures are wrong"),
-            );
-        }
-    }
     if is_fitted {
         let power = key("power");
         let text = format!("{power}: Klipper has no key for it, so the prototype's counts: set it, then run M303");
@@ -79,6 +73,23 @@ fn heater(work: &mut Work<'_>, name: &str, section: &str) {
 
 /// Under the thermistors of every board (boards/*/wiring.rs), and Klipper's default.
 const PULLUP_OHMS: f64 = 4700.0;
+
+/// Whether the sensor's temperatures are computed with its resistors.
+fn pullup(work: &mut Work<'_>, section: &str) -> bool {
+    let mut is_right = true;
+    for (key, expected) in [("pullup_resistor", PULLUP_OHMS), ("inline_resistor", 0.0)] {
+        let Some((entry, ohms)) = work.number(section, key) else { continue };
+        if (ohms - expected).abs() < 1.0 {
+            work.say(entry, Kind::Taken, "as on the board");
+        } else {
+            is_right = false;
+            let text =
+                format!("temperatures are computed with {expected} Ohm there: use an input of the board as it is");
+            work.say(entry, Kind::Decide, text);
+        }
+    }
+    is_right
+}
 
 /// The output of a heater; whether the board has it.
 fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
@@ -93,7 +104,7 @@ fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
             if pin.is_inverted {
                 work.say(entry, Kind::Decide, "an output heats while it is high");
             }
-            true
+            !pin.is_inverted
         }
         None => {
             let offered = pins.outputs();
@@ -124,8 +135,13 @@ fn input(work: &mut Work<'_>, path: &str, section: &str) -> bool {
     }
 }
 
-fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) {
-    let Some((entry, name)) = work.value(section, "sensor_type") else { return };
+/// The kind of its sensor; whether it is known.
+fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
+    let Some((entry, name)) = work.value(section, "sensor_type") else {
+        let text = format!("[{section}] has no sensor_type: write the sensor into {path}");
+        work.notes.push(Verdict::new(Kind::Decide, text));
+        return false;
+    };
     if let Some((_, sensor)) = SENSORS.iter().find(|(known, _)| *known == name) {
         match sensor {
             Sensor::Sheet(sheet) => work.take(entry, path, *sheet),
@@ -136,12 +152,19 @@ fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) {
                 }
             }
         }
-    } else if let Some((ohms, beta)) = own_thermistor(work, &format!("thermistor {name}")) {
-        work.take(entry, path, ntc(ohms, beta));
-        work.say(entry, Kind::Approximated, "an NTC by its resistance at 25 C and its B");
-    } else {
-        let text = format!("no such sensor: write one that comes near it into {path}, or its temperatures are wrong");
-        work.say(entry, Kind::Decide, text);
+        return true;
+    }
+    match own_thermistor(work, &format!("thermistor {name}")) {
+        Some((ohms, beta)) => {
+            work.take(entry, path, ntc(ohms, beta));
+            work.say(entry, Kind::Approximated, "an NTC by its resistance at 25 C and its B");
+            true
+        }
+        None => {
+            let text = format!("not there yet: write a sensor that comes near it into {path}");
+            work.say(entry, Kind::Decide, text);
+            false
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
-use super::verdict::Kind;
+use super::verdict::{Kind, Verdict};
 use super::work::{Work, rounded};
 use corehbot::motors::{MOTORS, MotorName};
 use toml::Value as Toml;
@@ -51,7 +51,7 @@ pub(super) fn motors(work: &mut Work<'_>) {
     let extruder = steppers.pop();
     for left in steppers.drain((MOTORS - 1).min(steppers.len())..) {
         let text = format!("[{}]: the firmware drives {MOTORS} motors: it is left out", left.section);
-        work.notes.push(super::verdict::Verdict::new(Kind::Decide, text));
+        work.notes.push(Verdict::new(Kind::Decide, text));
     }
     steppers.extend(extruder);
     for (name, stepper) in work.names.iter_mut().zip(&steppers) {
@@ -72,7 +72,7 @@ pub(super) fn motors(work: &mut Work<'_>) {
 fn kinematics(work: &mut Work<'_>) -> Option<&'static Kinematics> {
     let Some((entry, name)) = work.value("printer", "kinematics") else {
         let text = "[printer] kinematics is missing: without it there is no mechanism";
-        work.notes.push(super::verdict::Verdict::new(Kind::Decide, text));
+        work.notes.push(Verdict::new(Kind::Decide, text));
         return None;
     };
     let found = KINEMATICS.iter().find(|known| known.name == name);
@@ -112,7 +112,7 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
     let path = format!("motors.{}", stepper.name);
     let Some((entry, step)) = work.pin(&stepper.section, "step_pin") else {
         let text = format!("[{}] has no step_pin: write the motor's socket into {path}", stepper.section);
-        work.notes.push(super::verdict::Verdict::new(Kind::Decide, text));
+        work.notes.push(Verdict::new(Kind::Decide, text));
         work.lines.set(&path, "".into(), "no step_pin");
         return;
     };
@@ -232,10 +232,17 @@ fn driver_section(work: &Work<'_>, stepper: &str) -> Option<(String, String)> {
 
 /// The driver's settings.
 fn driver(work: &mut Work<'_>, stepper: &Stepper) {
-    let Some((section, name)) = driver_section(work, &stepper.section) else { return };
+    let Some((section, name)) = driver_section(work, &stepper.section) else {
+        let text = format!(
+            "[{}] has no [tmc2209 {0}]: its driver must be one, with the current of {}",
+            stepper.section,
+            stepper.group()
+        );
+        return work.notes.push(Verdict::new(Kind::Approximated, text));
+    };
     if name != "tmc2209" {
         let text = format!("[{section}]: a {} is not there yet: the motor needs a TMC2209", name.to_uppercase());
-        return work.notes.push(super::verdict::Verdict::new(Kind::Decide, text));
+        return work.notes.push(Verdict::new(Kind::Decide, text));
     }
     let run = work.number(&section, "run_current");
     if let Some((entry, amperes)) = run {

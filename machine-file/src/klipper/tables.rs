@@ -27,7 +27,7 @@ pub(super) const NUMBERS: &[NumberRow] = &[
     row("extruder", "min_extrude_temp", "thermal.min_extrude"),
     row("extruder", "pressure_advance", "advance.time"),
     row("extruder", "pressure_advance_smooth_time", "advance.window"),
-    NumberRow { default: Some(50.0), ..row("extruder", "max_extrude_only_distance", "axes.e.length") },
+    row("extruder", "max_extrude_only_distance", "axes.e.length"),
     row("extruder", "max_extrude_only_velocity", "axes.e.max_speed"),
     row("extruder", "max_extrude_only_accel", "axes.e.max_acceleration"),
     row("extruder", "max_extrude_only_accel", "retract_acceleration"),
@@ -61,7 +61,7 @@ const fn needless(section: &'static str, key: &'static str, text: &'static str) 
 pub(super) const REMARKS: &[Remark] = &[
     // Boards and hosts.
     needless("mcu", "", "the host's way to the board: this firmware needs none"),
-    needless("mcu *", "", "another board: a machine has one so far"),
+    not_yet("mcu *", "", "another board: a machine has one so far"),
     needless("board_pins*", "", "other names of pins, which were looked up"),
     needless("virtual_sdcard", "", "files are on the host"),
     needless("display_status", "", "built in (M73)"),
@@ -103,7 +103,6 @@ pub(super) const REMARKS: &[Remark] = &[
     needless("*", "smooth_time", "the temperature is filtered by the firmware"),
     needless("*", "pwm_cycle_time", "the board has a modulation of its own; a relay has period_ms"),
     needless("*", "pid_k[pid]", "another control is chosen"),
-    not_yet("*", "inline_resistor", "sensors are computed without it"),
     not_yet("*", "max_delta", "no setting for it"),
     needless("verify_heater *", "", "guards follow the heater's model: heaters.*.guards, which cannot be switched off"),
     needless("thermistor *", "", "a sensor that no heater uses"),
