@@ -3,12 +3,14 @@
 //! The F427 is the same family with more of everything; `gaps` lists the differences that are used.
 //! [`Firmware`](crate::firmware::Firmware) makes sure that nothing is placed in memory that the F446 lacks.
 
+use crate::cable::Plug;
 use crate::chip::Chip;
 use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
 use crate::usb_line::{UsbHabits, UsbLine};
+use crate::usbip::UsbIp;
 use crate::warm;
 use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Timer, Wiring};
 use anyhow::{Context, Result, ensure};
@@ -209,7 +211,26 @@ impl Emulated {
 
     /// Plugs the USB cable of a computer in, which has one conversation after the other.
     pub fn plug(&mut self, habits: UsbHabits, conversations: VecDeque<HostLine>) {
-        self.mcu.usb.cable = UsbLine::new(habits, conversations);
+        self.mcu.usb.cable = UsbLine::new(habits, conversations).map(|line| Plug::Line(Box::new(line)));
+    }
+
+    /// Lets a real computer plug itself in by USB/IP at this address.
+    ///
+    /// # Errors
+    /// If the address is taken.
+    pub fn plug_network(&mut self, address: &str) -> Result<()> {
+        let network = UsbIp::listen(address).with_context(|| format!("USB/IP at {address}"))?;
+        self.mcu.usb.cable = Some(Plug::Network(Box::new(network)));
+        Ok(())
+    }
+
+    /// The cable to a real computer.
+    #[must_use]
+    pub fn network(&self) -> Option<&UsbIp> {
+        match &self.mcu.usb.cable {
+            Some(Plug::Network(network)) => Some(network),
+            Some(Plug::Line(_)) | None => None,
+        }
     }
 
     /// The far ends of the ports that have one, USB first.

@@ -12,11 +12,11 @@
 //! there, [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
 
 use crate::board::RAIL;
+use crate::cable::Plug;
 use crate::clock_tree::{ClockTree, Defect, Supply};
 use crate::flash::FlashSectors;
 use crate::flash_interface::FlashInterface;
 use crate::line::HostLine;
-use crate::usb_line::UsbLine;
 use crate::usb_port::{UsbPort, window};
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
 use rigless::emulator::Access;
@@ -39,7 +39,7 @@ pub struct Chip {
     part: Stm32f427,
     usb_reset: UsbReset,
     /// The USB port.
-    pub usb: UsbPort<UsbLine>,
+    pub usb: UsbPort<Plug>,
     usb_slot: usize,
     clock_tree: ClockTree,
     supply: Supply,
@@ -160,7 +160,11 @@ impl Chip {
 
     /// The host on the USB cable, and the USARTs.
     pub fn lines(&mut self) -> (Option<&mut HostLine>, &mut [Usart]) {
-        (self.usb.cable.as_mut().map(|cable| &mut cable.line), &mut self.part.usart)
+        let line = match &mut self.usb.cable {
+            Some(Plug::Line(cable)) => Some(&mut cable.line),
+            Some(Plug::Network(_)) | None => None,
+        };
+        (line, &mut self.part.usart)
     }
 
     /// The rates of HCLK, PCLK1 and PCLK2 in Hz.

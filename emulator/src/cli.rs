@@ -60,6 +60,9 @@ struct Cli {
     /// The rate at which the image talks; the run fails if it is another.
     #[arg(long, value_name = "N", default_value_t = 250_000)]
     baud: u32,
+    /// A Linux computer prints FILE over USB: `usbip attach -r HOST -b 1-1`, and then it sends FILE to the new ttyACM.
+    #[arg(long, value_name = "HOST:3240")]
+    usbip: Option<String>,
     /// Prints the conversation.
     #[arg(long)]
     talk: bool,
@@ -166,6 +169,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         gcode: &gcode,
         second: None,
         manner: Manner::default(),
+        network: cli.usbip.as_deref(),
         patience,
         injection: None,
         drivers: &drivers,

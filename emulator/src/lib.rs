@@ -10,6 +10,7 @@
 
 pub mod board;
 pub mod bootloader;
+pub mod cable;
 pub mod chip;
 pub mod cli;
 pub mod clock_rules;
@@ -33,8 +34,10 @@ pub mod safety;
 pub mod steps;
 pub mod timer;
 pub mod trap;
+pub mod usb_discovery;
 pub mod usb_line;
 pub mod usb_port;
+pub mod usbip;
 mod warm;
 pub mod watch;
 pub mod wiring;

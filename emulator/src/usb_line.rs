@@ -1,16 +1,11 @@
 //! A computer on the USB cable: it finds the board as Linux does, opens its serial port, and talks through it.
 
 use crate::line::HostLine;
+use crate::usb_discovery::Discovery;
 use crate::usb_port::{Cable, PACKET_NS};
 use corehbot_usb_model::UsbCore;
 use corehbot_usb_model::host::{Outcome, PACKET, Transfer, UsbHost};
 use std::collections::VecDeque;
-
-/// A host waits so long after a device appears, for its contacts (USB 2.0, section 7.1.7.3: TATTDB).
-const DEBOUNCE_NS: u64 = 100_000_000;
-/// It holds a reset so long, and rests after it (USB 2.0, section 7.1.7.5: TDRSTR and TRSTRCY).
-const RESET_NS: u64 = 50_000_000;
-const RECOVERY_NS: u64 = 10_000_000;
 
 /// How often the computer has a look at what it wants to say, when nothing else happens.
 const IDLE_NS: u64 = 1_000_000;
@@ -53,12 +48,8 @@ pub struct UsbHabits {
 /// How far it has come.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Stage {
-    /// Nothing is on the cable.
-    Alone,
-    /// It has seen the device.
-    Seen,
-    /// It holds the bus in reset.
-    Resetting,
+    /// It looks for the device.
+    Looking(Discovery),
     /// It makes this request.
     Asking(usize, u32),
     /// The port is open.
@@ -89,7 +80,7 @@ impl UsbLine {
     /// A computer that has these conversations; without any there is none.
     #[must_use]
     pub fn new(habits: UsbHabits, mut next: VecDeque<HostLine>) -> Option<Self> {
-        let (line, host, stage) = (next.pop_front()?, UsbHost::new(), Stage::Alone);
+        let (line, host, stage) = (next.pop_front()?, UsbHost::new(), Stage::Looking(Discovery::Alone));
         Some(Self { line, descriptors: Vec::new(), habits, next, host, stage, reading: None, writing: None })
     }
 
@@ -121,7 +112,7 @@ impl UsbLine {
             return Some(plugged);
         }
         self.habits.pulled = None;
-        self.stage = Stage::Alone;
+        self.stage = Stage::Looking(Discovery::Alone);
         if let Some(next) = self.next.pop_front() {
             self.line = next;
         }
@@ -174,27 +165,17 @@ impl Cable for UsbLine {
         if let Some(plugged) = self.pull(core, now) {
             return Some(plugged);
         }
-        if !core.is_connected() {
-            self.stage = Stage::Alone;
-            return None;
+        if let Stage::Looking(mut discovery) = self.stage {
+            let next = discovery.attend(&mut self.host, core, now);
+            self.stage = Stage::Looking(discovery);
+            if discovery != Discovery::Ready {
+                return next;
+            }
+            self.stage = self.request(0);
         }
         match self.stage {
-            Stage::Alone => {
-                self.stage = Stage::Seen;
-                return Some(now + DEBOUNCE_NS);
-            }
-            Stage::Seen => {
-                self.host.reset(core);
-                self.stage = Stage::Resetting;
-                return Some(now + RESET_NS);
-            }
-            Stage::Resetting => {
-                core.end_reset();
-                self.stage = self.request(0);
-                return Some(now + RECOVERY_NS);
-            }
             Stage::Open => self.talk(now),
-            Stage::Asking(..) | Stage::Pulled | Stage::Failed => {}
+            Stage::Looking(_) | Stage::Asking(..) | Stage::Pulled | Stage::Failed => {}
         }
         let has_moved = self.host.turn(core);
         while let Some((id, outcome)) = self.host.take_ended() {

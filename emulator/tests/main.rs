@@ -17,3 +17,4 @@ mod restart;
 mod steps;
 mod storage;
 mod usb;
+mod usbip;

@@ -5,7 +5,7 @@
 //! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
 //! rows. Other places that depend on a setting:
 //!
-//! - Field, default and row: here and in `top`, or `axis`, `bed`, `belt`, `endstops`, `pause`, `shaping`, `drivers`, `thermal`,
+//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `shaping`, `drivers`, `thermal`,
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
@@ -28,11 +28,11 @@ mod axis;
 mod bed;
 mod belt;
 mod check;
+mod corner;
 mod drivers;
 mod endstops;
 mod kept;
 pub mod line;
-mod motor_keys;
 mod name;
 mod pause;
 pub mod plain;
@@ -44,13 +44,13 @@ mod shaping;
 mod spec;
 pub mod table;
 mod thermal;
-mod top;
 mod wiring;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
 pub use belt::{Alignment, Belt, PHASES};
 pub use check::SettingsError;
+pub use corner::CornerRule;
 pub use drivers::{DriverGroups, DriverSettings, OwnDriver};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
@@ -69,33 +69,6 @@ use crate::kinematics::{Mechanism, multiple};
 use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
-
-/// The rule that limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A
-/// machine file chooses a rule by its key (`corner.…`, `machine-file/src/keys.rs`), a line by its letter in M205
-/// (`machine/commands/settings/set.rs`). A new one comes last, as records hold its number.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
-pub enum CornerRule {
-    /// Junction deviation: the largest distance between the corner and an arc that rounds it.
-    JunctionDeviation(Mm),
-    /// Square-corner velocity: the speed through a corner of 90 degrees.
-    SquareCorner(MmPerSec),
-}
-
-impl CornerRule {
-    /// Every rule, with a usual value.
-    pub fn all() -> impl Iterator<Item = Self> {
-        let usual = Self::JunctionDeviation(const { Mm::lit("0.013") });
-        core::iter::successors(Some(usual), |rule| rule.next())
-    }
-
-    /// The rule after this one. Without a wildcard: a new rule is linked in here, and tests go through all of them.
-    const fn next(self) -> Option<Self> {
-        match self {
-            Self::JunctionDeviation(_) => Some(Self::SquareCorner(MmPerSec::const_from_int(5))),
-            Self::SquareCorner(_) => None,
-        }
-    }
-}
 
 /// Everything that makes one machine different from another.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -323,6 +296,63 @@ impl Settings {
     pub fn finest(&self, axis: usize) -> StepsPerMm {
         let steps_per_mm = self.axes.to_array().get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
         steps_per_mm.saturating_mul_int(self.mechanism.most_times(axis).max(1).unsigned_abs().into())
+    }
+}
+
+/// Rows of [`Settings`] itself.
+mod top {
+    use super::corner::{Deviation, SquareCorner};
+    use super::rows::{Kind, Spec, rows};
+    use super::{MachineName, Settings, ranges};
+
+    fn parts(s: &mut Settings) -> [&mut Settings; 1] {
+        [s]
+    }
+
+    rows! {
+        for machine in parts, named &[""];
+
+        /// The name that hosts, screens and reports show: up to 24 letters, digits, blanks and + - . , / ( ) & # '.
+        1 "name" = machine.name, "", [Spec::text(MachineName::LONGEST, Kind::Name)];
+        /// Speed limit of one belt motor, in mm of belt. A diagonal asks 1.41 times the tool's speed of two motors.
+        2 "motor_max_speed" = machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
+        /// Acceleration limit of one belt motor, in mm of belt.
+        3 "motor_max_acceleration" = machine.motor_max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        /// Acceleration of moves that print.
+        4 "print_acceleration" = machine.print_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "P/S";
+        /// Acceleration of moves of the extruder alone.
+        5 "retract_acceleration" = machine.retract_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "R";
+        /// Acceleration of moves that do not print.
+        6 "travel_acceleration" = machine.travel_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "T/S";
+        /// The part of a move over which its speed holds at least, unless it accelerates or brakes all along
+        /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
+        7 "minimum_cruise_ratio" = machine.minimum_cruise_ratio, "", [ranges::CRUISE_RATIO.spec()];
+        /// The jump in the extruder's speed that a corner may ask for (M205 E).
+        8 "extruder_jerk" = machine.extruder_jerk, "mm/s", [ranges::SPEED.spec()];
+        /// Least commanded speed of printing moves; 0 is none (M205 S).
+        9 "min_feed" = machine.min_feed, "mm/s", [ranges::SPEED.spec().from_zero()];
+        /// Least commanded speed of other moves; 0 is none (M205 T).
+        10 "min_travel" = machine.min_travel, "mm/s", [ranges::SPEED.spec().from_zero()];
+        /// Whether moves are kept inside the reachable space (M211).
+        11 "soft_endstops" = machine.soft_endstops, "", [Spec::SWITCH];
+        /// Whether moves of an axis that was not homed are refused. Otherwise the host is told of them once.
+        12 "require_homing" = machine.require_homing, "", [Spec::SWITCH];
+        /// How far the chords of an arc may lie inside it.
+        13 "arc_tolerance" = machine.arc_tolerance, "mm", [ranges::TOLERANCE.spec()];
+        /// Time between two busy messages; 0 is none.
+        14 "keepalive_s" = machine.keepalive_s, "s", [ranges::KEEPALIVE_S.spec()], "M113" "S";
+        /// Silence in the middle of numbered lines after which the host is asked to go on; 0 is never.
+        15 "patience_ms" = machine.patience_ms, "ms", [ranges::PATIENCE_MS.spec().or_zero()];
+        /// Motion at nominal speed that waits in the look-ahead before a line is answered.
+        16 "lookahead_time" = machine.lookahead_time, "s", [ranges::LOOKAHEAD_TIME.spec()];
+        /// Whether ok tells the line number, free moves and free lines (ok N12 P100 B9), as Marlin's ADVANCED_OK.
+        17 "advanced_ok" = machine.advanced_ok, "", [Spec::SWITCH];
+        /// Rate of the serial lines on the board's headers; USB has none. It counts after a reset.
+        18 "baud" = machine.baud, "baud", [ranges::BAUD.spec()];
+        /// Speed in corners by junction deviation: how far an arc that rounds the corner may leave it (M205 J).
+        19 "corner.junction_deviation" = Deviation(&mut machine.corner), "mm", [ranges::TOLERANCE.spec()];
+        /// Speed in corners by the speed through a right angle (M205 X).
+        99 "corner.square_corner" = SquareCorner(&mut machine.corner), "mm/s", [ranges::SPEED.spec()];
     }
 }
 

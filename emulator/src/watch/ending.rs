@@ -54,6 +54,11 @@ impl Watch {
             is_done &= line.is_done();
             active = active.max(line.active);
         }
+        if let Some(network) = session.board_mut().network() {
+            // The computer decides how long it takes.
+            self.greeted |= network.was_attached();
+            (is_done, active) = (network.is_over(), at);
+        }
         if is_done && self.done.is_none() {
             self.done = Some(at);
         }

@@ -88,6 +88,8 @@ pub struct Bench<'a> {
     pub second: Option<&'a str>,
     /// How hosts talk.
     pub manner: Manner,
+    /// Where a real computer finds the USB port.
+    pub network: Option<&'a str>,
     /// A fault.
     pub injection: Option<Injection>,
     /// The board, with its plugged-in parts.
@@ -127,6 +129,7 @@ impl Default for Bench<'_> {
         Self {
             second: None,
             manner: Manner::default(),
+            network: None,
             injection: None,
             wiring: &OCTOPUS,
             drivers: drivers(),
@@ -222,6 +225,7 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
         gcode,
         second: bench.second,
         manner: bench.manner,
+        network: bench.network,
         patience,
         injection: bench.injection,
         drivers: &bench.drivers,

@@ -3,7 +3,6 @@
 
 mod answers;
 mod circulation;
-mod eight_motors;
 mod endstops;
 #[path = "../common/lines.rs"]
 mod lines;

@@ -1,0 +1,68 @@
+//! The rule for speeds in corners.
+
+use super::rows::{Field, Value};
+use crate::units::{Mm, MmPerSec};
+use serde::{Deserialize, Serialize};
+
+/// The rule that limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A
+/// machine file chooses a rule by its key (`corner.…`, `machine-file/src/keys.rs`), a line by its letter in M205
+/// (`machine/commands/settings/set.rs`). A new one comes last, as records hold its number.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub enum CornerRule {
+    /// Junction deviation: the largest distance between the corner and an arc that rounds it.
+    JunctionDeviation(Mm),
+    /// Square-corner velocity: the speed through a corner of 90 degrees.
+    SquareCorner(MmPerSec),
+}
+
+impl CornerRule {
+    /// Every rule, with a usual value.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let usual = Self::JunctionDeviation(const { Mm::lit("0.013") });
+        core::iter::successors(Some(usual), |rule| rule.next())
+    }
+
+    /// The rule after this one. Without a wildcard: a new rule is linked in here, and tests go through all of them.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::JunctionDeviation(_) => Some(Self::SquareCorner(MmPerSec::const_from_int(5))),
+            Self::SquareCorner(_) => None,
+        }
+    }
+}
+
+/// Junction deviation as a field.
+pub(super) struct Deviation<'a>(pub &'a mut CornerRule);
+
+impl Field for Deviation<'_> {
+    fn get(&self) -> Value {
+        if let CornerRule::JunctionDeviation(deviation) = &*self.0 { deviation.get() } else { Value::Absent }
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let mut deviation = Mm::ZERO;
+        let is_one = deviation.set(value);
+        if is_one {
+            *self.0 = CornerRule::JunctionDeviation(deviation);
+        }
+        is_one
+    }
+}
+
+/// Square-corner velocity as a field.
+pub(super) struct SquareCorner<'a>(pub &'a mut CornerRule);
+
+impl Field for SquareCorner<'_> {
+    fn get(&self) -> Value {
+        if let CornerRule::SquareCorner(speed) = &*self.0 { speed.get() } else { Value::Absent }
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let mut speed = MmPerSec::ZERO;
+        let is_one = speed.set(value);
+        if is_one {
+            *self.0 = CornerRule::SquareCorner(speed);
+        }
+        is_one
+    }
+}
