@@ -11,7 +11,15 @@ pub mod prototype;
 pub use name::{MotorName, OfMotor};
 
 /// Motors that a machine may have.
-pub const MOTORS: usize = 7;
+pub const MOTORS: usize = 8;
+
+/// A list with an entry for each motor: these for the first ones, and `rest` for all others.
+#[must_use]
+pub const fn per_motor<T: Copy>(listed: &[T], rest: T) -> [T; MOTORS] {
+    let mut all = [rest; MOTORS];
+    all.split_at_mut(listed.len()).0.copy_from_slice(listed);
+    all
+}
 
 /// A motor by its number: its bit in a [`MotorSet`] and its column in a step trace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -3,14 +3,14 @@
 use super::*;
 use crate::tests::ports_of_pairs;
 use corehbot::kinematics::{Groups, Mechanism};
-use corehbot::motors::prototype;
+use corehbot::motors::{per_motor, prototype};
 use corehbot::port::{EndstopSet, MotorSet};
 use corehbot::settings::Settings;
 use corehbot_wiring::port_writes::StepWrites;
 
 #[test]
 fn every_driver_can_be_talked_to_and_each_pair_steps_by_one_store() {
-    assert_eq!(BOARD.usual().uarts(), MotorSet::ALL);
+    assert_eq!(BOARD.usual().uarts(), prototype::ALL);
     assert_eq!(ports_of_pairs(&BOARD), [[Port::F], [Port::G]]);
 }
 
@@ -61,15 +61,15 @@ fn a_machine_is_plugged_in_where_it_says() {
     assert_eq!(usual.slow(), MotorSet::of(prototype::Z2), "on PC13");
     assert_eq!((plugged.endstops, plugged.normally_open), (usual.endstops, EndstopSet::NONE));
     // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
-    let [m1, _, _, _, z1, z2, _] = &mut machine.wiring.motors;
+    let [m1, _, _, _, z1, z2, ..] = &mut machine.wiring.motors;
     std::mem::swap(m1, z2);
     (m1.is_reversed, *z1) = (true, *m1);
     std::mem::swap(&mut machine.wiring.endstops.x, &mut machine.wiring.endstops.z);
     machine.wiring.endstops.x.is_normally_open = true;
     machine.mechanism.rows[prototype::Z1.index()] = [0; 4];
     let plugged = BOARD.plugged(&machine).unwrap();
-    let [m1, m4, m8, m11, _, z2, e0] = usual.slots;
-    assert_eq!(plugged.slots, [z2, m4, m8, m11, None, m1, e0]);
+    let [m1, m4, m8, m11, _, z2, e0, ..] = usual.slots;
+    assert_eq!(plugged.slots, per_motor(&[z2, m4, m8, m11, None, m1, e0], None));
     assert_eq!((plugged.reversed, plugged.slow()), (MotorSet::of(prototype::M1), MotorSet::of(prototype::M1)));
     let [x, y, z] = usual.endstops;
     assert_eq!((plugged.endstops, plugged.normally_open), ([z, y, x], EndstopSet::X));

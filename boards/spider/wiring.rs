@@ -109,12 +109,13 @@ const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
 mod tests {
     use super::*;
     use crate::tests::{ports_of_pairs, step_writes};
+    use corehbot::motors::prototype;
     use corehbot::port::{GroupSet, MotorSet};
 
     #[test]
     fn each_pair_steps_by_one_store_and_nothing_of_the_prototype_is_slow() {
         let usual = BOARD.usual();
-        assert_eq!((usual.uarts(), usual.slow()), (MotorSet::ALL, MotorSet::NONE));
+        assert_eq!((usual.uarts(), usual.slow()), (prototype::ALL, MotorSet::NONE));
         assert_eq!(ports_of_pairs(&BOARD), [[Port::E], [Port::D]]);
         assert_eq!(step_writes(&BOARD).beyond_quick(), GroupSet::NONE);
     }

@@ -2,6 +2,7 @@
 
 #[cfg(unix)]
 mod exchange;
+mod from;
 #[cfg(unix)]
 mod line;
 
@@ -25,6 +26,8 @@ pub(crate) enum Config {
     Schema,
     /// Writes a machine file with every key and its meaning.
     New(New),
+    /// Writes a machine file from Klipper's printer.cfg, and reports what became of every key.
+    From(from::From),
     /// Reports errors and doubtful values in a machine file; the exit status is 1 if it is not a machine.
     Check(Check),
     /// Sends a machine to a board, which checks it and stores it.
@@ -78,6 +81,7 @@ pub(crate) fn run(config: &Config) -> Result<u8> {
     match config {
         Config::Schema => say(&format!("{}\n", serde_json::to_string_pretty(&schema())?)),
         Config::New(new) => write_new(new),
+        Config::From(args) => from::from(args),
         Config::Check(check) => report(&check.file),
         #[cfg(unix)]
         Config::Send(args) => exchange::send(args),
@@ -93,7 +97,14 @@ fn say(text: &str) -> Result<u8> {
 
 fn write_new(new: &New) -> Result<u8> {
     let text = template::file(new.machine, new.board, new.heaters)?;
-    let Some(path) = &new.output else { return say(&text) };
+    match &new.output {
+        Some(path) => create(path, &text),
+        None => say(&text),
+    }
+}
+
+/// Writes a file that must not exist.
+fn create(path: &Path, text: &str) -> Result<u8> {
     let cannot = || format!("cannot create {}", path.display());
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).with_context(cannot)?;
     file.write_all(text.as_bytes()).with_context(cannot)?;

@@ -246,3 +246,62 @@ fn a_file_that_is_not_there_is_status_2() {
     assert_eq!(check.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&check.stderr).contains("corehbot: cannot open no-such.toml"));
 }
+
+/// A configuration of Klipper among the tests of machine files.
+fn klipper(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../machine-file/tests/klipper").join(name).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_configuration_of_klipper_becomes_a_machine() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gantry.toml");
+    let _ = std::fs::remove_file(&path);
+    let name = path.to_str().unwrap();
+    let from = config(&["from", &klipper("gantry.cfg"), "-o", name]);
+    let report = out(&from);
+    assert_eq!(from.status.code(), Some(0), "{report}{}", String::from_utf8_lossy(&from.stderr));
+    assert!(report.starts_with("for the BTT Octopus\n"), "{report}");
+    // Included files by a pattern, and in a folder of their own.
+    for told in ["parts/tool.cfg:1", "parts/heat/heat.inc:1", "[bed_mesh default]", " 0 to decide\n"] {
+        assert!(report.contains(told), "{told}: {report}");
+    }
+    assert_eq!(config(&["check", name]).status.code(), Some(0));
+    let text = std::fs::read_to_string(&path).unwrap();
+    // Without -o the file is standard output, and the report standard error.
+    let other = config(&["from", &klipper("gantry.cfg")]);
+    assert_eq!(out(&other), text);
+    assert!(String::from_utf8_lossy(&other.stderr).contains("for the BTT Octopus\n"));
+    // An existing file stays.
+    assert_eq!(config(&["from", &klipper("gantry.cfg"), "-o", name]).status.code(), Some(2));
+}
+
+#[test]
+fn a_configuration_with_something_to_decide_is_status_1() {
+    let from = config(&["from", &klipper("awd.cfg")]);
+    let report = String::from_utf8_lossy(&from.stderr).into_owned();
+    assert_eq!(from.status.code(), Some(1), "{report}");
+    assert!(report.contains("EBBCan is another board") && report.contains("decide what is left"), "{report}");
+    assert!(report.contains("machine file:"), "problems of the file: {report}");
+    // The board of the command line counts.
+    let from = config(&["from", "--board", "octopus", &klipper("awd.cfg")]);
+    assert!(out(&from).contains("board = \"octopus\"  # --board\n"), "{}", out(&from));
+}
+
+#[test]
+fn a_folder_is_its_printer_cfg_and_bad_lines_are_told() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("klipper-folder");
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    let from = || config(&["from", folder.to_str().unwrap()]);
+    let said = || String::from_utf8_lossy(&from().stderr).into_owned();
+    let _ = std::fs::remove_file(folder.join("printer.cfg"));
+    assert!(said().contains("cannot open"), "{}", said());
+    write("printer.cfg", "[include sub/one.cfg]\n[printer]\nkinematics: corexy\n");
+    write("sub/one.cfg", "[include ../sub/*.cfg]\n");
+    assert!(said().contains("one.cfg:1: error: ") && said().contains("includes itself"), "{}", said());
+    write("sub/one.cfg", "[mcu]\nserial\n");
+    assert_eq!(from().status.code(), Some(2));
+    assert!(said().contains("one.cfg:2: error: \"serial\" is neither"), "{}", said());
+    write("sub/one.cfg", "[mcu]\nserial:\n  /dev/ttyACM0\n");
+    assert!(said().contains("cannot tell the board"), "{}", said());
+}

@@ -155,6 +155,8 @@ impl DriverLine {
 #[derive(Clone, Debug)]
 pub struct DriverLines {
     lines: [DriverLine; MOTORS],
+    /// The motors that the board has a slot for.
+    motors: MotorSet,
     masks: [u16; PORTS],
     seen: [(u16, u16); PORTS],
     /// Time of the first event of its own.
@@ -171,7 +173,7 @@ impl DriverLines {
             masks[pin.port] |= pin.mask();
         }
         let lines = pins.map(DriverLine::new);
-        Self { lines, masks, seen: [(0, 0); PORTS], next: None }
+        Self { lines, motors: wiring.motors(), masks, seen: [(0, 0); PORTS], next: None }
     }
 
     /// The driver of `motor`, to change something about it.
@@ -187,13 +189,17 @@ impl DriverLines {
 
     /// Every driver.
     pub fn iter(&self) -> impl Iterator<Item = &DriverLine> {
-        self.lines.iter()
+        self.by_motor().map(|(_, line)| line)
+    }
+
+    fn by_motor(&self) -> impl Iterator<Item = (Motor, &DriverLine)> {
+        Motor::ALL.into_iter().zip(&self.lines).filter(|(motor, _)| self.motors.has(*motor))
     }
 
     /// Motors with a driver that makes another number of microsteps than `microsteps`.
     #[must_use]
     pub fn others_than(&self, microsteps: u32) -> MotorSet {
-        let motors = Motor::ALL.into_iter().zip(&self.lines).filter(|(_, line)| line.chip.microsteps() != microsteps);
+        let motors = self.by_motor().filter(|(_, line)| line.chip.microsteps() != microsteps);
         motors.fold(MotorSet::NONE, |set, (motor, _)| set.with(MotorSet::of(motor)))
     }
 

@@ -4,7 +4,7 @@
 //! the same mistake here. Each board has a [`Wiring`] in [`ALL`], and `tests/machines.rs` runs its image on it.
 
 use corehbot::connectors::{Output, Sensor};
-use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet, prototype};
+use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet, per_motor, prototype};
 
 /// Ports of the chip, GPIOA to GPIOH.
 pub const PORTS: usize = 8;
@@ -207,15 +207,18 @@ pub const ROOM: u32 = 3152;
 /// extruder in M6. The Raspberry Pi header is USART2 and the TFT header USART1.
 pub static OCTOPUS: Wiring = Wiring {
     name: "octopus",
-    slots: [
-        slot(prototype::M1, Pin::new('F', 13), Pin::new('F', 12), Pin::new('F', 14), Pin::new('C', 4)),
-        slot(prototype::M4, Pin::new('G', 0), Pin::new('G', 1), Pin::new('F', 15), Pin::new('D', 11)),
-        slot(prototype::M8, Pin::new('F', 9), Pin::new('F', 10), Pin::new('G', 2), Pin::new('F', 2)),
-        slot(prototype::M11, Pin::new('G', 4), Pin::new('C', 1), Pin::new('A', 0), Pin::new('C', 7)),
-        slot(prototype::Z1, Pin::new('F', 11), Pin::new('G', 3), Pin::new('G', 5), Pin::new('C', 6)),
-        slot(prototype::Z2, Pin::new('C', 13), Pin::new('F', 0), Pin::new('F', 1), Pin::new('E', 4)),
-        slot(prototype::E0, Pin::new('E', 2), Pin::new('E', 3), Pin::new('D', 4), Pin::new('E', 1)),
-    ],
+    slots: per_motor(
+        &[
+            slot(prototype::M1, Pin::new('F', 13), Pin::new('F', 12), Pin::new('F', 14), Pin::new('C', 4)),
+            slot(prototype::M4, Pin::new('G', 0), Pin::new('G', 1), Pin::new('F', 15), Pin::new('D', 11)),
+            slot(prototype::M8, Pin::new('F', 9), Pin::new('F', 10), Pin::new('G', 2), Pin::new('F', 2)),
+            slot(prototype::M11, Pin::new('G', 4), Pin::new('C', 1), Pin::new('A', 0), Pin::new('C', 7)),
+            slot(prototype::Z1, Pin::new('F', 11), Pin::new('G', 3), Pin::new('G', 5), Pin::new('C', 6)),
+            slot(prototype::Z2, Pin::new('C', 13), Pin::new('F', 0), Pin::new('F', 1), Pin::new('E', 4)),
+            slot(prototype::E0, Pin::new('E', 2), Pin::new('E', 3), Pin::new('D', 4), Pin::new('E', 1)),
+        ],
+        None,
+    ),
     endstops: [
         (EndstopSet::X, Pin::new('G', 6)),
         (EndstopSet::Y, Pin::new('G', 9)),
@@ -277,15 +280,18 @@ pub static OCTOPUS_PRO: Wiring = Wiring { name: "octopus-pro", ..OCTOPUS };
 /// resistors are unknown.
 pub static SPIDER: Wiring = Wiring {
     name: "spider",
-    slots: [
-        slot(prototype::M1, Pin::new('E', 11), Pin::new('E', 10), Pin::new('E', 9), Pin::new('E', 7)),
-        slot(prototype::M4, Pin::new('D', 8), Pin::new('B', 12), Pin::new('D', 9), Pin::new('E', 15)),
-        slot(prototype::M8, Pin::new('E', 2), Pin::new('E', 4), Pin::new('E', 3), Pin::new('C', 15)),
-        slot(prototype::M11, Pin::new('D', 14), Pin::new('D', 13), Pin::new('D', 15), Pin::new('D', 10)),
-        slot(prototype::Z1, Pin::new('D', 12), Pin::new('C', 4), Pin::new('E', 8), Pin::new('A', 15)),
-        slot(prototype::Z2, Pin::new('E', 1), Pin::new('E', 0), Pin::new('C', 5), Pin::new('D', 11)),
-        slot(prototype::E0, Pin::new('D', 5), Pin::new('D', 6), Pin::new('D', 4), Pin::new('D', 7)),
-    ],
+    slots: per_motor(
+        &[
+            slot(prototype::M1, Pin::new('E', 11), Pin::new('E', 10), Pin::new('E', 9), Pin::new('E', 7)),
+            slot(prototype::M4, Pin::new('D', 8), Pin::new('B', 12), Pin::new('D', 9), Pin::new('E', 15)),
+            slot(prototype::M8, Pin::new('E', 2), Pin::new('E', 4), Pin::new('E', 3), Pin::new('C', 15)),
+            slot(prototype::M11, Pin::new('D', 14), Pin::new('D', 13), Pin::new('D', 15), Pin::new('D', 10)),
+            slot(prototype::Z1, Pin::new('D', 12), Pin::new('C', 4), Pin::new('E', 8), Pin::new('A', 15)),
+            slot(prototype::Z2, Pin::new('E', 1), Pin::new('E', 0), Pin::new('C', 5), Pin::new('D', 11)),
+            slot(prototype::E0, Pin::new('D', 5), Pin::new('D', 6), Pin::new('D', 4), Pin::new('D', 7)),
+        ],
+        None,
+    ),
     endstops: [
         (EndstopSet::X, Pin::new('B', 14)),
         (EndstopSet::Y, Pin::new('B', 13)),
@@ -325,15 +331,15 @@ const fn socket(motor: Motor, step: Pin, dir: Pin) -> Option<Slot> {
 /// USART2 as a serial port (UM1724, OSC clock and USART communication). No bootloader.
 pub static NUCLEO: Wiring = Wiring {
     name: "nucleo",
-    slots: [
-        socket(prototype::M1, Pin::new('A', 10), Pin::new('B', 4)),
-        socket(prototype::M4, Pin::new('B', 3), Pin::new('B', 10)),
-        socket(prototype::M8, Pin::new('A', 6), Pin::new('A', 5)),
-        socket(prototype::M11, Pin::new('B', 5), Pin::new('A', 8)),
+    slots: per_motor(
+        &[
+            socket(prototype::M1, Pin::new('A', 10), Pin::new('B', 4)),
+            socket(prototype::M4, Pin::new('B', 3), Pin::new('B', 10)),
+            socket(prototype::M8, Pin::new('A', 6), Pin::new('A', 5)),
+            socket(prototype::M11, Pin::new('B', 5), Pin::new('A', 8)),
+        ],
         None,
-        None,
-        None,
-    ],
+    ),
     endstops: [(EndstopSet::X, Pin::new('C', 7)), (EndstopSet::Y, Pin::new('B', 6)), (EndstopSet::Z, Pin::new('A', 7))],
     heaters: &[],
     fans: &[],
@@ -391,7 +397,7 @@ mod tests {
             );
         }
         let printers = ALL.iter().filter(|board| !board.heaters.is_empty());
-        assert!(printers.into_iter().all(|board| board.motors() == MotorSet::ALL));
+        assert!(printers.into_iter().all(|board| board.motors() == prototype::ALL));
         assert_eq!(NUCLEO.motors(), prototype::BELT);
     }
 }

@@ -1,7 +1,7 @@
 //! Motors have power only while their drivers prove that they are as they should be.
 
 use crate::common::{Bench, MS, drivers, firmware, print, root};
-use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::driver_line::DriverLines;
@@ -110,7 +110,7 @@ fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u
         let mut later = seen.safety.switched.iter().filter(|(when, _)| *when >= at);
         later.find(|(_, on)| on.without(motors) == *on).expect("motors without power").0
     };
-    let (off, all_off) = (without(failed), without(MotorSet::ALL));
+    let (off, all_off) = (without(failed), without(prototype::ALL));
     println!(
         "{injection:?}: off {:.1} ms, last step {:.1} ms and no power {:.1} ms after it, {:?}",
         (off - at) as f64 / 1e6,
@@ -154,12 +154,12 @@ fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of
 #[test]
 fn a_z_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
     let fault = Injection::DriverReset { after: 46_000, motor: prototype::Z2 };
-    assert!(off_after(fault, MotorSet::ALL, &["motor z2 was reset"]).0 < 200 * MS);
+    assert!(off_after(fault, prototype::ALL, &["motor z2 was reset"]).0 < 200 * MS);
 }
 
 #[test]
 fn a_motor_supply_that_goes_away_stops_all_motors() {
-    let (_, last, seen) = off_after(Injection::SupplyLost { after: 45_000 }, MotorSet::ALL, &["does not answer"]);
+    let (_, last, seen) = off_after(Injection::SupplyLost { after: 45_000 }, prototype::ALL, &["does not answer"]);
     assert!(last < 100 * MS, "{last} ns");
     assert!(!seen.line.said.iter().any(|line| line.contains("parked, ")), "{:?}", seen.line.said);
 }
@@ -179,6 +179,6 @@ fn drivers_are_watched_while_motors_step_fast() {
     let failed = |line: &String| line.split_once(" failed exchanges")?.0.rsplit(' ').next()?.parse::<u32>().ok();
     let failed: Vec<u32> = seen.line.said.iter().filter_map(failed).collect();
     println!("failed exchanges: {failed:?}");
-    assert_eq!(failed.len(), MOTORS, "{:?}", seen.line.said);
+    assert_eq!(failed.len(), prototype::COUNT, "{:?}", seen.line.said);
     assert!(failed.iter().sum::<u32>() <= 6, "{failed:?}");
 }

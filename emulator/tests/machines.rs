@@ -3,7 +3,7 @@
 
 use crate::common::{Bench, bench_of, firmware, lines_of, plain_firmware, print_on, root};
 use corehbot::connectors::{ConnectorName, Heater};
-use corehbot::motors::{MotorSet, prototype};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::driver_line::DriverLines;
@@ -11,7 +11,7 @@ use corehbot_emulator::eeprom::{At24c32, Cut};
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
-use corehbot_emulator::wiring::{OCTOPUS, Pin, Wiring};
+use corehbot_emulator::wiring::{OCTOPUS, Pin, Slot, Wiring};
 use corehbot_machine_file as machine_file;
 
 /// Both belts and the screw, and an arc.
@@ -43,6 +43,19 @@ fn four_motors_drive_a_corexy() {
     assert_eq!(motors_of("awd-corexy.toml"), prototype::BELT.with(MotorSet::of(prototype::Z1)));
 }
 
+/// The third screw has the eighth socket of the Octopus.
+#[test]
+fn eight_motors_are_as_many_as_a_board_drives() {
+    let mut wiring = OCTOPUS;
+    let motor = Motor::ALL[prototype::COUNT];
+    let [step, dir, enable, uart] = wiring.spare.unwrap().pins;
+    wiring.slots[motor.index()] = Some(Slot { motor, step, dir, enable, uart: Some(uart) });
+    let wiring: &'static _ = Box::leak(Box::new(wiring));
+    let machine = machine_file::read(&root().join("examples/machines/corehbot-three-screws.toml")).unwrap();
+    let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine.settings) };
+    assert_eq!(motors_on(&bench), MotorSet::ALL.without(MotorSet::of(prototype::E0)));
+}
+
 #[test]
 fn pulleys_may_have_different_sizes() {
     let motors = [prototype::M8, prototype::M11, prototype::Z1].into_iter().map(MotorSet::of);
@@ -64,7 +77,7 @@ fn motors_and_switches_are_where_the_file_has_them() {
     let [(_, x), (_, y), _] = &mut wiring.endstops;
     std::mem::swap(x, y);
     let bench = Bench { wiring: Box::leak(Box::new(wiring)), ..bench_of(machine_file::load(file).unwrap()) };
-    assert_eq!(motors_on(&bench), MotorSet::ALL.without(MotorSet::of(prototype::E0)));
+    assert_eq!(motors_on(&bench), prototype::ALL.without(MotorSet::of(prototype::E0)));
 }
 
 /// A switch that closes when it is pressed reads inverted.

@@ -93,6 +93,11 @@ impl Display for MachineFileError {
         match self {
             Self::Syntax(error) => f.write_str(&place::words(error)),
             Self::Unknown { what, name, known, .. } => {
+                if *what == "field"
+                    && let Some(answer) = crate::peers::answer(name)
+                {
+                    return write!(f, "unknown field `{}`: {answer}", short(name));
+                }
                 let known = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
                 let message = format!("unknown {what} `{}`, expected one of {known}", short(name));
                 f.write_str(&place::with_suggestion(&message))

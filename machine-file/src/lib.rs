@@ -15,6 +15,9 @@
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
+//! | `klipper` | a configuration of Klipper to a machine file |
+//! | `peers` | keys of Klipper and Marlin, and ours |
+//! | `pattern` | patterns of names |
 //! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
 //!
 //! `examples/machines/prototype.toml` shows every key. A file that names a `board` must use its connectors.
@@ -23,6 +26,9 @@
 
 mod error;
 mod keys;
+pub mod klipper;
+mod pattern;
+mod peers;
 mod place;
 mod problems;
 mod reader;

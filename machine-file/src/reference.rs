@@ -5,7 +5,7 @@ use crate::value::toml;
 use crate::written::values;
 use corehbot::motors::prototype;
 use corehbot::settings::Settings;
-use corehbot::settings::rows::{Kind, Row, Text};
+use corehbot::settings::rows::{Kind, Row, Text, Value};
 use corehbot::settings::table::described;
 use std::fmt::Write as _;
 
@@ -80,7 +80,12 @@ fn range(row: &Row, text: &Text) -> String {
 /// The prototype's values.
 fn defaults(row: &Row, text: &Text) -> String {
     let values = values(&Settings::prototype());
-    listed(values.range((row.id, 0)..=(row.id, usize::MAX)).map(|(_, value)| {
+    let is_of_prototype = |part: usize, value: &Value| match (text.kind, value) {
+        (Kind::MotorName, Value::Text(name)) => !name.is_empty(),
+        _ => row.tables.get(part).is_some_and(|table| named(table, &prototype::NAMES).is_some()),
+    };
+    let values = values.range((row.id, 0)..=(row.id, usize::MAX));
+    listed(values.filter(|((_, part), value)| is_of_prototype(*part, value)).map(|(_, value)| {
         let is_unknown = row.tables.contains(&"belt.phases");
         toml(value, text.kind).filter(|_| !is_unknown).map_or_else(|| "none".to_owned(), |value| value.to_string())
     }))

@@ -2,8 +2,9 @@
 //! of that kind of machine, and the connectors from the board.
 
 use anyhow::{Context as _, Result};
-use corehbot::connectors::BoardConnectors;
-use corehbot::settings::{Settings, Wiring};
+use corehbot::connectors::{BoardConnectors, ConnectorName};
+use corehbot::motors::MotorName;
+use corehbot::settings::Wiring;
 use toml::{Table, Value};
 
 /// The file that shows every key.
@@ -16,6 +17,8 @@ pub enum Kind {
     Corehbot,
     /// The same with two drivers, two motors on each.
     CorehbotTwoDrivers,
+    /// The same with a third screw.
+    CorehbotThreeScrews,
     /// Two belts that cross, two motors.
     Corexy,
     /// A CoreXY with four motors.
@@ -40,9 +43,10 @@ pub enum Kind {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Corehbot,
         Self::CorehbotTwoDrivers,
+        Self::CorehbotThreeScrews,
         Self::Corexy,
         Self::AwdCorexy,
         Self::Hbot,
@@ -61,6 +65,7 @@ impl Kind {
         match self {
             Self::Corehbot => "corehbot",
             Self::CorehbotTwoDrivers => "corehbot-two-drivers",
+            Self::CorehbotThreeScrews => "corehbot-three-screws",
             Self::Corexy => "corexy",
             Self::AwdCorexy => "awd-corexy",
             Self::Hbot => "hbot",
@@ -79,6 +84,7 @@ impl Kind {
         match self {
             Self::Corehbot => PROTOTYPE,
             Self::CorehbotTwoDrivers => include_str!("../../examples/machines/corehbot-two-drivers.toml"),
+            Self::CorehbotThreeScrews => include_str!("../../examples/machines/corehbot-three-screws.toml"),
             Self::Corexy => include_str!("../../examples/machines/corexy.toml"),
             Self::AwdCorexy => include_str!("../../examples/machines/awd-corexy.toml"),
             Self::Hbot => include_str!("../../examples/machines/hbot.toml"),
@@ -102,8 +108,8 @@ pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<St
     let mut text = Text(PROTOTYPE.lines().skip_while(|line| !line.is_empty()).map(str::to_owned).collect());
     for (key, value) in &example {
         match value {
-            // Rows are listed below.
-            Value::Table(_) if key == "mechanism" => {}
+            // Motors are listed below.
+            Value::Table(_) if ["mechanism", "motors"].contains(&key.as_str()) => {}
             Value::Table(table) => text.set_table(key, table)?,
             _ => text.set("", key, value)?,
         }
@@ -129,22 +135,25 @@ pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<St
         }
     }
     text.set("", "board", &board.key.into())?;
-    let wiring = Wiring::usual(board);
-    for (motor, name) in Settings::prototype().motors() {
-        let name = name.as_str();
-        let row = match example.get("mechanism").and_then(Value::as_table) {
-            Some(rows) => rows.get(name),
-            None => None,
-        };
-        if let Some(row) = row {
-            text.set("mechanism", name, row)?;
-            text.set("motors", name, &wiring.of(motor).connector.as_str().into())?;
+    let given = |table: &str, key: &str| example.get(table).and_then(|table| table.get(key));
+    if let Some(names) = given("motors", "names") {
+        text.set("motors", "names", names)?;
+    }
+    let mut last = MotorName::NONE;
+    for (motor, name) in crate::load(kind.example())?.motors() {
+        if let Some(row) = given("mechanism", name.as_str()) {
+            let socket = board.sockets.get(motor.index()).map_or("", ConnectorName::as_str).into();
+            for (table, value) in [("mechanism", row), ("motors", &socket)] {
+                text.make_room(table, name.as_str(), last.as_str());
+                text.set(table, name.as_str(), value)?;
+            }
+            last = name;
         } else {
-            text.remove("mechanism", name);
-            text.remove("motors", name);
+            text.remove("mechanism", name.as_str());
+            text.remove("motors", name.as_str());
         }
     }
-    let ends = wiring.endstops;
+    let ends = Wiring::usual(board).endstops;
     for (axis, plug) in [("x", ends.x), ("y", ends.y), ("z", ends.z)] {
         text.set("endstops", axis, &plug.connector.as_str().into())?;
     }
@@ -210,6 +219,13 @@ impl Text {
         Ok(())
     }
 
+    /// A line for a key that has none yet, behind the line of another key.
+    fn make_room(&mut self, table: &str, key: &str, behind: &str) {
+        if let (None, Some(line)) = (self.line(table, key), self.line(table, behind)) {
+            self.0.insert(line + 1, format!("{key} ="));
+        }
+    }
+
     fn remove(&mut self, table: &str, key: &str) {
         if let Some(line) = self.line(table, key) {
             self.0.remove(line);
@@ -230,7 +246,7 @@ mod tests {
     use super::*;
     use crate::keys::Of;
     use crate::{Problem, load, problems};
-    use corehbot::motors::Motor;
+    use corehbot::motors::{Motor, prototype};
 
     /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of
     /// its table. The comment on the board names all of them.
@@ -304,7 +320,13 @@ mod tests {
                         settings.name_of(motor)
                     );
                 }
-                assert_eq!((machine.board, settings.wiring), (Some(board), Wiring::usual(board)));
+                let mut wiring = Wiring::usual(board);
+                // Motors beyond the prototype's have the next sockets.
+                let sockets = wiring.motors.iter_mut().zip(board.sockets).zip(Motor::ALL).skip(prototype::COUNT);
+                for ((plug, socket), _) in sockets.filter(|(_, motor)| settings.mechanism.fitted().has(*motor)) {
+                    plug.connector = *socket;
+                }
+                assert_eq!((machine.board, settings.wiring), (Some(board), wiring));
                 settings.wiring = example.wiring;
                 assert_eq!(settings, example, "{kind:?} on {}", board.key);
             }

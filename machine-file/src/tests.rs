@@ -1,6 +1,7 @@
 //! Tests of machine_file.
 
 use super::*;
+use corehbot::kinematics::Mechanism;
 use corehbot::motors::prototype;
 use corehbot::settings::{CornerRule, ShaperKind, Thermistor, Wiring};
 use corehbot::units::{Hertz, Mm, MmPerSec, Seconds, StepsPerMm};
@@ -52,7 +53,10 @@ fn a_mechanism_lists_the_motors_that_are_fitted() {
     let s =
         load(&format!("[mechanism]\n{xy}z1 = [0, 0, 1]\ne0 = [0, 0, 0, -1]\n[axes.y]\nsteps_per_mm = 100")).unwrap();
     let none = [0; 4];
-    assert_eq!(s.mechanism.rows, [none, none, [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], none, [0, 0, 0, -1]]);
+    assert_eq!(
+        s.mechanism,
+        Mechanism::of(&[none, none, [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], none, [0, 0, 0, -1]])
+    );
     let error = |text: &str| load(&format!("[mechanism]\n{text}")).unwrap_err().to_string();
     let illegal = "is not a row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e";
     assert_eq!(error("m1 = [2, 1, 0]"), format!("mechanism.m1 = [2.0, 1.0, 0.0] {illegal}"));

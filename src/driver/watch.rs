@@ -12,7 +12,7 @@
 //!
 //! Each of four urgent motors gets a look every 64 ms. A driver that has lost its supply is asked four times, 32 ms,
 //! before it counts as silent: 96 ms at most. Without urgent motors all slots are background, and each driver of seven
-//! gets a look every 168 ms.
+//! gets a look every 168 ms, of eight every 192 ms.
 
 use super::run::Look;
 use crate::motors::{MOTORS, Motor, MotorSet};
@@ -25,7 +25,7 @@ const SLOT_MS: u32 = 8;
 const BETWEEN: u8 = 5;
 
 /// Background registers while there are urgent looks. One in three is GSTAT of a motor that is not urgent: each of
-/// three motors every 144 ms. CHOPCONF of each of seven comes every 224 ms, DRV_STATUS every 672 ms.
+/// three motors every 144 ms, of four every 192 ms. CHOPCONF of each of seven comes every 224 ms, DRV_STATUS every 672.
 const BESIDE: [Look; 12] = [
     Look::Flags,
     Look::Chopper,
@@ -41,7 +41,7 @@ const BESIDE: [Look; 12] = [
     Look::Status,
 ];
 
-/// The same while jobs wait: GSTAT of each of three every 320 ms, the others in free slots.
+/// The same while jobs wait: GSTAT of each of three every 320 ms, of four every 480 ms, the others in free slots.
 const BUSY: [Look; 8] =
     [Look::Flags, Look::Flags, Look::Flags, Look::Chopper, Look::Flags, Look::Flags, Look::Flags, Look::Status];
 

@@ -39,7 +39,7 @@ impl Weights {
         let determinant = a * adjugate[0][0] + b * bc + c * ac;
         // In lowest terms, to keep sums of counts short.
         let divisor = adjugate.as_flattened().iter().fold(determinant, |all, one| greatest_divisor(all, *one)).max(1);
-        // Squares of seven rows of 16 each are below 2^11, products of two of them below 2^23.
+        // Squares of eight rows of 16 each are 2^11 at most, products of two of them 2^22, and their differences 2^23.
         let adjugate = adjugate.map(|row| row.map(|weight| (weight / divisor) as i32));
         (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant: determinant / divisor, filament })
     }

@@ -15,7 +15,7 @@
 
 use super::forward::{ForwardKinematics, is_held};
 use super::row::{MOST_MULTIPLE, Row, multiple, row_number};
-use crate::motors::{MOST_GROUPS, MOTORS, Motor, MotorSet};
+use crate::motors::{MOST_GROUPS, MOTORS, Motor, MotorSet, per_motor};
 use serde::{Deserialize, Serialize};
 
 /// The row of a motor that is not fitted.
@@ -91,7 +91,13 @@ impl Mechanism {
     #[must_use]
     pub const fn corehbot() -> Self {
         const Z: Row = [0, 0, 1, 0];
-        Self { rows: [[-1, 1, 0, 0], [-1, -1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, Z, [0, 0, 0, 1]] }
+        Self::of(&[[-1, 1, 0, 0], [-1, -1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, Z, [0, 0, 0, 1]])
+    }
+
+    /// The first motors with these rows; the others are not fitted.
+    #[must_use]
+    pub const fn of(listed: &[Row]) -> Self {
+        Self { rows: per_motor(listed, NOT_FITTED) }
     }
 
     /// Every motor with its row.
@@ -158,9 +164,8 @@ impl Mechanism {
     /// them, and do not move.
     #[must_use]
     pub const fn trimming() -> Self {
-        let mut rows = [NOT_FITTED; MOTORS];
-        [rows[0], rows[4], rows[5], rows[6]] = [[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]];
-        Self { rows }
+        const NONE: Row = NOT_FITTED;
+        Self::of(&[[0, 0, 1, 0], NONE, NONE, NONE, [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
     }
 
     /// The axis with the lowest number that a motor moves.

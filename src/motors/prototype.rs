@@ -2,7 +2,7 @@
 //!
 //! Belt motors carry the number of their pulley in figure 5 of the paper.
 
-use super::{MOTORS, Motor, MotorName, MotorSet};
+use super::{MOTORS, Motor, MotorName, MotorSet, per_motor};
 
 /// Pulley 1, lower left.
 pub const M1: Motor = Motor(0);
@@ -19,19 +19,14 @@ pub const Z2: Motor = Motor(5);
 /// Extruder.
 pub const E0: Motor = Motor(6);
 
-/// The name of each.
-pub const NAMES: [MotorName; MOTORS] = names(&["m1", "m4", "m8", "m11", "z1", "z2", "e0"]);
+/// Their names.
+const LISTED: [MotorName; 7] = MotorName::all(["m1", "m4", "m8", "m11", "z1", "z2", "e0"]);
 
-/// These names, then none.
-const fn names(texts: &[&str]) -> [MotorName; MOTORS] {
-    let mut names = [MotorName::NONE; MOTORS];
-    let (mut from, mut to): (_, &mut [MotorName]) = (texts, &mut names);
-    while let ([text, texts @ ..], [name, names @ ..]) = (from, to) {
-        *name = MotorName::lit(text);
-        (from, to) = (texts, names);
-    }
-    names
-}
+/// How many it has: the first ones of all motors.
+pub const COUNT: usize = LISTED.len();
+
+/// The name of each.
+pub const NAMES: [MotorName; MOTORS] = per_motor(&LISTED, MotorName::NONE);
 
 /// The four belt motors.
 pub const BELT: MotorSet = MotorSet(0x0F);
@@ -39,3 +34,5 @@ pub const BELT: MotorSet = MotorSet(0x0F);
 pub const Z: MotorSet = MotorSet(0x30);
 /// The extruder.
 pub const E: MotorSet = MotorSet(0x40);
+/// All of them.
+pub const ALL: MotorSet = BELT.with(Z).with(E);

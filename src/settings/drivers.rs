@@ -1,5 +1,6 @@
 //! Drivers: the TMC2209 settings of each group of motors, and of single motors.
 
+use super::motor_keys::{MotorKeys, motor_keys, texts};
 use super::rows::{Spec, rows};
 use super::{Range, Settings, ranges};
 use crate::motors::{MOTORS, Motor, MotorSet};
@@ -160,8 +161,8 @@ pub(super) mod own {
     use super::*;
 
     /// The tables of the motors, by their numbers.
-    const TABLES: [&str; MOTORS] =
-        ["drivers.#0", "drivers.#1", "drivers.#2", "drivers.#3", "drivers.#4", "drivers.#5", "drivers.#6"];
+    const KEYS: MotorKeys<10> = motor_keys(*b"drivers.#0");
+    const TABLES: [&str; MOTORS] = texts(&KEYS);
 
     fn parts(s: &mut Settings) -> [&mut OwnDriver; MOTORS] {
         s.drivers.own.each_mut()

@@ -33,6 +33,7 @@ mod drivers;
 mod endstops;
 mod kept;
 pub mod line;
+mod motor_keys;
 mod name;
 mod pause;
 pub mod plain;

@@ -1,10 +1,11 @@
 //! Wiring: which connector of the board each motor and each switch is plugged into.
 
+use super::motor_keys::{MotorKeys, motor_keys, texts};
 use super::rows::{Field, Kind, Spec, Value, rows, text};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName};
 use crate::kinematics::{self, MOST_NUMBER, Row};
-use crate::motors::{MOTORS, Motor, MotorName};
+use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use serde::{Deserialize, Serialize};
 
 /// Where motors and switches are plugged in. [`Settings::check_connectors`](super::Settings::check_connectors) holds it
@@ -45,7 +46,7 @@ impl Wiring {
     /// The prototype's motors and switches in these places.
     const fn in_order(sockets: &[ConnectorName], endstops: &[ConnectorName]) -> Self {
         let mut motors = [MotorPlug::NONE; MOTORS];
-        let (mut plugs, mut sockets): (&mut [MotorPlug], _) = (&mut motors, sockets);
+        let (mut plugs, mut sockets) = (motors.split_at_mut(prototype::COUNT).0, sockets);
         while let ([plug, other_plugs @ ..], [socket, other_sockets @ ..]) = (plugs, sockets) {
             plug.connector = *socket;
             (plugs, sockets) = (other_plugs, other_sockets);
@@ -163,12 +164,14 @@ pub(super) mod names {
 pub(super) mod motors {
     use super::*;
 
+    const KEYS: MotorKeys<9> = motor_keys(*b"motors.#0");
+
     fn parts(s: &mut Settings) -> [&mut MotorPlug; MOTORS] {
         s.wiring.motors.each_mut()
     }
 
     rows! {
-        for motor in parts, named &["motors.#0", "motors.#1", "motors.#2", "motors.#3", "motors.#4", "motors.#5", "motors.#6"];
+        for motor in parts, named &texts(&KEYS);
 
         /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is
         /// nowhere.
@@ -212,14 +215,14 @@ impl Field for Row {
 pub(super) mod mechanism {
     use super::*;
 
+    const KEYS: MotorKeys<12> = motor_keys(*b"mechanism.#0");
+
     fn parts(s: &mut Settings) -> [&mut Row; MOTORS] {
         s.mechanism.rows.each_mut()
     }
 
     rows! {
-        for row in parts, named &[
-            "mechanism.#0", "mechanism.#1", "mechanism.#2", "mechanism.#3", "mechanism.#4", "mechanism.#5", "mechanism.#6"
-        ];
+        for row in parts, named &texts(&KEYS);
 
         /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
         98 "" = *row, "", [Spec::packed(MOST_NUMBER as i64, Kind::MotorRow)];

@@ -78,7 +78,7 @@ impl DriverBus for Bus {
     fn couple(&mut self, _coupling: &Coupling) {}
 
     fn lines(&self) -> MotorSet {
-        MotorSet::ALL
+        prototype::ALL
     }
 
     fn begin(&mut self, motor: Motor, request: &Frame, reply: usize) {

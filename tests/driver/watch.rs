@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, GSTAT, Z1};
 use corehbot::driver::{DriverError, Fault, Job, News, Register};
-use corehbot::motors::{Motor, MotorName, MotorSet, prototype};
+use corehbot::motors::{MotorName, MotorSet, prototype};
 use corehbot::port::BusError;
 use corehbot::settings::Settings;
 
@@ -121,7 +121,7 @@ fn heat_is_reported_once() {
 fn belt() -> Bench {
     let mut bench = Bench::new();
     bench.drivers.watch_closely(prototype::BELT);
-    for motor in Motor::ALL {
+    for motor in prototype::ALL.iter() {
         assert_eq!(bench.verify(motor), Ok(()));
         let on = bench.drivers.powered().with(MotorSet::of(motor));
         assert_eq!(bench.power(on), Ok(()));
@@ -189,7 +189,7 @@ fn after_a_fault_the_others_go_on_and_are_looked_at_at_once() {
     while bench.news.is_empty() {
         bench.run(1);
     }
-    let others = MotorSet::ALL.without(MotorSet::of(prototype::M8));
+    let others = prototype::ALL.without(MotorSet::of(prototype::M8));
     assert_eq!((bench.bus.powered, bench.drivers.powered(), bench.drivers.are_unseen()), (others, others, true));
     bench.run(56);
     assert!(!bench.drivers.are_unseen(), "six looks of 8 ms");

@@ -243,13 +243,16 @@ fn of_resolution(steps_per_mm: [u16; 3]) -> Settings {
 }
 
 /// A machine on which one belt motor moves x and y, and the other one y alone.
-const ONE_SHARED: [[i8; 4]; 7] = [[0; 4], [0; 4], [1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0; 4], [0, 0, 0, 1]];
+const ONE_SHARED: Mechanism =
+    Mechanism::of(&[[0; 4], [0; 4], [1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0; 4], [0, 0, 0, 1]]);
 
 /// The same of x and z.
-const LIFTING: [[i8; 4]; 7] = [[0; 4], [0; 4], [1, 0, 1, 0], [0, 0, 1, 0], [0, 1, 0, 0], [0; 4], [0, 0, 0, 1]];
+const LIFTING: Mechanism =
+    Mechanism::of(&[[0; 4], [0; 4], [1, 0, 1, 0], [0, 0, 1, 0], [0, 1, 0, 0], [0; 4], [0, 0, 0, 1]]);
 
 /// A CoreXY with pulleys of different sizes.
-const UNEQUAL: [[i8; 4]; 7] = [[0; 4], [0; 4], [5, -5, 0, 0], [4, 4, 0, 0], [0, 0, 1, 0], [0; 4], [0, 0, 0, 1]];
+const UNEQUAL: Mechanism =
+    Mechanism::of(&[[0; 4], [0; 4], [5, -5, 0, 0], [4, 4, 0, 0], [0, 0, 1, 0], [0; 4], [0, 0, 0, 1]]);
 
 #[test]
 fn corners_and_speeds() {
@@ -272,7 +275,7 @@ fn corners_and_speeds() {
 fn wild_moves() {
     let settings = Settings::prototype();
     check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_416, 226_820_609, 0x64C1_F4D8));
-    let mut elsewhere = Settings { mechanism: Mechanism { rows: UNEQUAL }, ..settings };
+    let mut elsewhere = Settings { mechanism: UNEQUAL, ..settings };
     elsewhere.travel_acceleration = elsewhere.travel_acceleration / 8;
     check(
         "unequal",
@@ -317,8 +320,7 @@ fn shapers_and_pressure_advance() {
     let mut slow = shaped([ShaperKind::TwoHumpEi, ShaperKind::Zvd], [0, 840]);
     slow.shapers.x.frequency = Hertz::from_num(22);
     check("fine circle", &generate_shaped(&plan(&fine_circle(), &slow), &slow), (3_891, 16_749_097, 0xC0E8_3FC3));
-    let elsewhere =
-        Settings { mechanism: Mechanism { rows: UNEQUAL }, ..shaped([ShaperKind::Zv, ShaperKind::Zvd], [0; 2]) };
+    let elsewhere = Settings { mechanism: UNEQUAL, ..shaped([ShaperKind::Zv, ShaperKind::Zvd], [0; 2]) };
     check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (62_161, 15_376_145, 0xA40B_F687));
     // So slow, and between belts so short, that taps may not come nearer to each other as fast as they would.
     let mut steep = shaped([ShaperKind::TwoHumpEi, ShaperKind::Mzv], [220, 300]);
@@ -341,10 +343,10 @@ fn a_planner_that_does_all_that_it_may() {
     square.corner = CornerRule::SquareCorner(MmPerSec::from_num(6));
     square.minimum_cruise_ratio = Ratio::from_num(0.5);
     (square.min_feed, square.min_travel) = (MmPerSec::from_num(15), MmPerSec::from_num(30));
-    let mut weak = Settings { mechanism: Mechanism { rows: ONE_SHARED }, ..prototype };
+    let mut weak = Settings { mechanism: ONE_SHARED, ..prototype };
     (weak.motor_max_speed, weak.motor_max_acceleration) = (MmPerSec::from_num(200), MmPerSec2::from_num(900));
     weak.corner = CornerRule::JunctionDeviation(Mm::from_num(0.05));
-    let mut lifting = Settings { mechanism: Mechanism { rows: LIFTING }, ..prototype };
+    let mut lifting = Settings { mechanism: LIFTING, ..prototype };
     lifting.axes.z = lifting.axes.x;
     lifting.motor_max_acceleration = MmPerSec2::from_num(1200);
     for (seed, settings, expected) in [

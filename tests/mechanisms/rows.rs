@@ -3,7 +3,7 @@
 use super::belt_equations::{BeltSteps, residual};
 use super::machines::{COREXYZ, COREXYZ_THREE, E, MACHINES, NONE, Z, all, settings};
 use corehbot::kinematics::{ForwardKinematics, Groups, Mechanism, MechanismError, Row};
-use corehbot::motors::{Motor, prototype};
+use corehbot::motors::{Motor, per_motor, prototype};
 use corehbot::units::{Steps, StepsPerMm};
 use proptest::prelude::*;
 
@@ -96,7 +96,7 @@ fn four_motors_turn_as_carlyles_table_says() {
     // With three of them: X = (B - C) / 2, Y = (A - B) / 2, Z = (A + C) / 2.
     let back = COREXYZ_THREE.forward_kinematics().unwrap();
     let (a, b, c) = (37, 11, -5);
-    let [x, y, z, _] = back.fractions(&[0, c, b, a, 0, 0, 0]);
+    let [x, y, z, _] = back.fractions(&per_motor(&[0, c, b, a], 0));
     for ((sum, over), twice) in [(x, b - c), (y, a - b), (z, a + c)] {
         assert_eq!(2 * sum, over * twice);
     }
@@ -136,9 +136,9 @@ fn what_is_no_machine_is_refused() {
     assert_eq!(with(prototype::E0, NONE), Err(MechanismError::NotDriven("e")));
     // Three pairs and the screws are four coordinates, but the second screw is a fifth next to the extruder.
     assert_eq!(with(prototype::M1, [1, 0, 0, 0]), Ok(()));
-    let crowd = Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] };
+    let crowd = Mechanism::of(&[[1, 0, 0, 0], [0, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E]);
     assert_eq!(crowd.check(), Err(MechanismError::TooManyGroups));
-    let loose = Mechanism { rows: [[1, 1, 0, 0], [-1, -1, 0, 0], NONE, NONE, Z, Z, E] };
+    let loose = Mechanism::of(&[[1, 1, 0, 0], [-1, -1, 0, 0], NONE, NONE, Z, Z, E]);
     assert_eq!(loose.check(), Err(MechanismError::Loose));
 }
 

@@ -4,7 +4,7 @@ use super::line::{Step, generate_on, plan};
 use super::machines::{COREXYZ, MACHINES, UNEQUAL, all, settings, strain};
 use super::zigzag::tool;
 use corehbot::kinematics::{Groups, Mechanism};
-use corehbot::motors::{Motor, prototype};
+use corehbot::motors::{MOTORS, Motor, prototype};
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps, StepsPerMm};
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ proptest! {
             let moves = plan(&targets, &s);
             let steps = generate_on(&moves, &s);
             let groups = Groups::new(&mechanism);
-            let mut counts = [0i64; 7];
+            let mut counts = [0i64; MOTORS];
             for step in &steps {
                 prop_assert!(mechanism.is_unstrained(step.steps, step.forward), "{} at {}", name, step.tick);
                 prop_assert!(step.steps.without(mechanism.fitted()).is_empty(), "{} at {}", name, step.tick);
@@ -42,7 +42,7 @@ proptest! {
     }
 }
 
-pub fn add(counts: &mut [i64; 7], step: &Step) {
+pub fn add(counts: &mut [i64; MOTORS], step: &Step) {
     for (motor, count) in Motor::ALL.into_iter().zip(counts) {
         if step.steps.has(motor) {
             *count += if step.forward.has(motor) { 1 } else { -1 };
@@ -57,7 +57,7 @@ fn motors_of_different_pulleys_keep_their_places() {
     (s.axes.x.steps_per_mm, s.axes.y.steps_per_mm) = (StepsPerMm::from_num(20), StepsPerMm::from_num(20));
     assert_eq!([prototype::M11, prototype::M8].map(|motor| s.steps_per_mm(motor)), [80, 100].map(StepsPerMm::from_num));
     let counted = |targets: &[([f64; 4], f64)]| {
-        let mut counts = [0i64; 7];
+        let mut counts = [0i64; MOTORS];
         generate_on(&plan(targets, &s), &s).iter().for_each(|step| add(&mut counts, step));
         counts
     };

@@ -4,7 +4,7 @@ use super::line::{generate_on, plan};
 use super::machines::{COREXYZ, COREXYZ_THREE, MACHINES, settings, strain};
 use super::stepping::add;
 use corehbot::kinematics::{Groups, Mechanism};
-use corehbot::motors::Motor;
+use corehbot::motors::{MOTORS, Motor};
 
 /// The tool's distance from the line of an axis move, in steps: the largest sideways motion between begin and end.
 fn lateral(way: &[f64; 3], axis: usize) -> f64 {
@@ -12,7 +12,7 @@ fn lateral(way: &[f64; 3], axis: usize) -> f64 {
 }
 
 /// The tool's position by the motors' counts, in steps.
-pub fn tool(mechanism: &Mechanism, counts: &[i64; 7]) -> [f64; 3] {
+pub fn tool(mechanism: &Mechanism, counts: &[i64; MOTORS]) -> [f64; 3] {
     let [x, y, z, _] =
         mechanism.forward_kinematics().unwrap().fractions(counts).map(|(sum, over)| sum as f64 / over as f64);
     [x, y, z]
@@ -24,7 +24,7 @@ fn sequential(mechanism: &Mechanism, axis: usize, order: &[Motor]) -> (f64, i64)
     let mut position = [0; 4];
     position[axis] = 1;
     let wanted = mechanism.inverse(position);
-    let mut counts = [0; 7];
+    let mut counts = [0; MOTORS];
     let (mut worst, mut worst_strain) = (0f64, 0);
     for motor in order {
         counts[motor.index()] = wanted[motor.index()];
@@ -117,7 +117,7 @@ fn axis_moves_do_not_zig_zag() {
                 targets.push((at, speed));
             }
             let steps = generate_on(&plan(&targets, &s), &s);
-            let mut counts = [0; 7];
+            let mut counts = [0; MOTORS];
             for step in &steps {
                 assert_eq!(step.steps, mechanism.motors_of(axis), "{name}, axis {axis} at {}", step.tick);
                 add(&mut counts, step);

@@ -6,7 +6,7 @@ use super::dice::Dice;
 use super::line::{Step, generate, plan, target};
 use super::speeds::speeds;
 use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner, WHOLE};
-use corehbot::motors::{Motor, prototype};
+use corehbot::motors::{MOTORS, Motor, prototype};
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, Steps};
 use proptest::prelude::*;
@@ -35,8 +35,8 @@ fn paths() -> impl Strategy<Value = Path> {
     })
 }
 
-fn counts(steps: &[Step]) -> [i64; 7] {
-    let mut counts = [0; 7];
+fn counts(steps: &[Step]) -> [i64; MOTORS] {
+    let mut counts = [0; MOTORS];
     for s in steps {
         for (motor, count) in Motor::ALL.into_iter().zip(&mut counts) {
             if s.steps.has(motor) {
@@ -213,7 +213,7 @@ proptest! {
     #[test]
     fn pairs_step_together_and_the_belt_is_never_strained(path in paths()) {
         let steps = generate(&plan(&path, &Settings::prototype()));
-        let mut last = [None::<u64>; 7];
+        let mut last = [None::<u64>; MOTORS];
         for s in &steps {
             let has = |m| s.steps.has(m);
             prop_assert_eq!(has(prototype::M1), has(prototype::M8));
@@ -240,7 +240,7 @@ proptest! {
         let steps = generate(&moves);
         let end = moves.last().map_or([Steps::ZERO; 4], |m| m.end);
         let nearest = |v: Steps| (v + Steps::from_num(0.5)).to_num::<i64>();
-        let [n1, n4, n8, n11, z1, z2, e0] = counts(&steps);
+        let [n1, n4, n8, n11, z1, z2, e0, ..] = counts(&steps);
         prop_assert_eq!((n4, n1), (-n11, -n8));
         prop_assert_eq!((z1, z2, e0), (nearest(end[2]), nearest(end[2]), nearest(end[3])));
         // And the end is where the last target said, to within half a step of the belt and half a micrometre.

@@ -304,7 +304,7 @@ fn a_board_is_started_as_the_machine_that_is_stored() {
     other.mechanism.rows.swap(0, 1);
     assert_eq!(stored(&other), Some(other));
     assert!(!other.is_built_as(&made) && !Settings { baud: 9600, ..made }.is_built_as(&made));
-    other.mechanism.rows = [[0; 4]; 7];
+    other.mechanism.rows = Default::default();
     assert_eq!(stored(&other), None, "nothing moves: no machine");
     assert_eq!(now(storage::stored_machine(&mut Eeprom::blank())), None);
     assert_eq!(now(storage::stored_machine(&mut NoStorage)), None);

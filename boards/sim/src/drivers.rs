@@ -1,9 +1,9 @@
-//! The motor drivers of the simulated machine: seven TMC2209s, each on a wire of its own.
+//! The motor drivers of the simulated machine: a TMC2209 for each motor, on a wire of its own.
 //!
 //! A test holds them too, and makes them fail while the firmware talks to them.
 
 use crate::tmc2209::{Tmc2209, gconf};
-use corehbot::motors::{Coupling, Motor, MotorSet};
+use corehbot::motors::{Coupling, MOTORS, Motor, MotorSet};
 use corehbot::port::{BusError, Frame};
 use corehbot::units::TICKS_PER_SECOND;
 use std::cell::{Cell, RefCell, RefMut};
@@ -23,7 +23,7 @@ const PATIENCE: u64 = 20;
 /// The chips, and the lines that switch them on.
 #[derive(Debug)]
 pub struct Drivers {
-    chips: RefCell<[Tmc2209; 7]>,
+    chips: RefCell<[Tmc2209; MOTORS]>,
     enabled: Cell<MotorSet>,
     switched: Cell<u64>,
     seen: Cell<u64>,
@@ -40,13 +40,13 @@ impl Default for Drivers {
 }
 
 impl Drivers {
-    /// Seven chips, just switched on.
+    /// A chip for each motor, just switched on.
     #[must_use]
     pub fn new() -> Self {
         Self::with_lines(MotorSet::ALL)
     }
 
-    /// Seven chips; only the chips of `lines` are on a wire.
+    /// A chip for each motor; only the chips of `lines` are on a wire.
     #[must_use]
     pub fn with_lines(lines: MotorSet) -> Self {
         let chips = RefCell::new(std::array::from_fn(|_| Tmc2209::new(0)));

@@ -157,7 +157,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::motors::prototype;
+    use corehbot::motors::{per_motor, prototype};
     use corehbot::units::TICKS_PER_SECOND;
 
     /// One second along +x at 100 mm/s from (10, 20, 0): all four motors step every 125 us.
@@ -172,8 +172,8 @@ mod tests {
     #[test]
     fn a_steady_move_has_its_speed_and_rate() {
         let figures = run();
-        assert_eq!((figures.events, figures.pulses), (8000, [8000, 8000, 8000, 8000, 0, 0, 0]));
-        assert_eq!(figures.position, [-8000, -8000, 8000, 8000, 0, 0, 0]);
+        assert_eq!((figures.events, figures.pulses), (8000, per_motor(&[8000, 8000, 8000, 8000], 0)));
+        assert_eq!(figures.position, per_motor(&[-8000, -8000, 8000, 8000], 0));
         assert!((figures.peak_speed - 100.0).abs() < 0.7, "{}", figures.peak_speed);
         assert!((figures.peak_rate - 8000.0).abs() <= 100.0, "{}", figures.peak_rate);
         let way: f32 = figures.series.bins().iter().map(|b| b.path).sum();

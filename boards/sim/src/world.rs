@@ -47,7 +47,7 @@ pub struct Outcome {
     /// Fewest moves in the look-ahead while the stream ran, if it was ever full.
     pub low_water: Option<u32>,
     /// Steps emitted by each motor, signed.
-    pub counts: [i32; 7],
+    pub counts: [i32; MOTORS],
     /// Whether an emergency stop holds.
     pub halted: bool,
 }

@@ -2,7 +2,7 @@
 //! next right line reaches its place to the step.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet, prototype};
+use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::check::Checker;
@@ -20,7 +20,7 @@ const STEPS: [f64; 3] = [80.0, 800.0, 400.0];
 /// Follows the tool, and holds every step to the machine's limits.
 struct Steps {
     checker: Checker,
-    counts: [i64; 7],
+    counts: [i64; MOTORS],
     /// The least and the greatest x, y and z, in mm.
     reach: [[f64; 2]; 3],
     /// All steps of the extruder, forwards and back.
@@ -28,9 +28,9 @@ struct Steps {
 }
 
 /// x, y, z in mm and e in mm from the begin.
-fn tool(counts: [i64; 7]) -> [f64; 4] {
+fn tool(counts: [i64; MOTORS]) -> [f64; 4] {
     // 11 turns for x + y, 8 for x - y.
-    let [_, _, m8, m11, z1, _, e0] = counts.map(|count| count as f64);
+    let [_, _, m8, m11, z1, _, e0, ..] = counts.map(|count| count as f64);
     let [x, y, z] = START.map(f64::from);
     let xy = STEPS[0] * 2.0;
     [x + (m11 + m8) / xy, y + (m11 - m8) / xy, z + z1 / STEPS[1], e0 / STEPS[2]]
@@ -67,7 +67,7 @@ fn print(lines: &str) -> Printed {
     let after = |lines: &str| {
         let checker = Checker::new(&settings, &Limits::new(&settings, None, ""));
         let reach = START.map(|mm| [f64::from(mm); 2]);
-        let mut steps = Steps { checker, counts: [0; 7], reach, extruder: 0 };
+        let mut steps = Steps { checker, counts: [0; MOTORS], reach, extruder: 0 };
         let mut host = FileHost::new(&format!("M83\n{lines}\n"));
         let outcome = run(&settings, Some(START.map(Mm::from_num)), &mut host, &mut steps).unwrap();
         assert!(host.failure().is_none() && !outcome.halted, "{lines}: {:?}", host.failure());
@@ -88,7 +88,7 @@ fn print(lines: &str) -> Printed {
 /// Prints a line that must not move anything.
 fn moves_nothing(line: &str) {
     let printed = print(line);
-    assert_eq!((printed.moves, printed.outcome.counts, printed.resends), (0, [0; 7], 0), "{line}");
+    assert_eq!((printed.moves, printed.outcome.counts, printed.resends), (0, [0; MOTORS], 0), "{line}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! never too close. Speeds jump no more than corners may, and the end is met to the step.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, Motor, MotorSet};
 use corehbot::settings::{CornerRule, Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds};
 use corehbot_sim::check::{Checker, Findings};
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 /// Checks the played events, and counts them.
 struct Steps {
     checker: Checker,
-    counts: [i64; 7],
+    counts: [i64; MOTORS],
 }
 
 impl Sink for Steps {
@@ -87,14 +87,14 @@ fn limits(s: &Settings) -> Limits {
 }
 
 /// Prints moves from (100, 100, 10) to (50, 60, 12); returns the findings, and the turns of the motors.
-fn print(s: &Settings, moves: &[(i32, i32, i32, i32, u32)], scale: f64) -> (Findings, [i64; 7]) {
+fn print(s: &Settings, moves: &[(i32, i32, i32, i32, u32)], scale: f64) -> (Findings, [i64; MOTORS]) {
     let mut gcode = "M83\nG91\nM211 S0\n".to_owned();
     for (x, y, z, e, f) in moves {
         let [x, y, z, e] = [x, y, z, e].map(|v| f64::from(*v) * scale);
         gcode += &format!("G1 X{x:.3} Y{y:.3} Z{:.3} E{:.4} F{f}\n", z / 20.0, e / 100.0);
     }
     gcode += "G90\nG1 X50 Y60 Z12 F9000\nM400\n";
-    let mut steps = Steps { checker: Checker::new(s, &limits(s)), counts: [0; 7] };
+    let mut steps = Steps { checker: Checker::new(s, &limits(s)), counts: [0; MOTORS] };
     let start = Some([100, 100, 10].map(Mm::from_num));
     let outcome = run(s, start, &mut FileHost::new(&gcode), &mut steps).unwrap();
     (steps.checker.finish(Some(outcome.counts)), steps.counts)
@@ -112,7 +112,7 @@ proptest! {
         let (findings, counts) = print(&s, &moves, scale);
         prop_assert_eq!(findings.total, 0, "{:?} {:?}", findings.first, s);
         // u = x + y drives 11 and 4, v = x - y drives 8 and 1: -50 mm and -40 mm at 80 steps/mm.
-        let [m1, m4, m8, m11, z1, z2, _] = counts;
+        let [m1, m4, m8, m11, z1, z2, ..] = counts;
         prop_assert_eq!([m1, m4, m8, m11, z1, z2], [800, 7200, -800, -7200, 1600, 1600]);
     }
 }

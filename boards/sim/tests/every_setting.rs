@@ -93,7 +93,7 @@ fn file(rule: CornerRule) -> Table {
     // One that follows the shapers would change with them.
     file["advance"]["window"] = 0.03.into();
     // A driver with values of its own for each motor.
-    for motor in prototype::NAMES {
+    for motor in prototype::NAMES.into_iter().take(prototype::COUNT) {
         let own = [("current_ma", 300), ("stall_threshold", 3)].map(|(key, value)| (key.to_owned(), value.into()));
         let drivers = file["drivers"].as_table_mut().unwrap();
         drivers.insert(motor.to_string(), toml::Value::Table(Table::from_iter(own)));
@@ -115,11 +115,11 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
                 items.iter().enumerate().for_each(|(n, value)| gather(value, &format!("{path}.fan{n}"), into));
             }
             Value::Array(items) if path.ends_with(".motors") => {
-                let motors = prototype::NAMES.into_iter().zip(items);
+                let motors = prototype::NAMES.into_iter().zip(items).take(prototype::COUNT);
                 motors.for_each(|(motor, value)| gather(value, &format!("{path}.{motor}"), into));
             }
             Value::Array(items) if path.ends_with(".own") => {
-                let motors = prototype::NAMES.into_iter().zip(items);
+                let motors = prototype::NAMES.into_iter().zip(items).take(prototype::COUNT);
                 motors.for_each(|(motor, value)| gather(value, &format!("{}.{motor}", path.replace(".own", "")), into));
             }
             // A connector and which way round it is are one text.

@@ -1,7 +1,7 @@
 //! M220 counts at once, also for queued moves; neither it nor M221 makes the machine exceed its limits.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{Motor, MotorSet, prototype};
+use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Ratio};
 use corehbot_sim::check::{Checker, Findings};
@@ -105,7 +105,7 @@ fn an_override_reaches_the_tool_within_100_ms() {
 struct Steps<'a> {
     checker: Checker,
     tick: &'a Cell<u64>,
-    counts: [i64; 7],
+    counts: [i64; MOTORS],
 }
 
 impl Sink for Steps<'_> {
@@ -162,7 +162,7 @@ impl Host for Fiddler<'_> {
 
 struct Print {
     ticks: u64,
-    counts: [i64; 7],
+    counts: [i64; MOTORS],
     findings: Findings,
     heard: Vec<String>,
 }
@@ -172,7 +172,7 @@ fn print(lines: Vec<String>, words: Vec<(u64, String)>) -> Print {
     let mut limits = Limits::new(&settings, None, "");
     limits.of.iter_mut().for_each(|limit| limit.hard_stop = 0.0);
     let tick = Cell::new(0);
-    let mut steps = Steps { checker: Checker::new(&settings, &limits), tick: &tick, counts: [0; 7] };
+    let mut steps = Steps { checker: Checker::new(&settings, &limits), tick: &tick, counts: [0; MOTORS] };
     let (lines, words) = (lines.into_iter(), words.into_iter().peekable());
     let mut host = Fiddler { lines, words, tick: &tick, awaiting: 0, heard: Vec::new() };
     let outcome = run(&settings, Some([100, 100, 10].map(Mm::from_num)), &mut host, &mut steps).unwrap();

@@ -2,7 +2,7 @@
 //! speed, and reports that in M122. Hosts that are just fast enough leave no trace.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::{MotorSet, prototype};
+use corehbot::motors::{MOTORS, MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Seconds, TICKS_PER_MS};
@@ -52,7 +52,7 @@ struct Print {
     outcome: Outcome,
     heard: Vec<String>,
     /// The counts of the motors before each line that came later than 500 ms.
-    rests: Vec<[i32; 7]>,
+    rests: Vec<[i32; MOTORS]>,
 }
 
 /// Sends a line for each `ok`, but none before its time: `pace` gives the ms after the previous line.

@@ -1,7 +1,7 @@
 //! A board with a machine plugged into it.
 
 use corehbot::connectors::ConnectorName;
-use corehbot::motors::MOTORS;
+use corehbot::motors::{MOTORS, prototype};
 use corehbot::port::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
 
@@ -38,7 +38,8 @@ impl Board {
     #[must_use]
     pub fn usual(&'static self) -> Plugged {
         let mut slots = [None; MOTORS];
-        slots.iter_mut().zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
+        let prototype = slots.iter_mut().take(prototype::COUNT);
+        prototype.zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
         let mut endstops = [Pin::new(Port::A, 0); 3];
         endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = *input);
         Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, normally_open: EndstopSet::NONE }

@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::bits;
     use corehbot::kinematics::{Groups, Mechanism};
-    use corehbot::motors::{Motor, prototype};
+    use corehbot::motors::{Motor, per_motor, prototype};
 
     #[test]
     fn writes_hold_the_bits_of_exactly_the_motors_asked_for() {
@@ -131,7 +131,7 @@ mod tests {
         let pins = pins.map(|(port, number)| Pin::new(port, number));
         let reversed = MotorSet::of(prototype::M4);
         let machine = Groups::new(&Mechanism::corehbot()).coupling();
-        let pins_of = pins.map(Some);
+        let pins_of = per_motor(&pins.map(Some), None);
         let pulses = StepWrites::pulses(pins_of, MotorSet::NONE, &machine);
         let levels = StepWrites::levels(pins_of, reversed, &machine);
         for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
@@ -146,14 +146,14 @@ mod tests {
                 };
                 let high = MotorSet(machine.forward_motors(groups).0 ^ reversed.0);
                 assert_eq!(written(&pulses), of(machine.motors(groups)), "{groups:?} {port:?}");
-                assert_eq!(written(&levels), of(high) | of(MotorSet::ALL.without(high)) << 16, "{groups:?} {port:?}");
+                assert_eq!(written(&levels), of(high) | of(prototype::ALL.without(high)) << 16, "{groups:?} {port:?}");
             }
         }
     }
 
     #[test]
     fn ports_without_a_motor_get_no_bits() {
-        let mut pins = [None; 7];
+        let mut pins = [None; MOTORS];
         pins[0] = Some(Pin::new(Port::B, 3));
         let writes = StepWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()).coupling());
         assert_eq!(writes.ports, [Port::B; STEP_PORTS]);

@@ -1,6 +1,6 @@
 //! Problems of a board's table, for tests to check.
 
-use corehbot::motors::MOTORS;
+use corehbot::motors::prototype;
 use corehbot::port::{FANS, LINES};
 
 use crate::port_writes::{DirWrites, StepWrites};
@@ -33,7 +33,9 @@ impl Board {
             return Some("there are more or fewer names than sockets or inputs");
         }
         let told = self.connectors.sockets.iter().map(|name| self.connectors.debug_sockets.contains(name));
-        if sockets().take(MOTORS).any(Slot::is_of_debug_port) || !sockets().map(Slot::is_of_debug_port).eq(told) {
+        if sockets().take(prototype::COUNT).any(Slot::is_of_debug_port)
+            || !sockets().map(Slot::is_of_debug_port).eq(told)
+        {
             return Some("a socket takes the debug port without being asked or without its connectors saying so");
         }
         let is_usart_twice = |port: &SerialPort| self.serial.iter().filter(|p| p.usart == port.usart).count() > 1;

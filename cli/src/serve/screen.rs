@@ -93,7 +93,7 @@ impl Screen {
     }
 
     /// Where the tool is, from the steps that the motors made.
-    pub fn place(&self, counts: [i32; 7]) -> [f64; 3] {
+    pub fn place(&self, counts: [i32; MOTORS]) -> [f64; 3] {
         let way = self.back.fractions(&counts.map(i64::from)).map(|(sum, over)| sum as f64 / over as f64);
         std::array::from_fn(|i| self.start[i] + way[i] / self.pitch[i])
     }
@@ -124,6 +124,7 @@ fn temperatures(line: &str) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::per_motor;
 
     #[test]
     fn a_printer_that_waits_for_its_user_says_so() {
@@ -144,9 +145,8 @@ mod tests {
     #[test]
     fn the_tool_is_where_the_belt_puts_it() {
         let screen = Screen::new(&Settings::prototype(), [1, 2, 3].map(Mm::from_num));
-        let n = screen.pitch[0] as i32;
+        let (n, up) = (screen.pitch[0] as i32, 2 * screen.pitch[2] as i32);
         // To the right by a millimetre, and up by two.
-        let [x, y, z] = screen.place([-n, -n, n, n, 2 * screen.pitch[2] as i32, 2 * screen.pitch[2] as i32, 0]);
-        assert_eq!([x, y, z], [2.0, 2.0, 5.0]);
+        assert_eq!(screen.place(per_motor(&[-n, -n, n, n, up, up], 0)), [2.0, 2.0, 5.0]);
     }
 }

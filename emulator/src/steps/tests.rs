@@ -14,7 +14,7 @@ fn port(data: u16) -> Port {
 #[test]
 fn rises_until_the_first_fall_are_one_event() {
     let mut recorder = Recorder::new(&OCTOPUS);
-    let on = MotorSet::ALL;
+    let on = prototype::ALL;
     recorder.store(10, F, port(1 << 12), on);
     recorder.store(100, F, port(1 << 13 | 1 << 9 | 1 << 12), on);
     recorder.store(108, G, port(1 | 1 << 4), on);
@@ -41,7 +41,7 @@ fn a_pair_in_two_stores_is_counted_and_so_is_a_motor_without_power() {
 #[test]
 fn a_late_rise_is_an_event_of_its_own() {
     let mut recorder = Recorder::new(&OCTOPUS);
-    recorder.store(100, F, port(1 << 13), MotorSet::ALL);
-    recorder.store(100 + WINDOW_NS + 1, G, port(1), MotorSet::ALL);
+    recorder.store(100, F, port(1 << 13), prototype::ALL);
+    recorder.store(100 + WINDOW_NS + 1, G, port(1), prototype::ALL);
     assert_eq!(recorder.events.len(), 2);
 }

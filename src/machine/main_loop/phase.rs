@@ -199,7 +199,7 @@ pub(in crate::machine) fn keep_phases<P: PortSet, W: Pend>(main_loop: &mut MainL
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motors::prototype;
+    use crate::motors::{per_motor, prototype};
 
     #[test]
     fn phases_differ_by_half_a_turn_at_most() {
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn the_last_motor_of_a_residual_is_found() {
-        let residual = [1, -1, 1, -1, 0, 0, 0];
+        let residual = per_motor(&[1, -1, 1, -1], 0);
         let of = |motors: &[Motor]| motors.iter().fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(*motor)));
         assert_eq!(only_one(&residual, of(&[prototype::M11, prototype::Z1])), Some((prototype::M11, -1)));
         assert_eq!(only_one(&residual, of(&[prototype::M8, prototype::M11])), None);

@@ -11,7 +11,7 @@ use crate::motors::MOTORS;
 use crate::port::{Motor, MotorSet, Pend};
 use crate::units::Instant;
 
-/// Proofs requested until motors have power. Usually seven configurations and seven quick proofs suffice. If the first
+/// Proofs requested until motors have power. Usually a configuration and a quick proof of each suffice. If the first
 /// proofs expire before the last ones arrive, the wire is too bad to print with.
 const MOST_PROOFS: usize = 6 * MOTORS;
 

@@ -155,6 +155,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::kinematics::Mechanism;
+    use crate::motors::per_motor;
     use std::string::ToString;
 
     #[test]
@@ -162,7 +163,7 @@ mod tests {
         let s = Settings::prototype();
         let of = |closed| Residuals::new(&Mechanism::corehbot(), closed);
         assert_eq!(Sum(of(true).iter().next().unwrap(), &s).to_string(), "m1 - m4 + m8 - m11");
-        assert_eq!(Sum(&[-1, 0, 2, 0, 0, 0, 0], &s).to_string(), "-m1 + 2 m8");
+        assert_eq!(Sum(&per_motor(&[-1, 0, 2], 0), &s).to_string(), "-m1 + 2 m8");
     }
 
     #[test]

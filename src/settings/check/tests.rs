@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::*;
+use crate::kinematics::Mechanism;
 use crate::motors::{MotorName, prototype};
 use crate::settings::{AxisEnd, Range};
 use crate::units::{Hertz, Ratio};
@@ -102,7 +103,7 @@ fn axes_that_share_motors_are_named_in_pairs() {
     let coreyz = [[1, 0, 0, 0], none, [0, 1, -1, 0], [0, 1, 1, 0], none, none, e];
     let corexy = [none, none, [1, -1, 0, 0], [1, 1, 0, 0], z, none, e];
     for (rows, pair) in [(corexz, "x and z"), (coreyz, "y and z"), (corexy, "x and y")] {
-        let mut s = Settings { mechanism: crate::kinematics::Mechanism { rows }, ..Settings::prototype() };
+        let mut s = Settings { mechanism: Mechanism::of(&rows), ..Settings::prototype() };
         s.belt.is_closed = false;
         let [x, y, z] = [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z].map(|axis| &mut axis.steps_per_mm);
         (*x, *y, *z) =
@@ -120,7 +121,7 @@ fn axes_that_share_motors_are_named_in_pairs() {
 fn a_motor_has_the_resolution_of_its_axis() {
     let none = [0; 4];
     let rows = [[1, 0, 0, 0], [0, 1, 0, 0], none, none, [0, 0, 1, 0], none, [0, 0, 0, 1]];
-    let mut s = Settings { mechanism: crate::kinematics::Mechanism { rows }, ..Settings::prototype() };
+    let mut s = Settings { mechanism: Mechanism::of(&rows), ..Settings::prototype() };
     let axes = [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z, &mut s.axes.e];
     for (axis, number) in axes.into_iter().zip(1..) {
         axis.steps_per_mm = StepsPerMm::const_from_int(number);
@@ -208,7 +209,7 @@ fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ()
         let mut s = Settings::prototype();
         s.belt.is_closed = false;
         s.axes.z.steps_per_mm = s.axes.x.steps_per_mm;
-        s.mechanism.rows = [m1, [1, -1, 0, 0], m8, [1, 1, 0, 0], z1, z, [0, 0, 0, 1]];
+        s.mechanism = Mechanism::of(&[m1, [1, -1, 0, 0], m8, [1, 1, 0, 0], z1, z, [0, 0, 0, 1]]);
         (s.drivers.belt.microsteps, s.drivers.z.microsteps) = (belt, screws);
         s.check_machine()
     };
@@ -232,7 +233,7 @@ fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ()
         let mut s = Settings::prototype();
         s.belt.is_closed = false;
         s.axes.z.steps_per_mm = s.axes.x.steps_per_mm;
-        s.mechanism.rows = [[0; 4], [0; 4], [0, 1, 0, 0], m11, z1, [0; 4], [0, 0, 0, 1]];
+        s.mechanism = Mechanism::of(&[[0; 4], [0; 4], [0, 1, 0, 0], m11, z1, [0; 4], [0, 0, 0, 1]]);
         (s.drivers.belt.microsteps, s.drivers.z.microsteps) = (belt, screws);
         s.check()
     };

@@ -1,6 +1,7 @@
 //! The checker against synthetic motion: sound traces pass, each kind of fault is found.
 
 use super::*;
+use corehbot::motors::MOTORS;
 use corehbot::settings::Settings;
 
 /// Steps a path that is given as positions (x, y, z, e in mm) over time, as an ideal firmware would.
@@ -8,13 +9,13 @@ struct Motion {
     checker: Checker,
     stands: [i64; 4],
     time: u64,
-    pulses: [i32; 7],
+    pulses: [i32; MOTORS],
 }
 
 impl Motion {
     fn new(gcode: &str) -> Self {
         let checker = Checker::new(&Settings::prototype(), &Limits::new(&Settings::prototype(), None, gcode));
-        Self { checker, stands: [0; 4], time: 0, pulses: [0; 7] }
+        Self { checker, stands: [0; 4], time: 0, pulses: [0; MOTORS] }
     }
 
     /// Follows `position(t)` for `seconds`, looking every 10 us.

@@ -1,6 +1,7 @@
 //! Alignment: motors that strain the belt are turned until they do not, or the host is told that it failed.
 
 use crate::printer::{Printed, of_each, plant_of, print_as, print_on, seeds};
+use corehbot::kinematics::Mechanism;
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{Alignment, Settings};
 use corehbot::units::Mm;
@@ -102,8 +103,15 @@ fn what_does_not_measure_cannot_align_and_says_so() {
     assert!(!rigid.outcome.halted);
     // Two motors for two axes have nothing to align.
     let mut settings = Settings::prototype();
-    settings.mechanism.rows =
-        [[0, 0, 0, 0], [0, 0, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
+    settings.mechanism = Mechanism::of(&[
+        [0, 0, 0, 0],
+        [0, 0, 0, 0],
+        [1, -1, 0, 0],
+        [1, 1, 0, 0],
+        [0, 0, 1, 0],
+        [0, 0, 1, 0],
+        [0, 0, 0, 1],
+    ]);
     settings.belt.is_closed = false;
     let corexy = print_as(&settings, &mut None, Some(START), &["M915", "M122"]);
     assert!(has(&corexy, "no motors of this machine can pull against each other"), "{:?}", corexy.heard);
@@ -114,8 +122,8 @@ fn what_does_not_measure_cannot_align_and_says_so() {
 #[test]
 fn motors_that_turn_for_y_alone_are_measured_along_y() {
     let mut settings = Settings::prototype();
-    settings.mechanism.rows =
-        [[1, 0, 0, 0], [0; 4], [0, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
+    settings.mechanism =
+        Mechanism::of(&[[1, 0, 0, 0], [0; 4], [0, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]]);
     settings.belt.is_closed = false;
     let printed = print_as(&settings, &mut None, Some(START), &["M915", "M400"]);
     assert!(has(&printed, "not aligned: the loads that the drivers measure do not change"), "{:?}", printed.heard);
@@ -127,7 +135,7 @@ fn motors_that_turn_for_y_alone_are_measured_along_y() {
 
 #[test]
 fn a_driver_that_falls_silent_ends_it_as_it_ends_a_print() {
-    let drivers = corehbot_sim::drivers::Drivers::with_lines(MotorSet::ALL.without(MotorSet::of(prototype::M4)));
+    let drivers = corehbot_sim::drivers::Drivers::with_lines(prototype::ALL.without(MotorSet::of(prototype::M4)));
     let mut desk = corehbot_sim::world::Desk::new(1);
     let mut host = crate::printer::Lines::new(["M915", "M400"]);
     let start = Some(START.map(Mm::from_num));

@@ -220,7 +220,7 @@ fn assert_parked(story: &Story, motor: Motor, words: &str, near: f64, relaxing_m
     assert!(off <= 100.0, "off after {off} ms: {}", what());
     assert!(story.outcome.halted && story.has(words) && story.has("Send M999"), "{}", what());
     // Its motor alone lost its power, then all.
-    let others = MotorSet::ALL.without(MotorSet::of(motor));
+    let others = prototype::ALL.without(MotorSet::of(motor));
     let last: Vec<MotorSet> = story.switched.iter().rev().take(2).map(|(_, on)| *on).collect();
     assert_eq!(last, [MotorSet::NONE, others], "{}", what());
     assert!(story.has("tool parked, z raised by 10 mm"), "{}", what());

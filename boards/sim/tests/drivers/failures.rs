@@ -1,7 +1,7 @@
 //! Failures: drivers that are reset, hot or unreadable, and when the machine stops for it.
 
 use super::script::{LONG_MOVE, act, each, lines, play, play_with, say};
-use corehbot::motors::{Motor, MotorSet, prototype};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::units::TICKS_PER_MS;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::tmc2209;
@@ -9,7 +9,7 @@ use corehbot_sim::tmc2209::{Corruption, chopconf};
 
 #[test]
 fn a_driver_that_loses_its_registers_in_mid_move_stops_the_machine() {
-    for motor in Motor::ALL {
+    for motor in prototype::ALL.iter() {
         let drivers = Drivers::new();
         let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(move |d| d.chip(motor).reset()))));
         assert!(told.outcome.halted, "{:?}", told.heard);
@@ -85,7 +85,7 @@ fn one_damaged_reply_never_matters() {
             drivers.chip(prototype::M4).corrupt_reply(number, damage);
             let told = play(&drivers, lines(&["G1 X30 F3000", "M400", "G4 S3"]), None);
             assert_eq!(told.heard.iter().filter(|l| *l != "ok" && !l.contains("busy")).count(), 0, "{:?}", told.heard);
-            assert_eq!(drivers.enabled(), MotorSet::ALL, "{damage:?} of reply {number}");
+            assert_eq!(drivers.enabled(), prototype::ALL, "{damage:?} of reply {number}");
         }
     }
 }

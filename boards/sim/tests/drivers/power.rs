@@ -1,7 +1,7 @@
 //! Power: no motor gets it before its driver has shown its configuration.
 
 use super::script::{Steps, act, each, lines, play, say, script};
-use corehbot::motors::{Motor, MotorSet, prototype};
+use corehbot::motors::{MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -17,8 +17,8 @@ fn a_healthy_machine_is_configured_before_its_first_step() {
     let told = play(&drivers, lines(&["G1 X50 Y20 Z1 E3 F6000", "M400"]), None);
     assert_eq!(told.heard, ["ok", "ok"]);
     assert!(told.steps.count > 1000 && !told.outcome.halted);
-    assert_eq!(drivers.enabled(), MotorSet::ALL);
-    for motor in Motor::ALL {
+    assert_eq!(drivers.enabled(), prototype::ALL);
+    for motor in prototype::ALL.iter() {
         let chip = drivers.chip(motor);
         assert_eq!(chip.microsteps(), 16);
         assert!((chip.run_current_ma() - 800.0).abs() < 16.0, "{}", chip.run_current_ma());
@@ -160,7 +160,7 @@ fn drivers_without_a_wire_run_as_before() {
     // Some drivers have a wire, some do not.
     let drivers = Drivers::with_lines(prototype::BELT);
     let told = play(&drivers, lines(&["G1 X5 F6000", "M400", "M122"]), None);
-    assert_eq!(drivers.enabled(), MotorSet::ALL);
+    assert_eq!(drivers.enabled(), prototype::ALL);
     assert!(told.has("Driver m1: configured") && told.has("Driver z1: no UART"));
 }
 
@@ -207,7 +207,7 @@ fn motors_of_one_belt_get_power_one_after_another_and_lose_it_together() {
         .chain(one_by_one)
         .chain([MotorSet::NONE])
         .chain(all)
-        .chain([MotorSet::ALL.without(prototype::E)])
+        .chain([prototype::ALL.without(prototype::E)])
         .collect();
     assert_eq!(sets, wanted);
     for belt in [&watch.seen[1..5], &watch.seen[6..10]] {

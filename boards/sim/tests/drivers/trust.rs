@@ -1,7 +1,7 @@
 //! Trust: random damage and resets, and no motor runs without a configured driver.
 
 use super::script::{Script, Steps, lines};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -50,7 +50,7 @@ proptest! {
         if drivers.enabled().is_empty() {
             prop_assert!(has_error, "{:?}", heard);
         } else {
-            prop_assert_eq!((drivers.enabled(), drivers.astray(16)), (MotorSet::ALL, MotorSet::NONE), "{:?}", heard);
+            prop_assert_eq!((drivers.enabled(), drivers.astray(16)), (prototype::ALL, MotorSet::NONE), "{:?}", heard);
             prop_assert!(!has_error && !outcome.halted);
         }
     }

@@ -2,6 +2,7 @@
 
 use super::lines::Lines;
 use super::print::{Steps, machines};
+use corehbot::motors::MOTORS;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::check::Checker;
@@ -12,7 +13,7 @@ use corehbot_sim::world::run;
 pub fn answers(s: &Settings, lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Lines::new(lines);
-    let mut steps = Steps { checker: Checker::new(s, &Limits::new(s, None, "")), counts: [0; 7], events: 0 };
+    let mut steps = Steps { checker: Checker::new(s, &Limits::new(s, None, "")), counts: [0; MOTORS], events: 0 };
     run(s, Some([10, 20, 5].map(Mm::from_num)), &mut host, &mut steps).unwrap();
     host.heard.retain(|line| line != "ok" && line != "start" && !line.starts_with("echo:busy"));
     host.heard
@@ -41,7 +42,7 @@ fn stored_settings_of_another_mechanism_are_not_used() {
     let mut ask = |s: &Settings, lines: &[&str]| {
         let lines = lines.iter().map(|line| (*line).to_owned()).collect();
         let mut host = Lines::new(lines);
-        let mut steps = Steps { checker: Checker::new(s, &Limits::new(s, None, "")), counts: [0; 7], events: 0 };
+        let mut steps = Steps { checker: Checker::new(s, &Limits::new(s, None, "")), counts: [0; MOTORS], events: 0 };
         corehbot_sim::world::run_with(s, None, &mut eeprom, &mut [&mut host], &mut steps).unwrap();
         host.heard
     };

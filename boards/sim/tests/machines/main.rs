@@ -3,6 +3,7 @@
 
 mod answers;
 mod circulation;
+mod eight_motors;
 mod endstops;
 #[path = "../common/lines.rs"]
 mod lines;

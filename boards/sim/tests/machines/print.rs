@@ -1,6 +1,6 @@
 //! Every machine file, and a print on one with every step checked.
 
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOTORS, Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file as machine_file;
@@ -30,7 +30,7 @@ pub fn machines() -> Vec<(String, Settings)> {
 /// Checks every step, and counts.
 pub struct Steps {
     pub checker: Checker,
-    pub counts: [i64; 7],
+    pub counts: [i64; MOTORS],
     pub events: u64,
 }
 
@@ -48,14 +48,14 @@ impl Sink for Steps {
 
 pub struct Print {
     pub outcome: Outcome,
-    pub counts: [i64; 7],
+    pub counts: [i64; MOTORS],
     pub events: u64,
     pub findings: Findings,
 }
 
 pub fn print(s: &Settings, start: Option<[Mm; 3]>, gcode: &str) -> Print {
     let checker = Checker::new(s, &Limits::new(s, None, gcode));
-    let mut steps = Steps { checker, counts: [0; 7], events: 0 };
+    let mut steps = Steps { checker, counts: [0; MOTORS], events: 0 };
     let mut host = FileHost::new(gcode);
     let outcome = run(s, start, &mut host, &mut steps).unwrap();
     assert!(host.is_done() && host.failure().is_none() && !outcome.halted, "{:?}", host.failure());

@@ -2,7 +2,7 @@
 
 use super::print::{Steps, machines, print, steps_of};
 use corehbot::kinematics::Mechanism;
-use corehbot::motors::Motor;
+use corehbot::motors::{MOTORS, Motor};
 use corehbot::units::Mm;
 use corehbot_sim::check::{Checker, Findings};
 use corehbot_sim::drivers::Drivers;
@@ -92,7 +92,8 @@ fn motors_that_are_not_fitted_are_left_alone() {
     for (name, s) in machines() {
         let drivers = Drivers::new();
         let mut host = FileHost::new("G28\nG1 X10 Y10 Z1 E1 F3000\nM400\nM122\n");
-        let mut steps = Steps { checker: Checker::new(&s, &Limits::new(&s, None, "G28")), counts: [0; 7], events: 0 };
+        let mut steps =
+            Steps { checker: Checker::new(&s, &Limits::new(&s, None, "G28")), counts: [0; MOTORS], events: 0 };
         let storage = corehbot::port::NoStorage;
         let outcome = corehbot_sim::world::run_on(&s, None, storage, &drivers, &mut [&mut host], &mut steps).unwrap();
         assert!(!outcome.halted && host.failure().is_none(), "{name}");
@@ -121,6 +122,7 @@ fn there_is_a_file_for_every_kind_of_machine() {
         "corexy",
         "awd-corexy",
         "corehbot-two-drivers",
+        "corehbot-three-screws",
         "corexyz",
         "corexyz-three",
         "corexz",
@@ -128,7 +130,7 @@ fn there_is_a_file_for_every_kind_of_machine() {
         "dual-y",
         "core-unequal",
     ];
-    assert_eq!(counted.map(motors), [4, 6, 5, 5, 4, 4, 5, 5, 4]);
+    assert_eq!(counted.map(motors), [4, 6, 5, 8, 5, 4, 4, 5, 5, 4]);
     // Every file is one of those above.
     let looked_at = [&["prototype", "hbot", "cartesian-xz"][..], &counted].concat();
     for (name, _) in &machines {

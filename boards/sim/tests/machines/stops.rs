@@ -1,7 +1,7 @@
 //! Stops between positions: the reported place is where the motors are.
 
 use super::print::{Steps, machines};
-use corehbot::motors::MotorSet;
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::units::Mm;
 use corehbot_sim::check::{Checker, Findings};
 use corehbot_sim::limits::Limits;
@@ -73,7 +73,8 @@ fn quick_stops_leave_the_position_true() {
         let mut limits = Limits::new(&s, None, "");
         limits.of.iter_mut().for_each(|limit| (limit.hard_stop, limit.hard_stop_up) = (0.0, 0.0));
         let events = Cell::new(0);
-        let mut counted = Counted(Steps { checker: Checker::new(&s, &limits), counts: [0; 7], events: 0 }, &events);
+        let mut counted =
+            Counted(Steps { checker: Checker::new(&s, &limits), counts: [0; MOTORS], events: 0 }, &events);
         let mut lines = VecDeque::new();
         for i in 0..20 {
             let slanted = if i % 2 == 0 { "G1 X150 Y170.37 Z9.123 F6000" } else { "G1 X31 Y12.37 Z2.123 F6000" };

@@ -106,9 +106,10 @@ fn endstops() -> Cartesian<Endstop> {
 }
 
 fn wiring() -> Wiring {
-    let mut motors = ["P0", "P1", "P2", "P3", "P4", "", "12345678"]
-        .map(|name| MotorPlug { connector: ConnectorName::lit(name), is_reversed: false });
-    motors[3].is_reversed = true;
+    let mut motors = Settings::prototype().wiring.motors;
+    for (plug, name) in motors.iter_mut().zip(["P0", "P1", "P2", "P3", "P4", "", "12345678"]) {
+        *plug = MotorPlug { connector: ConnectorName::lit(name), is_reversed: name == "P3" };
+    }
     let [x, y, z] = ["S0", "S1", "S2"]
         .map(|name| EndstopPlug { connector: ConnectorName::lit(name), is_normally_open: name == "S1" });
     Wiring { motors, endstops: Cartesian { x, y, z } }

@@ -1,0 +1,273 @@
+//! Heat: heaters with their outputs and sensors, and fans.
+
+use super::verdict::{Kind, Verdict};
+use super::work::Work;
+use crate::pattern::matches;
+use toml::Value as Toml;
+
+/// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.
+enum Sensor {
+    Sheet(&'static str),
+    /// B in K of 100 kOhm at 25 C, and how far off it is.
+    Beta(i64, &'static str),
+}
+
+/// Klipper's thermistors. B between 25 and 150 C, by the values that Klipper's documentation of each kind rests on.
+const SENSORS: [(&str, Sensor); 9] = [
+    ("ATC Semitec 104GT-2", Sensor::Sheet("104gt2")),
+    ("ATC Semitec 104NT-4-R025H42G", Sensor::Sheet("104nt4")),
+    ("Generic 3950", Sensor::Sheet("ntc_3950")),
+    ("SliceEngineering 450", Sensor::Sheet("slice_450")),
+    ("PT1000", Sensor::Sheet("pt1000")),
+    ("EPCOS 100K B57560G104F", Sensor::Beta(4148, "right at 25 and 150 C, 7 K high at 250 C")),
+    ("TDK NTCG104LH104JT1", Sensor::Beta(4607, "right at 25 and 125 C")),
+    ("Honeywell 100K 135-104LAG-J01", Sensor::Beta(3974, "")),
+    ("NTC 100K MGB18-104F39050L32", Sensor::Beta(4100, "")),
+];
+
+/// Translates heaters and fans.
+pub(super) fn heat(work: &mut Work<'_>) {
+    heater(work, "hotend", "extruder");
+    heater(work, "bed", "heater_bed");
+    let is_chamber = |name: &&str| name.starts_with("heater_generic ") && name.to_lowercase().contains("chamber");
+    let names = work.config.sections.iter().map(|section| section.name.as_str());
+    if let Some(section) = names.into_iter().find(is_chamber) {
+        heater(work, "chamber", section);
+    }
+    fans(work);
+}
+
+fn heater(work: &mut Work<'_>, name: &str, section: &str) {
+    if work.config.section(section).is_none() {
+        return;
+    }
+    let key = |leaf: &str| format!("heaters.{name}.{leaf}");
+    let parts = [
+        output(work, &key("output"), section),
+        input(work, &key("sensor"), section),
+        sensor_type(work, &key("thermistor"), section),
+        pullup(work, section),
+    ];
+    // A heater with wrong temperatures must not heat.
+    let is_fitted = parts.into_iter().all(|is_right| is_right);
+    let why = if is_fitted { section } else { "until its output and its sensor are right" };
+    work.lines.set(&key("is_fitted"), is_fitted.into(), why);
+    match work.value(section, "control") {
+        Some((entry, "pid")) => {
+            work.take(entry, &key("control"), "pid");
+            for (from, to) in [("pid_kp", "pid.p"), ("pid_ki", "pid.i"), ("pid_kd", "pid.d")] {
+                if let Some((entry, number)) = work.number(section, from) {
+                    work.take_number(entry, &key(to), number);
+                }
+            }
+        }
+        Some((entry, _)) => work.say(entry, Kind::Approximated, "its model controls it: M303 finds out the model"),
+        None => {}
+    }
+    if is_fitted {
+        let power = key("power");
+        let text = format!("{power}: Klipper has no key for it, so the prototype's counts: set it, then run M303");
+        work.notes.push(Verdict::new(Kind::Approximated, text));
+    }
+}
+
+/// Under the thermistors of every board (boards/*/wiring.rs), and Klipper's default.
+const PULLUP_OHMS: f64 = 4700.0;
+
+/// Whether the sensor's temperatures are computed with its resistors.
+fn pullup(work: &mut Work<'_>, section: &str) -> bool {
+    let mut is_right = true;
+    for (key, expected) in [("pullup_resistor", PULLUP_OHMS), ("inline_resistor", 0.0)] {
+        let Some((entry, ohms)) = work.number(section, key) else { continue };
+        if (ohms - expected).abs() < 1.0 {
+            work.say(entry, Kind::Taken, "as on the board");
+        } else {
+            is_right = false;
+            let text =
+                format!("temperatures are computed with {expected} Ohm there: use an input of the board as it is");
+            work.say(entry, Kind::Decide, text);
+        }
+    }
+    is_right
+}
+
+/// The output of a heater; whether the board has it.
+fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
+    let Some((entry, pin)) = work.pin(section, "heater_pin") else { return false };
+    if !work.is_here(entry, &pin) {
+        return false;
+    }
+    let pins = work.pins;
+    match pins.output(&pin.name) {
+        Some(output) => {
+            work.take(entry, path, output.name());
+            if pin.is_inverted {
+                work.say(entry, Kind::Decide, "an output heats while it is high");
+            }
+            !pin.is_inverted
+        }
+        None => {
+            let offered = pins.outputs();
+            let text = format!("{} is no heater output of the {}, which has {offered}", pin.name, pins.connectors.name);
+            work.say(entry, Kind::Decide, text);
+            false
+        }
+    }
+}
+
+/// The input of its sensor; whether the board has it.
+fn input(work: &mut Work<'_>, path: &str, section: &str) -> bool {
+    let Some((entry, pin)) = work.pin(section, "sensor_pin") else { return false };
+    if !work.is_here(entry, &pin) {
+        return false;
+    }
+    let pins = work.pins;
+    match pins.sensor(&pin.name) {
+        Some(sensor) => {
+            work.take(entry, path, sensor.name());
+            true
+        }
+        None => {
+            let text = format!("{} is no input for a sensor of the {}", pin.name, pins.connectors.name);
+            work.say(entry, Kind::Decide, text);
+            false
+        }
+    }
+}
+
+/// The kind of its sensor; whether it is known.
+fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
+    let Some((entry, name)) = work.value(section, "sensor_type") else {
+        let text = format!("[{section}] has no sensor_type: write the sensor into {path}");
+        work.notes.push(Verdict::new(Kind::Decide, text));
+        return false;
+    };
+    if let Some((_, sensor)) = SENSORS.iter().find(|(known, _)| *known == name) {
+        match sensor {
+            Sensor::Sheet(sheet) => work.take(entry, path, *sheet),
+            Sensor::Beta(beta, how) => {
+                work.take(entry, path, ntc(100_000, *beta));
+                if !how.is_empty() {
+                    work.say(entry, Kind::Approximated, *how);
+                }
+            }
+        }
+        return true;
+    }
+    match own_thermistor(work, &format!("thermistor {name}")) {
+        Some((ohms, beta)) => {
+            work.take(entry, path, ntc(ohms, beta));
+            work.say(entry, Kind::Approximated, "an NTC by its resistance at 25 C and its B");
+            true
+        }
+        None => {
+            let text = format!("not there yet: write a sensor that comes near it into {path}");
+            work.say(entry, Kind::Decide, text);
+            false
+        }
+    }
+}
+
+fn ntc(ohms: i64, beta: i64) -> Toml {
+    Toml::Table(
+        [("ohms", ohms), ("beta", beta)].map(|(key, number)| (key.to_owned(), number.into())).into_iter().collect(),
+    )
+}
+
+/// 0 C in K, and 25 C.
+const ZERO: f64 = 273.15;
+const ROOM: f64 = ZERO + 25.0;
+
+/// An owner's thermistor as resistance at 25 C and B: by B, or by its first and last point.
+fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<(i64, i64)> {
+    work.config.section(section)?;
+    let point = |work: &mut Work<'_>, number: usize| {
+        let (temperature, c) = work.number(section, &format!("temperature{number}"))?;
+        let (resistance, ohms) = work.number(section, &format!("resistance{number}"))?;
+        for entry in [temperature, resistance] {
+            work.say(entry, Kind::Taken, "the thermistor of a heater");
+        }
+        Some((1.0 / (c + ZERO), ohms)).filter(|(inverse, ohms)| inverse.is_finite() && *ohms > 0.0)
+    };
+    let (inverse, ohms) = point(work, 1)?;
+    let beta = match work.number(section, "beta") {
+        Some((entry, beta)) => {
+            work.say(entry, Kind::Taken, "the thermistor of a heater");
+            beta
+        }
+        None => {
+            let points = [point(work, 3), point(work, 2)];
+            let (other, other_ohms) = points.into_iter().flatten().next()?;
+            (other_ohms / ohms).ln() / (other - inverse)
+        }
+    };
+    let at_room = ohms * (beta * (1.0 / ROOM - inverse)).exp();
+    let is_one = (1.0..1e8).contains(&at_room) && (1.0..1e5).contains(&beta);
+    is_one.then_some((at_room.round() as i64, beta.round() as i64))
+}
+
+/// Kinds of fans, by their sections, and their roles.
+const FANS: [(&str, &str); 4] =
+    [("fan", "part"), ("heater_fan *", "hotend"), ("controller_fan *", "controller"), ("fan_generic *", "commanded")];
+
+fn fans(work: &mut Work<'_>) {
+    let sections: Vec<&str> = work.config.sections.iter().map(|section| section.name.as_str()).collect();
+    for section in sections {
+        if let Some((_, role)) = FANS.iter().find(|(pattern, _)| matches(pattern, section)) {
+            fan(work, section, role);
+        }
+    }
+    for number in 0..work.pins.connectors.fans {
+        let role = format!("fans.fan{number}.role");
+        if work.lines.get(&role).is_none() {
+            work.lines.set(&role, "commanded".into(), "no section has it");
+        }
+    }
+}
+
+fn fan(work: &mut Work<'_>, section: &str, role: &str) {
+    let Some((entry, pin)) = work.pin(section, "pin") else { return };
+    if !work.is_here(entry, &pin) {
+        return;
+    }
+    let pins = work.pins;
+    let Some(number) = pins.fan(&pin.name) else {
+        let text = format!("{} is no fan output of the {}", pin.name, pins.connectors.name);
+        return work.say(entry, Kind::Decide, text);
+    };
+    let fan = format!("fans.fan{number}");
+    work.take(entry, &format!("{fan}.role"), role);
+    for (key, leaf, times) in
+        [("kick_start_time", "kick_ms", 1000.0), ("max_power", "most", 1.0), ("fan_speed", "most", 1.0)]
+    {
+        if let Some((entry, value)) = work.number(section, key) {
+            work.take_number(entry, &format!("{fan}.{leaf}"), value * times);
+        }
+    }
+    if let Some((entry, least)) = work.number(section, "off_below") {
+        work.take_number(entry, &format!("{fan}.least"), least);
+        work.say(entry, Kind::Approximated, "the lowest speed has that duty; Klipper switches the fan off below it");
+    }
+    if role == "hotend" {
+        match work.value(section, "heater") {
+            Some((entry, "extruder")) => work.say(entry, Kind::Taken, "the role hotend"),
+            Some((entry, _)) => {
+                work.say(entry, Kind::NotYet, "the role hotend follows the hotend, and no other heater")
+            }
+            None => {}
+        }
+        if let Some((entry, above)) = work.number(section, "heater_temp") {
+            work.take_number(entry, "thermal.hotend_fan_above", above);
+        }
+    }
+    if role == "controller" {
+        if let Some((entry, seconds)) = work.number(section, "idle_timeout") {
+            work.take_number(entry, "thermal.fan_run_on_s", seconds);
+        }
+        for key in ["heater", "stepper"] {
+            if let Some((entry, _)) = work.value(section, key) {
+                work.say(entry, Kind::Approximated, "it runs with any motor or heater");
+            }
+        }
+    }
+}

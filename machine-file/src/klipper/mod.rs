@@ -1,0 +1,104 @@
+//! Klipper: its configuration as a machine file, with a verdict on every key.
+//!
+//! Nothing here opens a file: [`Files`] does, and the command has one.
+//!
+//! | file | job |
+//! |---|---|
+//! | `config` | texts to sections and keys |
+//! | `pin`, `board` | pins to connectors |
+//! | `work`, `lines` | the translation so far, and the text that it becomes |
+//! | `motors`, `axes`, `heat`, `probe` | one part of a machine each |
+//! | `tables` | keys that are one number, and remarks on the rest |
+//! | `verdict`, `report` | what became of every key |
+//!
+//! The report goes through all keys of the configuration. So a key that no part knows has a verdict too.
+
+mod axes;
+mod board;
+mod config;
+mod heat;
+mod lines;
+mod motors;
+mod pin;
+mod probe;
+mod report;
+mod tables;
+mod verdict;
+mod work;
+
+pub use crate::pattern::{is_pattern, matches};
+use crate::{Machine, Problem, problems};
+use board::Pins;
+pub use config::{At, Config, Entry, Files, Mistake, Section};
+use corehbot::connectors::BoardConnectors;
+use pin::Aliases;
+pub use report::Report;
+use tables::NUMBERS;
+pub use verdict::{Kind, Verdict};
+use work::Work;
+
+/// A configuration as a machine file.
+pub struct Translation {
+    /// The machine file.
+    pub text: String,
+    /// Its machine, if it is one.
+    pub machine: Option<Machine>,
+    /// What is wrong or doubtful in the machine file.
+    pub problems: Vec<Problem>,
+    /// What became of every key.
+    pub report: Report,
+}
+
+/// Translates a configuration for a board, or for the board that its pins and comments name.
+///
+/// # Errors
+/// The board cannot be told.
+pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Result<Translation, String> {
+    let aliases = Aliases::of(config);
+    let is_given = board.is_some();
+    let board = board
+        .or_else(|| board::found(config, &aliases))
+        .ok_or("cannot tell the board: no board with an image, or several, have these step pins; say --board")?;
+    let pins = Pins::of(board).ok_or_else(|| format!("the {} has no pins: name another --board", board.key))?;
+    let mut work = Work::new(config, &pins, &aliases);
+    let from = if is_given { "--board" } else { "by its step pins" };
+    work.lines.set("board", board.key.into(), from);
+    motors::motors(&mut work);
+    axes::axes(&mut work);
+    heat::heat(&mut work);
+    probe::probe(&mut work);
+    probe::shapers(&mut work);
+    numbers(&mut work);
+    let head = format!(
+        "#:schema ./machine.schema.json\n# From {}, for the {}. `corehbot config check` checks it.\n",
+        config.files.first().map_or("a configuration of Klipper", String::as_str).escape_debug(),
+        board.name
+    );
+    let text = head + &work.lines.text();
+    let (machine, found) = problems(&text);
+    let report = Report::of(&work, board);
+    Ok(Translation { text, machine, problems: found, report })
+}
+
+/// Keys that are one number.
+fn numbers(work: &mut Work<'_>) {
+    for row in NUMBERS {
+        let axes = if row.section.contains('*') { &["x", "y", "z"][..] } else { &[""][..] };
+        for axis in axes {
+            let (section, to) = (row.section.replace('*', axis), row.to.replace('*', axis));
+            if work.config.section(&section).is_none() {
+                continue;
+            }
+            match (work.number(&section, row.key), row.default) {
+                (Some((entry, number)), _) => {
+                    work.take_number(entry, &to, number * row.times);
+                    if !row.how.is_empty() {
+                        work.say(entry, Kind::Approximated, row.how);
+                    }
+                }
+                (None, Some(default)) if work.lines.get(&to).is_none() => work.set_default(&to, default),
+                (None, _) => {}
+            }
+        }
+    }
+}

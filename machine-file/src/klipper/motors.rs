@@ -1,0 +1,325 @@
+//! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
+
+use super::verdict::{Kind, Verdict};
+use super::work::{Work, rounded};
+use corehbot::motors::{MOTORS, MotorName};
+use toml::Value as Toml;
+
+/// A kind of kinematics: for each of Klipper's steppers, which axes it moves.
+pub(super) struct Kinematics {
+    pub name: &'static str,
+    /// The rows of `stepper_x`, `stepper_y` and `stepper_z`.
+    rows: [[i64; 3]; 3],
+}
+
+/// The ones that have a matrix. Klipper's signs: in a CoreXY `stepper_x` is x + y, and `stepper_y` x - y.
+pub(super) const KINEMATICS: [Kinematics; 5] = [
+    Kinematics { name: "cartesian", rows: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] },
+    Kinematics { name: "corexy", rows: [[1, 1, 0], [1, -1, 0], [0, 0, 1]] },
+    Kinematics { name: "corexz", rows: [[1, 0, 1], [0, 1, 0], [1, 0, -1]] },
+    Kinematics { name: "hybrid_corexy", rows: [[1, -1, 0], [0, 1, 0], [0, 0, 1]] },
+    Kinematics { name: "hybrid_corexz", rows: [[1, 0, -1], [0, 1, 0], [0, 0, 1]] },
+];
+
+/// A motor.
+struct Stepper {
+    section: String,
+    name: String,
+    /// The axis that its resolution belongs to: 0 to 3.
+    axis: usize,
+    row: [i64; 4],
+}
+
+impl Stepper {
+    /// The group of driver settings that holds for it.
+    const fn group(&self) -> &'static str {
+        match self.row {
+            [0, 0, 0, _] => "drivers.e",
+            [0, 0, _, _] => "drivers.z",
+            _ => "drivers.belt",
+        }
+    }
+}
+
+const AXES: [&str; 4] = ["x", "y", "z", "e"];
+
+/// Translates all motors.
+pub(super) fn motors(work: &mut Work<'_>) {
+    let Some(kinematics) = kinematics(work) else { return };
+    let mut steppers = steppers(work, kinematics);
+    // The extruder keeps its place.
+    let extruder = steppers.pop();
+    for left in steppers.drain((MOTORS - 1).min(steppers.len())..) {
+        let text = format!("[{}]: the firmware drives {MOTORS} motors: it is left out", left.section);
+        work.notes.push(Verdict::new(Kind::Decide, text));
+    }
+    steppers.extend(extruder);
+    for (name, stepper) in work.names.iter_mut().zip(&steppers) {
+        *name = MotorName::new(&stepper.name).unwrap_or(MotorName::NONE);
+    }
+    let names: Vec<Toml> = steppers.iter().map(|stepper| stepper.name.as_str().into()).collect();
+    work.lines.set("motors.names", Toml::Array(names), "");
+    for stepper in &steppers {
+        let used = if stepper.row[3] == 0 { 3 } else { 4 };
+        let row: Vec<Toml> = stepper.row[..used].iter().map(|times| (*times).into()).collect();
+        work.lines.set(&format!("mechanism.{}", stepper.name), Toml::Array(row), &format!("[{}]", stepper.section));
+        socket(work, stepper);
+        resolution(work, stepper);
+        driver(work, stepper);
+    }
+}
+
+fn kinematics(work: &mut Work<'_>) -> Option<&'static Kinematics> {
+    let Some((entry, name)) = work.value("printer", "kinematics") else {
+        let text = "[printer] kinematics is missing: without it there is no mechanism";
+        work.notes.push(Verdict::new(Kind::Decide, text));
+        return None;
+    };
+    let found = KINEMATICS.iter().find(|known| known.name == name);
+    match found {
+        Some(_) => work.say(entry, Kind::Taken, "rows of [mechanism]"),
+        None => {
+            let names = KINEMATICS.map(|known| known.name).join(", ");
+            work.say(entry, Kind::Decide, format!("not there yet; there are {names}"));
+        }
+    }
+    found
+}
+
+/// All motors of the axes, then the extruder's.
+fn steppers(work: &Work<'_>, kinematics: &Kinematics) -> Vec<Stepper> {
+    let mut found = Vec::new();
+    for (axis, [x, y, z]) in kinematics.rows.into_iter().enumerate() {
+        let first = format!("stepper_{}", AXES[axis]);
+        let is_of =
+            |name: &&str| name.strip_prefix(&first).is_some_and(|rest| rest.parse::<u8>().is_ok() || rest.is_empty());
+        let mut sections: Vec<&str> =
+            work.config.sections.iter().map(|section| section.name.as_str()).filter(is_of).collect();
+        sections.sort_by_key(|name| (name.len(), *name));
+        found.extend(sections.into_iter().map(|section| Stepper {
+            section: section.to_owned(),
+            name: section.replacen("stepper_", "", 1),
+            axis,
+            row: [x, y, z, 0],
+        }));
+    }
+    found.push(Stepper { section: "extruder".to_owned(), name: "e0".to_owned(), axis: 3, row: [0, 0, 0, 1] });
+    found
+}
+
+/// The socket by its pins.
+fn socket(work: &mut Work<'_>, stepper: &Stepper) {
+    let path = format!("motors.{}", stepper.name);
+    let Some((entry, step)) = work.pin(&stepper.section, "step_pin") else {
+        let text = format!("[{}] has no step_pin: write the motor's socket into {path}", stepper.section);
+        work.notes.push(Verdict::new(Kind::Decide, text));
+        work.lines.set(&path, "".into(), "no step_pin");
+        return;
+    };
+    work.lines.set(&path, "".into(), "no socket");
+    if !work.is_here(entry, &step) {
+        return;
+    }
+    let pins = work.pins;
+    let Some(socket) = pins.socket(&step.name) else {
+        let text = format!(
+            "{} is no step pin of the {}: write the motor's socket into {path}",
+            step.name, pins.connectors.name
+        );
+        return work.say(entry, Kind::Decide, text);
+    };
+    let is_reversed = work.pin(&stepper.section, "dir_pin").is_some_and(|(_, pin)| pin.is_inverted);
+    let sign = if is_reversed { "!" } else { "" };
+    work.take(entry, &path, format!("{sign}{}", socket.name));
+    if step.is_inverted {
+        work.say(entry, Kind::Approximated, "a step is the rising edge");
+    }
+    let driver = driver_section(work, &stepper.section).map(|(section, _)| section);
+    let others = [
+        (Some(stepper.section.clone()), "dir_pin"),
+        (Some(stepper.section.clone()), "enable_pin"),
+        (driver, "uart_pin"),
+    ];
+    for ((section, key), expected) in others.into_iter().zip(&socket.pins[1..]) {
+        let Some((entry, pin)) = section.and_then(|section| work.pin(&section, key)) else { continue };
+        if expected.as_ref() == Some(&pin.name) && pin.is_on_board() {
+            work.say(entry, Kind::Taken, format!("of {}", socket.name));
+        } else {
+            let expected = expected.as_deref().unwrap_or("no pin");
+            let text =
+                format!("{} has {expected} there, not {}: is the motor in another socket?", socket.name, pin.name);
+            work.say(entry, Kind::Decide, text);
+        }
+        if key == "enable_pin" && !pin.is_inverted {
+            work.say(entry, Kind::NotYet, "drivers are enabled by a low level; one that needs a high one stays off");
+        }
+    }
+}
+
+/// Steps a millimetre of its axis, by the movement of a turn.
+fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
+    let axis = format!("axes.{}", AXES[stepper.axis]);
+    let gears = match work.value(&stepper.section, "gear_ratio") {
+        None => 1.0,
+        Some((entry, text)) => match ratio(text) {
+            Some(gears) => {
+                work.say(entry, Kind::Taken, format!("{axis}.rotation_distance counts it"));
+                gears
+            }
+            None => return work.say(entry, Kind::Decide, "no ratio such as 80:16, 2:1"),
+        },
+    };
+    if let Some((entry, distance)) = work.number(&stepper.section, "rotation_distance") {
+        let turned = rounded(distance / gears);
+        let path = format!("{axis}.rotation_distance");
+        match work
+            .lines
+            .get(&path)
+            .and_then(|value| value.as_float().or(value.as_integer().map(|number| number as f64)))
+        {
+            Some(first) if (first - turned).abs() > 1e-6 * first.abs() => {
+                let text = format!("motors of an axis move it alike, and another one's turn moves it {first} mm");
+                work.say(entry, Kind::Decide, text);
+            }
+            Some(_) => work.say(entry, Kind::Taken, path),
+            None if turned > 0.0 => {
+                work.take_number(entry, &path, turned);
+                // A negative or absurd distance is found by the check of the whole file.
+            }
+            None => work.say(entry, Kind::Decide, "not above 0"),
+        }
+    }
+    if let Some((entry, full_steps)) = work.number(&stepper.section, "full_steps_per_rotation") {
+        same_or_take(work, entry, &format!("{axis}.full_steps"), full_steps);
+    }
+    if let Some((entry, microsteps)) = work.number(&stepper.section, "microsteps") {
+        same_or_take(work, entry, &format!("{}.microsteps", stepper.group()), microsteps);
+    }
+}
+
+/// Takes a number that all motors of a group have to share.
+fn same_or_take(work: &mut Work<'_>, entry: usize, path: &str, number: f64) {
+    match work.lines.get(path).and_then(Toml::as_integer) {
+        Some(first) if (first as f64 - number).abs() > f64::EPSILON => {
+            work.say(
+                entry,
+                Kind::Decide,
+                format!("{path} is {first} by another motor, and holds for both: choose one"),
+            );
+        }
+        Some(_) => work.say(entry, Kind::Taken, path),
+        None => work.take_number(entry, path, number),
+    }
+}
+
+/// Revolutions of the motor for one of the axis: `80:16, 2:1` is 10.
+pub(super) fn ratio(text: &str) -> Option<f64> {
+    let pair = |pair: &str| {
+        let (a, b) = pair.split_once(':')?;
+        let (a, b): (f64, f64) = (a.trim().parse().ok()?, b.trim().parse().ok()?);
+        Some(a / b).filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+    };
+    text.split(',').map(pair).product::<Option<f64>>().filter(|ratio| ratio.is_finite())
+}
+
+/// The section of a motor's driver, and the driver's name.
+fn driver_section(work: &Work<'_>, stepper: &str) -> Option<(String, String)> {
+    work.config.sections.iter().find_map(|section| {
+        let (driver, of) = section.name.split_once(' ')?;
+        (driver.starts_with("tmc") && of.trim() == stepper).then(|| (section.name.clone(), driver.to_owned()))
+    })
+}
+
+/// The driver's settings.
+fn driver(work: &mut Work<'_>, stepper: &Stepper) {
+    let Some((section, name)) = driver_section(work, &stepper.section) else {
+        let text = format!(
+            "[{}] has no [tmc2209 {0}]: its driver must be one, with the current of {}",
+            stepper.section,
+            stepper.group()
+        );
+        return work.notes.push(Verdict::new(Kind::Approximated, text));
+    };
+    if name != "tmc2209" {
+        let text = format!("[{section}]: a {} is not there yet: the motor needs a TMC2209", name.to_uppercase());
+        return work.notes.push(Verdict::new(Kind::Decide, text));
+    }
+    let run = work.number(&section, "run_current");
+    if let Some((entry, amperes)) = run {
+        group(work, entry, stepper, "current_ma", amperes * 1000.0);
+    }
+    match (work.number(&section, "hold_current"), run) {
+        (Some((entry, hold)), Some((_, run))) if run > 0.0 => {
+            group(work, entry, stepper, "hold_percent", (100.0 * hold / run).clamp(0.0, 100.0));
+        }
+        (None, _) if work.lines.get(&format!("{}.hold_percent", stepper.group())).is_none() => {
+            work.set_default(&format!("{}.hold_percent", stepper.group()), 100.0);
+        }
+        _ => {}
+    }
+    let threshold = work.number(&section, "stealthchop_threshold");
+    if let Some((entry, threshold)) = threshold {
+        group_switch(work, entry, stepper, "stealth", threshold > 0.0);
+        // Above the fastest move it is stealthChop for ever.
+        let limit = if threshold > FASTEST { 0.0 } else { threshold };
+        group(work, entry, stepper, "hybrid_threshold", limit);
+    }
+    if let Some((entry, threshold)) = work.number(&section, "driver_sgthrs") {
+        group(work, entry, stepper, "stall_threshold", threshold);
+    }
+    if let Some((entry, ohms)) = work.number(&section, "sense_resistor") {
+        if (ohms - SENSE_OHMS).abs() < 0.0005 {
+            work.say(entry, Kind::Taken, "currents are computed for it");
+        } else {
+            work.say(
+                entry,
+                Kind::NotYet,
+                format!("currents are computed for {SENSE_OHMS} Ohm: scale the current yourself"),
+            );
+        }
+    }
+    if let Some((entry, text)) = work.value(&section, "interpolate") {
+        if text.eq_ignore_ascii_case("true") {
+            work.say(entry, Kind::Taken, "drivers always interpolate to 256 microsteps");
+        } else {
+            work.say(entry, Kind::NotYet, "drivers always interpolate to 256 microsteps");
+        }
+    }
+}
+
+/// Sense resistors of common modules, in Ohm (docs/explanation/drivers.md).
+const SENSE_OHMS: f64 = 0.11;
+
+/// The highest speed of any setting, in mm/s.
+const FASTEST: f64 = 3000.0;
+
+/// Takes a number for the drivers of a motor's group, or for the motor alone if another one has set the group's.
+fn group(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, number: f64) {
+    let path = format!("{}.{leaf}", stepper.group());
+    let own = format!("drivers.{}.{leaf}", stepper.name);
+    let is_default = work.lines.get(&path).is_none();
+    let first = work.lines.get(&path).and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64)));
+    match first {
+        Some(first) if (first - number).abs() < 0.5 => work.say(entry, Kind::Taken, path),
+        Some(_) if work.is_key(&own) => work.take_number(entry, &own, number),
+        Some(first) => {
+            let text = format!("{path} = {first} holds for all of these motors, and another one set it");
+            work.say(entry, Kind::Approximated, text);
+        }
+        None if is_default => work.take_number(entry, &path, number),
+        None => {}
+    }
+}
+
+/// The same with a switch.
+fn group_switch(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, is_on: bool) {
+    let path = format!("{}.{leaf}", stepper.group());
+    match work.lines.get(&path).and_then(Toml::as_bool) {
+        Some(first) if first != is_on => {
+            let text = format!("{path} = {first} holds for all of these motors, and another one set it");
+            work.say(entry, Kind::Approximated, text);
+        }
+        Some(_) => work.say(entry, Kind::Taken, path),
+        None => work.take(entry, &path, is_on),
+    }
+}

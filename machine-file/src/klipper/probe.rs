@@ -1,0 +1,69 @@
+//! The probe's input, and input shapers.
+
+use super::verdict::Kind;
+use super::work::Work;
+
+/// Sections of probes with an input, and its key.
+const PROBES: [(&str, &str); 3] = [("probe", "pin"), ("bltouch", "sensor_pin"), ("smart_effector", "pin")];
+
+/// Translates the probe: so far its input is reported, and nothing more.
+pub(super) fn probe(work: &mut Work<'_>) {
+    for (section, key) in PROBES {
+        let Some((entry, pin)) = work.pin(section, key) else { continue };
+        if !pin.is_on_board() {
+            work.say(entry, Kind::NotYet, format!("{} is another board", pin.chip));
+            continue;
+        }
+        match work.pins.input(&pin.name) {
+            Some((name, true)) => {
+                work.take(entry, "endstops.probe", format!("{}{name}", if pin.is_inverted { "!" } else { "" }));
+                work.say(entry, Kind::Approximated, "M119 reports it, and nothing probes so far");
+                if pin.is_pulled_down {
+                    work.say(entry, Kind::NotYet, "its input is pulled up");
+                }
+            }
+            _ => {
+                let text = format!("{} is no connector of a probe on the {}", pin.name, work.pins.connectors.name);
+                work.say(entry, Kind::NotYet, text);
+            }
+        }
+    }
+}
+
+/// Klipper's shapers and ours.
+const SHAPERS: [(&str, &str); 6] =
+    [("zv", "zv"), ("mzv", "mzv"), ("zvd", "zvd"), ("ei", "ei"), ("2hump_ei", "2hump_ei"), ("3hump_ei", "2hump_ei")];
+
+/// Translates input shapers.
+pub(super) fn shapers(work: &mut Work<'_>) {
+    const SECTION: &str = "input_shaper";
+    for axis in ["x", "y"] {
+        let path = format!("shaper.{axis}.kind");
+        match work.number(SECTION, &format!("shaper_freq_{axis}")) {
+            Some((entry, frequency)) if frequency > 0.0 => {
+                work.take_number(entry, &format!("shaper.{axis}.frequency"), frequency);
+            }
+            Some((entry, _)) => {
+                work.take(entry, &path, "none");
+                continue;
+            }
+            None => continue,
+        }
+        let own = work.value(SECTION, &format!("shaper_type_{axis}"));
+        match own.or_else(|| work.value(SECTION, "shaper_type")) {
+            Some((entry, name)) => match SHAPERS.iter().find(|(known, _)| *known == name) {
+                Some((_, ours)) => {
+                    work.take(entry, &path, *ours);
+                    if *ours != name {
+                        work.say(entry, Kind::Approximated, "the nearest there is");
+                    }
+                }
+                None => work.say(entry, Kind::NotYet, "no such shaper: choose one of M593"),
+            },
+            None => work.lines.set(&path, "mzv".into(), "Klipper's default"),
+        }
+        if let Some((entry, ratio)) = work.number(SECTION, &format!("damping_ratio_{axis}")) {
+            work.take_number(entry, &format!("shaper.{axis}.damping"), ratio);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Tables: keys of Klipper that are one number, and what to say of all others.
+
+use super::verdict::Kind;
+
+/// A key that is a number, and the keys that it becomes. `*` in a section is an axis.
+pub(super) struct NumberRow {
+    pub section: &'static str,
+    pub key: &'static str,
+    pub to: &'static str,
+    pub times: f64,
+    /// Klipper's default, if it is not ours.
+    pub default: Option<f64>,
+    /// What is not quite as in Klipper.
+    pub how: &'static str,
+}
+
+const fn row(section: &'static str, key: &'static str, to: &'static str) -> NumberRow {
+    NumberRow { section, key, to, times: 1.0, default: None, how: "" }
+}
+
+/// Keys that are one number.
+pub(super) const NUMBERS: &[NumberRow] = &[
+    NumberRow { default: Some(5.0), ..row("printer", "square_corner_velocity", "corner.square_corner") },
+    NumberRow { default: Some(0.5), ..row("printer", "minimum_cruise_ratio", "minimum_cruise_ratio") },
+    row("extruder", "max_temp", "heaters.hotend.most"),
+    row("extruder", "max_power", "heaters.hotend.max_duty"),
+    row("extruder", "min_extrude_temp", "thermal.min_extrude"),
+    row("extruder", "pressure_advance", "advance.time"),
+    row("extruder", "pressure_advance_smooth_time", "advance.window"),
+    row("extruder", "max_extrude_only_distance", "axes.e.length"),
+    row("extruder", "max_extrude_only_velocity", "axes.e.max_speed"),
+    row("extruder", "max_extrude_only_accel", "axes.e.max_acceleration"),
+    row("extruder", "max_extrude_only_accel", "retract_acceleration"),
+    NumberRow { default: Some(1.0), ..row("extruder", "instantaneous_corner_velocity", "extruder_jerk") },
+    row("heater_bed", "max_temp", "heaters.bed.most"),
+    row("heater_bed", "max_power", "heaters.bed.max_duty"),
+    row("heater_generic chamber", "max_temp", "heaters.chamber.most"),
+    row("heater_generic chamber", "max_power", "heaters.chamber.max_duty"),
+    NumberRow { times: 1.0 / 60.0, ..row("idle_timeout", "timeout", "thermal.idle_min") },
+];
+
+/// What to say of keys, or of whole sections.
+pub(super) struct Remark {
+    /// A pattern of section names.
+    pub section: &'static str,
+    /// A pattern of keys; empty for the section itself, and so for all its keys.
+    pub key: &'static str,
+    pub kind: Kind,
+    pub text: &'static str,
+}
+
+const fn not_yet(section: &'static str, key: &'static str, text: &'static str) -> Remark {
+    Remark { section, key, kind: Kind::NotYet, text }
+}
+
+const fn needless(section: &'static str, key: &'static str, text: &'static str) -> Remark {
+    Remark { section, key, kind: Kind::NotNeeded, text }
+}
+
+/// The remarks; the first that fits counts.
+pub(super) const REMARKS: &[Remark] = &[
+    // Boards and hosts.
+    needless("mcu", "", "the host's way to the board: this firmware needs none"),
+    not_yet("mcu *", "", "another board: a machine has one so far"),
+    needless("board_pins*", "", "other names of pins, which were looked up"),
+    needless("virtual_sdcard", "", "files are on the host"),
+    needless("display_status", "", "built in (M73)"),
+    needless("pause_resume", "", "built in ([pause], M25, M600)"),
+    not_yet("exclude_object", "", "objects are followed (M486), and leaving one out is refused"),
+    needless("respond", "", "built in (M118)"),
+    needless("gcode_arcs", "", "arcs are built in (arc_tolerance)"),
+    not_yet("force_move", "", "no motor is moved alone"),
+    not_yet("save_variables", "", "no macros"),
+    needless("fluidd*", "", "of a web interface"),
+    needless("mainsail*", "", "of a web interface"),
+    needless("stepper_?*", "homing_retract_speed", "the way back has the first speed"),
+    // Motors.
+    not_yet("stepper_[xyz][0-9]*", "endstop_pin", "one switch homes an axis: a second one levels nothing"),
+    needless("stepper_[xyz][0-9]*", "position_*", "the axis has it from its first motor"),
+    needless("stepper_[xyz][0-9]*", "homing_*", "the axis has it from its first motor"),
+    not_yet("stepper_*", "step_pulse_duration", "pulses are as long as a TMC2209 needs"),
+    not_yet("extruder_stepper *", "", "a second motor of the extruder: it stays off"),
+    not_yet("extruder[0-9]*", "", "a second extruder: it stays off"),
+    not_yet("manual_stepper *", "", "a motor outside of the mechanism: it stays off"),
+    not_yet("dual_carriage", "", "a second carriage"),
+    not_yet("tmc2209 *", "diag_pin", "no axis homes by StallGuard so far"),
+    not_yet("tmc2209 *", "uart_address", "every driver has a line of its own"),
+    not_yet("tmc2209 *", "tx_pin", "every driver has one line of its own"),
+    not_yet("tmc2209 *", "select_pins", "every driver has a line of its own"),
+    not_yet("tmc2209 *", "driver_*", "a register that the firmware sets itself"),
+    not_yet("tmc2130 *", "", "another driver than a TMC2209"),
+    not_yet("tmc2208 *", "", "another driver than a TMC2209"),
+    not_yet("tmc2225 *", "", "another driver than a TMC2209"),
+    not_yet("tmc2240 *", "", "another driver than a TMC2209"),
+    not_yet("tmc2660 *", "", "another driver than a TMC2209"),
+    not_yet("tmc5160 *", "", "another driver than a TMC2209"),
+    not_yet("endstop_phase*", "", "homing by the driver's phase"),
+    // Heat.
+    needless("extruder", "nozzle_diameter", "the slicer knows it"),
+    needless("extruder", "filament_diameter", "the slicer knows it; volumes (M200) say it themselves"),
+    not_yet("extruder", "max_extrude_cross_section", "nothing refuses thick lines"),
+    needless("*", "min_temp", "guards notice an open and a shorted sensor"),
+    needless("*", "smooth_time", "the temperature is filtered by the firmware"),
+    needless("*", "pwm_cycle_time", "the board has a modulation of its own; a relay has period_ms"),
+    needless("*", "pid_k[pid]", "another control is chosen"),
+    not_yet("*", "max_delta", "no setting for it"),
+    needless("verify_heater *", "", "guards follow the heater's model: heaters.*.guards, which cannot be switched off"),
+    needless("thermistor *", "", "a sensor that no heater uses"),
+    not_yet("adc_temperature *", "", "a sensor by a table of yours"),
+    not_yet("heater_generic *", "", "another heater than hotend, bed and chamber: it stays off"),
+    not_yet("temperature_sensor *", "", "a sensor without a heater is not reported"),
+    not_yet("temperature_fan *", "", "a fan that follows a sensor: it stays off"),
+    not_yet("*fan*", "cycle_time", "fans run at 98 Hz"),
+    not_yet("*fan*", "hardware_pwm", "fans run at 98 Hz"),
+    not_yet("*fan*", "tachometer_*", "no input counts a fan's turns"),
+    not_yet("*fan*", "enable_pin", "a fan has one line"),
+    not_yet("*fan*", "shutdown_speed", "a stop switches fans as their roles say"),
+    not_yet("controller_fan *", "idle_speed", "it runs on at full speed"),
+    not_yet("idle_timeout", "gcode", "heaters go off, without G-code of yours"),
+    // Levelling and homing.
+    not_yet("probe*", "", "nothing probes so far"),
+    not_yet("bltouch", "", "nothing probes so far"),
+    not_yet("smart_effector", "", "nothing probes so far"),
+    not_yet("beacon*", "", "a scanner on its own USB line"),
+    not_yet("cartographer*", "", "a scanner on its own USB line"),
+    not_yet("quad_gantry_level", "", "the gantry is not levelled: square it by hand, all Z motors move alike"),
+    not_yet("z_tilt*", "", "the bed is not levelled by its motors: they move alike"),
+    not_yet("bed_tilt", "", "a slanted bed is not compensated"),
+    not_yet("bed_screws", "", "no dialogue for the bed's screws"),
+    not_yet("screws_tilt_adjust", "", "no dialogue for the bed's screws"),
+    not_yet("bed_mesh*", "", "an uneven bed is not compensated"),
+    not_yet("axis_twist_compensation", "", "a twisted axis is not compensated"),
+    not_yet("skew_correction", "", "skew is not compensated"),
+    not_yet("safe_z_home", "", "Z homes where the tool stands: home X and Y first, see homing.order"),
+    not_yet("homing_override", "", "G28 homes by homing.order, without G-code of yours"),
+    // Sensors and displays.
+    not_yet("filament_switch_sensor *", "", "nothing notices the end of the filament"),
+    not_yet("filament_motion_sensor *", "", "nothing notices a jam"),
+    not_yet("adxl345*", "", "resonances are not measured by the board"),
+    not_yet("lis2dw*", "", "resonances are not measured by the board"),
+    not_yet("resonance_tester", "", "resonances are not measured by the board: see M593"),
+    not_yet("display*", "", "no display"),
+    not_yet("neopixel *", "", "no lights"),
+    not_yet("led *", "", "no lights"),
+    not_yet("dotstar *", "", "no lights"),
+    not_yet("output_pin *", "", "the pin stays as it is after a reset"),
+    not_yet("static_digital_output *", "", "the pin stays as it is after a reset"),
+    not_yet("servo *", "", "no servo"),
+    not_yet("gcode_button *", "", "no buttons"),
+    // G-code of the owner.
+    not_yet("gcode_macro *", "", "no macros: put its commands into the slicer's or the host's G-code"),
+    not_yet("delayed_gcode *", "", "no macros"),
+    not_yet("menu *", "", "no display"),
+    not_yet("firmware_retraction", "", "G10 and G11 are built in: M207 in the start G-code sets the lengths"),
+];
+
+/// What to say of a key without any remark.
+pub(super) const NO_SETTING: &str = "no setting for it";

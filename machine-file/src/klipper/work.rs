@@ -1,0 +1,151 @@
+//! The work on one configuration: which keys have been dealt with, and the machine file so far.
+
+use super::board::Pins;
+use super::config::Config;
+use super::lines::Lines;
+use super::pin::{Aliases, PinText};
+use super::verdict::{Kind, Verdict};
+use crate::keys::{Of, bits_of, find, fraction, legal_words, numbered, shortest};
+use crate::value::float_toml;
+use corehbot::motors::{MOTORS, MotorName};
+use corehbot::settings::rows;
+
+/// A configuration that is being translated.
+pub(super) struct Work<'c> {
+    pub config: &'c Config,
+    pub pins: &'c Pins,
+    pub aliases: &'c Aliases,
+    /// The machine file so far.
+    pub lines: Lines,
+    /// The motors' names in it.
+    pub names: [MotorName; MOTORS],
+    /// What the owner has to decide or to check, beyond single keys.
+    pub notes: Vec<Verdict>,
+    verdicts: Vec<Option<Verdict>>,
+}
+
+impl<'c> Work<'c> {
+    pub fn new(config: &'c Config, pins: &'c Pins, aliases: &'c Aliases) -> Self {
+        Self {
+            config,
+            pins,
+            aliases,
+            lines: Lines::default(),
+            names: [MotorName::NONE; MOTORS],
+            notes: Vec::new(),
+            verdicts: vec![None; config.entries.len()],
+        }
+    }
+
+    /// The verdicts so far, by the numbers of entries.
+    pub fn verdicts(&self) -> &[Option<Verdict>] {
+        &self.verdicts
+    }
+
+    /// Adds to the verdict on an entry.
+    pub fn say(&mut self, entry: usize, kind: Kind, text: impl Into<String>) {
+        if let Some(verdict) = self.verdicts.get_mut(entry) {
+            let new = Verdict::new(kind, text);
+            *verdict = Some(match verdict.take() {
+                Some(old) => old.and(new),
+                None => new,
+            });
+        }
+    }
+
+    /// The entry of a key, and its value.
+    pub fn value(&self, section: &str, key: &str) -> Option<(usize, &'c str)> {
+        let number = self.config.find(section, key)?;
+        Some((number, self.config.entries.get(number)?.value.as_str()))
+    }
+
+    /// The entry of a key, and its number. A value that is no number is for the owner to decide.
+    pub fn number(&mut self, section: &str, key: &str) -> Option<(usize, f64)> {
+        let (entry, text) = self.value(section, key)?;
+        match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => Some((entry, number)),
+            _ => {
+                self.say(entry, Kind::Decide, "no number: correct it");
+                None
+            }
+        }
+    }
+
+    /// The entry of a key, and the pin in it by the processor's name.
+    pub fn pin(&self, section: &str, key: &str) -> Option<(usize, PinText)> {
+        let (entry, text) = self.value(section, key)?;
+        Some((entry, self.aliases.resolve(text)))
+    }
+
+    /// Whether a pin is on the main board; otherwise that is said of its entry.
+    pub fn is_here(&mut self, entry: usize, pin: &PinText) -> bool {
+        if !pin.is_on_board() {
+            let text =
+                format!("{} is another board, and a machine has one so far: move it to the main board", pin.chip);
+            self.say(entry, Kind::Decide, text);
+        }
+        pin.is_on_board()
+    }
+
+    /// The place of an entry, for a comment.
+    pub fn from(&self, entry: usize) -> String {
+        self.config.entries.get(entry).map_or_else(String::new, |entry| self.config.place(entry.at))
+    }
+
+    /// Sets a key of the machine file from an entry, and says so.
+    pub fn take(&mut self, entry: usize, path: &str, value: impl Into<toml::Value>) {
+        let value = value.into();
+        self.say(entry, Kind::Taken, format!("{path} = {value}"));
+        let from = self.from(entry);
+        self.lines.set(path, value, &from);
+    }
+
+    /// Sets a key to a number from an entry. One outside the key's range becomes its end, which is said.
+    pub fn take_number(&mut self, entry: usize, path: &str, number: f64) {
+        let (value, beyond) = self.in_range(path, number);
+        match beyond {
+            None => self.take(entry, path, value),
+            Some(legal) => {
+                self.say(entry, Kind::Approximated, format!("{path} = {value}, because its range is {legal}"));
+                let from = self.from(entry);
+                self.lines.set(path, value, &from);
+            }
+        }
+    }
+
+    /// Sets a key that Klipper's files may leave out to Klipper's default, which is not ours.
+    pub fn set_default(&mut self, path: &str, number: f64) {
+        let value = self.in_range(path, number).0;
+        self.lines.set(path, value, "Klipper's default");
+    }
+
+    /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.
+    fn in_range(&self, path: &str, number: f64) -> (toml::Value, Option<String>) {
+        let Some((kind, legal)) = self.kind_of(path) else { return (float_toml(rounded(number)), None) };
+        let whole = if matches!(kind, rows::Kind::Whole) { number.round() } else { rounded(number) };
+        match bits_of(whole, fraction(kind)) {
+            Some(bits) if legal.holds(bits) => (float_toml(whole), None),
+            _ => {
+                let ends = [legal.least, legal.most].map(|bits| shortest(bits, fraction(kind)));
+                (float_toml(whole.clamp(ends[0], ends[1])), Some(legal_words(legal, kind)))
+            }
+        }
+    }
+
+    fn kind_of(&self, path: &str) -> Option<(rows::Kind, rows::Legal)> {
+        match find(&numbered(path, &self.names))?.of {
+            Of::Setting { row, text, part } => Some((text.kind, row.legal(part))),
+            Of::List { .. } | Of::Other(_) => None,
+        }
+    }
+
+    /// Whether machine files have a key of that path.
+    pub fn is_key(&self, path: &str) -> bool {
+        find(&numbered(path, &self.names)).is_some()
+    }
+}
+
+/// Nine digits behind the point are more than any setting keeps.
+pub(super) fn rounded(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
+}
