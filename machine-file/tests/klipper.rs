@@ -208,6 +208,41 @@ fn pins_of_two_sockets_are_to_be_decided() {
     assert_eq!(verdict(&report, "stepper_x", "enable_pin").0, Kind::NotYet);
 }
 
+/// What is left out counts as in the prototype, so a file with something open must not be a machine.
+#[test]
+fn what_could_break_a_machine_is_left_open() {
+    let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    let done = |text: &str| translate(&read(text).unwrap(), None).unwrap();
+    let is_machine = |text: &str| done(text).machine.is_some();
+    assert!(is_machine(&whole) && !done(&whole).is_whole(), "the heater is left to decide");
+    for (from, to) in [
+        ("kinematics = cartesian", "kinematics = delta"),
+        ("kinematics = cartesian", ""),
+        ("position_max = 250", ""),
+        ("position_max = 250", "position_max = tall"),
+        ("position_endstop = 0\nposition_max = 250", "position_endstop = -60\nposition_max = 250"),
+        ("rotation_distance = 8\n", ""),
+        ("rotation_distance = 8\n", "rotation_distance = 8\ngear_ratio = 5\n"),
+        ("rotation_distance = 8\nmicrosteps = 16", "rotation_distance = 8"),
+        ("dir_pin = PD13", "dir_pin = PD6"),
+        ("step_pin = PD14", "step_pin = PD15"),
+        ("endstop_pin = ^PA0", "endstop_pin = probe:z_virtual_endstop"),
+        ("endstop_pin = ^PA0", ""),
+        ("[stepper_z]\n", "[stepper_z1]\nstep_pin = PE1\nrotation_distance = 4\nmicrosteps = 16\n[stepper_z]\n"),
+        ("[stepper_z]\n", "[stepper_z1]\nstep_pin = PE1\nrotation_distance = 8\nmicrosteps = 8\n[stepper_z]\n"),
+    ] {
+        assert!(whole.contains(from), "{from}");
+        let text = whole.replacen(from, to, 1);
+        assert!(!is_machine(&text), "{to}: {}", done(&text).text);
+        assert!(!done(&text).report.counts().contains(&(Kind::Decide, 0)), "{to}");
+    }
+    // Steps instead of turns, and microsteps with the driver, as older configurations have them.
+    let old = whole.replacen("rotation_distance = 8\nmicrosteps = 16", "step_distance = .0025", 1)
+        + "[tmc2209 stepper_z]\nmicrosteps = 16\nrun_current = 0.6\n";
+    assert!(done(&old).text.contains("steps_per_mm = 400  # "), "{}", done(&old).text);
+    assert!(is_machine(&old), "{:?}", done(&old).problems);
+}
+
 /// A heater with the wrong sensor would heat to the wrong temperature.
 #[test]
 fn a_heater_without_a_known_sensor_is_not_fitted() {

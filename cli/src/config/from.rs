@@ -43,9 +43,10 @@ pub(super) fn from(args: &From) -> Result<u8> {
     done.problems.iter().for_each(|problem| {
         let _ = writeln!(report, "{written}:{problem}");
     });
-    report += match &done.machine {
-        Some(_) => "the machine file is a machine: measure and check what is approximated before it moves\n",
-        None => "the machine file is not a machine yet: decide what is left, then run `corehbot config check`\n",
+    report += match (done.is_whole(), done.machine.is_some()) {
+        (true, _) => "the machine file is a machine: measure and check what is approximated before it moves\n",
+        (false, true) => "the machine file is a machine without what is left to decide\n",
+        (false, false) => "the machine file is no machine yet: decide what is left, then run `corehbot config check`\n",
     };
     let report = printable::lines(&report);
     match &args.output {
@@ -58,7 +59,7 @@ pub(super) fn from(args: &From) -> Result<u8> {
             eprint!("{report}");
         }
     }
-    Ok(if done.machine.is_some() { DONE } else { FAILED })
+    Ok(if done.is_whole() { DONE } else { FAILED })
 }
 
 /// The files on this computer.

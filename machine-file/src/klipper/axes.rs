@@ -1,7 +1,8 @@
 //! Axes: their reach, their limits, their switches, and how they home.
 
 use super::verdict::{Kind, Verdict};
-use super::work::Work;
+use super::work::{Work, rounded};
+use crate::value::float_toml;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -71,7 +72,9 @@ fn reach(work: &mut Work<'_>, axis: &str, section: &str) {
     match work.number(section, "position_max") {
         Some((entry, most)) => work.take_number(entry, &format!("axes.{axis}.length"), most),
         None => {
-            let text = format!("[{section}] position_max is missing: axes.{axis}.length is the prototype's");
+            let path = format!("axes.{axis}.length");
+            work.leave_open(&path);
+            let text = format!("[{section}] has no position_max: write {path}");
             work.notes.push(Verdict::new(Kind::Decide, text));
         }
     }
@@ -136,6 +139,9 @@ fn homing(work: &mut Work<'_>, axis: &str, section: &str) {
     } else {
         let text = format!("{place} is not in the {end} half of the axis, nor up to {OUTSIDE} mm outside");
         work.say(entry, Kind::Decide, text);
+        // At its end by default, the tool would be elsewhere than it believes.
+        let from = work.from(entry);
+        work.lines.set(&key("position"), float_toml(rounded(place)), &from);
     }
 }
 

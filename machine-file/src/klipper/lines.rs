@@ -20,6 +20,12 @@ impl Lines {
         self.0.iter().find(|line| line.path == path).map(|line| &line.value)
     }
 
+    /// The same, if it is a number.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        let value = self.get(path)?;
+        value.as_float().or_else(|| value.as_integer().map(|number| number as f64))
+    }
+
     /// Sets a key, for a reason that stands behind it as a comment.
     pub fn set(&mut self, path: &str, value: Toml, from: &str) {
         self.0.retain(|line| line.path != path);

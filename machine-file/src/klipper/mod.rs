@@ -49,6 +49,15 @@ pub struct Translation {
     pub report: Report,
 }
 
+impl Translation {
+    /// Whether the machine file is a machine, with nothing left to decide.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        let is_open = |(kind, count): &(Kind, usize)| *kind == Kind::Decide && *count > 0;
+        self.machine.is_some() && !self.report.counts().iter().any(is_open)
+    }
+}
+
 /// Translates a configuration for a board, or for the board that its pins and comments name.
 ///
 /// # Errors

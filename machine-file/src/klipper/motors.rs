@@ -45,15 +45,16 @@ const AXES: [&str; 4] = ["x", "y", "z", "e"];
 
 /// Translates all motors.
 pub(super) fn motors(work: &mut Work<'_>) {
-    let Some(kinematics) = kinematics(work) else { return };
-    let mut steppers = steppers(work, kinematics);
-    // The extruder keeps its place.
-    let extruder = steppers.pop();
-    for left in steppers.drain((MOTORS - 1).min(steppers.len())..) {
-        let text = format!("[{}]: the firmware drives {MOTORS} motors: it is left out", left.section);
+    let Some(kinematics) = kinematics(work) else {
+        // Without the table the prototype's mechanism would count.
+        return work.lines.set("mechanism", Toml::Table(toml::Table::new()), "to decide");
+    };
+    let steppers = steppers(work, kinematics);
+    if steppers.len() > MOTORS {
+        // All stay in the file, which is no machine: one screw of four that stands still would bend a gantry.
+        let text = format!("{} motors: the firmware drives {MOTORS}", steppers.len());
         work.notes.push(Verdict::new(Kind::Decide, text));
     }
-    steppers.extend(extruder);
     for (name, stepper) in work.names.iter_mut().zip(&steppers) {
         *name = MotorName::new(&stepper.name).unwrap_or(MotorName::NONE);
     }
@@ -149,6 +150,7 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
             let text =
                 format!("{} has {expected} there, not {}: is the motor in another socket?", socket.name, pin.name);
             work.say(entry, Kind::Decide, text);
+            work.lines.set(&path, "".into(), "to decide");
         }
         if key == "enable_pin" && !pin.is_inverted {
             work.say(entry, Kind::NotYet, "drivers are enabled by a low level; one that needs a high one stays off");
@@ -156,56 +158,54 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
     }
 }
 
-/// Steps a millimetre of its axis, by the movement of a turn.
+/// Steps a millimetre of its axis, by the movement of a turn, or of a step in older configurations.
 fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
     let axis = format!("axes.{}", AXES[stepper.axis]);
-    let gears = match work.value(&stepper.section, "gear_ratio") {
-        None => 1.0,
-        Some((entry, text)) => match ratio(text) {
-            Some(gears) => {
-                work.say(entry, Kind::Taken, format!("{axis}.rotation_distance counts it"));
-                gears
-            }
-            None => return work.say(entry, Kind::Decide, "no ratio such as 80:16, 2:1"),
-        },
-    };
-    if let Some((entry, distance)) = work.number(&stepper.section, "rotation_distance") {
-        let turned = rounded(distance / gears);
-        let path = format!("{axis}.rotation_distance");
-        match work
-            .lines
-            .get(&path)
-            .and_then(|value| value.as_float().or(value.as_integer().map(|number| number as f64)))
-        {
-            Some(first) if (first - turned).abs() > 1e-6 * first.abs() => {
-                let text = format!("motors of an axis move it alike, and another one's turn moves it {first} mm");
-                work.say(entry, Kind::Decide, text);
-            }
-            Some(_) => work.say(entry, Kind::Taken, path),
-            None if turned > 0.0 => {
-                work.take_number(entry, &path, turned);
-                // A negative or absurd distance is found by the check of the whole file.
-            }
-            None => work.say(entry, Kind::Decide, "not above 0"),
+    let path = format!("{axis}.rotation_distance");
+    let gears = work.value(&stepper.section, "gear_ratio").map(|(entry, text)| (entry, ratio(text)));
+    match gears {
+        Some((entry, Some(_))) => work.say(entry, Kind::Taken, format!("{path} counts it")),
+        Some((entry, None)) => work.say(entry, Kind::Decide, "no ratio such as 80:16, 2:1"),
+        None => {}
+    }
+    let gears = gears.map_or(Some(1.0), |(_, ratio)| ratio);
+    let (turn, step) =
+        (work.number(&stepper.section, "rotation_distance"), work.number(&stepper.section, "step_distance"));
+    match (turn, step, gears) {
+        (Some((entry, distance)), _, Some(gears)) => {
+            same_or_take(work, entry, &path, rounded(distance / gears));
+        }
+        (None, Some((entry, distance)), _) if distance > 0.0 => {
+            same_or_take(work, entry, &format!("{axis}.steps_per_mm"), rounded(1.0 / distance));
+        }
+        _ => {
+            work.leave_open(&path);
+            let text = format!("[{}] has no rotation_distance with gears: write {path}", stepper.section);
+            work.notes.push(Verdict::new(Kind::Decide, text));
         }
     }
     if let Some((entry, full_steps)) = work.number(&stepper.section, "full_steps_per_rotation") {
         same_or_take(work, entry, &format!("{axis}.full_steps"), full_steps);
     }
-    if let Some((entry, microsteps)) = work.number(&stepper.section, "microsteps") {
-        same_or_take(work, entry, &format!("{}.microsteps", stepper.group()), microsteps);
+    let path = format!("{}.microsteps", stepper.group());
+    // Older configurations have it with the driver.
+    let of_driver = driver_section(work, &stepper.section).and_then(|(driver, _)| work.number(&driver, "microsteps"));
+    match work.number(&stepper.section, "microsteps").or(of_driver) {
+        Some((entry, microsteps)) => same_or_take(work, entry, &path, microsteps),
+        None => {
+            work.leave_open(&path);
+            let text = format!("[{}] has no microsteps: write {path}", stepper.section);
+            work.notes.push(Verdict::new(Kind::Decide, text));
+        }
     }
 }
 
-/// Takes a number that all motors of a group have to share.
+/// Takes a number that all motors of an axis or a group have to share: otherwise they would pull against each other.
 fn same_or_take(work: &mut Work<'_>, entry: usize, path: &str, number: f64) {
-    match work.lines.get(path).and_then(Toml::as_integer) {
-        Some(first) if (first as f64 - number).abs() > f64::EPSILON => {
-            work.say(
-                entry,
-                Kind::Decide,
-                format!("{path} is {first} by another motor, and holds for both: choose one"),
-            );
+    match work.lines.number(path) {
+        Some(first) if (first - number).abs() > 1e-6 * first.abs() => {
+            work.say(entry, Kind::Decide, format!("{path} holds for several motors, and another one has {first}"));
+            work.leave_open(path);
         }
         Some(_) => work.say(entry, Kind::Taken, path),
         None => work.take_number(entry, path, number),
@@ -297,17 +297,14 @@ const FASTEST: f64 = 3000.0;
 fn group(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, number: f64) {
     let path = format!("{}.{leaf}", stepper.group());
     let own = format!("drivers.{}.{leaf}", stepper.name);
-    let is_default = work.lines.get(&path).is_none();
-    let first = work.lines.get(&path).and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64)));
-    match first {
+    match work.lines.number(&path) {
         Some(first) if (first - number).abs() < 0.5 => work.say(entry, Kind::Taken, path),
         Some(_) if work.is_key(&own) => work.take_number(entry, &own, number),
         Some(first) => {
             let text = format!("{path} = {first} holds for all of these motors, and another one set it");
             work.say(entry, Kind::Approximated, text);
         }
-        None if is_default => work.take_number(entry, &path, number),
-        None => {}
+        None => work.take_number(entry, &path, number),
     }
 }
 

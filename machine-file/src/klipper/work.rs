@@ -113,6 +113,12 @@ impl<'c> Work<'c> {
         }
     }
 
+    /// Leaves a number to the owner: 0, which is outside the key's range, so that the file is no machine before it is
+    /// corrected. Without the key the prototype's number would count.
+    pub fn leave_open(&mut self, path: &str) {
+        self.lines.set(path, 0.into(), "to decide");
+    }
+
     /// Sets a key that Klipper's files may leave out to Klipper's default, which is not ours.
     pub fn set_default(&mut self, path: &str, number: f64) {
         let value = self.in_range(path, number).0;
