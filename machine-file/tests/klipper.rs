@@ -243,6 +243,57 @@ fn what_could_break_a_machine_is_left_open() {
     assert!(is_machine(&old), "{:?}", done(&old).problems);
 }
 
+/// The rows by Klipper's own formulas: the position of a stepper, for the tool at x, y and z.
+#[test]
+fn every_kinematics_has_klippers_matrix() {
+    let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    // Axes that share motors need one resolution, and one speed limit that all motors bear.
+    let whole = whole.replace("rotation_distance = 8", "rotation_distance = 40");
+    for (name, [x, y, z]) in [
+        ("cartesian", [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]),
+        ("corexy", [[1, 1, 0, 0], [1, -1, 0, 0], [0, 0, 1, 0]]),
+        ("corexz", [[1, 0, 1, 0], [0, 1, 0, 0], [1, 0, -1, 0]]),
+        ("hybrid_corexy", [[1, -1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]),
+        ("hybrid_corexz", [[1, 0, -1, 0], [0, 1, 0, 0], [0, 0, 1, 0]]),
+    ] {
+        let text = whole.replace("kinematics = cartesian", &format!("kinematics = {name}"));
+        let done = translate(&read(&text).unwrap(), None).unwrap();
+        let machine = done.machine.unwrap_or_else(|| panic!("{name}: {:?}\n{}", done.problems, done.text));
+        let rows = machine.settings.mechanism.rows;
+        assert_eq!(rows[..4], [x, y, z, [0, 0, 0, 1]], "{name}");
+    }
+}
+
+/// The same configuration in another form is the same machine.
+#[test]
+fn order_and_spelling_do_not_count() {
+    let mut whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    // Without the section that comes again, where the order does count.
+    let again = whole.find("[stepper_x]\n# Comes again").unwrap();
+    let next = whole.find("[extruder]").unwrap();
+    whole.replace_range(again..next, "");
+    let machine = |text: &str| translate(&read(text).unwrap(), None).unwrap().machine.unwrap().settings;
+    let mut sections: Vec<String> =
+        whole.split("\n[").map(|section| section.trim_start_matches('[').to_owned()).collect();
+    sections.reverse();
+    let with_capitals = |line: &str| match line.split_once(" = ") {
+        Some((key, value)) => format!("{} =   {value}   ; a comment", key.to_uppercase()),
+        None => line.to_owned(),
+    };
+    for other in [
+        sections.iter().map(|section| format!("[{section}\n")).collect::<String>(),
+        whole.replace(" = ", ": "),
+        whole.replace(" = ", ":"),
+        whole.replace(" = ", " =\n    "),
+        whole.replace('\n', "\r\n"),
+        whole.replace('\n', "\n\n# a comment\n\n"),
+        whole.lines().map(with_capitals).collect::<Vec<_>>().join("\n"),
+        whole.replace("= PE11", "= mcu:STEP") + "\n[board_pins]\naliases: STEP = PE11\n",
+    ] {
+        assert_eq!(machine(&other), machine(&whole), "{other}");
+    }
+}
+
 /// A heater with the wrong sensor would heat to the wrong temperature.
 #[test]
 fn a_heater_without_a_known_sensor_is_not_fitted() {

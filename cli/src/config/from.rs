@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 /// The first file of a folder.
 const FIRST: &str = "printer.cfg";
 
+/// Mistakes that are printed.
+const MOST_MISTAKES: usize = 20;
+
 #[derive(Args)]
 pub(crate) struct From {
     /// Klipper's printer.cfg, or the folder with it.
@@ -33,7 +36,8 @@ pub(super) fn from(args: &From) -> Result<u8> {
     let config = match Config::read(name, &mut OnDisk) {
         Ok(config) => config,
         Err(mistakes) => {
-            let lines: Vec<_> = mistakes.iter().map(ToString::to_string).collect();
+            let mut lines: Vec<_> = mistakes.iter().take(MOST_MISTAKES).map(ToString::to_string).collect();
+            lines.extend(mistakes.get(MOST_MISTAKES).map(|_| format!("{} mistakes in all", mistakes.len())));
             bail!("no configuration that Klipper reads\n{}", lines.join("\n"));
         }
     };

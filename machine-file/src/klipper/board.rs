@@ -85,7 +85,7 @@ impl Pins {
     /// The names of all heater outputs.
     pub fn outputs(&self) -> String {
         let names: Vec<_> = self.outputs.iter().map(|(_, output)| output.name()).collect();
-        if names.is_empty() { "none so far".to_owned() } else { names.join(", ") }
+        if names.is_empty() { "none (there are none so far)".to_owned() } else { names.join(", ") }
     }
 
     /// The input of a sensor.

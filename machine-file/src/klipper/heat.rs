@@ -52,6 +52,11 @@ fn heater(work: &mut Work<'_>, name: &str, section: &str) {
     let is_fitted = parts.into_iter().all(|is_right| is_right);
     let why = if is_fitted { section } else { "until its output and its sensor are right" };
     work.lines.set(&key("is_fitted"), is_fitted.into(), why);
+    for (from, to) in [("max_temp", "most"), ("max_power", "max_duty")] {
+        if let Some((entry, number)) = work.number(section, from) {
+            work.take_number(entry, &key(to), number);
+        }
+    }
     match work.value(section, "control") {
         Some((entry, "pid")) => {
             work.take(entry, &key("control"), "pid");
@@ -107,8 +112,11 @@ fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
             !pin.is_inverted
         }
         None => {
-            let offered = pins.outputs();
-            let text = format!("{} is no heater output of the {}, which has {offered}", pin.name, pins.connectors.name);
+            let (board, offered) = (pins.connectors.name, pins.outputs());
+            let text = format!(
+                "{} is no heater output of the {board}: use one of {offered}, and write it into {path}",
+                pin.name
+            );
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -128,7 +136,9 @@ fn input(work: &mut Work<'_>, path: &str, section: &str) -> bool {
             true
         }
         None => {
-            let text = format!("{} is no input for a sensor of the {}", pin.name, pins.connectors.name);
+            let board = pins.connectors.name;
+            let text =
+                format!("{} is no input for a sensor of the {board}: use another, and write it into {path}", pin.name);
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -232,7 +242,8 @@ fn fan(work: &mut Work<'_>, section: &str, role: &str) {
     }
     let pins = work.pins;
     let Some(number) = pins.fan(&pin.name) else {
-        let text = format!("{} is no fan output of the {}", pin.name, pins.connectors.name);
+        let board = pins.connectors.name;
+        let text = format!("{} is no fan output of the {board}: use one, and give it the role {role:?}", pin.name);
         return work.say(entry, Kind::Decide, text);
     };
     let fan = format!("fans.fan{number}");

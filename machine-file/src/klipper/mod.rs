@@ -91,23 +91,12 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
 
 /// Keys that are one number.
 fn numbers(work: &mut Work<'_>) {
-    for row in NUMBERS {
-        let axes = if row.section.contains('*') { &["x", "y", "z"][..] } else { &[""][..] };
-        for axis in axes {
-            let (section, to) = (row.section.replace('*', axis), row.to.replace('*', axis));
-            if work.config.section(&section).is_none() {
-                continue;
-            }
-            match (work.number(&section, row.key), row.default) {
-                (Some((entry, number)), _) => {
-                    work.take_number(entry, &to, number * row.times);
-                    if !row.how.is_empty() {
-                        work.say(entry, Kind::Approximated, row.how);
-                    }
-                }
-                (None, Some(default)) if work.lines.get(&to).is_none() => work.set_default(&to, default),
-                (None, _) => {}
-            }
+    let config = work.config;
+    for row in NUMBERS.iter().filter(|row| config.section(row.section).is_some()) {
+        match (work.number(row.section, row.key), row.default) {
+            (Some((entry, number)), _) => work.take_number(entry, row.to, number * row.times),
+            (None, Some(default)) if work.lines.get(row.to).is_none() => work.set_default(row.to, default),
+            (None, _) => {}
         }
     }
 }

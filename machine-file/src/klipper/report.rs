@@ -1,10 +1,9 @@
 //! The report: a line for every key of the configuration, by sections, then what the owner has to decide.
 
 use super::config::Config;
-use super::tables::{NO_SETTING, REMARKS, Remark};
+use super::tables::{NO_SETTING, remark};
 use super::verdict::{Kind, Verdict};
 use super::work::Work;
-use crate::pattern::matches;
 use crate::short::short;
 use corehbot::connectors::BoardConnectors;
 use std::fmt::{self, Display, Write as _};
@@ -81,7 +80,7 @@ impl Report {
                 None if keys.is_empty() => Some(Verdict::new(Kind::NotYet, NO_SETTING)),
                 None => None,
             };
-            OfSection { name: section.name.clone(), place: place(config, section.at), verdict, keys }
+            OfSection { name: section.name.clone(), place: config.place(section.at), verdict, keys }
         });
         Self { board, sections: sections.collect(), notes: work.notes.clone() }
     }
@@ -99,25 +98,10 @@ impl Report {
     }
 }
 
-fn place(config: &Config, at: super::config::At) -> String {
-    config.place(at)
-}
-
 /// The other controller that a pin is on.
 fn elsewhere<'v>(config: &Config, value: &'v str) -> Option<&'v str> {
     let (chip, _) = value.trim_start_matches(['^', '~', '!', ' ']).split_once(':')?;
     config.section(&format!("mcu {chip}")).map(|_| chip)
-}
-
-/// The remark on a key, or on a section as a whole.
-fn remark(section: &str, key: Option<&str>) -> Option<&'static Remark> {
-    REMARKS.iter().find(|remark| {
-        let is_key = match key {
-            Some(key) => !remark.key.is_empty() && matches(remark.key, key),
-            None => remark.key.is_empty(),
-        };
-        is_key && matches(remark.section, section)
-    })
 }
 
 impl Display for Report {

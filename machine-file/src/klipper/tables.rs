@@ -1,8 +1,9 @@
 //! Tables: keys of Klipper that are one number, and what to say of all others.
 
 use super::verdict::Kind;
+use crate::pattern::matches;
 
-/// A key that is a number, and the keys that it becomes. `*` in a section is an axis.
+/// A key that is a number, and the key of ours that it becomes.
 pub(super) struct NumberRow {
     pub section: &'static str,
     pub key: &'static str,
@@ -10,20 +11,16 @@ pub(super) struct NumberRow {
     pub times: f64,
     /// Klipper's default, if it is not ours.
     pub default: Option<f64>,
-    /// What is not quite as in Klipper.
-    pub how: &'static str,
 }
 
 const fn row(section: &'static str, key: &'static str, to: &'static str) -> NumberRow {
-    NumberRow { section, key, to, times: 1.0, default: None, how: "" }
+    NumberRow { section, key, to, times: 1.0, default: None }
 }
 
 /// Keys that are one number.
 pub(super) const NUMBERS: &[NumberRow] = &[
     NumberRow { default: Some(5.0), ..row("printer", "square_corner_velocity", "corner.square_corner") },
     NumberRow { default: Some(0.5), ..row("printer", "minimum_cruise_ratio", "minimum_cruise_ratio") },
-    row("extruder", "max_temp", "heaters.hotend.most"),
-    row("extruder", "max_power", "heaters.hotend.max_duty"),
     row("extruder", "min_extrude_temp", "thermal.min_extrude"),
     row("extruder", "pressure_advance", "advance.time"),
     row("extruder", "pressure_advance_smooth_time", "advance.window"),
@@ -32,10 +29,6 @@ pub(super) const NUMBERS: &[NumberRow] = &[
     row("extruder", "max_extrude_only_accel", "axes.e.max_acceleration"),
     row("extruder", "max_extrude_only_accel", "retract_acceleration"),
     NumberRow { default: Some(1.0), ..row("extruder", "instantaneous_corner_velocity", "extruder_jerk") },
-    row("heater_bed", "max_temp", "heaters.bed.most"),
-    row("heater_bed", "max_power", "heaters.bed.max_duty"),
-    row("heater_generic chamber", "max_temp", "heaters.chamber.most"),
-    row("heater_generic chamber", "max_power", "heaters.chamber.max_duty"),
     NumberRow { times: 1.0 / 60.0, ..row("idle_timeout", "timeout", "thermal.idle_min") },
 ];
 
@@ -156,3 +149,53 @@ pub(super) const REMARKS: &[Remark] = &[
 
 /// What to say of a key without any remark.
 pub(super) const NO_SETTING: &str = "no setting for it";
+
+/// The remark on a key, or on a section as a whole.
+pub(super) fn remark(section: &str, key: Option<&str>) -> Option<&'static Remark> {
+    REMARKS.iter().find(|remark| {
+        let is_key = match key {
+            Some(key) => !remark.key.is_empty() && matches(remark.key, key),
+            None => remark.key.is_empty(),
+        };
+        is_key && matches(remark.section, section)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A name that a pattern means.
+    fn sample(pattern: &str) -> String {
+        let (mut name, mut letters) = (String::new(), pattern.chars());
+        while let Some(letter) = letters.next() {
+            match letter {
+                '*' | '?' => name.push('x'),
+                '[' => {
+                    name.extend(letters.next());
+                    letters.by_ref().find(|letter| *letter == ']');
+                }
+                letter => name.push(letter),
+            }
+        }
+        name
+    }
+
+    #[test]
+    fn no_remark_hides_a_later_one() {
+        for Remark { section, key, text, .. } in REMARKS {
+            let (name, of_key) = (sample(section), sample(key));
+            let found = remark(&name, (!key.is_empty()).then_some(of_key.as_str())).unwrap();
+            assert_eq!((found.section, found.key, found.text), (*section, *key, *text), "{name} {of_key}");
+        }
+    }
+
+    #[test]
+    fn a_number_has_a_row_for_each_key_of_ours_once() {
+        for (place, row) in NUMBERS.iter().enumerate() {
+            let again = NUMBERS[..place].iter().find(|other| other.to == row.to);
+            assert!(again.is_none(), "{} {}", row.section, row.to);
+            assert!(crate::keys::find(row.to).is_some(), "{}", row.to);
+        }
+    }
+}
