@@ -215,8 +215,15 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
             print_timing(&compare::timing(&pins[..same], &host[..same]), &seen);
         }
     }
-    if let Err(error) = seen.check_baud(cli.baud) {
+    // USB has no rate.
+    if let Err(error) = seen.check_baud(cli.baud)
+        && cli.usbip.is_none()
+    {
         println!("baud      {error}");
+        ok = false;
+    }
+    for breach in &seen.usb_breaches {
+        println!("usb       {breach:?}");
         ok = false;
     }
     Ok(ok)

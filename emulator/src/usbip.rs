@@ -14,10 +14,13 @@ use corehbot_usb_model::host::{Outcome, Transfer, UsbHost};
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long time stands for a computer that says nothing, in real time.
 const PATIENCE: Duration = Duration::from_millis(300);
+
+/// A computer that has been away for so long does not come back, in real time.
+const ABSENCE: Duration = Duration::from_secs(5);
 
 /// How often a computer that says nothing is asked for news, in emulated time.
 const IDLE_NS: u64 = 1_000_000;
@@ -50,7 +53,7 @@ enum Stage {
     Ready,
     /// The computer has it.
     Attached,
-    /// The computer has gone, or the device did not answer.
+    /// The computer has gone for good, or the device did not answer.
     Over,
 }
 
@@ -72,6 +75,8 @@ pub struct UsbIp {
     stage: Stage,
     descriptors: Vec<Vec<u8>>,
     asked: BTreeMap<u32, Asked>,
+    /// When it pulled the cable.
+    left: Option<Instant>,
     /// The computer has got something and has not said anything since.
     is_thinking: bool,
 }
@@ -92,6 +97,7 @@ impl UsbIp {
             stage: Stage::Looking(Discovery::Alone),
             descriptors: Vec::new(),
             asked: BTreeMap::new(),
+            left: None,
             is_thinking: false,
         })
     }
@@ -99,7 +105,7 @@ impl UsbIp {
     /// Whether a computer has the device, or had it.
     #[must_use]
     pub fn was_attached(&self) -> bool {
-        matches!(self.stage, Stage::Attached | Stage::Over)
+        matches!(self.stage, Stage::Attached | Stage::Over) || self.left.is_some()
     }
 
     /// Whether a computer had the device and has gone.
@@ -152,21 +158,26 @@ impl UsbIp {
     }
 
     /// Takes what the computer has said. With `patience` it waits for that.
-    fn hear(&mut self, patience: bool) {
+    fn hear(&mut self, patience: bool, core: &mut UsbCore) {
         if self.stream.is_none() {
-            let Ok((stream, _)) = self.listener.accept() else { return };
+            let Ok((stream, _)) = self.listener.accept() else {
+                if self.left.is_some_and(|left| left.elapsed() > ABSENCE) {
+                    self.stage = Stage::Over;
+                }
+                return;
+            };
             // Without the wait for more bytes that TCP would add to each answer.
             if stream.set_nodelay(true).is_err() || stream.set_nonblocking(false).is_err() {
                 return;
             }
-            self.stream = Some(stream);
+            (self.stream, self.left) = (Some(stream), None);
         }
         let Some(stream) = &mut self.stream else { return };
         let wait = if patience { PATIENCE } else { Duration::from_micros(1) };
         let mut bytes = [0; 4096];
         let read = stream.set_read_timeout(Some(wait)).and_then(|()| stream.read(&mut bytes));
         match read {
-            Ok(0) => self.left(),
+            Ok(0) => self.left(core),
             Ok(length) => {
                 self.heard.extend(&bytes[..length]);
                 self.is_thinking = false;
@@ -174,16 +185,21 @@ impl UsbIp {
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
                 self.is_thinking = false;
             }
-            Err(_) => self.left(),
+            Err(_) => self.left(core),
         }
         while self.obey() {}
     }
 
-    /// The computer closed the connection: after a look at the list it comes again.
-    fn left(&mut self) {
+    /// The computer closed the connection: it only looked at the list, or has pulled the cable.
+    fn left(&mut self, core: &mut UsbCore) {
         self.stream = None;
+        self.heard.clear();
         if self.stage == Stage::Attached {
-            self.stage = Stage::Over;
+            // Without VBUS sensing the device sees a bus on which nothing happens.
+            core.suspend();
+            self.asked.clear();
+            self.descriptors.clear();
+            (self.stage, self.left) = (Stage::Looking(Discovery::Alone), Some(Instant::now()));
         }
     }
 
@@ -291,7 +307,7 @@ impl Cable for UsbIp {
             self.ask(0);
         }
         if matches!(self.stage, Stage::Ready | Stage::Attached) {
-            self.hear(self.is_thinking);
+            self.hear(self.is_thinking, core);
         }
         let has_moved = self.host.turn(core);
         while let Some((id, outcome)) = self.host.take_ended() {
