@@ -18,11 +18,7 @@
 //!   Checked by the compiler.
 //! - Sum in RAM: `kept`, by `Hash`. Checked by the compiler.
 //!
-//! A new [`ShaperKind`] comes last, as records hold its number. The compiler and tests then ask for its impulses
-//! (`motion::trajectory::shaper`), its names in M593 (`gcode/commands/settings/shaping.rs`,
-//! `machine/commands/shaping.rs`), M503 and the twin (`twin/src/shaping`). By hand: `examples/shaping.gcode`,
-//! docs/explanation/shaping.md, docs/research/twin.md, docs/reference/host-protocol.md (M593 T), the comment above
-//! `[shaper.x]` in `examples/machines/prototype.toml`, and `SHAPERS` in `cli/src/twin/flow.rs`.
+//! docs/how-to/setting.md has the steps, also for a new [`ShaperKind`].
 
 mod axis;
 mod bed;

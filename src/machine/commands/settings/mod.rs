@@ -2,7 +2,7 @@
 //!
 //! | file | does | commands |
 //! |---|---|---|
-//! | [`plain`] | takes numbers of rows of `settings` if all are legal | M113, M201, M203, M204 |
+//! | [`plain`] | takes numbers of rows of `settings` if all are legal | as the rows say |
 //! | [`set`] | the same for settings with rules of their own | M92, M205, SET_VELOCITY_LIMIT |
 //! | [`machine_record`] | exchanges the whole machine with a computer | MACHINE_GET, MACHINE_PUT, MACHINE_STORE |
 //! | [`stored`] | keeps all settings in memory that survives without power | M500, M501, M502, M504 |
