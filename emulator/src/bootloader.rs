@@ -113,10 +113,11 @@ const STEPS: &[Step] = &[
     Set(RCC_APB1RSTR, 1 << 18, 0),
 ];
 
-/// Fysetc's bootloader, by the end of its run: 72 MHz from the crystal by M, N and P of 6, 72 and 2 with two wait states,
-/// voltage scale 3, no over-drive; the data cache on; SysTick counts without an interrupt; VTOR is the application's, no
-/// interrupt was enabled. This was read from its machine code (it jumps at 0x08001aac). Q, R, the divider of APB1 and
-/// SysTick's lap were not read: they are what 48 MHz for USB, the limits of the chip and a millisecond need.
+/// Fysetc's bootloader, at the end of its run: 72 MHz from the crystal by M, N and P of 6, 72 and 2. There are two wait
+/// states, voltage scale 3 and no over-drive. The data cache is on, and SysTick counts without an interrupt. VTOR is
+/// the application's, and no interrupt was enabled. All of this was read from its machine code (it jumps at
+/// 0x08001aac). Q, R, the divider of APB1 and SysTick's lap were not read: they are chosen for 48 MHz of USB, the
+/// chip's limits and 1 ms.
 const FYSETC: &[Step] = &[
     // Not read either: the stand-in's own code uses the floating-point unit.
     Set(SCB_CPACR, 0xF << 20, 0xF << 20),

@@ -1,8 +1,9 @@
 //! The chip: the STM32F427 model with a clock tree of its own, a USB port, and the lines of
 //! EXTI.
 //!
-//! The crate's own model of OTG_FS handles only the reset register, and its tables lack the FIFOs. So OTG_FS is a window
-//! ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset line.
+//! The crate's own model of OTG_FS handles only the reset register, and its tables lack the FIFOs. So OTG_FS is a
+//! window ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset
+//! line.
 //!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the

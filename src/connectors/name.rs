@@ -11,8 +11,8 @@ impl NameKind for OfConnector {
     const EXPECTED: &str = "the name of a connector, of at most 8 characters";
 }
 
-/// The name of a connector: `M0`, `X-STOP`. Up to 8 printable characters of ASCII, without blanks and without `!`, which
-/// inverts a connector in machine files. The empty name is no connector: nothing is plugged in.
+/// The name of a connector: `M0`, `X-STOP`. Up to 8 printable characters of ASCII, without blanks and without `!`,
+/// which inverts a connector in machine files. The empty name is no connector: nothing is plugged in.
 pub type ConnectorName = ShortName<8, OfConnector>;
 
 #[cfg(test)]

@@ -7,8 +7,9 @@
 //! kept: a line gives the same command after any other lines.
 //!
 //! `parse` finds the code and its row in `commands`, where each family of commands has a file: the type, the reader of
-//! its words, its rules for them, and its line in docs/reference/gcode.md. Codes and letters of plain settings come from
-//! the rows of `settings`. `index` has the parts that words select. The other files read letters, numbers and axes.
+//! its words, its rules for them, and its line in docs/reference/gcode.md. Codes and letters of plain settings come
+//! from the rows of `settings`. `index` has the parts that words select. The other files read letters, numbers and
+//! axes.
 
 mod axes;
 mod code;

@@ -42,8 +42,8 @@
 //!
 //! Where numbers are handed on, types in [`units`](crate::units) give their meaning. Elsewhere names do: `_sq` is a
 //! square of a speed, `_tick` a whole tick of 0.1 us that wraps, `_time` a time in ticks times 2^16. A `fraction`,
-//! `part` or `share` of type `u32` is scaled by [`WHOLE`]. A `length` of type `f32` is in mm. Formulas use v and u for speeds, a for accelerations, t and T for times, L and d for lengths, and w
-//! for the square of a speed.
+//! `part` or `share` of type `u32` is scaled by [`WHOLE`]. A `length` of type `f32` is in mm. Formulas use v and u for
+//! speeds, a for accelerations, t and T for times, L and d for lengths, and w for the square of a speed.
 
 mod link;
 mod moves;

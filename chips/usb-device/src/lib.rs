@@ -4,10 +4,13 @@
 //! Clocks, pins, session and interrupt belong to the chip; this crate reaches the core by [`Registers`] alone, so it
 //! runs on a chip and on the model in `chips/usb-model` alike, and has no `unsafe`.
 //!
-//! It is not `embassy-usb-synopsys-otg` 0.3.3, because that one ends a print in these cases (`tests/` has each of
-//! them): a host's odd packet is an assertion in the interrupt; a flush is waited for without end; a suspend from before
-//! a reset wedges the enumeration; clear-halt leaves the data toggle; and a stall leaves a packet in flight behind. This
-//! one is smaller too, as it has no high speed, no isochronous endpoints and no host mode.
+//! It is not `embassy-usb-synopsys-otg` 0.3.3, because that one ends a print in these cases. `tests/` has each of them.
+//! This one is smaller too: it has no high speed, no isochronous endpoints and no host mode.
+//!
+//! - A host's odd packet is an assertion in the interrupt, and a flush is waited for without end.
+//! - A suspend from before a reset wedges the enumeration.
+//! - Clear-halt leaves the data toggle as it was.
+//! - A stall leaves a packet in flight behind.
 //!
 //! Rules:
 //! - Nothing that a host sends is an assertion, an index or a wait without end.

@@ -1,5 +1,5 @@
-//! Breaches: what a program does to the core although the manual forbids it. The core of the model goes on as well as it
-//! can, as the chip's would; a test asks that there are none.
+//! Breaches: what a program does to the core although the manual forbids it. The core of the model goes on as well as
+//! it can, as the chip's would; a test asks that there are none.
 
 /// What the manual forbids (RM0390 rev 6, section 31, unless named otherwise). Numbers are endpoints.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,5 +1,5 @@
-//! A model of OTG_FS, the USB core of the STM32F446 (a Synopsys DWC2), in device mode at full speed. It has no clock and
-//! no processor: a program reads and writes its registers, and a host sends it tokens.
+//! A model of OTG_FS, the USB core of the STM32F446 (a Synopsys DWC2), in device mode at full speed. It has no clock
+//! and no processor: a program reads and writes its registers, and a host sends it tokens.
 //!
 //! Sources: RM0390 rev 6, section 31, for registers and sequences; ES0298 rev 7 for the errata; USB 2.0, chapter 8, for
 //! the bus. The driver of the firmware is written from the same sources, but by itself: neither takes a constant from

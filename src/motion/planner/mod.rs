@@ -19,7 +19,8 @@
 //! - **purpose**: the use of a move (print, travel, retract), each with its acceleration and least speed; limits of
 //!   speed are `Limits` in `geometry`.
 //! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
-//! - **final**: an exit speed that no later move can change. **forced**: a move that leaves though its exit speed is not
+//! - **final**: an exit speed that no later move can change. **forced**: a move that leaves though its exit speed is
+//!   not
 //!   final. For it, the window ends where it ended when the move was forced.
 //! - **gain**: the possible growth of the square of the speed over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.

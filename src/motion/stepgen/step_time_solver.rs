@@ -210,8 +210,8 @@ impl StepTimeSolver {
         (CubicRun { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
     }
 
-    /// Possible length of the next run, which begins at a distance from the slow end. While speed rises, what was smooth
-    /// stays so, and while it falls, what was not smooth never is again. So one rule serves both.
+    /// Possible length of the next run, which begins at a distance from the slow end. While speed rises, what was
+    /// smooth stays so, and while it falls, what was not smooth never is again. So one rule serves both.
     fn length(&mut self, distance: f32, most: usize) -> usize {
         let length = |run: u8| most.min(usize::from(run));
         while self.run > 1 && !self.is_smooth(distance, length(self.run)) {
