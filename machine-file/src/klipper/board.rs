@@ -47,7 +47,7 @@ impl Pins {
             .map(|(name, pin)| (pin_name(pin.port, pin.number()), name.as_str()));
         let probe = board
             .probe
-            .and_then(|pin| Some((pin_name(pin.port, pin.number()), board.connectors.probes.last()?.as_str())));
+            .and_then(|pin| Some((pin_name(pin.port, pin.number()), board.connectors.probes.first()?.as_str())));
         Some(Self {
             connectors: board.connectors,
             sockets: sockets.collect(),

@@ -12,16 +12,18 @@ enum Sensor {
     Beta(i64, &'static str),
 }
 
-/// Klipper's thermistors. B between 25 and 150 C, by the values that Klipper's documentation of each kind rests on.
-const SENSORS: [(&str, Sensor); 9] = [
+/// Klipper's sensors (klippy/extras/temperature_sensors.cfg). Those with a row of ours have the same points there. B of
+/// the EPCOS follows from its points at 25 and 150 C, B of the TDK from those at 25 and 125 C.
+const SENSORS: [(&str, Sensor); 10] = [
     ("ATC Semitec 104GT-2", Sensor::Sheet("104gt2")),
     ("ATC Semitec 104NT-4-R025H42G", Sensor::Sheet("104nt4")),
     ("Generic 3950", Sensor::Sheet("ntc_3950")),
     ("SliceEngineering 450", Sensor::Sheet("slice_450")),
     ("PT1000", Sensor::Sheet("pt1000")),
     ("EPCOS 100K B57560G104F", Sensor::Beta(4148, "right at 25 and 150 C, 7 K high at 250 C")),
-    ("TDK NTCG104LH104JT1", Sensor::Beta(4607, "right at 25 and 125 C")),
+    ("TDK NTCG104LH104JT1", Sensor::Beta(4605, "right at 25 and 125 C, 1 K low at 50 C")),
     ("Honeywell 100K 135-104LAG-J01", Sensor::Beta(3974, "")),
+    ("NTC 100K beta 3950", Sensor::Beta(3950, "")),
     ("NTC 100K MGB18-104F39050L32", Sensor::Beta(4100, "")),
 ];
 

@@ -16,6 +16,9 @@ pub(super) fn probe(work: &mut Work<'_>) {
         }
         match work.pins.input(&pin.name) {
             Some((name, true)) => {
+                // A header of its own comes last in the list of names of that input.
+                let of_header = work.pins.connectors.probes.last().filter(|_| section == "bltouch");
+                let name = of_header.map_or(name, |header| header.as_str());
                 work.take(entry, "endstops.probe", format!("{}{name}", if pin.is_inverted { "!" } else { "" }));
                 work.say(entry, Kind::Approximated, "M119 reports it, and nothing probes so far");
                 if pin.is_pulled_down {

@@ -41,6 +41,8 @@ pub struct OfKey {
     pub value: String,
     /// Its line, or `file:line` if the section began in another file.
     pub line: String,
+    /// `file:line`.
+    pub place: String,
     /// What became of it.
     pub verdict: Verdict,
 }
@@ -72,7 +74,8 @@ impl Report {
                         config.place(entry.at)
                     };
                     let value = entry.value.lines().next().unwrap_or_default();
-                    OfKey { key: entry.key.clone(), value: short(value).into_owned(), line, verdict }
+                    let place = config.place(entry.at);
+                    OfKey { key: entry.key.clone(), value: short(value).into_owned(), line, place, verdict }
                 })
                 .collect();
             let verdict = match whole {
@@ -113,7 +116,7 @@ impl Display for Report {
                 Some(verdict) => writeln!(f, ": {}: {}", verdict.kind.word(), verdict.text)?,
                 None => writeln!(f)?,
             }
-            for OfKey { key, value, line, verdict } in &section.keys {
+            for OfKey { key, value, line, verdict, .. } in &section.keys {
                 let mut said = format!("  {:<14} {line}: {} = {value}", verdict.kind.word(), short(key));
                 if !verdict.text.is_empty() {
                     let _ = write!(said, " -> {}", verdict.text);
@@ -124,6 +127,15 @@ impl Display for Report {
         if !self.notes.is_empty() {
             writeln!(f, "\nthe whole")?;
             self.notes.iter().try_for_each(|note| writeln!(f, "  {:<14} {}", note.kind.word(), note.text))?;
+        }
+        // Once more at the end, because macros make reports long.
+        let keys = self.sections.iter().flat_map(|section| section.keys.iter().map(move |key| (&section.name, key)));
+        let open: Vec<_> = keys.filter(|(_, key)| key.verdict.kind == Kind::Decide).collect();
+        if !open.is_empty() {
+            writeln!(f, "\n{}", Kind::Decide.word())?;
+        }
+        for (section, OfKey { key, place, verdict, .. }) in open {
+            writeln!(f, "  {place}: [{}] {}: {}", short(section), short(key), verdict.text)?;
         }
         let counts = self.counts().map(|(kind, count)| format!("{count} {}", kind.word()));
         writeln!(f, "\n{}", counts.join(", "))

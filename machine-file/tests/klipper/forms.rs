@@ -1,0 +1,194 @@
+//! Forms of configurations: lines, order, spelling, and any text.
+
+use super::{folder, read, translated};
+use corehbot_machine_file::klipper::translate;
+use corehbot_machine_file::parse;
+use proptest::prelude::*;
+
+#[test]
+fn a_later_value_counts_and_the_earlier_one_is_told() {
+    let done = translated("bedslinger.cfg");
+    assert_eq!(done.report.board.key, "spider");
+    let section = done.report.sections.iter().find(|section| section.name == "stepper_x").unwrap();
+    let of_key: Vec<_> = section.keys.iter().filter(|key| key.key == "position_max").collect();
+    assert_eq!(of_key[0].verdict.text, "bedslinger.cfg:38 replaces it");
+    assert_eq!(of_key[1].verdict.text, "axes.x.length = 230");
+}
+
+#[test]
+fn bad_lines_are_told_with_their_place() {
+    for (text, told) in [
+        ("key: 1", "printer.cfg:1: error: \"key: 1\" stands in no section"),
+        ("[printer]\nkinematics", "printer.cfg:2: error: \"kinematics\" is neither"),
+        ("[printer\na: 1", "printer.cfg:1: error: the section [printer has no `]`"),
+        ("[printer]\n\n: 5", "printer.cfg:3: error: \": 5\" has no key"),
+        ("[]", "printer.cfg:1: error: a section without a name"),
+        ("[include no.cfg]", "printer.cfg:1: error: there is no file no.cfg"),
+        ("#\n[include printer.cfg]", "printer.cfg:2: error: printer.cfg includes itself"),
+        ("[include p*.cfg]", "printer.cfg:1: error: printer.cfg includes itself"),
+    ] {
+        let said = read(text).unwrap_err();
+        assert!(said[0].starts_with(told), "{text}: {said:?}");
+    }
+    // A pattern may mean no file.
+    assert!(read("[include x/*.cfg]").is_ok());
+}
+
+#[test]
+fn values_go_on_over_lines_and_comments_end_them() {
+    let config = read("[a]\nx:\n  1 ; no\n\n  2;3 # no\n[b c]\nY = p:q\n").unwrap();
+    let values: Vec<_> = config.entries.iter().map(|entry| (&*entry.key, &*entry.value)).collect();
+    assert_eq!(values, [("x", "1\n2;3"), ("y", "p:q")]);
+    assert_eq!(config.sections[1].name, "b c");
+}
+
+#[test]
+fn what_save_config_wrote_counts_where_the_file_says_nothing() {
+    let config =
+        read("[a]\nx: 1\n#*# <--- SAVE_CONFIG --->\n#*# DO NOT EDIT: this\n#*# [a]\n#*# x = 2\n#*# y =\n#*# \t 3\n")
+            .unwrap();
+    let value = |key: &str| &config.entries[config.find("a", key).unwrap()].value;
+    assert_eq!((value("x").as_str(), value("y").as_str()), ("1", "3"));
+}
+
+/// The same configuration in another form is the same machine.
+#[test]
+fn order_and_spelling_do_not_count() {
+    let mut whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    // Without the section that comes again, where the order does count.
+    let again = whole.find("[stepper_x]\n# Comes again").unwrap();
+    let next = whole.find("[extruder]").unwrap();
+    whole.replace_range(again..next, "");
+    let machine = |text: &str| translate(&read(text).unwrap(), None).unwrap().machine.unwrap().settings;
+    let mut sections: Vec<String> =
+        whole.split("\n[").map(|section| section.trim_start_matches('[').to_owned()).collect();
+    sections.reverse();
+    let with_capitals = |line: &str| match line.split_once(" = ") {
+        Some((key, value)) => format!("{} =   {value}   ; a comment", key.to_uppercase()),
+        None => line.to_owned(),
+    };
+    for other in [
+        sections.iter().map(|section| format!("[{section}\n")).collect::<String>(),
+        whole.replace(" = ", ": "),
+        whole.replace(" = ", ":"),
+        whole.replace(" = ", " =\n    "),
+        whole.replace('\n', "\r\n"),
+        whole.replace('\n', "\n\n# a comment\n\n"),
+        whole.lines().map(with_capitals).collect::<Vec<_>>().join("\n"),
+        whole.replace("= PE11", "= mcu:STEP") + "\n[board_pins]\naliases: STEP = PE11\n",
+    ] {
+        assert_eq!(machine(&other), machine(&whole), "{other}");
+    }
+}
+
+/// A note on another board with the same pins comes later.
+#[test]
+fn the_first_board_that_is_named_counts() {
+    for (text, board) in [
+        ("# For the OctoPus V1\n[a]\nstep_pin: PF13 # as on the Octopus Pro", "octopus"),
+        ("# octopus_pro\n# octopus\n[a]\nstep_pin: PF13", "octopus-pro"),
+        ("# octopus\n[a]\nstep_pin: PE11", "spider"),
+    ] {
+        assert_eq!(translate(&read(text).unwrap(), None).unwrap().report.board.key, board, "{text}");
+    }
+}
+
+#[test]
+fn a_board_that_cannot_be_told_is_asked_for() {
+    let config = read("[stepper_x]\nstep_pin: PX1\n").unwrap();
+    assert!(translate(&config, None).err().unwrap().contains("--board"));
+    // Octopus and Pro have the same pins; no comment tells them apart.
+    let config = read("[stepper_x]\nstep_pin: PF13\n").unwrap();
+    assert!(translate(&config, None).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn any_text_has_a_verdict_for_every_key(text in any_config()) {
+        if let Ok(config) = read(&text) {
+            let done = translate(&config, Some(&corehbot_boards::octopus::CONNECTORS)).unwrap();
+            let keys = done.report.sections.iter().map(|section| section.keys.len()).sum::<usize>();
+            prop_assert_eq!(keys, config.entries.len());
+            let counted: usize = done.report.counts().iter().map(|(_, count)| count).sum();
+            prop_assert!(counted >= keys);
+            prop_assert_eq!(done.machine.is_some(), parse(&done.text).is_ok());
+            prop_assert!(toml::from_str::<toml::Table>(&done.text).is_ok(), "{}", done.text);
+        }
+    }
+}
+
+/// Texts near configurations: known sections and keys with all kinds of values.
+fn any_config() -> impl Strategy<Value = String> {
+    let section = prop::sample::select(vec![
+        "printer",
+        "stepper_x",
+        "stepper_y",
+        "stepper_z",
+        "stepper_x1",
+        "extruder",
+        "tmc2209 stepper_x",
+        "heater_bed",
+        "fan",
+        "heater_fan a",
+        "board_pins",
+        "input_shaper",
+        "probe",
+        "mcu",
+        "thermistor t",
+        "idle_timeout",
+    ]);
+    let key = prop::sample::select(vec![
+        "kinematics",
+        "max_velocity",
+        "max_accel",
+        "step_pin",
+        "dir_pin",
+        "enable_pin",
+        "endstop_pin",
+        "microsteps",
+        "rotation_distance",
+        "gear_ratio",
+        "position_max",
+        "position_min",
+        "position_endstop",
+        "run_current",
+        "aliases",
+        "homing_speed",
+        "sensor_type",
+        "sensor_pin",
+        "heater_pin",
+        "max_temp",
+        "pid_kp",
+        "pin",
+        "timeout",
+        "shaper_type",
+    ]);
+    let value = prop_oneof![
+        prop::sample::select(vec![
+            "corexy",
+            "cartesian",
+            "PF13",
+            "!PF12",
+            "^!mcu:PG6",
+            "80:16,2:1",
+            "1e999",
+            "-1",
+            "nan",
+            "x=y",
+            "PA1"
+        ])
+        .prop_map(str::to_owned),
+        "-?[0-9]{1,6}(\\.[0-9]{1,4})?",
+        "[ -~\n\t]{0,20}",
+        "\\PC{0,8}",
+    ];
+    let line = prop_oneof![
+        4 => (key, value).prop_map(|(key, value)| format!("{key}: {value}\n")),
+        1 => section.clone().prop_map(|section| format!("[{section}]\n")),
+        1 => "[ -~\t]{0,30}\n",
+    ];
+    (section, prop::collection::vec(line, 0..60))
+        .prop_map(|(section, lines)| format!("[{section}]\n{}", lines.concat()))
+}

@@ -1,0 +1,177 @@
+//! Configurations of Klipper, in all forms that its documentation has, as machine files.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
+
+mod forms;
+mod open;
+
+use corehbot::settings::{CornerRule, Settings};
+use corehbot_machine_file::klipper::{Config, Files, Kind, Report, Translation, matches, translate};
+use std::path::{Path, PathBuf};
+
+/// Texts by their names.
+struct Texts(Vec<(String, String)>);
+
+impl Files for Texts {
+    fn matching(&mut self, from: &str, pattern: &str) -> Vec<String> {
+        let folder = from.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let pattern = if folder.is_empty() { pattern.to_owned() } else { format!("{folder}/{pattern}") };
+        let is_meant = |name: &&String| {
+            let (name, pattern): (Vec<_>, Vec<_>) = (name.split('/').collect(), pattern.split('/').collect());
+            name.len() == pattern.len() && name.iter().zip(pattern).all(|(name, pattern)| matches(pattern, name))
+        };
+        self.0.iter().map(|(name, _)| name).filter(is_meant).cloned().collect()
+    }
+
+    fn read(&mut self, name: &str) -> Result<String, String> {
+        self.0
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, text)| text.clone())
+            .ok_or_else(|| "no such file".into())
+    }
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/klipper")
+}
+
+/// The texts of the folder of tests.
+fn texts() -> Texts {
+    let names = ["gantry.cfg", "parts/tool.cfg", "parts/heat/heat.inc", "awd.cfg", "bedslinger.cfg"];
+    Texts(names.map(|name| (name.to_owned(), std::fs::read_to_string(folder().join(name)).unwrap())).to_vec())
+}
+
+fn translated(name: &str) -> Translation {
+    let config = Config::read(name, &mut texts()).unwrap_or_else(|mistakes| panic!("{mistakes:?}"));
+    translate(&config, None).unwrap()
+}
+
+/// The translation of one text for the Octopus.
+fn of_text(text: &str) -> Translation {
+    let config = read(text).unwrap_or_else(|mistakes| panic!("{mistakes:?}"));
+    translate(&config, Some(&corehbot_boards::octopus::CONNECTORS)).unwrap()
+}
+
+fn read(text: &str) -> Result<Config, Vec<String>> {
+    let mut texts = Texts(vec![("printer.cfg".to_owned(), text.to_owned())]);
+    Config::read("printer.cfg", &mut texts).map_err(|mistakes| mistakes.iter().map(ToString::to_string).collect())
+}
+
+/// The verdict on a key: its kind and its words.
+fn verdict<'r>(report: &'r Report, section: &str, key: &str) -> (Kind, &'r str) {
+    let section = report.sections.iter().find(|known| known.name == section).unwrap();
+    let key = section.keys.iter().rfind(|known| known.key == key).unwrap();
+    (key.verdict.kind, &key.verdict.text)
+}
+
+/// Compares a text with its stored copy.
+fn is_stored(name: &str, text: &str) {
+    let path = folder().join(name);
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&path).unwrap_or_default(), text, "{name}: BLESS=1 writes it");
+}
+
+#[test]
+fn reports_and_machine_files_are_the_stored_ones() {
+    for name in ["gantry", "awd", "bedslinger"] {
+        let done = translated(&format!("{name}.cfg"));
+        let problems: String = done.problems.iter().map(|problem| format!("{name}.toml:{problem}\n")).collect();
+        is_stored(&format!("{name}.txt"), &format!("{}{problems}", done.report));
+        is_stored(&format!("{name}.toml"), &done.text);
+    }
+}
+
+#[test]
+fn a_gantry_on_an_octopus_is_a_machine() {
+    let done = translated("gantry.cfg");
+    let machine = done.machine.unwrap_or_else(|| panic!("{:?}\n{}", done.problems, done.text));
+    assert_eq!(machine.board.map(|board| board.key), Some("octopus"));
+    let s: Settings = machine.settings;
+    let plug = |name: &str| {
+        let (motor, _) = s.motors().find(|(_, known)| known.as_str() == name).unwrap();
+        (
+            s.wiring.of(motor).connector.as_str().to_owned(),
+            s.wiring.of(motor).is_reversed,
+            s.mechanism.rows[motor.index()],
+        )
+    };
+    assert_eq!(plug("x"), ("M0".into(), true, [1, 1, 0, 0]));
+    assert_eq!(plug("y"), ("M1".into(), true, [1, -1, 0, 0]));
+    assert_eq!(plug("z"), ("M2".into(), false, [0, 0, 1, 0]));
+    assert_eq!(plug("z3"), ("M5".into(), true, [0, 0, 1, 0]));
+    assert_eq!(plug("e0"), ("M6".into(), false, [0, 0, 0, 1]));
+    // 400 steps, 32 microsteps, 40 mm; 200 x 32 over 40 / 5; 200 x 16 over 22.6789511 / 5.
+    let steps: [f64; 4] = [s.axes.x, s.axes.y, s.axes.z, s.axes.e].map(|axis| axis.steps_per_mm.to_num());
+    assert_eq!(steps[..3], [320.0, 320.0, 800.0]);
+    assert!((steps[3] - 3200.0 * 5.0 / 22.678_951_1).abs() < 0.01, "{}", steps[3]);
+    assert_eq!(s.axes.z.max_speed.to_num::<f64>(), 15.0);
+    assert_eq!(s.axes.z.max_acceleration.to_num::<f64>(), 350.0);
+    assert_eq!(s.print_acceleration.to_num::<f64>(), 3000.0);
+    assert!(matches!(s.corner, CornerRule::SquareCorner(speed) if speed.to_num::<f64>() == 6.0));
+    assert_eq!((s.drivers.belt.current_ma, s.drivers.belt.hold_percent, s.drivers.belt.microsteps), (800, 100, 32));
+    assert_eq!((s.drivers.e.current_ma, s.drivers.e.hold_percent, s.drivers.e.stealth), (500, 40, true));
+    let ends = [s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z];
+    assert_eq!(ends.map(|end| end.is_normally_open), [false, true, false]);
+    assert_eq!(s.endstops.x.position.to_num::<f64>(), 350.0);
+    // The file says -0.5 itself, so the block of SAVE_CONFIG does not count.
+    assert_eq!(s.endstops.z.position.to_num::<f64>(), -0.5);
+}
+
+/// Nothing in silence: a line for every key.
+#[test]
+fn every_key_has_a_verdict() {
+    for name in ["gantry.cfg", "awd.cfg", "bedslinger.cfg"] {
+        let config = Config::read(name, &mut texts()).unwrap();
+        let report = translate(&config, None).unwrap().report;
+        assert_eq!(report.sections.iter().map(|section| section.keys.len()).sum::<usize>(), config.entries.len());
+        assert_eq!(report.sections.len(), config.sections.len());
+    }
+}
+
+/// The rows by Klipper's own formulas: the position of a stepper, for the tool at x, y and z.
+#[test]
+fn every_kinematics_has_klippers_matrix() {
+    let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    // Axes that share motors need one resolution, and one speed limit that all motors bear.
+    let whole = whole.replace("rotation_distance = 8", "rotation_distance = 40");
+    for (name, [x, y, z]) in [
+        ("cartesian", [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]),
+        ("corexy", [[1, 1, 0, 0], [1, -1, 0, 0], [0, 0, 1, 0]]),
+        ("corexz", [[1, 0, 1, 0], [0, 1, 0, 0], [1, 0, -1, 0]]),
+        ("hybrid_corexy", [[1, -1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]),
+        ("hybrid_corexz", [[1, 0, -1, 0], [0, 1, 0, 0], [0, 0, 1, 0]]),
+    ] {
+        let text = whole.replace("kinematics = cartesian", &format!("kinematics = {name}"));
+        let done = translate(&read(&text).unwrap(), None).unwrap();
+        let machine = done.machine.unwrap_or_else(|| panic!("{name}: {:?}\n{}", done.problems, done.text));
+        let rows = machine.settings.mechanism.rows;
+        assert_eq!(rows[..4], [x, y, z, [0, 0, 0, 1]], "{name}");
+    }
+}
+
+#[test]
+fn a_probes_input_has_the_name_of_its_header() {
+    for (text, plug) in [("[probe]\npin: ^PB7", "PROBE"), ("[bltouch]\nsensor_pin: ^!PB7", "!BLTOUCH")] {
+        let text = of_text(text).text;
+        assert!(text.contains(&format!("\nprobe = \"{plug}\"  # printer.cfg:2\n")), "{text}");
+    }
+    assert!(!of_text("[probe]\npin: PG15").text.contains("probe ="));
+}
+
+/// By hand: 100 kOhm at 25 C and 1770 Ohm at 150 C are a B of 4071.7 K.
+#[test]
+fn a_thermistor_of_three_points_is_an_ntc() {
+    let points = "temperature1: 25\nresistance1: 100000\ntemperature2: 90\nresistance2: 8700\ntemperature3: 150\nresistance3: 1770";
+    let text = of_text(&format!("[thermistor a b]\n{points}\n[heater_bed]\nsensor_type: a b\n")).text;
+    assert!(text.contains("\nthermistor = { beta = 4072, ohms = 100000 }"), "{text}");
+}
+
+#[test]
+fn a_switch_without_a_place_sits_at_its_end() {
+    let done = of_text("[stepper_x]\nposition_max: 300\nhoming_positive_dir: True\n[stepper_y]\nposition_max: 200\n");
+    assert!(done.text.contains("end = \"max\"  # printer.cfg:3\n"), "{}", done.text);
+    assert_eq!(verdict(&done.report, "stepper_x", "homing_positive_dir").0, Kind::Taken);
+    assert!(done.report.notes.iter().any(|note| note.text.contains("homing.y.position is the min end")));
+}

@@ -1,0 +1,93 @@
+//! What is left to the owner to decide.
+
+use super::{folder, of_text, read, translated, verdict};
+use corehbot_machine_file::klipper::{Kind, translate};
+
+#[test]
+fn motors_of_other_boards_and_drivers_are_to_be_decided() {
+    let done = translated("awd.cfg");
+    assert!(done.machine.is_none());
+    assert_eq!(done.report.board.key, "octopus-pro", "a comment names it");
+    let of = |section: &str, key: &str| verdict(&done.report, section, key);
+    let (kind, text) = of("extruder", "step_pin");
+    assert!(kind == Kind::Decide && text.contains("EBBCan is another board"), "{text}");
+    let (kind, text) = of("stepper_x", "step_pin");
+    assert!(kind == Kind::Taken && text.contains("\"!M0\""), "an alias of an alias: {text}");
+    assert_eq!(of("stepper_x", "endstop_pin"), (Kind::Taken, "endstops.x = \"!X-STOP\""));
+    assert_eq!(of("stepper_x", "position_min").0, Kind::NotYet);
+    assert_eq!(of("stepper_x", "position_endstop").0, Kind::Decide);
+    assert!(of("stepper_y", "endstop_pin").1.contains("StallGuard"));
+    assert!(of("stepper_z", "endstop_pin").1.contains("probe"));
+    assert_eq!(of("printer", "max_accel_to_decel"), (Kind::Taken, "minimum_cruise_ratio = 0.5"));
+    let (kind, text) = of("tmc2209 stepper_x", "run_current");
+    assert!(kind == Kind::Approximated && text.contains("1700"), "{text}");
+    assert!(done.report.notes.iter().any(|note| note.text.contains("a TMC5160 is not there yet")));
+    // The usual input must not count where the owner has to decide.
+    assert!(done.text.contains("\nz = \"\"  # to decide\n"), "{}", done.text);
+}
+
+/// A motor in another socket than its driver is found.
+#[test]
+fn pins_of_two_sockets_are_to_be_decided() {
+    let text = "[printer]\nkinematics: cartesian\n[stepper_x]\nstep_pin: PF13\ndir_pin: PG1\nenable_pin: PF14\n";
+    let report = of_text(text).report;
+    let (kind, text) = verdict(&report, "stepper_x", "dir_pin");
+    assert_eq!((kind, text), (Kind::Decide, "M0 has PF12 there, not PG1: is the motor in another socket?"));
+    assert_eq!(verdict(&report, "stepper_x", "enable_pin").0, Kind::NotYet);
+}
+
+/// What is left out counts as in the prototype, so a file with something open must not be a machine.
+#[test]
+fn what_could_break_a_machine_is_left_open() {
+    let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    let done = |text: &str| translate(&read(text).unwrap(), None).unwrap();
+    let is_machine = |text: &str| done(text).machine.is_some();
+    assert!(is_machine(&whole) && !done(&whole).is_whole(), "the heater is left to decide");
+    for (from, to) in [
+        ("kinematics = cartesian", "kinematics = delta"),
+        ("kinematics = cartesian", ""),
+        ("position_max = 250", ""),
+        ("position_max = 250", "position_max = tall"),
+        ("position_endstop = 0\nposition_max = 250", "position_endstop = -60\nposition_max = 250"),
+        ("rotation_distance = 8\n", ""),
+        ("rotation_distance = 8\n", "rotation_distance = 8\ngear_ratio = 5\n"),
+        ("rotation_distance = 8\nmicrosteps = 16", "rotation_distance = 8"),
+        ("dir_pin = PD13", "dir_pin = PD6"),
+        ("step_pin = PD14", "step_pin = PD15"),
+        ("endstop_pin = ^PA0", "endstop_pin = probe:z_virtual_endstop"),
+        ("endstop_pin = ^PA0", ""),
+        ("[stepper_z]\n", "[stepper_z1]\nstep_pin = PE1\nrotation_distance = 4\nmicrosteps = 16\n[stepper_z]\n"),
+        ("[stepper_z]\n", "[stepper_z1]\nstep_pin = PE1\nrotation_distance = 8\nmicrosteps = 8\n[stepper_z]\n"),
+    ] {
+        assert!(whole.contains(from), "{from}");
+        let text = whole.replacen(from, to, 1);
+        assert!(!is_machine(&text), "{to}: {}", done(&text).text);
+        assert!(!done(&text).report.counts().contains(&(Kind::Decide, 0)), "{to}");
+    }
+    // Steps instead of turns, and microsteps with the driver, as older configurations have them.
+    let old = whole.replacen("rotation_distance = 8\nmicrosteps = 16", "step_distance = .0025", 1)
+        + "[tmc2209 stepper_z]\nmicrosteps = 16\nrun_current = 0.6\n";
+    assert!(done(&old).text.contains("steps_per_mm = 400  # "), "{}", done(&old).text);
+    assert!(is_machine(&old), "{:?}", done(&old).problems);
+}
+
+/// A heater with the wrong sensor would heat to the wrong temperature.
+#[test]
+fn a_heater_without_a_known_sensor_is_not_fitted() {
+    let head = "[extruder]\nheater_pin: PA2\nsensor_pin: PF4\n";
+    for (more, is_fitted) in [
+        ("sensor_type: PT1000", true),
+        ("sensor_type: PT1000\npullup_resistor: 4700\ninline_resistor: 0", true),
+        ("sensor_type: mine\n[thermistor mine]\ntemperature1: 25\nresistance1: 10000\nbeta: 3950", true),
+        ("sensor_type: mine\n[thermistor mine]\ntemperature1: 25\nresistance1: 10000", false),
+        ("sensor_type: MAX31865", false),
+        ("", false),
+        ("sensor_type: PT1000\npullup_resistor: 1000", false),
+        ("sensor_type: PT1000\nheater_pin: !PA2", false),
+        ("sensor_type: PT1000\nsensor_pin: PF2", false),
+    ] {
+        let text = of_text(&format!("{head}{more}")).text;
+        assert!(text.contains("\n[heaters.hotend]\n"), "{text}");
+        assert!(text.contains(&format!("\nis_fitted = {is_fitted}  # ")), "{more}: {text}");
+    }
+}
