@@ -280,7 +280,7 @@ fn a_configuration_with_something_to_decide_is_status_1() {
     let from = config(&["from", &klipper("awd.cfg")]);
     let report = String::from_utf8_lossy(&from.stderr).into_owned();
     assert_eq!(from.status.code(), Some(1), "{report}");
-    assert!(report.contains("EBBCan is another board") && report.contains("decide what is left"), "{report}");
+    assert!(report.contains("EBBCan is another board") && report.contains("no machine yet: decide"), "{report}");
     assert!(report.contains("machine file:"), "problems of the file: {report}");
     // The board of the command line counts.
     let from = config(&["from", "--board", "octopus", &klipper("awd.cfg")]);

@@ -48,9 +48,9 @@ pub(super) fn from(args: &From) -> Result<u8> {
         let _ = writeln!(report, "{written}:{problem}");
     });
     report += match (done.is_whole(), done.machine.is_some()) {
-        (true, _) => "the machine file is a machine: measure and check what is approximated before it moves\n",
-        (false, true) => "the machine file is a machine without what is left to decide\n",
-        (false, false) => "the machine file is no machine yet: decide what is left, then run `corehbot config check`\n",
+        (true, _) => "the machine file is a machine: measure and check approximated keys before it moves\n",
+        (false, true) => "the machine file is a machine, apart from the keys that are to decide\n",
+        (false, false) => "the machine file is no machine yet: decide, then run `corehbot config check`\n",
     };
     let report = printable::lines(&report);
     match &args.output {

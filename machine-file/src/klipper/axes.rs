@@ -22,7 +22,7 @@ pub(super) fn axes(work: &mut Work<'_>) {
     }
 }
 
-/// The speed of a motor in a diagonal move is that of the tool times the root of 2.
+/// In a diagonal move a belt motor is faster than the tool by the root of 2.
 const DIAGONAL: f64 = 1.4143;
 
 /// Speed and acceleration. Klipper limits the tool; here an axis has a limit, and a belt motor.

@@ -29,7 +29,9 @@ impl Lines {
     /// Sets a key, for a reason that stands behind it as a comment.
     pub fn set(&mut self, path: &str, value: Toml, from: &str) {
         self.0.retain(|line| line.path != path);
-        self.0.push(Line { path: path.to_owned(), value, from: from.to_owned() });
+        // A comment of TOML has no control characters, and names of sections and files may.
+        let from = from.chars().map(|letter| if letter.is_control() { '?' } else { letter }).collect();
+        self.0.push(Line { path: path.to_owned(), value, from });
     }
 
     /// The text, the tables in their usual order.

@@ -43,7 +43,7 @@ pub struct Translation {
     pub text: String,
     /// Its machine, if it is one.
     pub machine: Option<Machine>,
-    /// What is wrong or doubtful in the machine file.
+    /// Errors and doubtful values in the machine file.
     pub problems: Vec<Problem>,
     /// What became of every key.
     pub report: Report,

@@ -183,10 +183,12 @@ fn any_config() -> impl Strategy<Value = String> {
         "-?[0-9]{1,6}(\\.[0-9]{1,4})?",
         "[ -~\n\t]{0,20}",
         "\\PC{0,8}",
+        "[\u{0}-\u{1f}\u{7f}-\u{a0}\u{2028}]{0,4}",
     ];
     let line = prop_oneof![
         4 => (key, value).prop_map(|(key, value)| format!("{key}: {value}\n")),
         1 => section.clone().prop_map(|section| format!("[{section}]\n")),
+        1 => any::<char>().prop_map(|letter| format!("[heater_generic chamber{letter}]\n")),
         1 => "[ -~\t]{0,30}\n",
     ];
     (section, prop::collection::vec(line, 0..60))

@@ -1,4 +1,4 @@
-//! What is left to the owner to decide.
+//! Keys that are left to the owner to decide.
 
 use super::{folder, of_text, read, translated, verdict};
 use corehbot_machine_file::klipper::{Kind, translate};
@@ -36,7 +36,7 @@ fn pins_of_two_sockets_are_to_be_decided() {
     assert_eq!(verdict(&report, "stepper_x", "enable_pin").0, Kind::NotYet);
 }
 
-/// What is left out counts as in the prototype, so a file with something open must not be a machine.
+/// A key that is left out counts as in the prototype, so a file with an open key must not be a machine.
 #[test]
 fn what_could_break_a_machine_is_left_open() {
     let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
