@@ -53,7 +53,7 @@ fn an_endstop_that_is_not_connected_is_refused_before_anything_moves() {
     assert!(outcome.halted && steps.count > 0);
     assert!(host.heard.contains(&"Error:Homing failed: Z endstop not on this board".to_owned()), "{:?}", host.heard);
     // x was homed, z has not moved.
-    assert_eq!(outcome.counts[prototype::Z1.index()..], [0; 3]);
+    assert_eq!(outcome.counts[prototype::Z1.index()..=prototype::E0.index()], [0; 3]);
     assert_eq!(host.heard.iter().filter(|line| line.starts_with("ok")).count(), 2, "{:?}", host.heard);
 }
 
