@@ -4,8 +4,9 @@
 //! It carries transfers by endpoint. It does not carry resets, SET_ADDRESS, toggles, suspend and the order of packets:
 //! this end makes those itself, as [`UsbHost`] has them.
 //!
-//! Emulated time stands while the computer is thinking: after it has got something, the board waits for its next
-//! request, up to [`PATIENCE`] in real time. So lines come as fast as a computer without delay would send them.
+//! Emulated time stands while the computer is thinking: after it has got bytes, the board waits for its next ones, for a
+//! while in real time. So lines come as fast as a computer without delay would send them. A wait in vain makes the next
+//! ones shorter.
 
 use crate::usb_discovery::Discovery;
 use crate::usb_port::{Cable, PACKET_NS};
@@ -16,8 +17,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// How long time stands for a computer that says nothing, in real time.
-const PATIENCE: Duration = Duration::from_millis(300);
+/// How long time stands for a computer that says nothing, in real time: at most, and at least.
+const PATIENCE: [Duration; 2] = [Duration::from_millis(300), Duration::from_millis(5)];
 
 /// A computer that has been away for so long does not come back, in real time.
 const ABSENCE: Duration = Duration::from_secs(5);
@@ -61,6 +62,8 @@ enum Stage {
 #[derive(Clone, Copy, Debug)]
 struct Asked {
     sequence: u32,
+    /// It goes to endpoint 0.
+    is_control: bool,
     /// Bytes that it sends, or `None` if it wants some.
     sent: Option<u32>,
 }
@@ -77,8 +80,10 @@ pub struct UsbIp {
     asked: BTreeMap<u32, Asked>,
     /// When it pulled the cable.
     left: Option<Instant>,
-    /// The computer has got something and has not said anything since.
-    is_thinking: bool,
+    /// Since when the computer has bytes to answer.
+    thinking: Option<Instant>,
+    /// How long it may think.
+    patience: Duration,
 }
 
 impl UsbIp {
@@ -98,7 +103,8 @@ impl UsbIp {
             descriptors: Vec::new(),
             asked: BTreeMap::new(),
             left: None,
-            is_thinking: false,
+            thinking: None,
+            patience: PATIENCE[0],
         })
     }
 
@@ -136,7 +142,7 @@ impl UsbIp {
                 Outcome::Stalled | Outcome::Lost => self.stage = Stage::Over,
             };
         }
-        let Some(Asked { sequence, sent }) = self.asked.remove(&id) else { return };
+        let Some(Asked { sequence, is_control, sent }) = self.asked.remove(&id) else { return };
         let (status, bytes) = match outcome {
             Outcome::Done(bytes) => (0, bytes),
             Outcome::Stalled => (EPIPE, Vec::new()),
@@ -145,20 +151,37 @@ impl UsbIp {
         let length = sent.filter(|_| status == 0).unwrap_or(bytes.len() as u32);
         // RET_SUBMIT.
         let mut reply = words(&[3, sequence, 0, 0, 0, status.cast_unsigned(), length, 0, 0, 0, 0, 0]);
+        if sent.is_none() && !bytes.is_empty() && !is_control {
+            self.thinking = Some(Instant::now());
+        }
         reply.extend(bytes);
         self.say(&reply);
     }
 
-    /// Sends bytes to the computer, which then thinks.
+    /// Sends bytes to the computer.
     fn say(&mut self, bytes: &[u8]) {
-        self.is_thinking = true;
-        if self.stream.as_mut().is_none_or(|stream| stream.write_all(bytes).is_err()) {
+        let said =
+            self.stream.as_mut().map(|stream| stream.set_nonblocking(false).and_then(|()| stream.write_all(bytes)));
+        if !matches!(said, Some(Ok(()))) {
             self.stage = Stage::Over;
         }
     }
 
-    /// Takes what the computer has said. With `patience` it waits for that.
-    fn hear(&mut self, patience: bool, core: &mut UsbCore) {
+    /// Waits while the computer thinks.
+    fn wait(&mut self, core: &mut UsbCore) {
+        self.hear(Duration::ZERO, core);
+        while let (Some(since), Some(_)) = (self.thinking, &self.stream) {
+            let left = self.patience.saturating_sub(since.elapsed());
+            if left.is_zero() {
+                (self.thinking, self.patience) = (None, (self.patience / 2).max(PATIENCE[1]));
+                return;
+            }
+            self.hear(left, core);
+        }
+    }
+
+    /// Takes what the computer has said, and waits for it so long.
+    fn hear(&mut self, wait: Duration, core: &mut UsbCore) {
         if self.stream.is_none() {
             let Ok((stream, _)) = self.listener.accept() else {
                 if self.left.is_some_and(|left| left.elapsed() > ABSENCE) {
@@ -173,18 +196,12 @@ impl UsbIp {
             (self.stream, self.left) = (Some(stream), None);
         }
         let Some(stream) = &mut self.stream else { return };
-        let wait = if patience { PATIENCE } else { Duration::from_micros(1) };
         let mut bytes = [0; 4096];
-        let read = stream.set_read_timeout(Some(wait)).and_then(|()| stream.read(&mut bytes));
+        let read = prepare(stream, wait).and_then(|()| stream.read(&mut bytes));
         match read {
             Ok(0) => self.left(core),
-            Ok(length) => {
-                self.heard.extend(&bytes[..length]);
-                self.is_thinking = false;
-            }
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                self.is_thinking = false;
-            }
+            Ok(length) => self.heard.extend(&bytes[..length]),
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
             Err(_) => self.left(core),
         }
         while self.obey() {}
@@ -192,7 +209,7 @@ impl UsbIp {
 
     /// The computer closed the connection: it only looked at the list, or has pulled the cable.
     fn left(&mut self, core: &mut UsbCore) {
-        self.stream = None;
+        (self.stream, self.thinking) = (None, None);
         self.heard.clear();
         if self.stage == Stage::Attached {
             // Without VBUS sensing the device sees a bus on which nothing happens.
@@ -280,7 +297,10 @@ impl UsbIp {
                     (_, None) => Transfer::In { endpoint, length },
                 };
                 let id = self.host.submit(transfer);
-                self.asked.insert(id, Asked { sequence, sent });
+                if endpoint != 0 && sent.is_some() && self.thinking.take().is_some() {
+                    self.patience = (self.patience * 5 / 4).min(PATIENCE[0]);
+                }
+                self.asked.insert(id, Asked { sequence, is_control: endpoint == 0, sent });
             }
             2 => {
                 let unlinked = word(5);
@@ -307,7 +327,7 @@ impl Cable for UsbIp {
             self.ask(0);
         }
         if matches!(self.stage, Stage::Ready | Stage::Attached) {
-            self.hear(self.is_thinking, core);
+            self.wait(core);
         }
         let has_moved = self.host.turn(core);
         while let Some((id, outcome)) = self.host.take_ended() {
@@ -315,6 +335,12 @@ impl Cable for UsbIp {
         }
         Some(now + if has_moved { PACKET_NS } else { IDLE_NS })
     }
+}
+
+/// Lets reads wait so long. Linux rounds a short time-out up to a tick of its own, so no wait is another mode.
+fn prepare(stream: &TcpStream, wait: Duration) -> std::io::Result<()> {
+    stream.set_nonblocking(wait.is_zero())?;
+    if wait.is_zero() { Ok(()) } else { stream.set_read_timeout(Some(wait)) }
 }
 
 /// Words as they go over the network.
