@@ -2,13 +2,10 @@
 
 use crate::line::HostLine;
 use crate::usb_discovery::Discovery;
-use crate::usb_port::{Cable, PACKET_NS};
+use crate::usb_port::{Cable, IDLE_NS, PACKET_NS};
 use corehbot_usb_model::UsbCore;
 use corehbot_usb_model::host::{Outcome, PACKET, Transfer, UsbHost};
 use std::collections::VecDeque;
-
-/// How often the computer has a look at what it wants to say, when nothing else happens.
-const IDLE_NS: u64 = 1_000_000;
 
 /// The endpoints of the port's data: the CDC class gives out the one for its notifications first.
 const TO_BOARD: usize = 1;
@@ -65,8 +62,6 @@ enum Stage {
 pub struct UsbLine {
     /// The conversation.
     pub line: HostLine,
-    /// The descriptors that came.
-    pub descriptors: Vec<Vec<u8>>,
     habits: UsbHabits,
     /// Conversations to come.
     next: VecDeque<HostLine>,
@@ -81,13 +76,7 @@ impl UsbLine {
     #[must_use]
     pub fn new(habits: UsbHabits, mut next: VecDeque<HostLine>) -> Option<Self> {
         let (line, host, stage) = (next.pop_front()?, UsbHost::new(), Stage::Looking(Discovery::Alone));
-        Some(Self { line, descriptors: Vec::new(), habits, next, host, stage, reading: None, writing: None })
-    }
-
-    /// Whether the port is open.
-    #[must_use]
-    pub fn is_open(&self) -> bool {
-        self.stage == Stage::Open
+        Some(Self { line, habits, next, host, stage, reading: None, writing: None })
     }
 
     fn request(&mut self, number: usize) -> Stage {
@@ -122,12 +111,7 @@ impl UsbLine {
     /// A request ended.
     fn answered(&mut self, number: usize, outcome: Outcome) {
         self.stage = match outcome {
-            Outcome::Done(bytes) => {
-                if !bytes.is_empty() {
-                    self.descriptors.push(bytes);
-                }
-                self.request(number + 1)
-            }
+            Outcome::Done(_) => self.request(number + 1),
             Outcome::Stalled | Outcome::Lost => Stage::Failed,
         };
     }

@@ -42,6 +42,9 @@ pub struct UsbPort<C> {
     next: Option<u64>,
 }
 
+/// How often a computer has a look at what it wants to say, when nothing else happens: every ms of emulated time.
+pub const IDLE_NS: u64 = 1_000_000;
+
 /// How long a host that waits needs to see a change: a packet of 64 bytes with its token and handshake at 12 Mbit/s.
 pub const PACKET_NS: u64 = 50_000;
 

@@ -4,12 +4,12 @@
 //! It carries transfers by endpoint. It does not carry resets, SET_ADDRESS, toggles, suspend and the order of packets:
 //! this end makes those itself, as [`UsbHost`] has them.
 //!
-//! Emulated time stands while the computer is thinking: after it has got bytes, the board waits for its next ones, for a
-//! while in real time. So lines come as fast as a computer without delay would send them. A wait in vain makes the next
-//! ones shorter.
+//! Emulated time stands while the computer is thinking. After it has got bytes, the board waits for its next ones, for
+//! a while in real time. So lines come as fast as a computer without delay would send them. A wait in vain makes the
+//! next ones shorter.
 
 use crate::usb_discovery::Discovery;
-use crate::usb_port::{Cable, PACKET_NS};
+use crate::usb_port::{Cable, IDLE_NS, PACKET_NS};
 use corehbot_usb_model::UsbCore;
 use corehbot_usb_model::host::{Outcome, Transfer, UsbHost};
 use std::collections::BTreeMap;
@@ -22,9 +22,6 @@ const PATIENCE: [Duration; 2] = [Duration::from_millis(300), Duration::from_mill
 
 /// A computer that has been away for so long does not come back, in real time.
 const ABSENCE: Duration = Duration::from_secs(5);
-
-/// How often a computer that says nothing is asked for news, in emulated time.
-const IDLE_NS: u64 = 1_000_000;
 
 /// The protocol's version.
 const VERSION: u16 = 0x0111;

@@ -11,7 +11,7 @@
 //! | `bits` | addresses and bits of registers |
 //! | `fifo` | the receive FIFO and its entries |
 //! | `endpoint` | the state of an endpoint |
-//! | [`core`](mod@core) | the core, as its program sees it: registers and the interrupt line |
+//! | [`core`](mod@core) | the core, as its program sees it: registers and the interrupt line; `endpoints` has theirs |
 //! | `bus` | the core, as a host sees it: tokens, handshakes, reset, suspend |
 //! | [`host`] | a host: transfers in stages, with toggles and retries |
 //!
