@@ -15,7 +15,8 @@
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
-//! | `klipper` | a configuration of Klipper to a machine file |
+//! | `translation` | another firmware's configuration to a machine file, with a verdict on every part |
+//! | `klipper` | configurations of Klipper |
 //! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
 //! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
@@ -37,6 +38,7 @@ mod resolution;
 mod schema;
 pub mod short;
 pub mod template;
+mod translation;
 mod unwise;
 mod value;
 mod written;

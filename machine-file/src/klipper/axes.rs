@@ -1,7 +1,8 @@
 //! Axes: their reach, their limits, their switches, and how they home.
 
-use super::verdict::{Kind, Verdict};
-use super::work::{Work, rounded};
+use super::work::Work;
+use crate::translation::draft::rounded;
+use crate::translation::{Kind, Verdict};
 use crate::value::float_toml;
 
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -1,8 +1,8 @@
 //! Heat: heaters with their outputs and sensors, and fans.
 
-use super::verdict::{Kind, Verdict};
 use super::work::Work;
 use crate::pattern::matches;
+use crate::translation::{Kind, Verdict};
 use toml::Value as Toml;
 
 /// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.

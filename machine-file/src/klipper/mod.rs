@@ -6,10 +6,10 @@
 //! |---|---|
 //! | `config` | texts to sections and keys |
 //! | `pin`, `board` | pins to connectors |
-//! | `work`, `lines` | the translation so far, and the text that it becomes |
+//! | `work` | the translation so far |
 //! | `motors`, `axes`, `heat`, `probe` | one part of a machine each |
 //! | `tables` | keys that are one number, and remarks on the rest |
-//! | `verdict`, `report` | what became of every key |
+//! | `report` | what became of every key |
 //!
 //! The report goes through all keys of the configuration. So a key that no part knows has a verdict too.
 
@@ -17,46 +17,21 @@ mod axes;
 mod board;
 mod config;
 mod heat;
-mod lines;
 mod motors;
 mod pin;
 mod probe;
 mod report;
 mod tables;
-mod verdict;
 mod work;
 
 pub use crate::pattern::{is_pattern, matches};
-use crate::{Machine, Problem, problems};
+pub use crate::translation::{Kind, Report, Translation, Verdict};
 use board::Pins;
 pub use config::{At, Config, Entry, Files, Mistake, Section};
 use corehbot::connectors::BoardConnectors;
 use pin::Aliases;
-pub use report::Report;
 use tables::NUMBERS;
-pub use verdict::{Kind, Verdict};
 use work::Work;
-
-/// A configuration as a machine file.
-pub struct Translation {
-    /// The machine file.
-    pub text: String,
-    /// Its machine, if it is one.
-    pub machine: Option<Machine>,
-    /// Errors and doubtful values in the machine file.
-    pub problems: Vec<Problem>,
-    /// What became of every key.
-    pub report: Report,
-}
-
-impl Translation {
-    /// Whether the machine file is a machine, with nothing left to decide.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        let is_open = |(kind, count): &(Kind, usize)| *kind == Kind::Decide && *count > 0;
-        self.machine.is_some() && !self.report.counts().iter().any(is_open)
-    }
-}
 
 /// Translates a configuration for a board, or for the board that its pins and comments name.
 ///
@@ -84,9 +59,7 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
         board.name
     );
     let text = head + &work.lines.text();
-    let (machine, found) = problems(&text);
-    let report = Report::of(&work, board);
-    Ok(Translation { text, machine, problems: found, report })
+    Ok(Translation::new(text, report::report(&work, board)))
 }
 
 /// Keys that are one number.

@@ -1,7 +1,8 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
-use super::verdict::{Kind, Verdict};
-use super::work::{Work, rounded};
+use super::work::Work;
+use crate::translation::draft::rounded;
+use crate::translation::{Kind, Verdict};
 use corehbot::motors::{MOTORS, MotorName};
 use toml::Value as Toml;
 

@@ -1,7 +1,7 @@
 //! The probe's input, and input shapers.
 
-use super::verdict::Kind;
 use super::work::Work;
+use crate::translation::Kind;
 
 /// Sections of probes with an input, and its key.
 const PROBES: [(&str, &str); 3] = [("probe", "pin"), ("bltouch", "sensor_pin"), ("smart_effector", "pin")];

@@ -1,143 +1,52 @@
-//! The report: a line for every key of the configuration, by sections, then what the owner has to decide.
+//! The report: a verdict on every key, also on those that no part of the translation knows.
 
 use super::config::Config;
 use super::tables::{NO_SETTING, remark};
-use super::verdict::{Kind, Verdict};
 use super::work::Work;
 use crate::short::short;
+use crate::translation::{Kind, OfKey, OfSection, Report, Verdict};
 use corehbot::connectors::BoardConnectors;
-use std::fmt::{self, Display, Write as _};
 
-/// What became of a configuration.
-#[derive(Debug)]
-pub struct Report {
-    /// The board that it is for.
-    pub board: &'static BoardConnectors,
-    /// The sections, in the order of the configuration.
-    pub sections: Vec<OfSection>,
-    /// What the owner has to decide or to check, beyond single keys.
-    pub notes: Vec<Verdict>,
-}
-
-/// What became of a section.
-#[derive(Debug)]
-pub struct OfSection {
-    /// Its name.
-    pub name: String,
-    /// `file:line` of its beginning.
-    pub place: String,
-    /// What became of it as a whole, if that can be said.
-    pub verdict: Option<Verdict>,
-    /// Its keys.
-    pub keys: Vec<OfKey>,
-}
-
-/// What became of a key.
-#[derive(Debug)]
-pub struct OfKey {
-    /// The key.
-    pub key: String,
-    /// The beginning of its value.
-    pub value: String,
-    /// Its line, or `file:line` if the section began in another file.
-    pub line: String,
-    /// `file:line`.
-    pub place: String,
-    /// What became of it.
-    pub verdict: Verdict,
-}
-
-impl Report {
-    pub(super) fn of(work: &Work<'_>, board: &'static BoardConnectors) -> Self {
-        let config = work.config;
-        let sections = config.sections.iter().enumerate().map(|(number, section)| {
-            let whole = remark(&section.name, None);
-            let entries = config.entries.iter().zip(work.verdicts());
-            let keys: Vec<_> = entries
-                .filter(|(entry, _)| entry.section == number)
-                .map(|(entry, verdict)| {
-                    let verdict = match (entry.replaced, verdict, remark(&section.name, Some(&entry.key)), whole) {
-                        (Some(by), ..) => Verdict::new(Kind::NotNeeded, format!("{} replaces it", config.place(by))),
-                        (None, Some(verdict), ..) => verdict.clone(),
-                        (None, None, ..) if elsewhere(config, &entry.value).is_some() => {
-                            let chip = elsewhere(config, &entry.value).unwrap_or_default();
-                            Verdict::new(Kind::NotYet, format!("{chip} is another board, and a machine has one so far"))
-                        }
-                        (None, None, Some(remark), _) => Verdict::new(remark.kind, remark.text),
-                        // The section's line has the words.
-                        (None, None, None, Some(whole)) => Verdict::new(whole.kind, ""),
-                        (None, None, None, None) => Verdict::new(Kind::NotYet, NO_SETTING),
-                    };
-                    let line = if entry.at.file == section.at.file {
-                        entry.at.line.to_string()
-                    } else {
-                        config.place(entry.at)
-                    };
-                    let value = entry.value.lines().next().unwrap_or_default();
-                    let place = config.place(entry.at);
-                    OfKey { key: entry.key.clone(), value: short(value).into_owned(), line, place, verdict }
-                })
-                .collect();
-            let verdict = match whole {
-                Some(whole) => Some(Verdict::new(whole.kind, whole.text)),
-                None if keys.is_empty() => Some(Verdict::new(Kind::NotYet, NO_SETTING)),
-                None => None,
-            };
-            OfSection { name: section.name.clone(), place: config.place(section.at), verdict, keys }
-        });
-        Self { board, sections: sections.collect(), notes: work.notes.clone() }
-    }
-
-    /// How many keys have each verdict; a section without keys counts as one.
-    #[must_use]
-    pub fn counts(&self) -> [(Kind, usize); 5] {
-        Kind::ALL.map(|kind| {
-            let of_keys = self.sections.iter().flat_map(|section| &section.keys).filter(|key| key.verdict.kind == kind);
-            let empty = self.sections.iter().filter(|section| section.keys.is_empty());
-            let empty = empty.filter(|section| section.verdict.as_ref().is_some_and(|verdict| verdict.kind == kind));
-            let notes = self.notes.iter().filter(|note| note.kind == kind);
-            (kind, of_keys.count() + empty.count() + notes.count())
-        })
-    }
+/// The report on a configuration for a board.
+pub(super) fn report(work: &Work<'_>, board: &'static BoardConnectors) -> Report {
+    let config = work.config;
+    let sections = config.sections.iter().enumerate().map(|(number, section)| {
+        let whole = remark(&section.name, None);
+        let entries = config.entries.iter().zip(work.verdicts());
+        let keys: Vec<_> = entries
+            .filter(|(entry, _)| entry.section == number)
+            .map(|(entry, verdict)| {
+                let verdict = match (entry.replaced, verdict, remark(&section.name, Some(&entry.key)), whole) {
+                    (Some(by), ..) => Verdict::new(Kind::NotNeeded, format!("{} replaces it", config.place(by))),
+                    (None, Some(verdict), ..) => verdict.clone(),
+                    (None, None, ..) if elsewhere(config, &entry.value).is_some() => {
+                        let chip = elsewhere(config, &entry.value).unwrap_or_default();
+                        Verdict::new(Kind::NotYet, format!("{chip} is another board, and a machine has one so far"))
+                    }
+                    (None, None, Some(remark), _) => Verdict::new(remark.kind, remark.text),
+                    // The section's line has the words.
+                    (None, None, None, Some(whole)) => Verdict::new(whole.kind, ""),
+                    (None, None, None, None) => Verdict::new(Kind::NotYet, NO_SETTING),
+                };
+                let line =
+                    if entry.at.file == section.at.file { entry.at.line.to_string() } else { config.place(entry.at) };
+                let value = entry.value.lines().next().unwrap_or_default();
+                let place = config.place(entry.at);
+                OfKey { key: entry.key.clone(), value: short(value).into_owned(), line, place, verdict }
+            })
+            .collect();
+        let verdict = match whole {
+            Some(whole) => Some(Verdict::new(whole.kind, whole.text)),
+            None if keys.is_empty() => Some(Verdict::new(Kind::NotYet, NO_SETTING)),
+            None => None,
+        };
+        OfSection { name: section.name.clone(), place: config.place(section.at), verdict, keys }
+    });
+    Report { board, sections: sections.collect(), notes: work.notes.clone() }
 }
 
 /// The other controller that a pin is on.
 fn elsewhere<'v>(config: &Config, value: &'v str) -> Option<&'v str> {
     let (chip, _) = value.trim_start_matches(['^', '~', '!', ' ']).split_once(':')?;
     config.section(&format!("mcu {chip}")).map(|_| chip)
-}
-
-impl Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "for the {}", self.board.name)?;
-        for section in &self.sections {
-            write!(f, "\n[{}] {}", short(&section.name), section.place)?;
-            match &section.verdict {
-                Some(verdict) => writeln!(f, ": {}: {}", verdict.kind.word(), verdict.text)?,
-                None => writeln!(f)?,
-            }
-            for OfKey { key, value, line, verdict, .. } in &section.keys {
-                let mut said = format!("  {:<14} {line}: {} = {value}", verdict.kind.word(), short(key));
-                if !verdict.text.is_empty() {
-                    let _ = write!(said, " -> {}", verdict.text);
-                }
-                writeln!(f, "{said}")?;
-            }
-        }
-        if !self.notes.is_empty() {
-            writeln!(f, "\nthe whole")?;
-            self.notes.iter().try_for_each(|note| writeln!(f, "  {:<14} {}", note.kind.word(), note.text))?;
-        }
-        // Once more at the end, because macros make reports long.
-        let keys = self.sections.iter().flat_map(|section| section.keys.iter().map(move |key| (&section.name, key)));
-        let open: Vec<_> = keys.filter(|(_, key)| key.verdict.kind == Kind::Decide).collect();
-        if !open.is_empty() {
-            writeln!(f, "\n{}", Kind::Decide.word())?;
-        }
-        for (section, OfKey { key, place, verdict, .. }) in open {
-            writeln!(f, "  {place}: [{}] {}: {}", short(section), short(key), verdict.text)?;
-        }
-        let counts = self.counts().map(|(kind, count)| format!("{count} {}", kind.word()));
-        writeln!(f, "\n{}", counts.join(", "))
-    }
 }

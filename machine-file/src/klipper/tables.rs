@@ -1,7 +1,7 @@
 //! Tables: keys of Klipper that are one number, and what to say of all others.
 
-use super::verdict::Kind;
 use crate::pattern::matches;
+use crate::translation::Kind;
 
 /// A key that is a number, and the key of ours that it becomes.
 pub(super) struct NumberRow {

@@ -1,4 +1,4 @@
-//! Verdicts: what became of a key of Klipper.
+//! Verdicts: what became of a key of another firmware.
 
 /// What became of a key; the later ones ask more of the owner.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]

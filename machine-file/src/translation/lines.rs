@@ -6,7 +6,7 @@ use toml::Value as Toml;
 
 /// The keys of a machine file.
 #[derive(Default)]
-pub(super) struct Lines(Vec<Line>);
+pub(crate) struct Lines(Vec<Line>);
 
 struct Line {
     path: String,

@@ -1,0 +1,120 @@
+//! The draft: the machine file so far, and the verdicts so far.
+//!
+//! An entry is a part of the configuration that needs a verdict, by its number: a key of Klipper, a word of Marlin.
+
+use super::lines::Lines;
+use super::verdict::{Kind, Verdict};
+use crate::keys::{Of, bits_of, find, fraction, legal_words, numbered, shortest};
+use crate::value::float_toml;
+use corehbot::motors::{MOTORS, MotorName};
+use corehbot::settings::rows;
+
+/// A translation in progress.
+pub(crate) struct Draft {
+    /// The machine file so far.
+    pub lines: Lines,
+    /// The motors' names in it.
+    pub names: [MotorName; MOTORS],
+    /// What the owner has to decide or to check, beyond single entries.
+    pub notes: Vec<Verdict>,
+    /// The place of each entry, for comments.
+    places: Vec<String>,
+    verdicts: Vec<Option<Verdict>>,
+}
+
+impl Draft {
+    /// An empty machine file, and entries in these places.
+    pub fn new(places: Vec<String>) -> Self {
+        Self {
+            lines: Lines::default(),
+            names: [MotorName::NONE; MOTORS],
+            notes: Vec::new(),
+            verdicts: vec![None; places.len()],
+            places,
+        }
+    }
+
+    /// The verdicts so far, by the numbers of entries.
+    pub fn verdicts(&self) -> &[Option<Verdict>] {
+        &self.verdicts
+    }
+
+    /// Adds to the verdict on an entry.
+    pub fn say(&mut self, entry: usize, kind: Kind, text: impl Into<String>) {
+        if let Some(verdict) = self.verdicts.get_mut(entry) {
+            let new = Verdict::new(kind, text);
+            *verdict = Some(match verdict.take() {
+                Some(old) => old.and(new),
+                None => new,
+            });
+        }
+    }
+
+    /// The place of an entry, for a comment.
+    pub fn from(&self, entry: usize) -> String {
+        self.places.get(entry).cloned().unwrap_or_default()
+    }
+
+    /// Sets a key of the machine file from an entry, and says so.
+    pub fn take(&mut self, entry: usize, path: &str, value: impl Into<toml::Value>) {
+        let value = value.into();
+        self.say(entry, Kind::Taken, format!("{path} = {value}"));
+        let from = self.from(entry);
+        self.lines.set(path, value, &from);
+    }
+
+    /// Sets a key to a number from an entry. One outside the key's range becomes its end, which is said.
+    pub fn take_number(&mut self, entry: usize, path: &str, number: f64) {
+        let (value, beyond) = self.in_range(path, number);
+        match beyond {
+            None => self.take(entry, path, value),
+            Some(legal) => {
+                self.say(entry, Kind::Approximated, format!("{path} = {value}, because its range is {legal}"));
+                let from = self.from(entry);
+                self.lines.set(path, value, &from);
+            }
+        }
+    }
+
+    /// Leaves a number to the owner: 0, which is outside the key's range, so that the file is no machine before it is
+    /// corrected. Without the key the prototype's number would count.
+    pub fn leave_open(&mut self, path: &str) {
+        self.lines.set(path, 0.into(), "to decide");
+    }
+
+    /// Sets a key to a number that the configuration leaves out, for a reason in the file.
+    pub fn set_number(&mut self, path: &str, number: f64, from: &str) {
+        let value = self.in_range(path, number).0;
+        self.lines.set(path, value, from);
+    }
+
+    /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.
+    fn in_range(&self, path: &str, number: f64) -> (toml::Value, Option<String>) {
+        let Some((kind, legal)) = self.kind_of(path) else { return (float_toml(rounded(number)), None) };
+        let whole = if matches!(kind, rows::Kind::Whole) { number.round() } else { rounded(number) };
+        match bits_of(whole, fraction(kind)) {
+            Some(bits) if legal.holds(bits) => (float_toml(whole), None),
+            _ => {
+                let ends = [legal.least, legal.most].map(|bits| shortest(bits, fraction(kind)));
+                (float_toml(whole.clamp(ends[0], ends[1])), Some(legal_words(legal, kind)))
+            }
+        }
+    }
+
+    fn kind_of(&self, path: &str) -> Option<(rows::Kind, rows::Legal)> {
+        match find(&numbered(path, &self.names))?.of {
+            Of::Setting { row, text, part } => Some((text.kind, row.legal(part))),
+            Of::List { .. } | Of::Other(_) => None,
+        }
+    }
+
+    /// Whether machine files have a key of that path.
+    pub fn is_key(&self, path: &str) -> bool {
+        find(&numbered(path, &self.names)).is_some()
+    }
+}
+
+/// Nine digits behind the point are more than any setting keeps.
+pub(crate) fn rounded(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
+}
