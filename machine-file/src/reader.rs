@@ -6,7 +6,7 @@ use crate::value;
 use corehbot::connectors::BoardConnectors;
 use corehbot::motors::{MOTORS, MotorName, prototype};
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
-use corehbot::settings::{Bed, Belt, Endstop, MachineName, PHASES, Settings, Wiring};
+use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Settings, Wiring};
 use corehbot::units::Mm;
 use corehbot_boards as boards;
 use std::collections::BTreeMap;
@@ -145,7 +145,7 @@ impl Given {
         s.visit(&mut Put(&self.values));
         // By default the bed equals the tool's reach, and a switch sits at the end of its axis.
         let bed = s.bed;
-        s.bed = Bed::of_reach(&s.axes);
+        s.bed = Bed::of_reach(s.reach(HomedAxis::X), s.reach(HomedAxis::Y));
         for (key, place, given) in [
             ("bed.width", &mut s.bed.width, bed.width),
             ("bed.depth", &mut s.bed.depth, bed.depth),
@@ -156,33 +156,14 @@ impl Given {
                 *place = given;
             }
         }
-        let lengths = s.axes.map(|axis| axis.length);
+        let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
         let ends = &mut s.endstops;
-        for ((axis, endstop, length), has_position) in
-            [("x", &mut ends.x, lengths.x), ("y", &mut ends.y, lengths.y), ("z", &mut ends.z, lengths.z)]
-                .into_iter()
-                .zip(has_position)
+        for (((axis, endstop), reach), has_position) in
+            [("x", &mut ends.x), ("y", &mut ends.y), ("z", &mut ends.z)].into_iter().zip(reaches).zip(has_position)
         {
-            self.endstop(axis, endstop, length, has_position)?;
+            endstop_of(axis, endstop, reach, has_position)?;
         }
         Ok(s)
-    }
-
-    fn endstop(&self, axis: &str, e: &mut Endstop, length: Mm, has_position: bool) -> Result<(), MachineFileError> {
-        use corehbot::settings::AxisEnd;
-        let key = format!("homing.{axis}.position");
-        if self.has(&format!("homing.{axis}.end")) && !has_position {
-            e.position = match e.end {
-                AxisEnd::Min => Mm::ZERO,
-                AxisEnd::Max => length,
-            };
-        }
-        let legal = e.end.positions(length);
-        if has_position && !legal.holds(e.position) {
-            let value = keys::shortest(e.position.to_bits(), Mm::FRAC_NBITS);
-            return Err(MachineFileError::Range { key, value, legal: format!("{} to {}", legal.least, legal.most) });
-        }
-        Ok(())
     }
 
     /// A number of an axis that no setting has.
@@ -190,6 +171,20 @@ impl Given {
         debug_assert!([ROTATION_DISTANCE, FULL_STEPS].contains(&name));
         self.numbers.get(&format!("axes.{axis}.{name}")).copied()
     }
+}
+
+/// Puts an endstop without a position at its end of the axis, and checks the position of another one.
+fn endstop_of(axis: &str, e: &mut Endstop, reach: Range<Mm>, has_position: bool) -> Result<(), MachineFileError> {
+    if !has_position {
+        e.position = e.end.of(reach);
+        return Ok(());
+    }
+    let legal = e.end.positions(reach);
+    if legal.holds(e.position) {
+        return Ok(());
+    }
+    let (key, value) = (format!("homing.{axis}.position"), keys::shortest(e.position.to_bits(), Mm::FRAC_NBITS));
+    Err(MachineFileError::Range { key, value, legal: format!("{} to {}", legal.least, legal.most) })
 }
 
 /// The names that a file gives its motors; the prototype's if it gives none.

@@ -5,8 +5,8 @@ use corehbot::connectors::Heater;
 use corehbot::kinematics::{Mechanism, direction};
 use corehbot::motion::advance_window;
 use corehbot::motors::Motor;
-use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
-use corehbot::units::{Mm, Watts};
+use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, HomedAxis, Plausible, Settings};
+use corehbot::units::Watts;
 use std::collections::BTreeMap;
 
 /// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In
@@ -72,15 +72,16 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
         }
     }
     let sides = [
-        ("width", s.bed.left, s.bed.width, s.axes.x.length, 'X'),
-        ("depth", s.bed.front, s.bed.depth, s.axes.y.length, 'Y'),
+        ("width", s.bed.left, s.bed.width, s.reach(HomedAxis::X), 'X'),
+        ("depth", s.bed.front, s.bed.depth, s.reach(HomedAxis::Y), 'Y'),
     ];
-    for (side, from, size, length, axis) in sides {
-        if from < Mm::ZERO || from + size > length {
+    for (side, from, size, reach, axis) in sides {
+        if from < reach.least || from + size > reach.most {
             let (key, to) = (format!("bed.{side}"), from + size);
             let text = format!(
-                "{key} = {size}: the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}0 to \
-                {axis}{length}"
+                "{key} = {size}: the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}{} to \
+                {axis}{}",
+                reach.least, reach.most
             );
             warn(&key, text);
         }
@@ -220,6 +221,10 @@ mod tests {
         assert_eq!(keys("[bed]\nfront = 0.5"), ["bed.depth"]);
         assert_eq!(keys("[axes.x]\nlength = 300\n[bed]\nwidth = 301\ndepth = 500"), ["bed.width", "bed.depth"]);
         assert_eq!(keys("[bed]\nleft = 5\nwidth = 385"), [""; 0]);
+        let wide = "[axes.x]\nmin = -60\nlength = 290\n[bed]\n";
+        assert_eq!(keys(wide), [""; 0], "the reach");
+        assert_eq!(keys(&format!("{wide}left = -60\nwidth = 290")), [""; 0]);
+        assert_eq!(keys(&format!("{wide}left = 0\nwidth = 231")), ["bed.width"]);
     }
 
     #[test]

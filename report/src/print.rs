@@ -12,8 +12,8 @@ use crate::summary::Summary;
 use belt::BeltData;
 use corehbot::kinematics::Row;
 use corehbot::motors::MotorName;
-use corehbot::settings::Settings;
-use corehbot::units::TICKS_PER_SECOND;
+use corehbot::settings::{HomedAxis, Settings};
+use corehbot::units::{Mm, TICKS_PER_SECOND};
 use corehbot_sim::belt::course::Course;
 use corehbot_sim::host::HeatWait;
 use corehbot_sim::tally::Figures;
@@ -60,7 +60,7 @@ pub struct Page<'a> {
 struct Data<'a> {
     summary: &'a Summary,
     /// Reachable space in mm.
-    size: [f64; 3],
+    reach: [[f64; 2]; 2],
     motors: Vec<MotorData>,
     /// Heights of the layers in mm.
     heights: Vec<f64>,
@@ -135,7 +135,9 @@ impl Page<'_> {
         let bins = figures.series.bins();
         Data {
             summary,
-            size: [settings.axes.x, settings.axes.y, settings.axes.z].map(|a| a.length.to_num()),
+            reach: [HomedAxis::X, HomedAxis::Y]
+                .map(|axis| settings.reach(axis))
+                .map(|r| [r.least, r.most].map(Mm::to_num)),
             motors: motors(summary, settings),
             heights: stored.heights.iter().map(|um| *um as f64 / 1000.0).collect(),
             chunks: stored.chunks.iter().map(|chunk| row(chunk, &stored.heights)).collect(),

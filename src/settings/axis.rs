@@ -76,7 +76,7 @@ pub struct AxisSettings {
     pub max_speed: MmPerSec,
     /// Acceleration limit (M201).
     pub max_acceleration: MmPerSec2,
-    /// Positions run from 0 to this; for E, the longest single move.
+    /// Travel of the axis: its positions are [`Settings::reach`]. For E, the longest single move.
     pub length: Mm,
 }
 
@@ -127,8 +127,24 @@ rows! {
     21 "max_speed" = axis.max_speed, "mm/s", [ranges::SPEED.spec()], "M203" "X" "Y" "Z" "E";
     /// Acceleration limit.
     22 "max_acceleration" = axis.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M201" "X" "Y" "Z" "E";
-    /// How far the axis reaches from 0; for the extruder, the longest single move.
+    /// Travel of the axis, from min on; for the extruder, the longest single move.
     23 "length" = axis.length, "mm", [ranges::AXIS_LENGTH.spec()];
+}
+
+/// Rows of the places where axes begin.
+pub(super) mod min {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut Mm; 3] {
+        [&mut s.axis_min.x, &mut s.axis_min.y, &mut s.axis_min.z]
+    }
+
+    rows! {
+        for min in parts, named &["axes.x", "axes.y", "axes.z"];
+
+        /// The least position of the axis; the greatest is this and its length, at most 5000.
+        103 "min" = *min, "mm", [ranges::PLACE.spec()];
+    }
 }
 
 /// Rows of [`Homing`].

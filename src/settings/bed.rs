@@ -1,7 +1,7 @@
 //! The bed: where the machine can print, which may be less than where its tool can go.
 
 use super::rows::rows;
-use super::{Axes, AxisSettings, Settings, ranges};
+use super::{Range, Settings, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -21,8 +21,9 @@ pub struct Bed {
 impl Bed {
     /// All that the tool reaches.
     #[must_use]
-    pub const fn of_reach(axes: &Axes<AxisSettings>) -> Self {
-        Self { width: axes.x.length, depth: axes.y.length, left: Mm::ZERO, front: Mm::ZERO }
+    pub const fn of_reach(x: Range<Mm>, y: Range<Mm>) -> Self {
+        let (width, depth) = (x.most.saturating_sub(x.least), y.most.saturating_sub(y.least));
+        Self { width, depth, left: x.least, front: y.least }
     }
 }
 
@@ -38,7 +39,7 @@ rows! {
     /// Size in y.
     28 "depth" = bed.depth, "mm", [ranges::AXIS_LENGTH.spec()];
     /// x of its left edge.
-    29 "left" = bed.left, "mm", [ranges::BED_EDGE.spec()];
+    29 "left" = bed.left, "mm", [ranges::PLACE.spec()];
     /// y of its front edge.
-    30 "front" = bed.front, "mm", [ranges::BED_EDGE.spec()];
+    30 "front" = bed.front, "mm", [ranges::PLACE.spec()];
 }

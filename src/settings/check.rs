@@ -3,7 +3,7 @@
 use super::ranges;
 use super::rows::{Field, Key, Value, Visitor};
 use super::thermal::{ThermalSettings, Thermistor};
-use super::{DriverGroups, Endstop, HomedAxis, OwnDriver, Settings};
+use super::{DriverGroups, Endstop, HomedAxis, OwnDriver, Range, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, multiple};
 use crate::motors::{Motor, MotorName, MotorSet};
@@ -131,8 +131,8 @@ const fn legal_beside(is_legal: bool, key: &'static str) -> Result<(), SettingsE
     if is_legal { Ok(()) } else { Err(SettingsError::OutOfRangeBeside(key)) }
 }
 
-fn endstop(e: Endstop, length: Mm, key: &'static str) -> Result<(), SettingsError> {
-    legal_beside(e.end.positions(length).holds(e.position), key)
+fn endstop(e: Endstop, reach: Range<Mm>, key: &'static str) -> Result<(), SettingsError> {
+    legal_beside(e.end.positions(reach).holds(e.position), key)
 }
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
@@ -209,9 +209,16 @@ impl Settings {
         }
         // As a row this is no window, which is legal.
         legal_beside(self.advance.window != Some(Seconds::ZERO), "advance.window")?;
-        endstop(self.endstops.x, self.axes.x.length, "homing.x.position")?;
-        endstop(self.endstops.y, self.axes.y.length, "homing.y.position")?;
-        endstop(self.endstops.z, self.axes.z.length, "homing.z.position")?;
+        let keys = [
+            ("axes.x.length", "homing.x.position"),
+            ("axes.y.length", "homing.y.position"),
+            ("axes.z.length", "homing.z.position"),
+        ];
+        for (axis, (length, position)) in HomedAxis::ALL.into_iter().zip(keys) {
+            let reach = self.reach(axis);
+            legal_beside(ranges::PLACE.holds(reach.most), length)?;
+            endstop(self.endstops.of(axis), reach, position)?;
+        }
         if !HomedAxis::ALL.iter().all(|axis| self.homing_order.contains(axis)) {
             return Err(SettingsError::HomingOrder);
         }

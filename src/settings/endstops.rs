@@ -24,13 +24,22 @@ impl AxisEnd {
         }
     }
 
-    /// Where an endstop at this end of an axis of this length may sit: in its half, or somewhat outside.
+    /// Where an endstop at this end of an axis with this reach may sit: in its half, or somewhat outside.
     #[must_use]
-    pub fn positions(self, length: Mm) -> Range<Mm> {
-        let half = length / 2;
+    pub fn positions(self, reach: Range<Mm>) -> Range<Mm> {
+        let middle = reach.least.saturating_add(reach.most) / 2;
         match self {
-            Self::Min => Range { least: -ranges::ENDSTOP_OUTSIDE, most: half },
-            Self::Max => Range { least: half, most: length.saturating_add(ranges::ENDSTOP_OUTSIDE) },
+            Self::Min => Range { least: reach.least.saturating_sub(ranges::ENDSTOP_OUTSIDE), most: middle },
+            Self::Max => Range { least: middle, most: reach.most.saturating_add(ranges::ENDSTOP_OUTSIDE) },
+        }
+    }
+
+    /// The place of this end of an axis with this reach.
+    #[must_use]
+    pub const fn of(self, reach: Range<Mm>) -> Mm {
+        match self {
+            Self::Min => reach.least,
+            Self::Max => reach.most,
         }
     }
 
@@ -71,23 +80,16 @@ impl Endstop {
     }
 
     /// The largest distance of the axis behind the switch, where it stays pressed: from the switch to the end of an
-    /// axis of this length.
+    /// axis with this reach.
     #[must_use]
-    pub fn depth(self, length: Mm) -> Mm {
-        let depth = match self.end {
-            AxisEnd::Min => self.position,
-            AxisEnd::Max => length - self.position,
-        };
-        depth.max(Mm::ZERO)
+    pub fn depth(self, reach: Range<Mm>) -> Mm {
+        self.towards(self.end.of(reach).saturating_sub(self.position)).max(Mm::ZERO)
     }
 
-    /// The distance of the switch from the other end of an axis of this length.
+    /// The distance of the switch from the other end of an axis with this reach.
     #[must_use]
-    pub fn longest_way(self, length: Mm) -> Mm {
-        match self.end {
-            AxisEnd::Min => length - self.position,
-            AxisEnd::Max => self.position,
-        }
+    pub fn longest_way(self, reach: Range<Mm>) -> Mm {
+        self.towards(self.position.saturating_sub(self.end.other().of(reach)))
     }
 }
 
@@ -167,11 +169,24 @@ mod tests {
     fn the_switch_lies_down_or_up() {
         let low = Endstop { end: AxisEnd::Min, position: Mm::from_num(-5) };
         let high = Endstop { end: AxisEnd::Max, position: Mm::from_num(305) };
-        let (ten, length) = (Mm::from_num(10), Mm::from_num(300));
+        let (ten, reach) = (Mm::from_num(10), Range { least: Mm::ZERO, most: Mm::from_num(300) });
         assert_eq!((low.towards(ten), high.towards(ten)), (-ten, ten));
-        assert_eq!([low, high].map(|switch| switch.depth(length)), [Mm::ZERO; 2]);
+        assert_eq!([low, high].map(|switch| switch.depth(reach)), [Mm::ZERO; 2]);
         let (inside, far) = (Endstop { position: ten, ..low }, Endstop { position: Mm::from_num(280), ..high });
-        assert_eq!((inside.depth(length), far.depth(length)), (ten, Mm::from_num(20)));
-        assert_eq!((low.longest_way(length), high.longest_way(length)), (Mm::from_num(305), Mm::from_num(305)));
+        assert_eq!((inside.depth(reach), far.depth(reach)), (ten, Mm::from_num(20)));
+        assert_eq!((low.longest_way(reach), high.longest_way(reach)), (Mm::from_num(305), Mm::from_num(305)));
+    }
+
+    #[test]
+    fn the_switch_lies_in_its_half_of_an_axis_on_both_sides_of_0() {
+        let mm = |mm: f64| Mm::from_num(mm);
+        let reach = Range { least: mm(-60.0), most: mm(230.0) };
+        let range = |end: AxisEnd| [end.positions(reach).least, end.positions(reach).most];
+        assert_eq!(range(AxisEnd::Min), [mm(-110.0), mm(85.0)]);
+        assert_eq!(range(AxisEnd::Max), [mm(85.0), mm(280.0)]);
+        let low = Endstop { end: AxisEnd::Min, position: mm(-59.5) };
+        let high = Endstop { end: AxisEnd::Max, position: mm(229.0) };
+        assert_eq!((low.depth(reach), high.depth(reach)), (mm(0.5), mm(1.0)));
+        assert_eq!((low.longest_way(reach), high.longest_way(reach)), (mm(289.5), mm(289.0)));
     }
 }

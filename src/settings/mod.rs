@@ -72,6 +72,8 @@ use serde::{Deserialize, Serialize};
 pub struct Settings {
     /// Resolution, limits and length of every axis.
     pub axes: Axes<AxisSettings>,
+    /// The least position of each axis.
+    pub axis_min: Cartesian<Mm>,
     /// Speed limit of a belt motor, in mm of belt a second.
     pub motor_max_speed: MmPerSec,
     /// Acceleration limit of a belt motor, in mm of belt a second squared.
@@ -166,8 +168,10 @@ impl Settings {
                 length: Mm::const_from_int(1000),
             },
         };
+        let (width, depth) = (axes.x.length, axes.y.length);
         Self {
             axes,
+            axis_min: Cartesian { x: Mm::ZERO, y: Mm::ZERO, z: Mm::ZERO },
             motor_max_speed: MmPerSec::const_from_int(450),
             motor_max_acceleration: MmPerSec2::const_from_int(7500),
             print_acceleration: MmPerSec2::const_from_int(3000),
@@ -196,7 +200,7 @@ impl Settings {
             endstops: Cartesian { x: Endstop::at_zero(), y: Endstop::at_zero(), z: Endstop::at_zero() },
             homing_order: HomedAxis::ALL,
             baud: 250_000,
-            bed: Bed::of_reach(&axes),
+            bed: Bed { width, depth, left: Mm::ZERO, front: Mm::ZERO },
             probe: EndstopPlug::NONE,
             belt: Belt::prototype(),
             name: const { MachineName::lit("CoreH-bot prototype") },
@@ -226,6 +230,7 @@ impl Settings {
                     limp_lift: _,
                 },
             axes: _,
+            axis_min: _,
             motor_max_speed: _,
             motor_max_acceleration: _,
             print_acceleration: _,
@@ -260,6 +265,14 @@ impl Settings {
             && baud == other.baud
             && probe == other.probe
             && is_closed == other.belt.is_closed
+    }
+
+    /// Where an axis can be.
+    #[must_use]
+    pub fn reach(&self, axis: HomedAxis) -> Range<Mm> {
+        let Axes { x, y, z, .. } = self.axes;
+        let (least, length) = (self.axis_min.of(axis), Cartesian { x, y, z }.of(axis).length);
+        Range { least, most: least.saturating_add(length) }
     }
 
     /// The name of a motor in its machine file, for people.

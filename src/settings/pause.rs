@@ -67,9 +67,9 @@ rows! {
     /// Whether the tool goes to the place of x and y.
     53 "park" = pause.park, "", [Spec::SWITCH];
     /// x of the parking place; beyond the reachable space it is the edge.
-    54 "x" = pause.x, "mm", [ranges::BED_EDGE.spec()];
+    54 "x" = pause.x, "mm", [ranges::PLACE.spec()];
     /// y of the parking place; beyond the reachable space it is the edge.
-    55 "y" = pause.y, "mm", [ranges::BED_EDGE.spec()];
+    55 "y" = pause.y, "mm", [ranges::PLACE.spec()];
     /// Speed of the way to the parking place and back.
     56 "travel_speed" = pause.travel_speed, "mm/s", [ranges::SPEED.spec()];
     /// Time of a pause after which heaters go off, to be heated again before the print goes on. They go off after

@@ -3,6 +3,7 @@
 //! `BoardConnectors`.
 
 use super::Range;
+use crate::kinematics::MOST_MULTIPLE;
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepRate, StepsPerMm, Watts,
     WattsPerKelvin,
@@ -18,7 +19,7 @@ pub const ACCELERATION: Range<MmPerSec2> =
     Range { least: MmPerSec2::const_from_int(1), most: MmPerSec2::const_from_int(100_000) };
 /// Seconds between two busy messages; 0 is never. Hosts that wait for longer than a minute give up.
 pub const KEEPALIVE_S: Range<u8> = Range { least: 0, most: 60 };
-/// Length of an axis.
+/// Travel of an axis.
 pub const AXIS_LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
 /// Junction deviation and arc tolerance.
 pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
@@ -28,11 +29,13 @@ pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
 pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
 /// The largest distance of an endstop outside the reachable space: the largest back-off.
 pub(super) const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
+/// Places that an axis may reach, on both sides of 0. Motors count their steps in 32 bits: at the finest resolution times
+/// the largest number in a row, 5 m and a switch outside are 0.96 of 2^31 steps.
+pub const PLACE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: Mm::const_from_int(5000) };
+const _: () = assert!((5000 + 50) * 25_600 * (MOST_MULTIPLE as i64) < 1 << 31);
 /// Where an endstop of any axis may sit.
 pub const ENDSTOP_POSITION: Range<Mm> =
-    Range { least: Mm::const_from_int(-50), most: Mm::const_from_int(5000).saturating_add(ENDSTOP_OUTSIDE) };
-/// Where an edge of the bed may lie: anywhere that an axis could reach.
-pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
+    Range { least: PLACE.least.saturating_sub(ENDSTOP_OUTSIDE), most: PLACE.most.saturating_add(ENDSTOP_OUTSIDE) };
 /// Milliseconds between two motors of a belt that get power: the longest time is twice the largest age of a driver's
 /// proof.
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };

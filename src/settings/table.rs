@@ -34,6 +34,7 @@ macro_rules! files {
 files! {
     top,
     axis,
+    axis::min,
     axis::homing,
     bed,
     belt,

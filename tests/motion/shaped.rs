@@ -3,7 +3,7 @@
 use super::line::{self, generate_shaped, plan};
 use super::model::{Trapezoid, trapezoids};
 use super::timing::{groups, steps_of, wander};
-use corehbot::settings::{Settings, Shaper, ShaperKind};
+use corehbot::settings::{HomedAxis, Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Ratio, Seconds};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -86,13 +86,15 @@ impl Follow {
 
     fn at(&self, motion: &Motion, t: f64) -> [f64; 4] {
         let s = &self.settings;
-        let axes = [(&s.shapers.x, s.axes.x.length.to_num()), (&s.shapers.y, s.axes.y.length.to_num())];
+        let axes = [(&s.shapers.x, HomedAxis::X), (&s.shapers.y, HomedAxis::Y)];
         let shaped = |impulses: &[(f64, f64)], axis: usize| {
-            let (shaper, length) = axes[axis];
+            let (shaper, axis_of) = axes[axis];
+            let reach = s.reach(axis_of);
+            let (from, length): (f64, f64) = (reach.least.to_num(), (reach.most - reach.least).to_num());
             let mean = mean(impulses);
             // An impulse is as far from the mean as the period is long where the copy is.
             let copy = |time: f64| {
-                let late = |at: f64| self.delay + (time - mean) * period(shaper, length, at);
+                let late = |at: f64| self.delay + (time - mean) * period(shaper, length, at - 80.0 * from);
                 // The period depends on the place only if the belts are elastic; then it takes some rounds to find.
                 let rounds = if shaper.span == Mm::ZERO { 1 } else { 5 };
                 (0..rounds).fold(t - self.delay, |when, _| t - late(motion.at(when)[axis]))
@@ -190,6 +192,10 @@ fn taps_stand_closer_where_belts_are_stiffer() {
         (s.shapers.x.span, s.shapers.y.span) = (Mm::from_num(834.6), Mm::from_num(862.2));
         if !stiff {
             (s.shapers.x.motor_frequency, s.shapers.y.motor_frequency) = (Hertz::from_num(289), Hertz::from_num(167));
+        }
+        if kind == ShaperKind::Zvd {
+            // The middle of an axis that begins below 0 is elsewhere.
+            s.axis_min.x = Mm::from_num(-40);
         }
         let (count, worst) = errors(&wander(150, 0x1234_5678_9ABC_DEF1), &s);
         println!("{kind:?}: {count} steps, worst {worst:.3} ticks");

@@ -138,6 +138,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
 fn key_of(path: &str) -> String {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
+    let path = path.strip_prefix("axis_min.").map_or(path.clone(), |axis| format!("axes.{axis}.min"));
     let path = path.replace("homing_order", "homing.order");
     let path = if path == "probe" { "endstops.probe".to_owned() } else { path };
     let path = path.replace("belt.is_closed", "belt.closed").replace("settling_ms", "settling");
@@ -172,8 +173,11 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
 }
 
 /// Settings that M503 says as a comment, and only a machine file sets. It says no other without a line that sets it.
-const FILE_ONLY: [&str; 33] = [
+const FILE_ONLY: [&str; 36] = [
     "name",
+    "axis_min.x",
+    "axis_min.y",
+    "axis_min.z",
     "back_off",
     "baud",
     "belt.max_acceleration",

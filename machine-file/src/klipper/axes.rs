@@ -17,8 +17,8 @@ pub(super) fn axes(work: &mut Work<'_>) {
             work.notes.push(Verdict::new(Kind::Decide, text));
             continue;
         }
-        reach(work, axis, &section);
-        homing(work, axis, &section);
+        let reach = reach(work, axis, &section);
+        homing(work, axis, &section, reach);
         switch(work, axis, &section);
     }
 }
@@ -68,37 +68,49 @@ fn limits(work: &mut Work<'_>) {
     }
 }
 
-/// An axis reaches from 0 to its length.
-fn reach(work: &mut Work<'_>, axis: &str, section: &str) {
-    match work.number(section, "position_max") {
-        Some((entry, most)) => work.take_number(entry, &format!("axes.{axis}.length"), most),
-        None => {
-            let path = format!("axes.{axis}.length");
-            work.leave_open(&path);
-            let text = format!("[{section}] has no position_max: write {path}");
-            work.notes.push(Verdict::new(Kind::Decide, text));
+/// The least and the greatest position of an axis; the second as far as it is known.
+fn reach(work: &mut Work<'_>, axis: &str, section: &str) -> (f64, Option<f64>) {
+    let (min, length) = (format!("axes.{axis}.min"), format!("axes.{axis}.length"));
+    let least = match work.number(section, "position_min") {
+        Some((entry, least)) => {
+            work.take_number(entry, &min, least);
+            least
         }
+        None => 0.0,
+    };
+    let Some((entry, most)) = work.number(section, "position_max") else {
+        work.leave_open(&length);
+        let text = format!("[{section}] has no position_max: write {length}");
+        work.notes.push(Verdict::new(Kind::Decide, text));
+        return (least, None);
+    };
+    work.take_number(entry, &length, most - least);
+    if least < 0.0 {
+        bed(work, axis, least, most);
     }
-    if let Some((entry, least)) = work.number(section, "position_min") {
-        if least < 0.0 {
-            work.say(entry, Kind::NotYet, format!("an axis reaches from 0: {least} to 0 cannot be reached"));
-        } else if least > 0.0 {
-            work.say(
-                entry,
-                Kind::NotYet,
-                format!("an axis reaches from 0: nothing keeps the tool out of 0 to {least}"),
-            );
-        } else {
-            work.say(entry, Kind::Taken, "an axis reaches from 0");
-        }
+    (least, Some(most))
+}
+
+/// Klipper does not know the bed. Where an axis goes below 0, a switch or a place to wipe is beside the bed, which
+/// begins at 0.
+fn bed(work: &mut Work<'_>, axis: &str, least: f64, most: f64) {
+    let (from, size) = match axis {
+        "x" => ("bed.left", "bed.width"),
+        "y" => ("bed.front", "bed.depth"),
+        _ => return,
+    };
+    for (path, value) in [(from, 0.0), (size, most)] {
+        work.lines.set(path, float_toml(rounded(value)), "from 0 to position_max: correct it if the bed is smaller");
     }
+    let text = format!("{axis} reaches from {least}: {from} and {size} are 0 to position_max, as beds begin at 0");
+    work.notes.push(Verdict::new(Kind::Approximated, text));
 }
 
 /// Klipper's speed of homing, and its way back.
 const HOMING_SPEED: f64 = 5.0;
 const RETRACT: f64 = 5.0;
 
-fn homing(work: &mut Work<'_>, axis: &str, section: &str) {
+fn homing(work: &mut Work<'_>, axis: &str, section: &str, (least, most): (f64, Option<f64>)) {
     let key = |leaf: &str| format!("homing.{axis}.{leaf}");
     let fast = work.number(section, "homing_speed");
     match fast {
@@ -117,11 +129,11 @@ fn homing(work: &mut Work<'_>, axis: &str, section: &str) {
         Some((entry, distance)) => work.take_number(entry, &key("back_off"), distance),
         None => work.set_default(&key("back_off"), RETRACT),
     }
-    let (place, most) = (work.number(section, "position_endstop"), work.number(section, "position_max"));
+    let place = work.number(section, "position_endstop");
     let positive = work.value(section, "homing_positive_dir");
     let is_max = match (positive, place, most) {
         (Some((_, text)), ..) => ["true", "1", "yes", "on"].contains(&text.to_lowercase().as_str()),
-        (None, Some((_, place)), Some((_, most))) => place > most / 2.0,
+        (None, Some((_, place)), Some(most)) => place > (least + most) / 2.0,
         (None, ..) => false,
     };
     let end = if is_max { "max" } else { "min" };
@@ -133,9 +145,10 @@ fn homing(work: &mut Work<'_>, axis: &str, section: &str) {
         let text = format!("[{section}] has no position_endstop: {} is the {end} end of the axis", key("position"));
         return work.notes.push(Verdict::new(Kind::Approximated, text));
     };
-    let length = most.map_or(place, |(_, most)| most);
-    let (least, most) = if is_max { (length / 2.0, length + OUTSIDE) } else { (-OUTSIDE, length / 2.0) };
-    if (least..=most).contains(&place) {
+    let most = most.unwrap_or(place);
+    let middle = (least + most) / 2.0;
+    let (from, to) = if is_max { (middle, most + OUTSIDE) } else { (least - OUTSIDE, middle) };
+    if (from..=to).contains(&place) {
         work.take_number(entry, &key("position"), place);
     } else {
         let text = format!("{place} is not in the {end} half of the axis, nor up to {OUTSIDE} mm outside");

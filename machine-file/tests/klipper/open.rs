@@ -14,8 +14,9 @@ fn motors_of_other_boards_and_drivers_are_to_be_decided() {
     let (kind, text) = of("stepper_x", "step_pin");
     assert!(kind == Kind::Taken && text.contains("\"!M0\""), "an alias of an alias: {text}");
     assert_eq!(of("stepper_x", "endstop_pin"), (Kind::Taken, "endstops.x = \"!X-STOP\""));
-    assert_eq!(of("stepper_x", "position_min").0, Kind::NotYet);
-    assert_eq!(of("stepper_x", "position_endstop").0, Kind::Decide);
+    assert_eq!(of("stepper_x", "position_min"), (Kind::Taken, "axes.x.min = -59.8"));
+    assert_eq!(of("stepper_x", "position_max"), (Kind::Taken, "axes.x.length = 389.8"));
+    assert_eq!(of("stepper_x", "position_endstop"), (Kind::Taken, "homing.x.position = -59.8"));
     assert!(of("stepper_y", "endstop_pin").1.contains("StallGuard"));
     assert!(of("stepper_z", "endstop_pin").1.contains("probe"));
     assert_eq!(of("printer", "max_accel_to_decel"), (Kind::Taken, "minimum_cruise_ratio = 0.5"));

@@ -21,7 +21,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Pend};
-use crate::settings::Settings;
+use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// Speed of a stroke: one turn a second of a pulley of 40 mm. Far below, load readings are too coarse (section 11: "a
@@ -326,10 +326,12 @@ async fn load_at<P: PortSet, W: Pend>(
     place: i32,
 ) -> Result<Load, BeltError> {
     go_to(main_loop, scan, place).await?;
-    let ([x, y, ..], axes) = (main_loop.motion.end_mm(), &main_loop.settings.axes);
-    let (at, length) = if scan.is_along_y { (y, axes.y.length) } else { (x, axes.x.length) };
+    let [x, y, ..] = main_loop.motion.end_mm();
+    let (at, axis) = if scan.is_along_y { (y, HomedAxis::Y) } else { (x, HomedAxis::X) };
+    let Range { least, most } = main_loop.settings.reach(axis);
+    let length = most.saturating_sub(least);
     let stroke = STROKE.min(length / 3);
-    let stroke = if at > length / 2 { -stroke } else { stroke };
+    let stroke = if at > least.saturating_add(length / 2) { -stroke } else { stroke };
     let (mut there, mut back) = (Readings::default(), Readings::default());
     go_along(main_loop, scan, stroke, &mut there).await?;
     go_along(main_loop, scan, -stroke, &mut back).await?;

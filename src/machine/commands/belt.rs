@@ -16,6 +16,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
+use crate::settings::HomedAxis;
 use crate::units::Mm;
 
 /// Lift of z while the tool goes to the switches, so that the nozzle does not touch the print.
@@ -163,7 +164,7 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
     let [.., z] = main_loop.homed.axes();
     let position = main_loop.motion.end_mm();
     let [_, _, at, _] = position;
-    let lift = LIFT.min(main_loop.settings.axes.z.length.saturating_sub(at)).max(Mm::ZERO);
+    let lift = LIFT.min(main_loop.settings.reach(HomedAxis::Z).most.saturating_sub(at)).max(Mm::ZERO);
     if !z {
         return Ok(Mm::ZERO);
     }

@@ -29,6 +29,7 @@ use crate::machine::state::program::{Dynamics, Program};
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::protocol::Action;
+use crate::settings::HomedAxis;
 use crate::units::{Celsius, Instant, Mm, MmPerSec};
 
 /// At this distance above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to
@@ -271,7 +272,7 @@ async fn park<P: PortSet, W: Pend>(
     };
     if lift > Mm::ZERO && z_homed {
         let [_, _, z, _] = &mut machine;
-        let top = if soft { axes.z.length.max(*z) } else { Mm::MAX };
+        let top = if soft { main_loop.settings.reach(HomedAxis::Z).most.max(*z) } else { Mm::MAX };
         *z = z.saturating_add(lift).min(top);
         travel(main_loop, machine, axes.z.max_speed).await?;
         main_loop.commanded.park_at(machine);
@@ -279,9 +280,10 @@ async fn park<P: PortSet, W: Pend>(
     let is_named = words.x.is_some() || words.y.is_some();
     if (is_named || s.park && !is_off_part) && x_homed && y_homed && z_homed {
         let [x, y, ..] = &mut machine;
-        for (at, word, place, axis) in [(x, words.x, s.x, axes.x), (y, words.y, s.y, axes.y)] {
+        let [x_reach, y_reach] = [HomedAxis::X, HomedAxis::Y].map(|axis| main_loop.settings.reach(axis));
+        for (at, word, place, reach) in [(x, words.x, s.x, x_reach), (y, words.y, s.y, y_reach)] {
             if word.is_some() || s.park {
-                *at = word.map_or(place, length).clamp(Mm::ZERO, axis.length);
+                *at = reach.clamp(word.map_or(place, length));
             }
         }
         travel(main_loop, machine, s.travel_speed).await?;
@@ -302,7 +304,8 @@ async fn go_back<P: PortSet, W: Pend>(
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
     // Move above any part on the bed if a user has lowered the tool.
     let is_beside = (x, y) != (from_x, from_y);
-    let over = if is_beside && from_z < z { z.saturating_add(s.lift).min(axes.z.length.max(z)) } else { from_z };
+    let top = main_loop.settings.reach(HomedAxis::Z).most.max(z);
+    let over = if is_beside && from_z < z { z.saturating_add(s.lift).min(top) } else { from_z };
     travel(main_loop, [from_x, from_y, over, from_e], axes.z.max_speed).await?;
     travel(main_loop, [x, y, over, from_e], s.travel_speed).await?;
     travel(main_loop, [x, y, z, from_e], axes.z.max_speed).await?;

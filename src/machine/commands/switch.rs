@@ -7,7 +7,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::{Endstop, HomedAxis, Homing};
+use crate::settings::{Endstop, HomedAxis, Homing, Range};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// Search distance beyond an axis' length: the machine may stand a little outside.
@@ -45,7 +45,7 @@ struct Axis {
     switch: EndstopSet,
     endstop: Endstop,
     homing: Homing,
-    length: Mm,
+    reach: Range<Mm>,
 }
 
 /// Homes an axis. If that fails the host gets the reason, and the print must not go on.
@@ -108,13 +108,13 @@ fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis)
 /// The facts of an axis.
 fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
     let s = &*main_loop.settings;
-    let (switch, length) = match axis {
-        HomedAxis::X => (EndstopSet::X, s.axes.x.length),
-        HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),
-        HomedAxis::Z => (EndstopSet::Z, s.axes.z.length),
+    let switch = match axis {
+        HomedAxis::X => EndstopSet::X,
+        HomedAxis::Y => EndstopSet::Y,
+        HomedAxis::Z => EndstopSet::Z,
     };
-    let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
-    Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
+    let (endstop, homing, reach) = (s.endstops.of(axis), s.homing.of(axis), s.reach(axis));
+    Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, reach }
 }
 
 async fn home_axis<P: PortSet, W: Pend>(
@@ -136,11 +136,11 @@ async fn home_axis<P: PortSet, W: Pend>(
 /// Finds the switch fast, backs off and finds it slowly. Returns the distance of its back-off.
 async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
     let start = main_loop.motion.real_steps();
-    if !approach(main_loop, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
+    if !approach(main_loop, axis, axis.endstop.longest_way(axis.reach) + BEYOND, axis.homing.fast).await? {
         return Err(NO_TRIGGER);
     }
     // If the axis did not move, it was at the switch already, or anywhere behind it.
-    let depth = if main_loop.motion.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
+    let depth = if main_loop.motion.real_steps() == start { axis.endstop.depth(axis.reach) } else { Mm::ZERO };
     let back_off = axis.homing.back_off + depth;
     travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     // Twice the distance backed off finds any switch that is still there.

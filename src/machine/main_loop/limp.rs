@@ -96,7 +96,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.until(|c| !c.power.are_unseen()).await?;
         let mut place = self.motion.end_mm();
         let [x, y, z, _] = &mut place;
-        let raised = self.settings.belt.limp_lift.min(self.settings.axes.z.length.saturating_sub(*z)).max(Mm::ZERO);
+        let raised =
+            self.settings.belt.limp_lift.min(self.settings.reach(HomedAxis::Z).most.saturating_sub(*z)).max(Mm::ZERO);
         *z = z.saturating_add(raised);
         let [beside_x, beside_y] = [HomedAxis::X, HomedAxis::Y].map(|axis| self.beside_switch(axis));
         let raise = place_of([*x, *y], &place);
@@ -112,12 +113,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     fn beside_switch(&self, axis: HomedAxis) -> Mm {
         let s = &self.settings;
         let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
-        let length = match axis {
-            HomedAxis::X => s.axes.x.length,
-            HomedAxis::Y => s.axes.y.length,
-            HomedAxis::Z => s.axes.z.length,
-        };
-        (endstop.position - endstop.towards(homing.back_off)).clamp(Mm::ZERO, length)
+        s.reach(axis).clamp(endstop.position - endstop.towards(homing.back_off))
     }
 
     /// Goes to a place with a speed and acceleration that three motors hold easily. The motor that has failed has no

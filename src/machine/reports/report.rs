@@ -9,7 +9,7 @@ use crate::machine::state::commanded::Commanded;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
 use crate::port::EndstopSet;
-use crate::settings::{Cartesian, Endstop, Settings};
+use crate::settings::{Cartesian, Endstop, HomedAxis, Settings};
 use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
@@ -187,10 +187,10 @@ pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overlo
 /// M211 without S.
 pub(in crate::machine) fn report_soft_endstops(to: &mut Speaker<'_>, s: &Settings, homed: Homed) {
     let state = if s.soft_endstops { "ON" } else { "OFF" };
-    let a = s.axes;
-    let (x, y, z) = (Hundredths::of(a.x.length), Hundredths::of(a.y.length), Hundredths::of(a.z.length));
+    let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
+    let [[x, to_x], [y, to_y], [z, to_z]] = reaches.map(|reach| [reach.least, reach.most].map(Hundredths::of));
     let known = if homed.lacks_one_of([true; 3]) { "  (once homed)" } else { "" };
-    to.say(format_args!("Soft endstops: {state}  Min:  X0.00 Y0.00 Z0.00   Max:  X{x} Y{y} Z{z}{known}"));
+    to.say(format_args!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
 use crate::settings::plain::Word;
 use crate::settings::rows::Value;
-use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
+use crate::settings::{AxisEnd, Bed, Belt, CornerRule, HomedAxis, Pause, Range, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
 use core::fmt::{self, Display, Formatter};
 use fixed::types::I32F32;
@@ -105,10 +105,23 @@ impl Display for Plain<'_> {
     }
 }
 
+/// Where an axis can be: one number if it begins at 0.
+struct Reach(Range<Mm>);
+
+impl Display for Reach {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Range { least, most } = self.0;
+        if least != Mm::ZERO {
+            write!(f, "{}..", exact(least))?;
+        }
+        write!(f, "{}", exact(most))
+    }
+}
+
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
 fn report_space(to: &mut Speaker<'_>, s: &Settings) {
     to.remark(format_args!("machine: {}", s.name));
-    let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
+    let [x, y, z] = HomedAxis::ALL.map(|axis| Reach(s.reach(axis)));
     to.remark(format_args!("reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));

@@ -2,7 +2,7 @@
 
 use super::modal::are_apart;
 use super::position::Homed;
-use crate::settings::Settings;
+use crate::settings::{HomedAxis, Settings};
 use crate::units::Mm;
 
 /// `position` inside the reachable space, and whether it had to be moved by more than rounding. An axis that was not
@@ -12,10 +12,10 @@ pub(in crate::machine) fn clamp(position: [Mm; 4], from: [Mm; 4], homed: Homed, 
         return (position, false);
     }
     let mut inside = position;
-    let most = [s.axes.x.length, s.axes.y.length, s.axes.z.length];
-    for (((at, from), most), homed) in inside.iter_mut().zip(from).zip(most).zip(homed.axes()) {
+    let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
+    for (((at, from), reach), homed) in inside.iter_mut().zip(from).zip(reaches).zip(homed.axes()) {
         if homed {
-            *at = (*at).clamp(from.min(Mm::ZERO), from.max(most));
+            *at = (*at).clamp(from.min(reach.least), from.max(reach.most));
         }
     }
     let moved = inside.iter().zip(position).any(|(inside, asked)| are_apart(*inside, asked));
@@ -44,5 +44,14 @@ mod tests {
         let x = |x: i32| [Mm::from_num(x), there[1], there[2], there[3]];
         let ends = [-3, -1, -9].map(|to| clamp(x(to), there, Homed::new([true; 3]), &s));
         assert_eq!(ends, [(x(-3), false), (x(-1), false), (x(-3), true)]);
+    }
+
+    #[test]
+    fn an_axis_on_both_sides_of_0_has_its_own_edges() {
+        let mut s = Settings::prototype();
+        (s.axis_min.x, s.axes.x.length) = (Mm::from_num(-60), Mm::from_num(290));
+        let x = |x: f64| [Mm::from_num(x), Mm::ZERO, Mm::ZERO, Mm::ZERO];
+        let ends = [-60.0, -60.5, 230.0, 230.5].map(|to| clamp(x(to), x(0.0), Homed::new([true; 3]), &s));
+        assert_eq!(ends, [(x(-60.0), false), (x(-60.0), true), (x(230.0), false), (x(230.0), true)]);
     }
 }

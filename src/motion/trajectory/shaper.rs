@@ -13,8 +13,8 @@
 
 use super::{AXES, Stiffening, TAPS, Tap, Taps};
 use crate::motion::number::{acceleration, speed};
-use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers, ranges};
-use crate::units::{Mm, Seconds, TICKS_PER_SECOND};
+use crate::settings::{HomedAxis, Range, Settings, Shaper, ShaperKind, Shapers, ranges};
+use crate::units::{Mm, Seconds, StepsPerMm, TICKS_PER_SECOND};
 use heapless::Vec;
 
 /// An impulse: its time in s, and its weight.
@@ -200,17 +200,20 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
 /// `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
 #[must_use]
 pub fn stiffenings(s: &Settings) -> [Stiffening; 2] {
-    [stiffening(&s.shapers.x, &s.axes.x), stiffening(&s.shapers.y, &s.axes.y)]
+    [
+        stiffening(&s.shapers.x, s.axes.x.steps_per_mm, s.reach(HomedAxis::X)),
+        stiffening(&s.shapers.y, s.axes.y.steps_per_mm, s.reach(HomedAxis::Y)),
+    ]
 }
 
-fn stiffening(shaper: &Shaper, axis: &AxisSettings) -> Stiffening {
+fn stiffening(shaper: &Shaper, resolution: StepsPerMm, reach: Range<Mm>) -> Stiffening {
     if shaper.span == Mm::ZERO {
         return Stiffening::NONE;
     }
     let (frequency, motor): (f32, f32) = (shaper.frequency.to_num(), shaper.motor_frequency.to_num());
-    let (span, steps_per_mm): (f32, f32) = (shaper.span.to_num(), axis.steps_per_mm.to_num());
+    let (span, steps_per_mm): (f32, f32) = (shaper.span.to_num(), resolution.to_num());
     let softness = if motor > 0.0 { frequency / motor } else { 0.0 };
     let half = 0.5 * span * steps_per_mm;
-    let centre = (axis.length * axis.steps_per_mm) >> 1;
+    let centre = (reach.least.saturating_add(reach.most) * resolution) >> 1;
     Stiffening { centre, rate: (1.0 - softness * softness) / (half * half) }
 }

@@ -105,13 +105,16 @@ impl Layout {
         place: [Mm; 3],
     ) -> Result<(Place, Place), LayoutError> {
         let all = workspace(self.machine, params);
-        let (origin, reach) = (all.origin(), [all.x[1] - all.x[0], all.y[1] - all.y[0]]);
+        let (corner, reach) = (all.origin(), [all.x[1] - all.x[0], all.y[1] - all.y[0]]);
+        // The axes begin in the corner.
+        let [left, front] = [settings.axis_min.x, settings.axis_min.y].map(Mm::to_num::<f64>);
+        let origin = Place { x: corner.x - left, y: corner.y - front };
         let axes = [settings.axes.x.length, settings.axes.y.length].map(Mm::to_num::<f64>);
         if axes.iter().zip(reach).any(|(length, reach)| *length > reach + BEYOND_MM) {
             return Err(LayoutError::TooLong { axes, reach });
         }
         let [x, y, _] = place.map(Mm::to_num::<f64>);
-        if [x, y].iter().zip(reach).any(|(at, reach)| !(-BEYOND_MM..=reach + BEYOND_MM).contains(at)) {
+        if [x - left, y - front].iter().zip(reach).any(|(at, reach)| !(-BEYOND_MM..=reach + BEYOND_MM).contains(at)) {
             return Err(LayoutError::OutOfReach([x, y]));
         }
         Ok((origin, Place { x: origin.x + x, y: origin.y + y }))
@@ -171,6 +174,11 @@ mod tests {
         let (origin, start) = layout.places(&settings, &params, at(100.0, 50.0)).unwrap();
         assert!((origin.x - 40.0).abs() < 1e-9 && (origin.y - 26.2).abs() < 1e-9 && (start.x - 140.0).abs() < 1e-9);
         assert_eq!(layout.places(&settings, &params, at(400.0, 0.0)), Err(LayoutError::OutOfReach([400.0, 0.0])));
+        // Axes that begin to the left of 0: their least position is the same corner.
+        settings.axis_min.x = Mm::from_num(-40);
+        let (origin, start) = layout.places(&settings, &params, at(60.0, 50.0)).unwrap();
+        assert!((origin.x - 80.0).abs() < 1e-9 && (start.x - 140.0).abs() < 1e-9);
+        assert_eq!(layout.places(&settings, &params, at(355.0, 0.0)), Err(LayoutError::OutOfReach([355.0, 0.0])));
         settings.axes.y.length = Mm::from_num(500);
         assert!(matches!(layout.places(&settings, &params, at(0.0, 0.0)), Err(LayoutError::TooLong { .. })));
     }

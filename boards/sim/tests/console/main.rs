@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod arcs;
+mod below_zero;
 mod homing;
 mod legal_settings;
 mod lines;

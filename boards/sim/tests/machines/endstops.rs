@@ -15,9 +15,10 @@ fn at(end: AxisEnd, position: f64) -> Endstop {
     Endstop { end, position: Mm::from_num(position) }
 }
 
-/// Some machine with switches elsewhere: all at the far ends; one outside, one inside and one between two steps.
-fn elsewhere(s: &Settings) -> [Settings; 2] {
-    let (mut far, mut odd) = (*s, *s);
+/// Some machine with switches elsewhere: all at the far ends; one outside, one inside and one between two steps; at axes
+/// on both sides of 0.
+fn elsewhere(s: &Settings) -> [Settings; 3] {
+    let (mut far, mut odd, mut below) = (*s, *s, *s);
     let lengths = s.axes.map(|axis| axis.length.to_num::<f64>());
     far.endstops.x = at(AxisEnd::Max, lengths.x);
     far.endstops.y = at(AxisEnd::Max, lengths.y);
@@ -27,7 +28,11 @@ fn elsewhere(s: &Settings) -> [Settings; 2] {
     odd.endstops.y = at(AxisEnd::Max, lengths.y + 3.013);
     odd.endstops.z = at(AxisEnd::Min, 0.7);
     odd.homing_order = [HomedAxis::Y, HomedAxis::Z, HomedAxis::X];
-    [far, odd]
+    (below.axis_min.x, below.axis_min.y, below.axis_min.z) = (Mm::from_num(-60), Mm::from_num(-7.3), Mm::from_num(-5));
+    below.endstops.x = at(AxisEnd::Min, -59.8);
+    below.endstops.y = at(AxisEnd::Max, lengths.y - 7.3);
+    below.endstops.z = at(AxisEnd::Min, -5.5);
+    [far, odd, below]
 }
 
 /// Where the tool ends, by the steps of its motors.
@@ -51,6 +56,9 @@ fn the_tool_is_where_the_machine_says_wherever_the_switches_are() {
         for s in elsewhere(&s) {
             s.check_machine().unwrap();
             tool_is_at([50.0, 60.0, 5.0], &s, "G28\nG1 X50 Y60 Z5 F3000\nM400\nG28 X Y\nG1 X50 Y60\n", &name);
+            if s.axis_min.x < Mm::ZERO {
+                tool_is_at([-41.0, -7.0, -2.0], &s, "G28\nG1 X-41 Y-7 Z-2 F3000\n", &name);
+            }
         }
     }
 }
@@ -114,6 +122,14 @@ fn switches_that_could_not_be_met_are_refused() {
         s.endstops.x = endstop;
         s.check_machine().is_ok()
     };
+    let at_low_axis = |end, position| {
+        let mut s = Settings::prototype();
+        (s.axis_min.x, s.axes.x.length, s.endstops.x) = (Mm::from_num(-60), Mm::from_num(290), at(end, position));
+        s.check_machine().is_ok()
+    };
+    assert!(at_low_axis(AxisEnd::Min, -110.0) && !at_low_axis(AxisEnd::Min, -110.1));
+    assert!(at_low_axis(AxisEnd::Min, 85.0) && !at_low_axis(AxisEnd::Min, 85.1));
+    assert!(at_low_axis(AxisEnd::Max, 280.0) && !at_low_axis(AxisEnd::Max, 280.1));
     assert!(legal(at(AxisEnd::Min, -50.0)) && legal(at(AxisEnd::Min, 195.0)) && legal(at(AxisEnd::Max, 440.0)));
     assert!(!legal(at(AxisEnd::Min, -50.1)) && !legal(at(AxisEnd::Min, 195.1)));
     assert!(!legal(at(AxisEnd::Max, 194.9)) && !legal(at(AxisEnd::Max, 440.1)));

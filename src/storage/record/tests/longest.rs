@@ -6,9 +6,9 @@ use super::spelled_out::heat;
 use crate::connectors::ConnectorName;
 use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
 use crate::settings::{
-    Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, EndstopPlug, FanRole,
-    FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver, Pause, Pid, Settings,
-    Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, Cartesian, CornerRule, DriverSettings, Endstop, EndstopPlug,
+    FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver, Pause, Pid,
+    Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::storage::payload::{LONGEST_PAYLOAD, Unknown, write};
 use crate::storage::record::{HEADER, LONGEST, encode};
@@ -26,6 +26,7 @@ fn the_longest_values_fit() {
         length: Mm::MIN,
     };
     (s.axes.x, s.axes.y, s.axes.z, s.axes.e) = (axis, axis, axis, axis);
+    s.axis_min = Cartesian { x: Mm::MIN, y: Mm::MIN, z: Mm::MIN };
     let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
     (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
     s.corner = CornerRule::JunctionDeviation(Mm::MIN);
