@@ -23,7 +23,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
     ("protocol", &["units", "text", "port"]),
     ("kinematics", &["units", "motors"]),
     ("settings", &["units", "motors", "connectors", "kinematics"]),
-    ("gcode", &["units", "text", "connectors", "settings"]),
+    ("gcode", &["units", "text", "connectors", "motors", "settings"]),
     ("motion", &["units", "motors", "fault", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
     ("storage", &["units", "checksum", "connectors", "port", "kinematics", "settings"]),

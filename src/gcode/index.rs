@@ -30,6 +30,8 @@ pub enum Part {
     Driver,
     /// A fan.
     Fan,
+    /// A motor, by its name.
+    Motor,
     /// A set of temperatures for a material (Marlin); there is none.
     Preset,
     /// A heater by a number (RepRapFirmware); heaters have none.
@@ -48,7 +50,7 @@ impl Part {
             // -1 is all of them (Marlin, M906.cpp).
             Self::Driver => number == Number::ZERO || number == Number::from(-1),
             Self::Fan => true,
-            Self::Preset | Self::Heater | Self::Other => false,
+            Self::Motor | Self::Preset | Self::Heater | Self::Other => false,
         }
     }
 
@@ -62,6 +64,7 @@ impl Part {
             Self::Chamber => "chamber",
             Self::Driver => "driver of an axis",
             Self::Fan => "fan",
+            Self::Motor => "motor",
             Self::Preset => "preset",
             Self::Heater => "heater",
             Self::Slot | Self::Other => "other K",

@@ -57,6 +57,33 @@ impl Residuals {
         self.0.is_empty()
     }
 
+    /// The residuals that are left while these motors turn freely.
+    #[must_use]
+    pub fn without(&self, free: MotorSet) -> Self {
+        let mut sums: heapless::Vec<Residual, MOTORS> = self.iter().copied().collect();
+        for motor in free.iter() {
+            let mut alone = [0; MOTORS];
+            alone[motor.index()] = 1;
+            eliminate(&mut sums, &alone);
+        }
+        Self(sums.into_iter().take(MOST).collect())
+    }
+
+    /// Motors to turn freely so that `motor` can turn alone without strain; first those of `preferred`.
+    #[must_use]
+    pub fn to_free(&self, motor: Motor, preferred: MotorSet) -> MotorSet {
+        let mut free = MotorSet::NONE;
+        // Each motor that is freed takes a residual away.
+        for _ in self.iter() {
+            let left = self.without(free);
+            let Some(residual) = left.iter().map(motors_in).find(|motors| motors.has(motor)) else { break };
+            let others = residual.without(MotorSet::of(motor));
+            let first = others.iter().find(|other| preferred.has(*other)).or_else(|| others.iter().next());
+            free = first.map_or(free, |first| free.with(MotorSet::of(first)));
+        }
+        free
+    }
+
     /// The motors that strain each other.
     #[must_use]
     pub fn motors(&self) -> MotorSet {

@@ -131,6 +131,10 @@ fn motor(f: &mut Formatter<'_>, command: MotorCommand, line: &[u8]) -> fmt::Resu
             f.write_str(if diagnoses { " D" } else { "" })?;
             f.write_str(if repairs { " R" } else { "" })
         }
+        MotorCommand::Buzz { motor, free } => {
+            write!(f, "STEPPER_BUZZ STEPPER={motor}")?;
+            free.map_or(Ok(()), |free| write!(f, " FREE={free}"))
+        }
         _ => reduced(f, line),
     }
 }

@@ -21,7 +21,7 @@
 //! corner's own jump, may fall into one measurement.
 
 use crate::file_line::{command_of, words};
-use corehbot::gcode::{Command, MotionCommand, Number, SettingCommand, VelocityWords, parse};
+use corehbot::gcode::{Command, MotionCommand, MotorCommand, Number, SettingCommand, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use corehbot::units::{Mm, Seconds};
@@ -196,6 +196,9 @@ impl Limits {
         {
             widest.square = widest.square.max(number.value().to_num());
             return;
+        }
+        if let Command::Motor(MotorCommand::Buzz { .. }) = parse(command.as_bytes()) {
+            self.trims = true;
         }
         if let Command::Motion(MotionCommand::Circulate { .. }) = parse(command.as_bytes()) {
             self.circulates |= s.belt.is_closed;

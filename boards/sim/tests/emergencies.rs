@@ -65,13 +65,14 @@ impl Host for Shouter<'_> {
 
 /// A state of the machine, the program that leads there, and the motion time of the state in ms. The time is "never" if
 /// the busy message shows the state.
-const STATES: [(&str, &str, u64); 9] = [
+const STATES: [(&str, &str, u64); 10] = [
     ("moving", "G1 X200 F6000\nM114\n", 400),
     ("moving with many lines waiting", "", 400),
     ("waiting for the motion", "G1 X380 F6000\nM400\n", 900),
     ("homing fast", "G28 X\n", 900),
     ("homing slowly", "G28 X\n", 2900),
     ("homing after another axis", "G28\n", 3900),
+    ("one motor alone", "STEPPER_BUZZ STEPPER=m1\n", 100),
     ("dwelling", "G4 S30\nG1 X110\n", u64::MAX),
     ("waiting for the user", "M600\nG1 X110\n", u64::MAX),
     ("waiting for the user for a time", "M0 S30\n", u64::MAX),

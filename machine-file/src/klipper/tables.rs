@@ -62,7 +62,7 @@ pub(super) const REMARKS: &[Remark] = &[
     not_yet("exclude_object", "", "objects are followed (M486), and leaving one out is refused"),
     needless("respond", "", "built in (M118)"),
     needless("gcode_arcs", "", "arcs are built in (arc_tolerance)"),
-    not_yet("force_move", "", "no motor is moved alone"),
+    not_yet("force_move", "", "STEPPER_BUZZ moves a motor alone, nothing else does"),
     not_yet("save_variables", "", "no macros"),
     needless("fluidd*", "", "of a web interface"),
     needless("mainsail*", "", "of a web interface"),

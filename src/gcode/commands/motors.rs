@@ -3,11 +3,13 @@
 use super::Command;
 use super::grammar::{Grammar, NO_AXES, WORDS};
 use super::row::Described;
+use super::settings::{named_value, words};
 use crate::gcode::axes::{axis_flags, axis_words};
-use crate::gcode::index::Part;
+use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{AxisFlags, AxisWords};
+use crate::gcode::parts::{AxisFlags, AxisWords, Flaw};
+use crate::motors::MotorName;
 
 /// Motors, their drivers and belts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -52,6 +54,13 @@ pub enum MotorCommand {
         /// R: the same, and set it right.
         repairs: bool,
     },
+    /// STEPPER_BUZZ: one motor moves alone, a little to and fro.
+    Buzz {
+        /// STEPPER: the motor; the empty name if it is missing.
+        motor: MotorName,
+        /// FREE: a motor of its belt that has no power meanwhile.
+        free: Option<MotorName>,
+    },
 }
 
 /// Words that select a driver, where all drivers of an axis have one value.
@@ -91,7 +100,14 @@ pub(super) const ROWS: &[Described] = &[
         "D, R",
         "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt.md#alignment-m915))",
     ),
+    Described::name(&[BUZZ], |_, text| Some(buzz(text))).does(
+        "STEPPER= FREE=",
+        "one motor alone, 1 mm to and fro ([belt](../explanation/belt.md#one-motor-alone-stepper_buzz))",
+    ),
 ];
+
+/// Klipper's name for a motor that shows itself.
+const BUZZ: &str = "STEPPER_BUZZ";
 
 const fn motor(command: MotorCommand) -> Option<Command<'static>> {
     Some(Command::Motor(command))
@@ -109,6 +125,24 @@ fn release(text: &[u8]) -> MotorCommand {
 fn stealth(text: &[u8]) -> MotorCommand {
     let on = switch(text);
     MotorCommand::Stealth { on, axes: if on.is_some() { axis_flags(text) } else { AxisFlags::default() } }
+}
+
+/// STEPPER_BUZZ STEPPER=.. FREE=.., with the names of motors in the machine's file.
+fn buzz(text: &[u8]) -> Command<'_> {
+    let (mut motor, mut free) = (MotorName::NONE, None);
+    for word in words(text) {
+        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let Some(known) = core::str::from_utf8(value).ok().and_then(MotorName::new) else {
+            let absent = Absent { command: Named::Name(BUZZ), part: Part::Motor, which: value };
+            return Command::Malformed(Flaw::Absent(absent));
+        };
+        match name {
+            name if name.eq_ignore_ascii_case(b"STEPPER") => motor = known,
+            name if name.eq_ignore_ascii_case(b"FREE") => free = Some(known),
+            _ => return Command::Malformed(Flaw::NoPair(word)),
+        }
+    }
+    Command::Motor(MotorCommand::Buzz { motor, free })
 }
 
 /// M915. RepRapFirmware's is another command; it has these words in addition to its axes, and a number at its R.

@@ -5,6 +5,7 @@
 //! `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
+use super::buzz_answer::BuzzAnswer;
 use super::driver_value::DriverValue;
 use super::machine_answer::MachineAnswer;
 use super::setting::HeatSetting;
@@ -118,6 +119,8 @@ pub(in crate::machine) enum Answer<'a> {
     Driver(Motor, Option<Result<Reading, DriverError>>),
     /// Motors that can pull against each other.
     Belt(BeltAnswer),
+    /// STEPPER_BUZZ.
+    Buzz(BuzzAnswer),
     Storage(StorageNews),
     /// A machine over the serial line.
     Machine(MachineAnswer<'a>),

@@ -10,6 +10,7 @@
 //! | [`words`] | values of a command, as the line that sets them |
 //! | [`machine_answer`] | answers about a machine record on a serial line |
 //! | [`belt_answer`] | answers about motors that can pull against each other |
+//! | [`buzz_answer`] | answers to STEPPER_BUZZ |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
 //! | [`message`] | a message from one host to others (M118), as they read it |
 //! | [`speaker`] | sends each part once and in order, for any free room |
@@ -21,6 +22,7 @@
 
 pub(in crate::machine) mod answer;
 pub(in crate::machine) mod belt_answer;
+pub(in crate::machine) mod buzz_answer;
 pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod message;

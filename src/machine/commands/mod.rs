@@ -17,7 +17,7 @@
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
-//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915) |
+//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |
 //! | reports and messages | [`reports`] | [`messages`] |
 //! | refused | [`refused`] | |
 //! | state kept from line to line | | [`states`] |
@@ -29,6 +29,7 @@
 
 mod arcs;
 mod belt;
+mod buzz;
 mod circulate;
 mod cold_extrusion;
 pub(in crate::machine) mod dispatch;

@@ -1,6 +1,7 @@
 //! Motors, their drivers and belts, each by its command; and M122 for drivers, belt, overload and heat.
 
 use super::belt::{align_belt, examine_belt};
+use super::buzz::buzz;
 use super::drivers::{change_mode, set_drivers};
 use super::job::end_by_line;
 use super::states::States;
@@ -47,6 +48,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotorCommand::AlignBelt { diagnoses: _, repairs } => {
             return examine_belt(main_loop, &mut states.notices, repairs).await;
         }
+        MotorCommand::Buzz { motor, free } => return buzz(main_loop, &mut states.notices, motor, free).await,
     })
 }
 

@@ -23,10 +23,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// belt. Talking to drivers and settling take up to a second and a half and happen before anything is planned, so
     /// they change no step.
     pub async fn power_up(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
-        if let Some(why) = self.power.refusal() {
-            self.reply(Answer::Refused(why)).await?;
-            return Err(Interrupt::NoPower);
-        }
+        refuse_without_machine(self).await?;
         let residuals = self.settings.residuals();
         self.power.watch_closely(residuals.motors());
         let before = self.power.powered();
@@ -40,6 +37,16 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.unpower(self.power.powered().without(before));
         }
         result
+    }
+
+    /// Gives power to these motors and to no other one of their belt, which is not aligned: some of its motors turn
+    /// freely. Until `trim::end_buzz` takes the power away again.
+    pub async fn power_for_buzz(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
+        refuse_without_machine(self).await?;
+        self.unpower(motors);
+        self.power.watch_closely(motors);
+        self.trimming.begin_buzz(motors);
+        self.power_in_turn(motors, self.power.powered()).await
     }
 
     async fn power_in_turn(&mut self, motors: MotorSet, before: MotorSet) -> Result<(), Interrupt> {
@@ -155,4 +162,11 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             Err(Interrupt::Halt)
         }
     }
+}
+
+/// Says why this board has no machine, if it has none.
+async fn refuse_without_machine<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+    let Some(why) = main_loop.power.refusal() else { return Ok(()) };
+    main_loop.reply(Answer::Refused(why)).await?;
+    Err(Interrupt::NoPower)
 }

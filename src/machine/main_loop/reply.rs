@@ -16,6 +16,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::belt_report::report_belt;
+use crate::machine::reports::buzz_report::report_buzz;
 use crate::machine::reports::driver_report::{report_driver, report_driver_values, report_own_driver_values};
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
@@ -194,6 +195,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::OwnDriverValues(value) => report_own_driver_values(to, value, s),
             Answer::Driver(motor, reading) => report_driver(to, (motor, reading), power.drivers(), s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
+            Answer::Buzz(answer) => report_buzz(to, &answer, s),
             Answer::Storage(news) => report_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),

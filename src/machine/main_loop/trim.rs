@@ -9,7 +9,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, Pend};
-use crate::units::Steps;
+use crate::units::{MmPerSec, Steps};
 
 /// The motor of a residual that is turned against the others, and its part of the sum.
 pub(in crate::machine) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
@@ -27,6 +27,17 @@ pub(in crate::machine) async fn trim<P: PortSet, W: Pend>(
     motor: Motor,
     by: i32,
 ) -> Result<(), Interrupt> {
+    let speed = main_loop.settings.belt.max_speed;
+    turn_alone(main_loop, motor, by, speed).await
+}
+
+/// The same at a speed in mm/s of x. Whoever calls it decides which motors have power.
+pub(in crate::machine) async fn turn_alone<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    motor: Motor,
+    by: i32,
+    speed: MmPerSec,
+) -> Result<(), Interrupt> {
     // A stroke may still be moving if its driver did not answer.
     main_loop.finish().await?;
     if by == 0 {
@@ -37,12 +48,7 @@ pub(in crate::machine) async fn trim<P: PortSet, W: Pend>(
     let coupling = main_loop.motion.groups_in(Grouping::Trim).trim_coupling(motor);
     let [x, y] = [x, y].map(Steps::wrapping_round);
     couple(main_loop, Grouping::Trim, &coupling, [x, y, Steps::ZERO, e]).await?;
-    main_loop.motion.plan_whole(
-        [x, y, Steps::wrapping_from_num(i64::from(by)), e],
-        main_loop.settings.belt.max_speed,
-        false,
-        &main_loop.settings,
-    );
+    main_loop.motion.plan_whole([x, y, Steps::wrapping_from_num(i64::from(by)), e], speed, false, &main_loop.settings);
     main_loop.finish().await?;
     end_trim(main_loop).await
 }
@@ -59,4 +65,12 @@ pub(in crate::machine) async fn end_trim<P: PortSet, W: Pend>(
     couple(main_loop, Grouping::Tool, &coupling, held).await?;
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())
+}
+
+/// Takes the power from motors that had it for a buzz, without others of their belt. Motion rests.
+pub(in crate::machine) fn end_buzz<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+    let motors = main_loop.trimming.end_buzz();
+    if !motors.is_empty() {
+        main_loop.unpower(motors);
+    }
 }

@@ -18,6 +18,7 @@
 //! | give notice | send a message once, and not with every line that causes it |
 
 pub(in crate::machine) mod belt_report;
+pub(in crate::machine) mod buzz_report;
 pub(in crate::machine) mod driver_report;
 pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod heat_settings_report;

@@ -1,6 +1,7 @@
 //! Trimming: where the tool stands while one motor of the belt is turned alone, and whether the motors of one belt
 //! agree.
 
+use crate::port::MotorSet;
 use crate::settings::PHASES;
 use crate::units::{Mm, Steps};
 
@@ -28,6 +29,8 @@ pub(in crate::machine) struct Trimming {
     is_aligned: bool,
     /// Drivers measure loads, and are configured for that.
     is_measuring: bool,
+    /// Motors that have power for a buzz, without others of their belt.
+    buzzing: MotorSet,
     /// A phase of the belt was found that settings had not.
     has_new_phase: bool,
     found: [Option<Found>; RESIDUALS],
@@ -42,6 +45,7 @@ impl Trimming {
             held: [Steps::ZERO; 4],
             is_aligned: false,
             is_measuring: false,
+            buzzing: MotorSet::NONE,
             has_new_phase: false,
             found: [None; RESIDUALS],
             homed_aside: [0; 2],
@@ -105,6 +109,16 @@ impl Trimming {
     /// Whether one was when motors were last aligned.
     pub const fn has_new_phase(&self) -> bool {
         self.has_new_phase
+    }
+
+    /// These motors have power for a buzz.
+    pub fn begin_buzz(&mut self, motors: MotorSet) {
+        self.buzzing = self.buzzing.with(motors);
+    }
+
+    /// The buzz is over. Returns the motors that had power for it.
+    pub const fn end_buzz(&mut self) -> MotorSet {
+        core::mem::replace(&mut self.buzzing, MotorSet::NONE)
     }
 
     /// Drivers are configured to measure loads, or no more.

@@ -3,6 +3,7 @@
 
 mod accidents;
 mod alignment;
+mod buzz;
 mod ended;
 mod limp;
 mod loads;

@@ -143,13 +143,13 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
 }
 
 /// The words between blanks, up to a comment.
-pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(in crate::gcode::commands) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
     text.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty())
 }
 
 /// A name and the value after its `=`.
-pub(super) fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
+pub(in crate::gcode::commands) fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let length = word.iter().position(|byte| *byte == b'=').filter(|length| *length > 0)?;
     Some((word.get(..length)?, word.get(length + 1..)?))
 }
