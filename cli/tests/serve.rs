@@ -22,8 +22,12 @@ struct Served {
 
 impl Served {
     fn start(args: &[&str]) -> Self {
+        Self::start_with(args, Stdio::null())
+    }
+
+    fn start_with(args: &[&str], input: Stdio) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_corehbot"));
-        let mut process = command.arg("serve").args(args).stdout(Stdio::piped()).spawn().unwrap();
+        let mut process = command.arg("serve").args(args).stdin(input).stdout(Stdio::piped()).spawn().unwrap();
         let mut out = BufReader::new(process.stdout.take().unwrap());
         let mut path = String::new();
         out.read_line(&mut path).unwrap();
@@ -289,4 +293,29 @@ fn a_machine_is_sent_and_comes_back() {
     let (status, said) = config(&["get", got.to_str().unwrap()]);
     assert!(status == Some(2) && said.contains("as a serial line"), "{status:?} {said}");
     served.interrupt();
+}
+
+/// A hand presses a switch, which is plugged into another input; a driver does not answer.
+#[test]
+fn a_hand_presses_switches_and_mistakes_of_the_wiring_show() {
+    let args = ["--speed", "max", "--hand", "--fault", "swap-endstops:x,y", "--fault", "silent-driver:m4"];
+    let mut served = Served::start_with(&args, Stdio::piped());
+    let mut hand = served.process.stdin.take().unwrap();
+    let mut client = Client::open(&served.path);
+    client.hear();
+    assert!(client.ask("M119").contains(&"y_min: open".to_owned()));
+    hand.write_all(b"press x\n").unwrap();
+    let mut told = client.ask("M119");
+    while !told.contains(&"y_min: TRIGGERED".to_owned()) {
+        told = client.ask("M119");
+    }
+    assert!(told.contains(&"x_min: open".to_owned()), "{told:?}");
+    let told = client.ask("M122");
+    assert!(told.iter().any(|line| line.starts_with("Driver m4: does not answer")), "{told:?}");
+    served.interrupt();
+    let mut wrong = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    let output = wrong.args(["serve", "--fault", "swap-motors:m1,m9"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains("expected swap-motors: and 2 different of m1, m4, m8, m11, z1, z2, e0"), "{told}");
 }

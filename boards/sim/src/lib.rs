@@ -17,6 +17,7 @@ pub mod host;
 pub mod limits;
 pub mod lines;
 mod odometer;
+pub mod plugs;
 mod ports;
 pub mod sampler;
 pub mod script;

@@ -5,6 +5,7 @@
 use crate::belt::{BeltPlant, Chips};
 use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
+use crate::plugs::Plugs;
 use corehbot::kinematics::MotorTable;
 use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
@@ -21,6 +22,8 @@ pub(crate) struct Shared {
     pub alarm: Cell<Option<u32>>,
     pub generator: Cell<bool>,
     pub stepper: Cell<bool>,
+    /// Switches that a hand presses.
+    pub pressed: Cell<EndstopSet>,
 }
 
 /// Bytes in transit between the printer and one host.
@@ -138,6 +141,8 @@ pub(crate) struct Pins<'w> {
     pub mechanics: Mechanics<'w>,
     pub shared: &'w Shared,
     pub drivers: &'w Drivers,
+    /// What hangs on drivers and inputs, if it is not what belongs there.
+    pub plugs: Option<&'w Plugs>,
     pub table: MotorTable,
     pub forward: MotorSet,
     pub sink: &'w mut dyn Sink,
@@ -166,8 +171,9 @@ impl StepPort for Pins<'_> {
 
     fn rise(&mut self, steps: GroupSet, tick: u64) {
         let steps = self.table.motors(steps);
+        let (turned, forward) = self.plugs.map_or((steps, self.forward), |plugs| plugs.turned(steps, self.forward));
         match &mut self.mechanics {
-            Mechanics::Rigid(rig) => rig.step(steps, self.forward),
+            Mechanics::Rigid(rig) => rig.step(turned, forward),
             Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
         }
         self.sink.event(tick, steps, self.forward);
@@ -176,10 +182,12 @@ impl StepPort for Pins<'_> {
     fn fall(&mut self, _steps: GroupSet) {}
 
     fn endstops(&mut self) -> EndstopSet {
-        match &mut self.mechanics {
+        let met = match &mut self.mechanics {
             Mechanics::Rigid(rig) => rig.endstops(),
             Mechanics::Belt(plant) => plant.endstops(self.shared.now.get()),
-        }
+        };
+        let pressed = met.with(self.shared.pressed.get()).and(self.inputs());
+        self.plugs.map_or(pressed, |plugs| plugs.read(pressed).and(self.inputs()))
     }
 
     fn inputs(&self) -> EndstopSet {

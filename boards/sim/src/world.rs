@@ -11,6 +11,7 @@ use crate::drivers::Drivers;
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
 use crate::heat_plant::{Accident, HeatSetup};
 use crate::odometer::Odometer;
+use crate::plugs::Plugs;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
@@ -67,6 +68,8 @@ pub struct Desk {
     pub endstops: EndstopSet,
     /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
+    /// What hangs on drivers and inputs, if it is not what belongs there.
+    pub plugs: Option<Plugs>,
     /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
     /// The heat left by an earlier world; without it, everything is as warm as the room.
@@ -80,7 +83,16 @@ impl Desk {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
         let (memory, shared) = (Memory::new(), Shared::default());
         let heat = HeatSetup::default();
-        Box::new(Self { memory, shared, wires, endstops: EndstopSet::SWITCHES, belt: None, heat, plant: None })
+        Box::new(Self {
+            memory,
+            shared,
+            wires,
+            endstops: EndstopSet::SWITCHES,
+            belt: None,
+            plugs: None,
+            heat,
+            plant: None,
+        })
     }
 
     /// The same at a time in ticks.
@@ -173,7 +185,7 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, belt, heat, plant: left } = desk;
+        let Desk { memory, shared, wires, endstops, belt, plugs, heat, plant: left } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
@@ -184,7 +196,8 @@ impl<'w> World<'w> {
             None => Mechanics::Rigid(Rig::new(settings, place).with_inputs(*endstops)),
         };
         let table = MotorTable::new(&groups.coupling());
-        let pins = Pins { mechanics, shared, drivers, table, forward: MotorSet::NONE, sink };
+        let plugs = plugs.as_ref();
+        let pins = Pins { mechanics, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),
@@ -336,6 +349,11 @@ impl<'w> World<'w> {
     #[must_use]
     pub const fn wires(&self) -> &'w [Wire] {
         self.wires
+    }
+
+    /// A hand presses these switches and no others, from now on.
+    pub fn press(&self, switches: EndstopSet) {
+        self.shared.pressed.set(switches);
     }
 
     /// Its heat.

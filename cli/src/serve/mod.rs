@@ -4,6 +4,7 @@
 //! step with the wall clock. After M112, M999 restarts on the same line. It ends with a signal, which is not a failure.
 
 mod echo;
+mod hand;
 mod pace;
 mod port;
 mod screen;
@@ -25,9 +26,11 @@ use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::plugs::Plugs;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{Desk, Outcome, Sink, World};
 use echo::Echo;
+use hand::Hand;
 use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
@@ -57,6 +60,13 @@ pub(crate) struct Serve {
     plant: PlantArgs,
     #[command(flatten)]
     heat: HeatArgs,
+    /// A mistake in the wiring, such as `swap-motors:m1,m8`, `reverse-motor:m4` or `stuck-endstop:x`. May be repeated.
+    /// An unknown word gets a list of the known ones.
+    #[arg(long, value_name = "WHAT:NAMES", conflicts_with = "plant")]
+    fault: Vec<String>,
+    /// Takes what a hand does to the machine from standard input: `press x`, `let go`, `warm hotend`.
+    #[arg(long)]
+    hand: bool,
     #[command(flatten)]
     printer: Printer,
     /// Echoes typed text, for terminal programs without an echo of their own; not for hosts.
@@ -72,6 +82,7 @@ pub(crate) struct Prepared {
     settings: Settings,
     belt: Option<Box<BeltPlant>>,
     heat: HeatSetup,
+    plugs: Option<Plugs>,
     eeprom: Option<Eeprom>,
     trace: TraceWriter<BufWriter<Stream>>,
     outputs: Outputs,
@@ -84,6 +95,7 @@ impl Prepared {
         let settings = args.printer.machine()?.settings;
         let belt = args.plant.belt(&settings, args.printer.assume_homed)?;
         let heat = args.heat.setup(&settings)?;
+        let plugs = plugs(&args.fault, &settings)?;
         let eeprom = args.printer.eeprom()?;
         let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
@@ -92,14 +104,17 @@ impl Prepared {
         let stop = Stop::at_signals()?;
         let port = Port::open(args.pty.as_deref())?;
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, belt, heat, eeprom, trace, outputs, port, stop })
+        Ok(Self { settings, belt, heat, plugs, eeprom, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
-        let Self { settings, mut belt, heat, mut eeprom, mut trace, outputs, port, stop } = self;
+        let Self { settings, mut belt, heat, plugs, mut eeprom, mut trace, outputs, port, stop } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
+        for motor in plugs.iter().flat_map(|plugs| plugs.silent.iter()) {
+            drivers.chip(motor).is_silent = true;
+        }
         let mut start = args.printer.assume_homed;
         let mut place = start.unwrap_or(corehbot_rig::AT_POWER_UP);
         let mut total = Total::default();
@@ -110,11 +125,13 @@ impl Prepared {
             inbound: Delay::new(args.baud),
             outbound: Delay::new(args.baud),
             echo: args.echo.then(Echo::default),
+            hand: args.hand.then(Hand::at_input),
         };
         let (mut now, mut plant) = (0, None);
         loop {
             let mut desk = Desk::at(1, now);
             (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
+            desk.plugs.clone_from(&plugs);
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {
                 Some(eeprom) => World::standing(&mut desk, &settings, Some(place), start, eeprom, &drivers, &mut sink),
@@ -146,6 +163,15 @@ impl Prepared {
         }
         Ok(DONE)
     }
+}
+
+/// The mistakes of the wiring; `None` if there are none.
+fn plugs(faults: &[String], settings: &Settings) -> Result<Option<Plugs>> {
+    let mut plugs = Plugs::default();
+    for fault in faults {
+        plugs.make(fault, settings).with_context(|| format!("--fault {fault}"))?;
+    }
+    Ok((!faults.is_empty()).then_some(plugs))
 }
 
 /// Totals of all starts of a printer.
@@ -196,6 +222,7 @@ struct Server {
     inbound: Delay,
     outbound: Delay,
     echo: Option<Echo>,
+    hand: Option<Hand>,
 }
 
 impl Server {
@@ -206,6 +233,9 @@ impl Server {
             let wall = self.begin.elapsed();
             if wall >= look {
                 self.hear_host(world)?;
+                if let Some(hand) = &self.hand {
+                    hand.act(world);
+                }
                 screen.show(wall, world);
                 look = wall + LOOK;
             }

@@ -37,6 +37,7 @@ pub use thermistor::Thermistor;
 use bed::Bed;
 use chamber::Chamber;
 use converter::Channel;
+use corehbot::connectors::Heater;
 use corehbot::port::Sensor;
 use hotend::{Hotend, HotendLoad};
 use sensor::Thermometer;
@@ -160,6 +161,15 @@ impl Plant {
     #[must_use]
     pub const fn chamber_celsius(&self) -> f64 {
         self.chamber.air
+    }
+
+    /// A hand holds the part with this heater's sensor until it is so warm, in C.
+    pub const fn hold(&mut self, heater: Heater, celsius: f64) {
+        match heater {
+            Heater::Hotend => self.hotend.block = celsius,
+            Heater::Bed => self.bed.plate = celsius,
+            Heater::Chamber => self.chamber.air = celsius,
+        }
     }
 
     /// A plate of `celsius` C, with this part of the bed's heat capacity, is laid on the bed.
