@@ -13,6 +13,7 @@ mod picture;
 mod qemu;
 mod soak;
 mod test;
+mod usb;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -51,6 +52,8 @@ enum Task {
     Soak(soak::Args),
     /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
     Test(test::Args),
+    /// A real Linux kernel takes the emulated board over USB, and prints through its port.
+    Usb(usb::Args),
 }
 
 fn main() -> ExitCode {
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Task::Qemu(args) => qemu::main(&args),
         Task::Soak(args) => soak::main(&args),
         Task::Test(args) => test::main(&args),
+        Task::Usb(args) => usb::main(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

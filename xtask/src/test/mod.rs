@@ -15,9 +15,9 @@ mod size;
 mod tools;
 
 pub use compare::{beginning, check_file, sliced_file};
-pub use tools::{has_emulator, lack_of_emulator};
+pub use tools::{has_emulator, install, lack_of_emulator, succeeds};
 
-use crate::{bench, clients, cluster};
+use crate::{bench, clients, cluster, usb};
 use Lane::{First, Host, Images};
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};
@@ -64,7 +64,7 @@ pub enum Verdict {
 }
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 18] = [
     Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
@@ -100,6 +100,7 @@ const STEPS: [Step; 17] = [
         heading: "the images for Octopus and Nucleo step as the simulator does",
         run: cargo::emulate,
     },
+    Step { name: "usb", lane: Images, heading: "Linux prints over USB on the Octopus's image", run: usb::check },
 ];
 
 /// Runs the steps; one that fails does not keep the others from running.

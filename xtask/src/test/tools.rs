@@ -3,7 +3,8 @@
 use super::Verdict;
 use crate::checkout::{BROWSER, TARGET, cargo, run};
 use crate::qemu::PROGRAM;
-use anyhow::{Context as _, Result, bail};
+use crate::usb::TARGET as GUEST;
+use anyhow::{Context as _, Result};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -20,14 +21,14 @@ pub fn ensure() -> Result<Verdict> {
             })?;
         }
     }
-    for target in [TARGET, BROWSER] {
+    for target in [TARGET, BROWSER, GUEST] {
         if !has_target(target)? {
             run(rustup(["target", "add", target]))
                 .with_context(|| format!("the target is missing; install it with: rustup target add {target}"))?;
         }
     }
     if !has_emulator() {
-        install_emulator()?;
+        install(PACKAGE)?;
     }
     Ok(if has_emulator() { Verdict::Passed(String::new()) } else { Verdict::Skipped(lack_of_emulator()) })
 }
@@ -44,21 +45,19 @@ pub fn lack_of_emulator() -> String {
     format!("{PROGRAM} is missing; install it with: sudo apt-get install {PACKAGE}")
 }
 
-/// The root user installs the emulator; other users get a hint.
-fn install_emulator() -> Result<()> {
+/// The root user gets a package of Debian; other users get a hint.
+pub fn install(package: &str) -> Result<()> {
     if !is_root() {
         return Ok(());
     }
     let mut update = Command::new("apt-get");
     update.arg("update");
     let mut install = Command::new("apt-get");
-    install.args(["install", "--yes", "--no-install-recommends", PACKAGE]).env("DEBIAN_FRONTEND", "noninteractive");
+    install.args(["install", "--yes", "--no-install-recommends", package]).env("DEBIAN_FRONTEND", "noninteractive");
     for mut command in [update, install] {
         command.stdout(Stdio::null());
-        run(command).with_context(lack_of_emulator)?;
-    }
-    if !has_emulator() {
-        bail!("{PACKAGE} was installed, but {PROGRAM} does not run");
+        run(command)
+            .with_context(|| format!("{package} is missing; install it with: sudo apt-get install {package}"))?;
     }
     Ok(())
 }
@@ -80,6 +79,7 @@ fn rustup<const N: usize>(args: [&str; N]) -> Command {
     command
 }
 
-fn succeeds(mut command: Command) -> bool {
+/// Whether a program ends well.
+pub fn succeeds(mut command: Command) -> bool {
     command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }
