@@ -50,8 +50,7 @@ pub trait StepPort {
     /// All endstop inputs, including the Z probe, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
 
-    /// The endstops of the machine; the Z probe ([`EndstopSet::PROBE`]) only if the board has its pin and the machine
-    /// has a probe.
+    /// The endstops of the machine; the Z probe ([`EndstopSet::PROBE`]) only if the machine has one.
     fn inputs(&self) -> EndstopSet {
         EndstopSet::SWITCHES
     }

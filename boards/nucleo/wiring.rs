@@ -5,19 +5,19 @@
 
 use crate::Entry;
 use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet};
-use corehbot_wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
+use corehbot_wiring::{Board, Crystal, Input, Pin, Port, SerialPort, Slot, Usart};
 
 /// The names printed on the shield, of sockets and limit inputs.
 pub const CONNECTORS: BoardConnectors = BoardConnectors {
     key: "nucleo",
     name: "CNC shield",
     sockets: &ConnectorName::all(["X", "Y", "A", "Z"]),
-    endstops: &ConnectorName::all(["X", "Y", "Z"]),
+    inputs: &ConnectorName::all(["X", "Y", "Z"]),
+    shared_inputs: &[],
     debug_sockets: &[],
     outputs: OutputSet::NONE,
     sensors: &[],
     fans: 0,
-    probes: &[],
     is_bench: true,
     is_simulated: false,
 };
@@ -37,9 +37,8 @@ pub static BOARD: Board = Board {
         // Motor 11 in socket Z: D4, D7.
         slot((Port::B, 5), (Port::A, 8)),
     ],
-    // X, Y and Z limits: D9, D10, D11.
-    inputs: &[Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
-    probe: None,
+    // X, Y and Z limits: D9, D10, D11, straight to the pins (Protoneer's shield v3.00).
+    inputs: &[Input::plain(Port::C, 7), Input::plain(Port::B, 6), Input::plain(Port::A, 7)],
     thermistors: &[],
     loads: &[],
     heaters: &[],

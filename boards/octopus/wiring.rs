@@ -8,7 +8,8 @@
 use crate::Entry;
 use corehbot::connectors::{BoardConnectors, ConnectorName, FANS, Output, OutputSet, Sensor};
 use corehbot_wiring::{
-    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, SerialPort, Slot, SupplySwitch, ThermistorPin, Usart,
+    Board, Crystal, FanPin, FanTimer, HeaterPin, Input, Mark, Pin, Port, SerialPort, Slot, SupplySwitch, ThermistorPin,
+    Usart,
 };
 
 /// The names printed on it. M2 is one driver with two plugs. The direction line of M7 (PA14) is the clock of the debug
@@ -17,12 +18,14 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     key: "octopus",
     name: "BTT Octopus",
     sockets: &ConnectorName::all(["M0", "M1", "M4", "M3", "M2", "M5", "M6", "M7"]),
-    endstops: &ConnectorName::all(["X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET"]),
+    inputs: &ConnectorName::all([
+        "X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET", "BLTOUCH", "PROBE",
+    ]),
+    shared_inputs: &[ConnectorName::all(["BLTOUCH", "PROBE"])],
     debug_sockets: &ConnectorName::all(["M7"]),
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
     fans: FANS,
-    probes: &ConnectorName::all(["PROBE", "BLTOUCH"]),
     is_bench: false,
     is_simulated: false,
 };
@@ -50,19 +53,9 @@ pub static BOARD: Board = Board {
         // M7.
         Slot::new((Port::E, 6), (Port::A, 14), (Port::E, 0), (Port::D, 3)),
     ],
-    // X-STOP, Y-STOP, Z-STOP, Z2-STOP, E0DET to E3DET: 10 kOhm to 3.3 V, 100 nF to ground.
-    inputs: &[
-        Pin::new(Port::G, 6),
-        Pin::new(Port::G, 9),
-        Pin::new(Port::G, 10),
-        Pin::new(Port::G, 11),
-        Pin::new(Port::G, 12),
-        Pin::new(Port::G, 13),
-        Pin::new(Port::G, 14),
-        Pin::new(Port::G, 15),
-    ],
-    // The PROBE header, and the BLTouch header.
-    probe: Some(Pin::new(Port::B, 7)),
+    // PROBE (J40): by an EL357C, whose transistor is on the side of 3.3 V (schematic; BTT's issue 33 of the Octopus and
+    // Voron-2's pull request 249: Klipper needs ~!PB7 for a sensor that opens).
+    inputs: &inputs(Input::optocoupler(Port::B, 7)),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
     thermistors: &[
         thermistor(Sensor::Bed, 3, 9),
@@ -125,6 +118,25 @@ pub const ENTRY: Entry = Entry {
 before you set the BOOT0 jumper: unplug HE2 and HE3, because the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground",
 };
+
+/// The inputs, of which PROBE is elsewhere on other boards.
+pub(crate) const fn inputs(probe: Input) -> [Input; 10] {
+    [
+        // X-STOP, Y-STOP, Z-STOP, Z2-STOP, E0DET to E3DET: 10 kOhm to 3.3 V, 100 nF to ground (schematic).
+        Input::plain(Port::G, 6),
+        Input::plain(Port::G, 9),
+        Input::plain(Port::G, 10),
+        Input::plain(Port::G, 11),
+        Input::plain(Port::G, 12),
+        Input::plain(Port::G, 13),
+        Input::plain(Port::G, 14),
+        Input::plain(Port::G, 15),
+        // BLTOUCH (J43): straight to the pin, without a resistor of the board (schematic; BTT's issue 154 of the
+        // Octopus: it floats).
+        Input::plain(Port::B, 7),
+        probe,
+    ]
+}
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
 const fn heater(output: Output, pin: u8) -> HeaterPin {

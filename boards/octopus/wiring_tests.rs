@@ -4,8 +4,8 @@ use super::*;
 use crate::tests::ports_of_pairs;
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::{per_motor, prototype};
-use corehbot::port::{EndstopSet, MotorSet};
-use corehbot::settings::Settings;
+use corehbot::port::MotorSet;
+use corehbot::settings::{EndstopPlug, Settings};
 use corehbot_wiring::port_writes::StepWrites;
 
 #[test]
@@ -59,7 +59,7 @@ fn a_machine_is_plugged_in_where_it_says() {
     let (plugged, usual) = (BOARD.plugged(&machine).unwrap(), BOARD.usual());
     assert_eq!((plugged.slots, plugged.reversed, plugged.slow()), (usual.slots, MotorSet::NONE, usual.slow()));
     assert_eq!(usual.slow(), MotorSet::of(prototype::Z2), "on PC13");
-    assert_eq!((plugged.endstops, plugged.normally_open), (usual.endstops, EndstopSet::NONE));
+    assert_eq!((plugged.endstops, plugged.probe), (usual.endstops, None));
     // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
     let [m1, _, _, _, z1, z2, ..] = &mut machine.wiring.motors;
     std::mem::swap(m1, z2);
@@ -72,11 +72,15 @@ fn a_machine_is_plugged_in_where_it_says() {
     assert_eq!(plugged.slots, per_motor(&[z2, m4, m8, m11, None, m1, e0], None));
     assert_eq!((plugged.reversed, plugged.slow()), (MotorSet::of(prototype::M1), MotorSet::of(prototype::M1)));
     let [x, y, z] = usual.endstops;
-    assert_eq!((plugged.endstops, plugged.normally_open), ([z, y, x], EndstopSet::X));
+    assert_eq!(plugged.endstops, [z.input.contact(true), y, x]);
     machine.wiring.motors[0].connector = ConnectorName::lit("M7");
     assert_eq!(BOARD.plugged(&machine).unwrap().slots[0], Some(BOARD.sockets[7]));
     machine.wiring.endstops.y.connector = ConnectorName::lit("E3DET");
-    assert_eq!(BOARD.plugged(&machine).unwrap().endstops[1], Pin::new(Port::G, 15));
+    assert_eq!(BOARD.plugged(&machine).unwrap().endstops[1].input, Input::plain(Port::G, 15));
+    for (name, input) in [("PROBE", Input::optocoupler(Port::B, 7)), ("BLTOUCH", Input::plain(Port::B, 7))] {
+        machine.probe = EndstopPlug { connector: ConnectorName::lit(name), is_normally_open: true };
+        assert_eq!(BOARD.plugged(&machine).unwrap().probe, Some(input.contact(true)));
+    }
     machine.wiring.motors[0].connector = ConnectorName::lit("M8");
     let error = BOARD.plugged(&machine).map(|_| ()).unwrap_err();
     let text = "motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";

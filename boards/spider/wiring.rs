@@ -9,20 +9,20 @@
 
 use crate::Entry;
 use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet, Sensor};
-use corehbot_wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, ThermistorPin, Usart};
+use corehbot_wiring::{Board, Crystal, Input, Pin, Port, SerialPort, Slot, ThermistorPin, Usart};
 
 /// The names printed on it. Left out, though printed: heater outputs with pulses that no timer of ours can end, and
-/// fans. Z-MAX is the probe's connector.
+/// fans.
 pub const CONNECTORS: BoardConnectors = BoardConnectors {
     key: "spider",
     name: "Fysetc Spider",
     sockets: &ConnectorName::all(["X-MOT", "Y-MOT", "E2-MOT", "Z-MOT", "E3-MOT", "E4-MOT", "E0-MOT", "E1-MOT"]),
-    endstops: &ConnectorName::all(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX"]),
+    inputs: &ConnectorName::all(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX", "Z-MAX"]),
+    shared_inputs: &[],
     debug_sockets: &[],
     outputs: OutputSet::NONE,
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
     fans: 0,
-    probes: &ConnectorName::all(["Z-MAX"]),
     is_bench: false,
     is_simulated: false,
 };
@@ -50,16 +50,16 @@ pub static BOARD: Board = Board {
         // E1-MOT, which has a slow direction pin.
         Slot::new((Port::E, 6), (Port::C, 13), (Port::E, 5), (Port::C, 14)),
     ],
-    // X-MIN, Y-MIN, Z-MIN, X-MAX, Y-MAX.
+    // X-MIN, Y-MIN, Z-MIN, X-MAX, Y-MAX, Z-MAX: contacts to ground (Fysetc's printer.cfg: ^ before each endstop_pin, and
+    // Z-MAX in [probe]).
     inputs: &[
-        Pin::new(Port::B, 14),
-        Pin::new(Port::B, 13),
-        Pin::new(Port::A, 0),
-        Pin::new(Port::A, 1),
-        Pin::new(Port::A, 2),
+        Input::plain(Port::B, 14),
+        Input::plain(Port::B, 13),
+        Input::plain(Port::A, 0),
+        Input::plain(Port::A, 1),
+        Input::plain(Port::A, 2),
+        Input::plain(Port::A, 3),
     ],
-    // Z-MAX (Fysetc's printer.cfg, [probe]).
-    probe: Some(Pin::new(Port::A, 3)),
     // Under 4.7 kOhm to 3.3 V. TB of V1.x is TE3 of V2.2 and V2.3; their TB and TE4 (PB0, PB1) are not on ADC3.
     thermistors: &[
         thermistor(Sensor::Bed, 3, 13),

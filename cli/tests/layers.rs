@@ -17,7 +17,7 @@ const CRATES: [(&str, &str, &[&str]); 9] = [
     ("twin", "corehbot-twin", &[]),
     ("chips/wiring", "corehbot-wiring", &["corehbot"]),
     ("boards/registry", "corehbot-boards", &["corehbot", "corehbot-wiring"]),
-    ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards"]),
+    ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
     ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-sim"]),
     (

@@ -147,6 +147,23 @@ pub struct Spare {
     pub input: (&'static str, Pin),
 }
 
+/// The way from a connector to a pin.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Circuit {
+    /// A closed contact connects the pin to ground.
+    ToGround,
+    /// A closed contact lights an optocoupler with its transistor on 3.3 V.
+    OptocouplerTo3V3,
+}
+
+impl Circuit {
+    /// What the board does to the pin: nothing while the contact is open.
+    #[must_use]
+    pub fn level(self, is_closed: bool) -> Option<bool> {
+        is_closed.then_some(self == Self::OptocouplerTo3V3)
+    }
+}
+
 /// A board with an STM32F446.
 #[derive(Clone, Copy, Debug)]
 pub struct Wiring {
@@ -157,6 +174,8 @@ pub struct Wiring {
     /// A pressed endstop is high: a normally closed switch to ground with a pull-up, so a cut wire stops
     /// the machine.
     pub endstops: [(EndstopSet, Pin); 3],
+    /// Connectors for a contact without a resistor of the board.
+    pub bare_inputs: &'static [(&'static str, Pin, Circuit)],
     /// Outputs that heat when they are high, and their timer.
     pub heaters: &'static [(Output, Load)],
     /// FAN0 and so on.
@@ -224,6 +243,10 @@ pub static OCTOPUS: Wiring = Wiring {
         (EndstopSet::Y, Pin::new('G', 9)),
         (EndstopSet::Z, Pin::new('G', 10)),
     ],
+    bare_inputs: &[
+        ("BLTOUCH", Pin::new('B', 7), Circuit::ToGround),
+        ("PROBE", Pin::new('B', 7), Circuit::OptocouplerTo3V3),
+    ],
     heaters: &[
         (Output::Bed, Load::new('A', 1, Timer::Five, 2)),
         (Output::He0, Load::new('A', 2, Timer::Five, 3)),
@@ -272,8 +295,16 @@ pub static OCTOPUS: Wiring = Wiring {
     settings: SettingsMemory::Eeprom,
 };
 
-/// BTT Octopus Pro V1.0 with an STM32F446: the same pins (BTT's README of the Octopus Pro).
-pub static OCTOPUS_PRO: Wiring = Wiring { name: "octopus-pro", ..OCTOPUS };
+/// BTT Octopus Pro V1.0 with an STM32F446: the same pins, except for a PROBE header of its own (BTT's README of the
+/// Octopus Pro).
+pub static OCTOPUS_PRO: Wiring = Wiring {
+    name: "octopus-pro",
+    bare_inputs: &[
+        ("BLTOUCH", Pin::new('B', 7), Circuit::ToGround),
+        ("PROBE", Pin::new('C', 5), Circuit::OptocouplerTo3V3),
+    ],
+    ..OCTOPUS
+};
 
 /// Fysetc Spider V1.x and V2.x. Motors 1, 8, 4, 11 are in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
 /// E4-MOT and the extruder in E0-MOT. The Raspberry Pi header is USART1 (Fysetc's README, pin definition). Its
@@ -297,6 +328,7 @@ pub static SPIDER: Wiring = Wiring {
         (EndstopSet::Y, Pin::new('B', 13)),
         (EndstopSet::Z, Pin::new('A', 0)),
     ],
+    bare_inputs: &[("Z-MAX", Pin::new('A', 3), Circuit::ToGround)],
     heaters: &[
         (Output::Bed, Load { pin: Pin::new('B', 4), timer: None }),
         (Output::He0, Load { pin: Pin::new('B', 15), timer: None }),
@@ -341,6 +373,7 @@ pub static NUCLEO: Wiring = Wiring {
         None,
     ),
     endstops: [(EndstopSet::X, Pin::new('C', 7)), (EndstopSet::Y, Pin::new('B', 6)), (EndstopSet::Z, Pin::new('A', 7))],
+    bare_inputs: &[],
     heaters: &[],
     fans: &[],
     supply_switch: None,

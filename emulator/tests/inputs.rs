@@ -4,7 +4,7 @@ use crate::common::{Bench, MS, firmware, plain_firmware, print_on};
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::{End, Injection};
-use corehbot_emulator::wiring::Pin;
+use corehbot_emulator::wiring::{ALL, Pin};
 use corehbot_machine_file as machine_file;
 
 /// The reference in mV.
@@ -67,23 +67,37 @@ fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {
     println!("{told}");
 }
 
-/// A machine without a probe has no line of it, and `!` is the other level.
+/// A machine without a probe has no line of it.
 #[test]
-fn the_probe_is_reported_as_the_machine_has_it() {
-    let [low, high] = [false, true].map(|level| Some((Pin::new('B', 7), level)));
-    let (normal, inverted) = ("PROBE", "!BLTOUCH");
-    for (plug, stuck, words) in [
-        ("", high, None),
-        (normal, low, Some("z_probe: open")),
-        (normal, high, Some("z_probe: TRIGGERED")),
-        (inverted, high, Some("z_probe: open")),
-        (inverted, low, Some("z_probe: TRIGGERED")),
-    ] {
-        let mut machine = machine_file::load(&format!("[endstops]\nprobe = \"{plug}\"")).unwrap();
-        let mut firmware = plain_firmware();
-        firmware.put_machine(&mut machine).unwrap();
-        let seen = talk(&firmware, "M119\n", &[], stuck);
-        let told = seen.line.said.iter().find(|line| line.starts_with("z_probe"));
-        assert_eq!(told.map(String::as_str), words, "{plug}");
+fn a_machine_without_a_probe_reports_none() {
+    let seen = talk(&firmware(), "M119\n", &[], Some((Pin::new('B', 7), true)));
+    assert!(seen.line.said.iter().all(|line| !line.starts_with("z_probe")), "{:?}", seen.line.said);
+}
+
+/// The contact of a probe closes and opens at each connector that may have one and has no resistor of the board: by the
+/// resistor of the chip the image reads both. A pin with the wrong one, or without, would read one level for ever.
+///
+/// Reproducer: PROBE was pulled up, and its optocoupler only ever pulls up.
+#[test]
+fn a_probe_is_read_at_every_connector_by_its_circuit() {
+    for board in ALL.into_iter().filter(|board| !board.bare_inputs.is_empty()) {
+        for &(name, pin, circuit) in board.bare_inputs {
+            for (mark, opens) in [("", true), ("!", false)] {
+                let file = format!("board = \"{}\"\n[endstops]\nprobe = \"{mark}{name}\"", board.name);
+                let mut machine = machine_file::load(&file).unwrap();
+                let mut firmware = plain_firmware();
+                firmware.set_board(board.name).unwrap();
+                firmware.put_machine(&mut machine).unwrap();
+                for is_closed in [true, false] {
+                    let stuck = circuit.level(is_closed).map(|level| (pin, level));
+                    let bench = Bench { wiring: board, stuck, ..Bench::default() };
+                    let seen = print_on(&firmware, "M119\n", &bench);
+                    let told = seen.line.said.iter().find(|line| line.starts_with("z_probe"));
+                    let wanted = if opens == is_closed { "z_probe: open" } else { "z_probe: TRIGGERED" };
+                    let at = format!("{} {mark}{name}, closed: {is_closed}", board.name);
+                    assert_eq!(told.map(String::as_str), Some(wanted), "{at}");
+                }
+            }
+        }
     }
 }

@@ -91,7 +91,7 @@ fn a_probe_is_plugged_in_by_name() {
     assert_eq!((s.probe.connector.to_string(), s.probe.is_normally_open), ("BLTOUCH".to_owned(), true));
     assert!(load("").unwrap().probe.connector.is_none());
     let wrong = load("board = \"nucleo\"\n[endstops]\nprobe = \"PROBE\"").unwrap_err().to_string();
-    assert!(wrong.contains("probe: the CNC shield has no connector PROBE; it has none"), "{wrong}");
+    assert!(wrong.contains("probe: the CNC shield has no connector PROBE; it has X, Y, Z"), "{wrong}");
 }
 
 #[test]

@@ -12,8 +12,11 @@ pub struct BoardConnectors {
     /// Sockets of motor drivers, in the order of the board's table of pins: first the sockets of the prototype's
     /// motors, then others.
     pub sockets: &'static [ConnectorName],
-    /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype, then others.
-    pub endstops: &'static [ConnectorName],
+    /// Inputs for switches and other contacts, in the order of the board's table of pins: x, y and z of the prototype,
+    /// then others. Any part with a contact may be in any of them.
+    pub inputs: &'static [ConnectorName],
+    /// Inputs that are one line to the processor, so that a machine can use one of them.
+    pub shared_inputs: &'static [[ConnectorName; 2]],
     /// Sockets with a line of the debug port: while a machine uses one, no debug probe can connect to the processor.
     pub debug_sockets: &'static [ConnectorName],
     /// Heater outputs that may heat.
@@ -22,8 +25,6 @@ pub struct BoardConnectors {
     pub sensors: &'static [Sensor],
     /// Fan outputs, FAN0 and so on.
     pub fans: usize,
-    /// Names of the one input for a Z probe, if there is one.
-    pub probes: &'static [ConnectorName],
     /// A bench rig: motors that it has no socket for are counted, and do not turn.
     pub is_bench: bool,
     /// There are no real plugs, so every name is legal.
@@ -36,15 +37,21 @@ impl BoardConnectors {
         key: "",
         name: "board",
         sockets: &[],
-        endstops: &[],
+        inputs: &[],
+        shared_inputs: &[],
         debug_sockets: &[],
         outputs: OutputSet::NONE,
         sensors: &[],
         fans: 0,
-        probes: &[],
         is_bench: true,
         is_simulated: true,
     };
+
+    /// Whether two inputs are one line to the processor.
+    #[must_use]
+    pub fn is_one_line(&self, a: ConnectorName, b: ConnectorName) -> bool {
+        a == b || self.shared_inputs.iter().any(|[one, other]| (*one, *other) == (a, b) || (*one, *other) == (b, a))
+    }
 }
 
 /// Boards for tests.
@@ -62,12 +69,14 @@ pub(crate) mod samples {
         key: "printer",
         name: "sample",
         sockets: &names(["M0", "M1", "M4", "M3", "M2", "M5", "M6", "M7"]),
-        endstops: &names(["X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET"]),
+        inputs: &names([
+            "X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET", "BLTOUCH", "PROBE",
+        ]),
+        shared_inputs: &[names(["BLTOUCH", "PROBE"])],
         debug_sockets: &names(["M7"]),
         outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
         sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
         fans: FANS,
-        probes: &names(["PROBE", "BLTOUCH"]),
         is_bench: false,
         is_simulated: false,
     };
@@ -77,9 +86,9 @@ pub(crate) mod samples {
         key: "other",
         name: "other",
         sockets: &names(["X-MOT", "Y-MOT", "E2-MOT", "Z-MOT", "E3-MOT", "E4-MOT", "E0-MOT", "E1-MOT"]),
-        endstops: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX"]),
+        inputs: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX", "Z-MAX"]),
+        shared_inputs: &[],
         debug_sockets: &[],
-        probes: &names(["Z-MAX"]),
         ..PRINTER
     };
 
@@ -88,11 +97,10 @@ pub(crate) mod samples {
         key: "bench",
         name: "rig",
         sockets: &names(["X", "Y", "A", "Z"]),
-        endstops: &names(["X", "Y", "Z"]),
+        inputs: &names(["X", "Y", "Z"]),
         outputs: OutputSet::NONE,
         sensors: &[],
         fans: 0,
-        probes: &[],
         is_bench: true,
         ..OTHER
     };

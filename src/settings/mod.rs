@@ -134,7 +134,7 @@ pub struct Settings {
     /// Where it can print. It is reported (M503, `corehbot config`); no move is limited by it.
     pub bed: Bed,
     /// The connector of the Z probe; without a connector there is none. It reads as a switch does: without
-    /// `is_normally_open` it has triggered when its input is high. Nothing probes by it.
+    /// `is_normally_open` it has triggered when it is open. Nothing probes by it.
     pub probe: EndstopPlug,
     /// The belt of x and y.
     pub belt: Belt,

@@ -24,8 +24,8 @@ pub enum ConnectorError {
     Nowhere(Plugged, &'static BoardConnectors),
     /// The board has no such connector for it.
     NoSuch(Plugged, ConnectorName, &'static BoardConnectors),
-    /// Both are in one connector.
-    Twice([Plugged; 2], ConnectorName),
+    /// Both are in one connector, or in two of one line.
+    Twice([Plugged; 2], [ConnectorName; 2]),
     /// The board has no such heater output, or cannot switch it.
     NoSuchOutput(Heater, Output, &'static BoardConnectors),
     /// The board has no such input for a temperature sensor.
@@ -48,12 +48,14 @@ impl Settings {
     /// The first that is wrong.
     pub fn check_connectors(&self, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
         let motors = self.mechanism.fitted().iter();
-        check(motors.map(|motor| (Plugged::Motor(self.name_of(motor)), self.wiring.of(motor).connector)), board)?;
+        let motors = motors.map(|motor| (Plugged::Motor(self.name_of(motor)), self.wiring.of(motor).connector));
+        check(motors, board, |_, a, b| a == b)?;
         let axes = &self.wiring.endstops;
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
         let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
         let probe = Some(self.probe.connector).filter(|connector| !connector.is_none());
-        check(switches.chain(probe.map(|connector| (Plugged::Probe, connector))), board)?;
+        let contacts = switches.chain(probe.map(|connector| (Plugged::Probe, connector)));
+        check(contacts, board, BoardConnectors::is_one_line)?;
         Heater::ALL.into_iter().filter(|_| !board.is_simulated).try_for_each(|heater| self.check_heater(heater, board))
     }
 
@@ -72,16 +74,20 @@ impl Settings {
 fn check(
     plugs: impl Iterator<Item = (Plugged, ConnectorName)> + Clone,
     board: &'static BoardConnectors,
+    is_one: fn(&BoardConnectors, ConnectorName, ConnectorName) -> bool,
 ) -> Result<(), ConnectorError> {
     for (at, (part, connector)) in plugs.clone().enumerate() {
         if connector.is_none() {
             if !board.is_bench {
                 return Err(ConnectorError::Nowhere(part, board));
             }
-        } else if !board.is_simulated && !part.connectors_of(board).contains(&connector) {
+            continue;
+        }
+        if !board.is_simulated && !part.connectors_of(board).contains(&connector) {
             return Err(ConnectorError::NoSuch(part, connector, board));
-        } else if let Some((other, _)) = plugs.clone().take(at).find(|(_, earlier)| *earlier == connector) {
-            return Err(ConnectorError::Twice([other, part], connector));
+        }
+        if let Some((other, earlier)) = plugs.clone().take(at).find(|(_, earlier)| is_one(board, *earlier, connector)) {
+            return Err(ConnectorError::Twice([other, part], [earlier, connector]));
         }
     }
     Ok(())
@@ -92,8 +98,7 @@ impl Plugged {
     const fn connectors_of(self, board: &BoardConnectors) -> &'static [ConnectorName] {
         match self {
             Self::Motor(_) => board.sockets,
-            Self::Endstop(_) => board.endstops,
-            Self::Probe => board.probes,
+            Self::Endstop(_) | Self::Probe => board.inputs,
         }
     }
 }
@@ -119,7 +124,12 @@ impl Display for ConnectorError {
                 write!(f, "{part}: the {} has no connector {connector}; it has ", board.name)?;
                 list(f, sorted(part.connectors_of(board)))
             }
-            Self::Twice([a, b], connector) => write!(f, "{a} and {b} have the same connector, {connector}"),
+            Self::Twice([a, b], [one, other]) if one == other => {
+                write!(f, "{a} and {b} have the same connector, {one}")
+            }
+            Self::Twice([a, b], [one, other]) => {
+                write!(f, "{a} and {b} cannot both be used: {one} and {other} are one line to the processor")
+            }
             Self::NoSuchOutput(heater, output, board) => {
                 write!(f, "heater {}: the {} has no output {}; it has ", heater.name(), board.name, output.name())?;
                 list(f, Output::ALL.into_iter().filter(|(o, _)| board.outputs.has(*o)).map(|(_, name)| name))

@@ -32,7 +32,8 @@ pub struct MotorPlug {
 pub struct EndstopPlug {
     /// The input.
     pub connector: ConnectorName,
-    /// It closes when it is pressed, so that a broken wire reads as not pressed. Otherwise it opens.
+    /// It closes when it is pressed, so that a broken wire reads as not pressed. Otherwise it opens. Which level that is
+    /// depends on the input's circuit, which the board knows.
     pub is_normally_open: bool,
 }
 
@@ -40,18 +41,18 @@ impl Wiring {
     /// The prototype on a board: each motor and switch in its place of the board's table.
     #[must_use]
     pub const fn usual(board: &BoardConnectors) -> Self {
-        Self::in_order(board.sockets, board.endstops)
+        Self::in_order(board.sockets, board.inputs)
     }
 
     /// The prototype's motors and switches in these places.
-    const fn in_order(sockets: &[ConnectorName], endstops: &[ConnectorName]) -> Self {
+    const fn in_order(sockets: &[ConnectorName], inputs: &[ConnectorName]) -> Self {
         let mut motors = [MotorPlug::NONE; MOTORS];
         let (mut plugs, mut sockets) = (motors.split_at_mut(prototype::COUNT).0, sockets);
         while let ([plug, other_plugs @ ..], [socket, other_sockets @ ..]) = (plugs, sockets) {
             plug.connector = *socket;
             (plugs, sockets) = (other_plugs, other_sockets);
         }
-        let [x, y, z] = match *endstops {
+        let [x, y, z] = match *inputs {
             [x, y, z, ..] => [x, y, z],
             _ => [ConnectorName::NONE; 3],
         };
@@ -191,8 +192,8 @@ pub(super) mod endstops {
     rows! {
         for plug in parts, named &["endstops.x", "endstops.y", "endstops.z", "endstops.probe"];
 
-        /// Input of the switch, which opens when it is pressed (a probe's goes high when it triggers); ! before it: the
-        /// other way round. Empty is no probe; so far nothing probes by it, but M119 reports it.
+        /// Input of the switch or probe, which opens when it triggers; ! before it: which closes then. The board knows
+        /// the level of an open input. Empty is no probe; so far nothing probes by it, but M119 reports it.
         97 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }

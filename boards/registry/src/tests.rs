@@ -69,7 +69,7 @@ fn connectors_offer_what_the_table_has() {
         let connectors = board.connectors;
         assert_eq!(connectors.outputs, board.outputs());
         assert!(connectors.sensors.iter().eq(board.thermistors.iter().map(|thermistor| &thermistor.sensor)));
-        assert_eq!((connectors.fans, !connectors.probes.is_empty()), (board.fans.len(), board.probe.is_some()));
+        assert_eq!(connectors.fans, board.fans.len());
     }
 }
 
@@ -88,17 +88,12 @@ fn names_and_pins_are_those_of_the_readme() {
                 None => is_told(name.as_str(), &[slot.step, slot.dir]),
             }
         }
-        for (name, input) in board.connectors.endstops.iter().zip(board.inputs) {
-            is_told(name.as_str(), &[*input]);
-        }
-        if let Some(probe) = board.probe {
-            let is_there = readme.iter().any(|row| row[1] == "probe" && row[3] == pin_name(probe));
-            assert!(
-                is_there,
-                "boards/{}/README.md has no row: probe, header, {}",
-                board.connectors.key,
-                pin_name(probe)
-            );
+        for (name, input) in board.connectors.inputs.iter().zip(board.inputs) {
+            let (pin, circuit) = (pin_name(input.pin), input.circuit.name());
+            let is_told =
+                |row: &Vec<String>| has(row, name.as_str(), &[input.pin]) && row.iter().any(|cell| cell == circuit);
+            let key = board.connectors.key;
+            assert!(readme.iter().any(is_told), "boards/{key}/README.md has no row with {name}, {pin}, {circuit}");
         }
     }
 }
@@ -107,7 +102,7 @@ fn names_and_pins_are_those_of_the_readme() {
 fn no_board_has_a_name_twice() {
     for board in all() {
         assert!(board.debug_sockets.iter().all(|name| board.sockets.contains(name)));
-        for names in [board.sockets, board.endstops, board.probes] {
+        for names in [board.sockets, board.inputs] {
             assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1));
             assert!(names.iter().all(|name| !name.is_none()));
         }

@@ -48,9 +48,7 @@ fn list(kind: &str, root: &str) -> String {
             let purpose = purpose.map(|purpose| format!(", {purpose}")).unwrap_or_default();
             format!("{} (`{}`{purpose})", link(entry, root), entry.board.connectors.key)
         }),
-        "connectors" => {
-            table(["`board`", "sockets", "switches", "probe", "heater outputs", "sensors"], all().map(connectors))
-        }
+        "connectors" => table(["`board`", "sockets", "inputs", "heater outputs", "sensors"], all().map(connectors)),
         "table" => table(
             [
                 "board",
@@ -97,7 +95,6 @@ fn row(entry: &Entry, root: &str) -> [String; 10] {
         Crystal::Clock8MHz => "8 MHz from the ST-LINK",
     };
     let has_uarts = board.sockets.iter().all(|slot| slot.uart.is_some());
-    let probe = board.probe.map_or("", |_| ", a probe");
     let thermistors = match board.thermistors.len() {
         0 => String::new(),
         count => format!(", {count} thermistors"),
@@ -110,7 +107,7 @@ fn row(entry: &Entry, root: &str) -> [String; 10] {
         format!("{}, {clock}", entry.chip.trim_end_matches("Tx")),
         format!("{:#010x}", entry.start),
         format!("{}{}", board.sockets.len(), if has_uarts { ", with UART" } else { "" }),
-        format!("{} switches{probe}{thermistors}", board.inputs.len()),
+        format!("{} contacts{thermistors}", board.inputs.len()),
         outputs(connectors),
         if board.fans.is_empty() { "none".to_owned() } else { board.fans.len().to_string() },
         hosts.collect::<Vec<_>>().join(", "),
@@ -119,22 +116,15 @@ fn row(entry: &Entry, root: &str) -> [String; 10] {
 }
 
 /// A row of the table of connectors.
-fn connectors(board: &'static BoardConnectors) -> [String; 6] {
+fn connectors(board: &'static BoardConnectors) -> [String; 5] {
     let key = format!("`{}`", board.key);
     if board.is_simulated {
         let any = || "any".to_owned();
-        return [key, any(), any(), any(), any(), any()];
+        return [key, any(), any(), any(), any()];
     }
     let without = if board.is_bench { "; a motor may be without" } else { "" };
     let sensors = board.sensors.iter().map(|sensor| sensor.name().to_owned());
-    [
-        key,
-        names(board.sockets) + without,
-        names(board.endstops),
-        names(board.probes),
-        outputs(board),
-        or_none(sensors.collect()),
-    ]
+    [key, names(board.sockets) + without, names(board.inputs), outputs(board), or_none(sensors.collect())]
 }
 
 fn names(names: &[ConnectorName]) -> String {

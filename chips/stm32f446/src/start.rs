@@ -24,7 +24,7 @@ use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::wiring::SerialPort;
-use crate::wiring::{Board, Image};
+use crate::wiring::{Board, Image, Input};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
 };
@@ -82,9 +82,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     }
     clocks::start(board.crystal, priorities::LINK);
     supply::watch();
-    for pin in board.inputs.iter().chain(&board.probe) {
-        ports::make_input(*pin, true);
-    }
+    pull(board.inputs.iter().copied());
     if !is_right {
         refuse(board, open_headers(board, None));
     }
@@ -101,6 +99,8 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     if past.is_supply_off {
         lines.iter_mut().for_each(|line| _ = line.send(SUPPLY_OFF.as_bytes()));
     }
+    // Of two connectors on one pin, the one in use decides.
+    pull(plugged.contacts().map(|contact| contact.input));
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
@@ -113,6 +113,11 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         clock: timer,
     };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
+}
+
+/// Makes inputs, each pulled to the level that an open contact has in its circuit.
+fn pull(inputs: impl Iterator<Item = Input>) {
+    inputs.for_each(|input| ports::make_input(input.pin, input.circuit.is_high_when_open()));
 }
 
 /// Whether the board has the resistors that we know it by. Leaves the pins inputs.

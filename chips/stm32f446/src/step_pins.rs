@@ -23,7 +23,7 @@ use corehbot::units::TICKS_PER_MS;
 
 use crate::ports::{self, Registers};
 use crate::wiring::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
-use crate::wiring::{Pin, Plugged};
+use crate::wiring::{Contact, Plugged};
 
 /// Minimum length of a step pulse in cycles of 180 MHz. The Stepper's work during a pulse takes longer. The bench
 /// counts these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
@@ -273,16 +273,15 @@ struct Endstops([Input; 4]);
 
 impl Endstops {
     fn new(plugged: &Plugged) -> Self {
-        let input = |pin: Pin, is_high: bool| {
+        let input = |contact: Contact| {
+            let (pin, is_high) = (contact.input.pin, contact.is_high_when_triggered());
             let mask = pin.mask();
             Input { port: ports::registers(pin.port), mask, triggered: if is_high { mask } else { 0 } }
         };
-        let [x, y, z] = plugged.endstops;
-        let switch = |pin, endstop| input(pin, !plugged.normally_open.has(endstop));
-        let (x, y, z) = (switch(x, EndstopSet::X), switch(y, EndstopSet::Y), switch(z, EndstopSet::Z));
+        let [x, y, z] = plugged.endstops.map(input);
         // An input of no bits that would have to read 1 never triggers.
         let none = Input { mask: 0, triggered: 1, ..x };
-        Self([x, y, z, plugged.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
+        Self([x, y, z, plugged.probe.map_or(none, input)])
     }
 
     /// A function of its own, to keep the step path below a KiB.

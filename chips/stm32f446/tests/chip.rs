@@ -65,7 +65,6 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         crystal: _,
         sockets,
         inputs,
-        probe,
         thermistors,
         loads,
         heaters,
@@ -90,8 +89,12 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
             pins.push((slot.enable, "enable".into()));
         }
     }
-    pins.extend(inputs.iter().map(|pin| (*pin, "input".into())));
-    pins.extend(probe.map(|pin| (pin, "probe".into())));
+    for (at, input) in inputs.iter().enumerate() {
+        // Two connectors may lead to one pin.
+        if inputs.iter().take(at).all(|earlier| earlier.pin != input.pin) {
+            pins.push((input.pin, "input".into()));
+        }
+    }
     pins.extend(thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(loads.iter().map(|pin| (*pin, "load".into())));
     pins.extend(supply_switch.map(|switch| (switch.pin, "supply switch".into())));

@@ -9,6 +9,7 @@
 //! | `lib` | a board's table |
 //! | `problem` | the rules that a table keeps |
 //! | `plugged` | a board with a machine |
+//! | `input` | inputs for contacts, and their circuits |
 //! | `image` | the boards of an image |
 //! | `serial_port` | USARTs for hosts |
 //! | `port_writes` | the words that set the pins of motors, by groups |
@@ -20,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod image;
+mod input;
 mod plugged;
 pub mod port_writes;
 mod problem;
@@ -28,7 +30,8 @@ mod serial_port;
 mod tests;
 
 pub use image::Image;
-pub use plugged::{Plugged, Probe};
+pub use input::{Circuit, Contact, Input};
+pub use plugged::Plugged;
 pub use serial_port::{SerialPort, Usart};
 
 use corehbot::connectors::BoardConnectors;
@@ -209,10 +212,9 @@ pub struct Board {
     /// The driver sockets: first the sockets for the prototype's motors, in the order of
     /// [`Motor::ALL`](corehbot::port::Motor::ALL).
     pub sockets: &'static [Slot],
-    /// Inputs for switches to ground, with a pull-up: first the inputs for the prototype's x, y and z.
-    pub inputs: &'static [Pin],
-    /// The input for a Z probe.
-    pub probe: Option<Pin>,
+    /// Inputs for switches, probes and other contacts: first the inputs for the prototype's x, y and z. Two connectors
+    /// may lead to one pin by different circuits; a machine uses one of them.
+    pub inputs: &'static [Input],
     /// The thermistors.
     pub thermistors: &'static [ThermistorPin],
     /// All heaters and fans: low is off. Outputs without a timer stay low.

@@ -2,10 +2,10 @@
 
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::{MOTORS, prototype};
-use corehbot::port::{EndstopSet, Motor, MotorSet};
+use corehbot::port::{Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
 
-use crate::{Board, Pin, Port, Slot, bits};
+use crate::{Board, Contact, Input, Pin, Port, Slot, bits};
 
 /// A board with each motor of a machine at a driver and each switch at an input. Drivers without a motor are left off.
 #[derive(Clone, Copy, Debug)]
@@ -16,21 +16,10 @@ pub struct Plugged {
     pub slots: [Option<Slot>; MOTORS],
     /// Motors with a direction line that is low for forward.
     pub reversed: MotorSet,
-    /// Switches of x, y and z: closed at rest, so that a broken wire reads as pressed.
-    pub endstops: [Pin; 3],
+    /// Switches of x, y and z.
+    pub endstops: [Contact; 3],
     /// The Z probe, if the machine has one.
-    pub probe: Option<Probe>,
-    /// Switches that are open at rest.
-    pub normally_open: EndstopSet,
-}
-
-/// A Z probe. Its input has a pull-up, like the inputs of switches.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Probe {
-    /// The input.
-    pub pin: Pin,
-    /// Its level when the probe has triggered.
-    pub is_high: bool,
+    pub probe: Option<Contact>,
 }
 
 impl Board {
@@ -40,9 +29,9 @@ impl Board {
         let mut slots = [None; MOTORS];
         let prototype = slots.iter_mut().take(prototype::COUNT);
         prototype.zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
-        let mut endstops = [Pin::new(Port::A, 0); 3];
-        endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = *input);
-        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, normally_open: EndstopSet::NONE }
+        let mut endstops = [Input::plain(Port::A, 0).contact(false); 3];
+        endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = input.contact(false));
+        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None }
     }
 
     /// The board with a machine plugged in.
@@ -61,15 +50,10 @@ impl Board {
             }
         }
         let switches = &machine.wiring.endstops;
-        let switches = [(EndstopSet::X, switches.x), (EndstopSet::Y, switches.y), (EndstopSet::Z, switches.z)];
-        for ((endstop, plug), pin) in switches.into_iter().zip(&mut plugged.endstops) {
-            *pin = self.input(plug).unwrap_or(*pin);
-            if plug.is_normally_open {
-                plugged.normally_open = plugged.normally_open.with(endstop);
-            }
+        for (plug, place) in [switches.x, switches.y, switches.z].into_iter().zip(&mut plugged.endstops) {
+            *place = self.contact(plug).unwrap_or(place.input.contact(plug.is_normally_open));
         }
-        let pin = self.probe.filter(|_| !machine.probe.connector.is_none());
-        plugged.probe = pin.map(|pin| Probe { pin, is_high: !machine.probe.is_normally_open });
+        plugged.probe = self.contact(machine.probe);
         Ok(plugged)
     }
 
@@ -79,14 +63,20 @@ impl Board {
         sockets.find_map(|(socket, slot)| (*socket == name).then_some(*slot))
     }
 
-    /// The pin of the input that a switch is plugged into.
-    fn input(&self, plug: EndstopPlug) -> Option<Pin> {
-        let mut inputs = self.connectors.endstops.iter().zip(self.inputs);
-        inputs.find_map(|(input, pin)| (*input == plug.connector).then_some(*pin))
+    /// The contact of that plug, at its input.
+    fn contact(&self, plug: EndstopPlug) -> Option<Contact> {
+        let mut inputs = self.connectors.inputs.iter().zip(self.inputs);
+        let input = inputs.find_map(|(name, input)| (*name == plug.connector).then_some(*input))?;
+        Some(input.contact(plug.is_normally_open))
     }
 }
 
 impl Plugged {
+    /// Everything with a contact.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
+        self.endstops.into_iter().chain(self.probe)
+    }
+
     /// Step pins by motor.
     #[must_use]
     pub fn step_pins(&self) -> [Option<Pin>; MOTORS] {

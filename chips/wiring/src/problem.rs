@@ -1,10 +1,11 @@
 //! Problems of a board's table, for tests to check.
 
+use corehbot::connectors::ConnectorName;
 use corehbot::motors::prototype;
 use corehbot::port::{FANS, LINES};
 
 use crate::port_writes::{DirWrites, StepWrites};
-use crate::{Board, FanPin, HEATER_PORT, HeaterPin, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
+use crate::{Board, FanPin, HEATER_PORT, HeaterPin, Input, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
 
 impl Board {
     /// The first problem of the table, if any.
@@ -29,8 +30,15 @@ impl Board {
         if self.pins_beside_drivers().chain(uarts).chain(enables()).any(Pin::is_of_debug_port) {
             return Some("a pin of the debug port has a job");
         }
-        if self.connectors.sockets.len() != self.sockets.len() || self.connectors.endstops.len() != self.inputs.len() {
+        if self.connectors.sockets.len() != self.sockets.len() || self.connectors.inputs.len() != self.inputs.len() {
             return Some("there are more or fewer names than sockets or inputs");
+        }
+        let inputs = || self.connectors.inputs.iter().zip(self.inputs);
+        let is_told = |(a, one): (&ConnectorName, &Input), (b, other): (&ConnectorName, &Input)| {
+            self.connectors.is_one_line(*a, *b) == (one.pin == other.pin)
+        };
+        if inputs().any(|one| inputs().any(|other| !is_told(one, other))) {
+            return Some("inputs share a pin and their connectors do not say so, or the reverse");
         }
         let told = self.connectors.sockets.iter().map(|name| self.connectors.debug_sockets.contains(name));
         if sockets().take(prototype::COUNT).any(Slot::is_of_debug_port)
@@ -65,7 +73,6 @@ impl Board {
             crystal: _,
             sockets: _,
             inputs,
-            probe,
             thermistors,
             loads,
             heaters,
@@ -79,11 +86,15 @@ impl Board {
         // A second pin of a heater or fan would need a check too; so this lists all their fields.
         heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
         fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
-        let pins = loads.iter().chain(inputs).copied();
+        // Two connectors may share a pin.
+        let inputs = inputs
+            .iter()
+            .enumerate()
+            .filter(|(at, input)| inputs.iter().take(*at).all(|earlier| earlier.pin != input.pin));
+        let pins = loads.iter().copied().chain(inputs.map(|(_, input)| input.pin));
         pins.chain(serial.iter().flat_map(|port| [port.tx, port.rx]))
             .chain(USB.into_iter().filter(move |_| has_usb))
             .chain(eeprom.into_iter().flatten())
-            .chain(probe)
             .chain(thermistors.iter().map(|thermistor| thermistor.pin))
             .chain(supply_switch.map(|switch| switch.pin))
     }

@@ -7,7 +7,7 @@ use corehbot::port::MotorSet;
 
 const NAMES: BoardConnectors = BoardConnectors {
     sockets: &ConnectorName::all(["X"]),
-    endstops: &ConnectorName::all(["X", "Y", "Z"]),
+    inputs: &ConnectorName::all(["X", "Y", "Z"]),
     ..BoardConnectors::ANY
 };
 
@@ -19,8 +19,7 @@ fn board(uart: Option<Pin>) -> Board {
         connectors: &NAMES,
         crystal: Crystal::Clock8MHz,
         sockets: vec![slot].leak(),
-        inputs: const { &[Pin::new(Port::B, 3), Pin::new(Port::B, 4), Pin::new(Port::B, 5)] },
-        probe: None,
+        inputs: const { &[Input::plain(Port::B, 3), Input::plain(Port::B, 4), Input::plain(Port::B, 5)] },
         thermistors: &[],
         loads: &[],
         heaters: &[],
@@ -52,6 +51,17 @@ fn there_is_a_name_for_every_socket_and_input() {
     let good = board(None);
     assert!(Board { connectors: &BoardConnectors::ANY, ..good }.problem().is_some());
     assert!(Board { inputs: good.inputs.split_at(2).0, ..good }.problem().is_some());
+}
+
+/// Two connectors on one pin, by different circuits, are said to be one line.
+#[test]
+fn inputs_share_a_pin_if_their_connectors_say_so() {
+    const INPUTS: &[Input] = &[Input::plain(Port::B, 3), Input::plain(Port::B, 4), Input::optocoupler(Port::B, 4)];
+    const SHARED: BoardConnectors = BoardConnectors { shared_inputs: &[ConnectorName::all(["Z", "Y"])], ..NAMES };
+    let with = |connectors, inputs| Board { connectors, inputs, ..board(None) }.problem();
+    assert_eq!(with(&SHARED, INPUTS), None);
+    let told = Some("inputs share a pin and their connectors do not say so, or the reverse");
+    assert_eq!((with(&NAMES, INPUTS), with(&SHARED, board(None).inputs)), (told, told));
 }
 
 #[test]

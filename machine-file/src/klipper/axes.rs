@@ -4,6 +4,7 @@ use super::work::Work;
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use crate::value::float_toml;
+use corehbot_wiring::Circuit;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -187,22 +188,19 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
         return;
     }
     let pins = work.pins;
-    match pins.input(&pin.name) {
-        Some((name, false)) => work.take(entry, &path, format!("{}{name}", if pin.is_inverted { "!" } else { "" })),
-        Some((name, true)) => {
-            let text =
-                format!("{name} is the probe's connector: plug the switch into another input, write it into {path}");
-            return work.say(entry, Kind::Decide, text);
+    match pins.input(&pin, Circuit::Plain) {
+        Some(input) => {
+            work.take(entry, &path, input.plug(&pin));
+            if let Some((kind, text)) = input.of_pull(&pin) {
+                work.say(entry, kind, text);
+            }
         }
         None => {
             let text = format!(
                 "{} is no input of the {}: write the switch's input into {path}",
                 pin.name, pins.connectors.name
             );
-            return work.say(entry, Kind::Decide, text);
+            work.say(entry, Kind::Decide, text);
         }
-    }
-    if pin.is_pulled_down {
-        work.say(entry, Kind::NotYet, "inputs are pulled up");
     }
 }

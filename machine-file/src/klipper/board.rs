@@ -1,9 +1,11 @@
 //! Pins of a board: which connector each is, and on which board a configuration is.
 
 use super::config::Config;
-use super::pin::Aliases;
+use super::pin::{Aliases, PinText};
+use crate::translation::Kind;
 use corehbot::connectors::{BoardConnectors, Output, Sensor};
 use corehbot_boards::{Entry, entries};
+use corehbot_wiring::Circuit;
 use std::fmt::Debug;
 
 /// Pins of a driver's socket.
@@ -14,13 +16,44 @@ pub(super) struct Socket {
     pub pins: [Option<String>; 4],
 }
 
+/// A connector for a contact.
+#[derive(Clone)]
+pub(super) struct InputPin {
+    /// Its name on the board.
+    pub name: &'static str,
+    /// The way from it to its pin.
+    pub circuit: Circuit,
+    pin: String,
+}
+
+impl InputPin {
+    /// A contact here as machine files have it. Klipper tells the level of a pin that has triggered, ours tells whether
+    /// the contact opens or closes then; the circuit makes the one of the other.
+    pub fn plug(&self, pin: &PinText) -> String {
+        let is_high = !pin.is_inverted;
+        let closes = self.circuit.is_high_when_open() != is_high;
+        format!("{}{}", if closes { "!" } else { "" }, self.name)
+    }
+
+    /// What is to say of the resistor that Klipper was told to add, if the circuit asks for the other one.
+    pub fn of_pull(&self, pin: &PinText) -> Option<(Kind, &'static str)> {
+        match self.circuit {
+            Circuit::Plain if pin.is_pulled_down => Some((Kind::NotYet, "its input is pulled up")),
+            Circuit::Optocoupler if !pin.is_pulled_down => {
+                Some((Kind::Approximated, "its input is pulled down, as its optocoupler needs it"))
+            }
+            Circuit::Plain | Circuit::Optocoupler => None,
+        }
+    }
+}
+
 /// The connectors of a board by their pins.
 pub(super) struct Pins {
     /// The board.
     pub connectors: &'static BoardConnectors,
     /// Sockets of drivers.
     pub sockets: Vec<Socket>,
-    inputs: Vec<(String, &'static str)>,
+    inputs: Vec<InputPin>,
     outputs: Vec<(String, Output)>,
     sensors: Vec<(String, Sensor)>,
     fans: Vec<String>,
@@ -39,19 +72,15 @@ impl Pins {
                 slot.uart.map(|pin| pin_name(pin.port, pin.number())),
             ],
         });
-        let inputs = board
-            .connectors
-            .endstops
-            .iter()
-            .zip(board.inputs)
-            .map(|(name, pin)| (pin_name(pin.port, pin.number()), name.as_str()));
-        let probe = board
-            .probe
-            .and_then(|pin| Some((pin_name(pin.port, pin.number()), board.connectors.probes.first()?.as_str())));
+        let inputs = board.connectors.inputs.iter().zip(board.inputs).map(|(name, input)| InputPin {
+            name: name.as_str(),
+            circuit: input.circuit,
+            pin: pin_name(input.pin.port, input.pin.number()),
+        });
         Some(Self {
             connectors: board.connectors,
             sockets: sockets.collect(),
-            inputs: inputs.chain(probe).collect(),
+            inputs: inputs.collect(),
             outputs: board
                 .heaters
                 .iter()
@@ -71,10 +100,16 @@ impl Pins {
         self.sockets.iter().find(|socket| socket.pins[0].as_deref() == Some(step))
     }
 
-    /// The input, and whether it is the probe's.
-    pub fn input(&self, pin: &str) -> Option<(&'static str, bool)> {
-        let name = self.inputs.iter().find(|(known, _)| known == pin)?.1;
-        Some((name, self.connectors.probes.iter().any(|probe| probe.as_str() == name)))
+    /// The input with that pin. Of two connectors on one pin it is the one that works with the resistor that Klipper was
+    /// told to add; without one, the one with the circuit `usual`.
+    pub fn input(&self, pin: &PinText, usual: Circuit) -> Option<InputPin> {
+        let here = || self.inputs.iter().filter(|input| input.pin == pin.name);
+        let wanted = match (pin.is_pulled_up, pin.is_pulled_down) {
+            (true, _) => Circuit::Plain,
+            (false, true) => Circuit::Optocoupler,
+            (false, false) => usual,
+        };
+        here().find(|input| input.circuit == wanted).or_else(|| here().next()).cloned()
     }
 
     /// The heater output.

@@ -11,6 +11,8 @@ pub(super) const FIRST_MCU: &str = "mcu";
 pub(super) struct PinText {
     /// `!`: low counts.
     pub is_inverted: bool,
+    /// `^`: a resistor to 3.3 V.
+    pub is_pulled_up: bool,
     /// `~`: a resistor to ground.
     pub is_pulled_down: bool,
     /// The controller: `mcu`, or the name of another one.
@@ -22,11 +24,17 @@ pub(super) struct PinText {
 impl PinText {
     /// Reads a pin. Klipper wants `^` or `~` before `!`, and the controller behind them.
     pub fn read(text: &str) -> Self {
-        let mut pin =
-            Self { is_inverted: false, is_pulled_down: false, chip: FIRST_MCU.to_owned(), name: String::new() };
+        let mut pin = Self {
+            is_inverted: false,
+            is_pulled_up: false,
+            is_pulled_down: false,
+            chip: FIRST_MCU.to_owned(),
+            name: String::new(),
+        };
         let mut rest = text.trim();
         while let Some(sign) = rest.chars().next().filter(|sign| "^~!".contains(*sign)) {
             pin.is_inverted |= sign == '!';
+            pin.is_pulled_up |= sign == '^';
             pin.is_pulled_down |= sign == '~';
             rest = rest[1..].trim_start();
         }

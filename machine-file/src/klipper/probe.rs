@@ -2,6 +2,7 @@
 
 use super::work::Work;
 use crate::translation::Kind;
+use corehbot_wiring::Circuit;
 
 /// Sections of probes with an input, and its key.
 const PROBES: [(&str, &str); 3] = [("probe", "pin"), ("bltouch", "sensor_pin"), ("smart_effector", "pin")];
@@ -14,19 +15,18 @@ pub(super) fn probe(work: &mut Work<'_>) {
             work.say(entry, Kind::NotYet, format!("{} is another board", pin.chip));
             continue;
         }
-        match work.pins.input(&pin.name) {
-            Some((name, true)) => {
-                // A header of its own comes last in the list of names of that input.
-                let of_header = work.pins.connectors.probes.last().filter(|_| section == "bltouch");
-                let name = of_header.map_or(name, |header| header.as_str());
-                work.take(entry, "endstops.probe", format!("{}{name}", if pin.is_inverted { "!" } else { "" }));
+        // A BLTouch has a header of its own, without the optocoupler of the header for other sensors.
+        let usual = if section == "bltouch" { Circuit::Plain } else { Circuit::Optocoupler };
+        match work.pins.input(&pin, usual) {
+            Some(input) => {
+                work.take(entry, "endstops.probe", input.plug(&pin));
                 work.say(entry, Kind::Approximated, "M119 reports it, and nothing probes so far");
-                if pin.is_pulled_down {
-                    work.say(entry, Kind::NotYet, "its input is pulled up");
+                if let Some((kind, text)) = input.of_pull(&pin) {
+                    work.say(entry, kind, text);
                 }
             }
-            _ => {
-                let text = format!("{} is no connector of a probe on the {}", pin.name, work.pins.connectors.name);
+            None => {
+                let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
                 work.say(entry, Kind::NotYet, text);
             }
         }

@@ -153,11 +153,19 @@ fn every_kinematics_has_klippers_matrix() {
 
 #[test]
 fn a_probes_input_has_the_name_of_its_header() {
-    for (text, plug) in [("[probe]\npin: ^PB7", "PROBE"), ("[bltouch]\nsensor_pin: ^!PB7", "!BLTOUCH")] {
+    for (text, plug) in [
+        ("[probe]\npin: ~!PB7", "PROBE"),
+        ("[probe]\npin: ~PB7", "!PROBE"),
+        ("[probe]\npin: !PB7", "PROBE"),
+        ("[probe]\npin: ^PB7", "BLTOUCH"),
+        ("[bltouch]\nsensor_pin: PB7", "BLTOUCH"),
+        ("[bltouch]\nsensor_pin: ^!PB7", "!BLTOUCH"),
+        ("[probe]\npin: ^!PG15", "!E3DET"),
+    ] {
         let text = of_text(text).text;
         assert!(text.contains(&format!("\nprobe = \"{plug}\"  # printer.cfg:2\n")), "{text}");
     }
-    assert!(!of_text("[probe]\npin: PG15").text.contains("probe ="));
+    assert!(!of_text("[probe]\npin: PF13").text.contains("probe ="));
 }
 
 /// By hand: 100 kOhm at 25 C and 1770 Ohm at 150 C are a B of 4071.7 K.

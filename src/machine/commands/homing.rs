@@ -28,7 +28,7 @@
 //!
 //! - a setting that says so, by which `facts` chooses the endstop, and the probe's offset;
 //! - `Settings::check_connectors` must ask for a probe in the file and not for a switch of z (the check against
-//!   `BoardConnectors::probes` exists). `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs`
+//!   `BoardConnectors::inputs` exists). `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs`
 //!   and M119 assume z's switch as well;
 //! - a probe that is low when it triggers reads as not triggered if its wire is cut: before each descent it must be
 //!   seen to work;

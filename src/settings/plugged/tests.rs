@@ -10,11 +10,7 @@ use crate::settings::Wiring;
 use std::format;
 use std::string::{String, ToString};
 
-/// [`PRINTER`] without one of its inputs for a probe.
-const ONE_PROBE: BoardConnectors =
-    BoardConnectors { name: "twin", probes: &ConnectorName::all(["BLTOUCH"]), ..PRINTER };
-
-const INPUTS: &str = "E0DET, E1DET, E2DET, E3DET, X-STOP, Y-STOP, Z-STOP, Z2-STOP";
+const INPUTS: &str = "BLTOUCH, E0DET, E1DET, E2DET, E3DET, PROBE, X-STOP, Y-STOP, Z-STOP, Z2-STOP";
 
 fn error(settings: &Settings, board: &'static BoardConnectors) -> String {
     settings.check_connectors(board).unwrap_err().to_string()
@@ -94,19 +90,34 @@ fn nothing_is_plugged_in_twice() {
 }
 
 #[test]
-fn a_probe_is_plugged_in_where_the_board_has_an_input_for_it_or_not_at_all() {
+fn a_probe_is_plugged_in_at_any_input_or_not_at_all() {
     let probe = |name| {
         let mut s = Settings::prototype();
         s.probe.connector = ConnectorName::lit(name);
         s
     };
-    for (name, board) in [("", &PRINTER), ("PROBE", &PRINTER), ("BLTOUCH", &PRINTER), ("BLTOUCH", &ONE_PROBE)] {
-        assert_eq!(probe(name).check_connectors(board), Ok(()), "{name}");
+    for name in ["", "PROBE", "BLTOUCH", "E3DET"] {
+        assert_eq!(probe(name).check_connectors(&PRINTER), Ok(()), "{name}");
     }
     let error_of = |name, board| error(&probe(name), board);
-    assert_eq!(error_of("PROBE", &ONE_PROBE), "probe: the twin has no connector PROBE; it has BLTOUCH");
-    assert_eq!(error_of("Z-STOP", &PRINTER), "probe: the sample has no connector Z-STOP; it has BLTOUCH, PROBE");
-    assert_eq!(error_of("Z-STOP", &BoardConnectors::ANY), "endstop of z and probe have the same connector, Z-STOP");
+    assert_eq!(error_of("Z-MAX", &PRINTER), format!("probe: the sample has no connector Z-MAX; it has {INPUTS}"));
+    for board in [&PRINTER, &BoardConnectors::ANY] {
+        assert_eq!(error_of("Z-STOP", board), "endstop of z and probe have the same connector, Z-STOP");
+    }
+}
+
+#[test]
+fn two_connectors_of_one_line_are_one() {
+    for (z, probe) in [("PROBE", "BLTOUCH"), ("BLTOUCH", "PROBE")] {
+        let mut s = Settings::prototype();
+        s.wiring.endstops.z.connector = ConnectorName::lit(z);
+        assert_eq!(s.check_connectors(&PRINTER), Ok(()), "a switch may be at either");
+        s.probe.connector = ConnectorName::lit(probe);
+        assert_eq!(
+            error(&s, &PRINTER),
+            format!("endstop of z and probe cannot both be used: {z} and {probe} are one line to the processor")
+        );
+    }
 }
 
 #[test]
