@@ -5,6 +5,8 @@ mod exchange;
 mod from;
 #[cfg(unix)]
 mod line;
+#[cfg(unix)]
+mod ports;
 
 use crate::status::{DONE, FAILED};
 use anyhow::{Context as _, Result};
@@ -26,7 +28,7 @@ pub(crate) enum Config {
     Schema,
     /// Writes a machine file with every key and its meaning.
     New(New),
-    /// Writes a machine file from Klipper's printer.cfg, and reports what became of every key.
+    /// Writes a machine file from Klipper's printer.cfg or from a printer with Marlin, and reports what became of it.
     From(from::From),
     /// Reports errors and doubtful values in a machine file; the exit status is 1 if it is not a machine.
     Check(Check),

@@ -305,3 +305,35 @@ fn a_folder_is_its_printer_cfg_and_bad_lines_are_told() {
     write("sub/one.cfg", "[mcu]\nserial:\n  /dev/ttyACM0\n");
     assert!(said().contains("cannot tell the board"), "{}", said());
 }
+
+/// The saved answers of a printer among the tests of machine files.
+fn marlin(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../machine-file/tests/marlin").join(name).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_saved_answer_of_marlin_becomes_a_machine() {
+    for (name, more) in
+        [("mega.log", &["--machine", "cartesian"][..]), ("core.log", &["--machine", "corexy"]), ("shaped.log", &[])]
+    {
+        for board in [&["--board", "octopus"][..], &[]] {
+            let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension("toml");
+            let _ = std::fs::remove_file(&path);
+            let log = marlin(name);
+            let from = config(&[&["from", &log, "-o", path.to_str().unwrap()], board, more].concat());
+            let report = out(&from);
+            // Z has an offset in one of them.
+            let status = if name == "core.log" { 1 } else { 0 };
+            assert_eq!(from.status.code(), Some(status), "{report}{}", String::from_utf8_lossy(&from.stderr));
+            assert!(report.contains("to be filled in\n"), "{report}");
+            let check = config(&["check", path.to_str().unwrap()]);
+            assert_eq!(check.status.code(), Some(0), "{name}: {}", out(&check));
+        }
+    }
+    // Without --machine the mechanism is to be decided, and with a configuration of Klipper it has no use.
+    assert_eq!(config(&["from", &marlin("mega.log")]).status.code(), Some(1));
+    let from = config(&["from", &klipper("gantry.cfg"), "--machine", "corexy"]);
+    assert!(
+        from.status.code() == Some(2) && String::from_utf8_lossy(&from.stderr).contains("--machine is for printers")
+    );
+}

@@ -17,6 +17,7 @@
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
 //! | `translation` | another firmware's configuration to a machine file, with a verdict on every part |
 //! | `klipper` | configurations of Klipper |
+//! | `marlin` | answers of a printer with Marlin |
 //! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
 //! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
@@ -28,6 +29,7 @@
 mod error;
 mod keys;
 pub mod klipper;
+pub mod marlin;
 mod pattern;
 mod peers;
 mod place;
@@ -54,6 +56,7 @@ pub use reference::reference;
 use resolution::resolution;
 pub use schema::schema;
 use std::path::Path;
+pub use translation::{Kind, OfKey, OfSection, Report, Translation, Verdict};
 pub use written::written;
 
 /// A machine as its file describes it.

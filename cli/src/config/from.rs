@@ -1,53 +1,65 @@
-//! `config from`: a configuration of Klipper as a machine file, and a report of what became of every key.
+//! `config from`: the configuration of another firmware as a machine file, and a report of what became of every part.
+
+#[cfg(unix)]
+mod ask;
+mod klipper;
 
 use crate::status::{DONE, FAILED};
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, ensure};
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use corehbot::connectors::BoardConnectors;
-use corehbot_machine_file::klipper::{Config, Files, matches, translate};
+use corehbot_machine_file::marlin::{self, Given, Kinematics};
+use corehbot_machine_file::{Translation, klipper as of_klipper};
 use corehbot_report::printable;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The first file of a folder.
-const FIRST: &str = "printer.cfg";
-
-/// Mistakes that are printed.
-const MOST_MISTAKES: usize = 20;
+/// Bytes of a file that may be the report of a printer.
+const LONGEST_REPORT: u64 = 1 << 20;
 
 #[derive(Args)]
 pub(crate) struct From {
-    /// Klipper's printer.cfg, or the folder with it.
-    #[arg(value_name = "printer.cfg")]
-    file: PathBuf,
-    /// The board; left out, its pins and comments tell it.
+    /// Klipper's printer.cfg, or the folder with it; or a file with the answer of a Marlin printer to M503.
+    #[arg(value_name = "FILE", required_unless_present = "serial")]
+    file: Option<PathBuf>,
+    #[cfg(unix)]
+    #[command(flatten)]
+    printer: ask::Printer,
+    /// The board that the machine gets; left out, the pins and comments of printer.cfg tell it.
     #[arg(long, value_parser = super::board())]
     board: Option<&'static BoardConnectors>,
+    /// How the motors of a Marlin printer move it, which most of them do not say.
+    #[arg(long, value_parser = kinematics())]
+    machine: Option<&'static Kinematics>,
     /// The file to write, which must not exist; the default is standard output.
     #[arg(short, long, value_name = "M.toml")]
     output: Option<PathBuf>,
 }
 
+/// Kinematics by their names.
+fn kinematics() -> impl TypedValueParser<Value = &'static Kinematics> {
+    let names = PossibleValuesParser::new(Kinematics::ALL.iter().map(|known| known.name));
+    names.try_map(|name| Kinematics::called(&name).ok_or("there are no such kinematics"))
+}
+
 /// Writes the machine file, and the report to the other one of standard output and standard error.
 pub(super) fn from(args: &From) -> Result<u8> {
-    let first = if args.file.is_dir() { args.file.join(FIRST) } else { args.file.clone() };
-    let name = first.to_str().with_context(|| format!("{} is no name in UTF-8", first.display()))?;
-    std::fs::metadata(&first).with_context(|| format!("cannot open {name}"))?;
-    let config = match Config::read(name, &mut OnDisk) {
-        Ok(config) => config,
-        Err(mistakes) => {
-            let mut lines: Vec<_> = mistakes.iter().take(MOST_MISTAKES).map(ToString::to_string).collect();
-            lines.extend(mistakes.get(MOST_MISTAKES).map(|_| format!("{} mistakes in all", mistakes.len())));
-            bail!("no configuration that Klipper reads\n{}", lines.join("\n"));
-        }
-    };
-    let done = translate(&config, args.board).map_err(anyhow::Error::msg)?;
+    if let Some(path) = &args.output {
+        // Before a printer is asked for many seconds.
+        ensure!(path.symlink_metadata().is_err(), "cannot create {}: it is there already", path.display());
+    }
+    let done = translated(args)?;
     let written = args.output.as_deref().map_or_else(|| "machine file".to_owned(), |path| path.display().to_string());
     let mut report = done.report.to_string();
     done.problems.iter().for_each(|problem| {
         let _ = writeln!(report, "{written}:{problem}");
     });
+    let is_open = !done.report.open.is_empty();
     report += match (done.is_whole(), done.machine.is_some()) {
+        (true, _) if is_open => {
+            "the machine file is a machine: fill it in, and check approximated keys before it moves\n"
+        }
         (true, _) => "the machine file is a machine: measure and check approximated keys before it moves\n",
         (false, true) => "the machine file is a machine, apart from the keys that are to decide\n",
         (false, false) => "the machine file is no machine yet: decide, then run `corehbot config check`\n",
@@ -66,36 +78,29 @@ pub(super) fn from(args: &From) -> Result<u8> {
     Ok(if done.is_whole() { DONE } else { FAILED })
 }
 
-/// The files on this computer.
-struct OnDisk;
-
-impl Files for OnDisk {
-    fn matching(&mut self, from: &str, pattern: &str) -> Vec<String> {
-        let mut found = vec![Path::new(from).parent().unwrap_or(Path::new("")).to_owned()];
-        for part in Path::new(pattern) {
-            let Some(part) = part.to_str() else { return Vec::new() };
-            found = found.iter().flat_map(|folder| inside(folder, part)).collect();
-        }
-        let names = found.iter().filter(|path| path.is_file()).filter_map(|path| path.to_str());
-        let mut names: Vec<_> = names.map(str::to_owned).collect();
-        names.sort();
-        names
+/// The translation of whatever it is.
+fn translated(args: &From) -> Result<Translation> {
+    let given = Given { board: args.board, kinematics: args.machine };
+    #[cfg(unix)]
+    if let Some(port) = args.printer.port() {
+        return Ok(marlin::translate(&port.display().to_string(), &args.printer.ask(port)?, given));
     }
-
-    fn read(&mut self, name: &str) -> Result<String, String> {
-        std::fs::read_to_string(name).map_err(|error| error.to_string())
+    let file = args.file.as_deref().context("say a file")?;
+    let first = klipper::first(file);
+    let name = first.display().to_string();
+    if let Some(text) = report_in(&first)? {
+        return Ok(marlin::translate(&name, &text, given));
     }
+    ensure!(args.machine.is_none(), "--machine is for printers with Marlin: {name} says its own kinematics");
+    of_klipper::translate(&klipper::read(&first)?, args.board).map_err(anyhow::Error::msg)
 }
 
-/// The files and folders in a folder that a part of a pattern means.
-fn inside(folder: &Path, part: &str) -> Vec<PathBuf> {
-    let whole = folder.join(part);
-    // A way up, or a root, is no name in the folder.
-    if whole.exists() || !corehbot_machine_file::klipper::is_pattern(part) {
-        return vec![whole];
+/// The text of a file that is the report of a printer.
+fn report_in(path: &Path) -> Result<Option<String>> {
+    let cannot = || format!("cannot open {}", path.display());
+    if std::fs::metadata(path).with_context(cannot)?.len() > LONGEST_REPORT {
+        return Ok(None);
     }
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let Ok(listed) = std::fs::read_dir(here) else { return Vec::new() };
-    let names = listed.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    names.filter(|name| matches(part, name)).map(|name| folder.join(name)).collect()
+    let text = marlin::text_of(&std::fs::read(path).with_context(cannot)?);
+    Ok(marlin::is_report(&text).then_some(text))
 }

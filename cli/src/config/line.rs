@@ -1,5 +1,6 @@
 //! The serial line to a board, for commands that have to be answered.
 
+use super::ports::cannot_open;
 use anyhow::{Context as _, Result, bail};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host as _;
@@ -23,17 +24,29 @@ pub(super) struct SerialLine {
 impl SerialLine {
     /// Opens the line; whatever the board has said so far is thrown away.
     pub fn open(path: &Path, baud: u32) -> Result<Self> {
-        let cannot = || format!("cannot open {} as a serial line", path.display());
-        let line = open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty()).with_context(cannot)?;
-        let mut modes = tcgetattr(&line).with_context(cannot)?;
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
+        let line = open(path, flags, Mode::empty()).map_err(|error| cannot_open(path, error))?;
+        let line = Self { line, path: path.to_owned(), baud };
+        line.tune()?;
+        Ok(line)
+    }
+
+    /// Goes on at another rate; whatever has come so far is thrown away.
+    pub fn retune(&mut self, baud: u32) -> Result<()> {
+        self.baud = baud;
+        self.tune()
+    }
+
+    fn tune(&self) -> Result<()> {
+        let (line, path, baud) = (&self.line, &self.path, self.baud);
+        let mut modes = tcgetattr(line).map_err(|error| cannot_open(path, error))?;
         modes.make_raw();
         modes.set_speed(baud).with_context(|| format!("{} has no rate of {baud} baud", path.display()))?;
         // A read ends after a tenth of a second, with whatever has come.
         modes.special_codes[SpecialCodeIndex::VMIN] = 0;
         modes.special_codes[SpecialCodeIndex::VTIME] = 1;
-        tcsetattr(&line, OptionalActions::Now, &modes).with_context(cannot)?;
-        tcflush(&line, QueueSelector::IOFlush).with_context(cannot)?;
-        Ok(Self { line, path: path.to_owned(), baud })
+        tcsetattr(line, OptionalActions::Now, &modes).map_err(|error| cannot_open(path, error))?;
+        tcflush(line, QueueSelector::IOFlush).map_err(|error| cannot_open(path, error))
     }
 
     /// Sends commands as a print, with numbers and checksums, and again where the board asks for it. Returns the
@@ -46,7 +59,7 @@ impl SerialLine {
             host.send(&mut out);
             self.write(&out)?;
             let mut bytes = [0; 256];
-            let count = read(&self.line, &mut bytes).with_context(|| format!("cannot read {}", self.path.display()))?;
+            let count = self.read(&mut bytes)?;
             if count > 0 {
                 active = Instant::now();
             } else if active.elapsed() > SILENCE {
@@ -68,7 +81,13 @@ impl SerialLine {
         }
     }
 
-    fn write(&self, mut bytes: &[u8]) -> Result<()> {
+    /// Takes bytes that come within a tenth of a second.
+    pub fn read(&self, bytes: &mut [u8]) -> Result<usize> {
+        read(&self.line, bytes).with_context(|| format!("cannot read {}", self.path.display()))
+    }
+
+    /// Sends bytes.
+    pub fn write(&self, mut bytes: &[u8]) -> Result<()> {
         while !bytes.is_empty() {
             let count = write(&self.line, bytes).with_context(|| format!("cannot write to {}", self.path.display()))?;
             bytes = &bytes[count..];

@@ -42,7 +42,7 @@ pub(super) fn report(work: &Work<'_>, board: &'static BoardConnectors) -> Report
         };
         OfSection { name: section.name.clone(), place: config.place(section.at), verdict, keys }
     });
-    Report { board, sections: sections.collect(), notes: work.notes.clone() }
+    Report { board, sections: sections.collect(), notes: work.notes.clone(), open: Vec::new() }
 }
 
 /// The other controller that a pin is on.

@@ -17,6 +17,8 @@ pub(crate) struct Draft {
     pub names: [MotorName; MOTORS],
     /// What the owner has to decide or to check, beyond single entries.
     pub notes: Vec<Verdict>,
+    /// Keys that the owner has to fill in, because the configuration does not say them.
+    pub open: Vec<String>,
     /// The place of each entry, for comments.
     places: Vec<String>,
     verdicts: Vec<Option<Verdict>>,
@@ -29,6 +31,7 @@ impl Draft {
             lines: Lines::default(),
             names: [MotorName::NONE; MOTORS],
             notes: Vec::new(),
+            open: Vec::new(),
             verdicts: vec![None; places.len()],
             places,
         }
@@ -86,6 +89,17 @@ impl Draft {
     pub fn set_number(&mut self, path: &str, number: f64, from: &str) {
         let value = self.in_range(path, number).0;
         self.lines.set(path, value, from);
+    }
+
+    /// Sets keys that the configuration does not say, each to a value with which nothing breaks, and asks the owner to
+    /// fill them in.
+    pub fn fill_in(&mut self, keys: &[(String, toml::Value)], what: &str) {
+        let mut said = Vec::new();
+        for (path, value) in keys {
+            self.lines.set(path, value.clone(), "to be filled in");
+            said.push(format!("{path} = {value}"));
+        }
+        self.open.push(format!("{}: {what}", said.join(", ")));
     }
 
     /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.

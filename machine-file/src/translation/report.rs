@@ -14,6 +14,8 @@ pub struct Report {
     pub sections: Vec<OfSection>,
     /// What the owner has to decide or to check, beyond single keys.
     pub notes: Vec<Verdict>,
+    /// Keys that the owner has to fill in.
+    pub open: Vec<String>,
 }
 
 /// What became of a section.
@@ -60,7 +62,10 @@ impl Report {
 
 impl Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "for the {}", self.board.name)?;
+        match self.board.key {
+            "" => writeln!(f, "for any board")?,
+            _ => writeln!(f, "for the {}", self.board.name)?,
+        }
         for section in &self.sections {
             write!(f, "\n[{}] {}", short(&section.name), section.place)?;
             match &section.verdict {
@@ -68,7 +73,8 @@ impl Display for Report {
                 None => writeln!(f)?,
             }
             for OfKey { key, value, line, verdict, .. } in &section.keys {
-                let mut said = format!("  {:<14} {line}: {} = {value}", verdict.kind.word(), short(key));
+                let equals = if value.is_empty() { "" } else { " = " };
+                let mut said = format!("  {:<14} {line}: {}{equals}{value}", verdict.kind.word(), short(key));
                 if !verdict.text.is_empty() {
                     let _ = write!(said, " -> {}", verdict.text);
                 }
@@ -88,7 +94,13 @@ impl Display for Report {
         for (section, OfKey { key, place, verdict, .. }) in open {
             writeln!(f, "  {place}: [{}] {}: {}", short(section), short(key), verdict.text)?;
         }
+        if !self.open.is_empty() {
+            writeln!(f, "\nto be filled in")?;
+            self.open.iter().try_for_each(|key| writeln!(f, "  {key}"))?;
+        }
         let counts = self.counts().map(|(kind, count)| format!("{count} {}", kind.word()));
-        writeln!(f, "\n{}", counts.join(", "))
+        write!(f, "\n{}", counts.join(", "))?;
+        let more = if self.open.is_empty() { String::new() } else { format!(", {} to be filled in", self.open.len()) };
+        writeln!(f, "{more}")
     }
 }
