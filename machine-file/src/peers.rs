@@ -38,7 +38,6 @@ const PEERS: &[Peer] = &[
     Peer("stealthchop*", Use("stealth", "")),
     Peer("driver_sgthrs", Use("stall_threshold", "")),
     Peer("sense_resistor", NotYet("currents are computed for 0.11 Ohm")),
-    Peer("interpolate", NotYet("drivers always interpolate to 256 microsteps")),
     Peer("diag_pin", NotYet("no axis homes by StallGuard")),
     // Axes.
     Peer("position_max", Use("length", "position_max - position_min")),

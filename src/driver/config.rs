@@ -72,12 +72,13 @@ impl Config {
         let hold = ((run + 1) * u32::from(d.hold_percent) / 100).saturating_sub(1);
         let mode = if d.stealth { 0 } else { gconf::EN_SPREADCYCLE };
         let mres = 8 - d.microsteps.ilog2().min(8);
+        let intpol = if d.interpolate { chopconf::INTPOL } else { 0 };
         Self {
             gconf: gconf::PDN_DISABLE | gconf::MSTEP_REG_SELECT | gconf::MULTISTEP_FILT | mode,
             currents: IHOLDDELAY << 16 | run << 8 | hold,
             tpwmthrs: hybrid_threshold(d, steps_per_mm),
             sgthrs: u32::from(d.stall_threshold),
-            chopconf: CHOPPER | vsense | mres << chopconf::MRES | chopconf::INTPOL,
+            chopconf: CHOPPER | vsense | mres << chopconf::MRES | intpol,
         }
     }
 
@@ -119,6 +120,19 @@ impl Config {
     #[must_use]
     pub fn run_current_ma(&self) -> u32 {
         rms_ma((self.currents >> 8) & 0x1F, self.chopconf & chopconf::VSENSE != 0)
+    }
+
+    /// The resulting current at rest, in mA.
+    #[must_use]
+    pub fn hold_current_ma(&self) -> u32 {
+        rms_ma(self.currents & 0x1F, self.chopconf & chopconf::VSENSE != 0)
+    }
+
+    /// Steps a second above which spreadCycle replaces stealthChop; `None` if it never does.
+    #[must_use]
+    pub fn hybrid_steps_per_s(&self) -> Option<u32> {
+        let clocks = u64::from(self.tpwmthrs) * FINEST;
+        (clocks > 0).then(|| mul_div(CLOCK_HZ, u64::from(self.microsteps()), clocks) as u32)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::config::microsteps;
 use super::error::DriverError;
-use super::registers::{Register, drv_status, gconf};
+use super::registers::{Register, chopconf, drv_status, gconf};
 
 /// Number of stored load readings.
 pub(super) const LOADS: usize = 4;
@@ -54,10 +54,22 @@ impl Reading {
         if self.gconf & gconf::MSTEP_REG_SELECT == 0 { None } else { Some(microsteps(self.chopconf)) }
     }
 
+    /// Whether it interpolates its microsteps to 256.
+    #[must_use]
+    pub const fn interpolates(&self) -> bool {
+        self.chopconf & chopconf::INTPOL != 0
+    }
+
     /// Its chopper mode at low speed.
     #[must_use]
     pub const fn mode(&self) -> &'static str {
-        if self.gconf & gconf::EN_SPREADCYCLE == 0 { "stealthChop" } else { "spreadCycle" }
+        if self.is_stealthy() { "stealthChop" } else { "spreadCycle" }
+    }
+
+    /// Whether it runs in stealthChop at low speed.
+    #[must_use]
+    pub const fn is_stealthy(&self) -> bool {
+        self.gconf & gconf::EN_SPREADCYCLE == 0
     }
 
     /// Whether it is near the temperature at which it switches itself off.

@@ -16,6 +16,8 @@ pub struct DriverSettings {
     pub hold_percent: u8,
     /// Microsteps of a full step. Steps per millimetre of an axis are the full steps of its motor times this.
     pub microsteps: u16,
+    /// Whether the driver interpolates its microsteps to 256.
+    pub interpolate: bool,
     /// stealthChop instead of spreadCycle (M569).
     pub stealth: bool,
     /// Speed above which spreadCycle replaces stealthChop, 0 for never (M913).
@@ -27,18 +29,21 @@ pub struct DriverSettings {
 /// Values of a single motor's driver. 0 stands for the value of its group.
 ///
 /// Motors of one axis may be of different kinds, so each may need its own current, and its own threshold to tell a load
-/// from a stall. Microsteps must agree within an axis, so no motor has its own.
+/// from a stall. One that holds a weight needs more current at rest than the others of its group. Microsteps must agree
+/// within an axis, so no motor has its own.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Default, Serialize, Deserialize)]
 pub struct OwnDriver {
     /// [`DriverSettings::current_ma`] (M906 I).
     pub current_ma: u16,
+    /// [`DriverSettings::hold_percent`].
+    pub hold_percent: u8,
     /// [`DriverSettings::stall_threshold`] (M914 I).
     pub stall_threshold: u8,
 }
 
 impl OwnDriver {
     /// All values are the group's.
-    pub const NONE: Self = Self { current_ma: 0, stall_threshold: 0 };
+    pub const NONE: Self = Self { current_ma: 0, hold_percent: 0, stall_threshold: 0 };
 }
 
 /// Settings of the drivers by group of motors. The four belt motors have one set: they pull one belt.
@@ -64,6 +69,7 @@ impl DriverGroups {
             current_ma: 800,
             hold_percent: 50,
             microsteps: 16,
+            interpolate: true,
             stealth: false,
             hybrid_threshold: MmPerSec::ZERO,
             stall_threshold: 0,
@@ -108,6 +114,9 @@ impl Settings {
         let (own, mut driver) = (self.drivers.own(motor), *self.driver_group(motor).0);
         if own.current_ma != 0 {
             driver.current_ma = own.current_ma;
+        }
+        if own.hold_percent != 0 {
+            driver.hold_percent = own.hold_percent;
         }
         if own.stall_threshold != 0 {
             driver.stall_threshold = own.stall_threshold;
@@ -154,6 +163,8 @@ rows! {
     44 "hybrid_threshold" = driver.hybrid_threshold, "mm/s", [ranges::SPEED.spec().from_zero()];
     /// StallGuard threshold: the higher, the sooner a load counts as a stall; 0 is never (M914).
     45 "stall_threshold" = driver.stall_threshold, "", [Range { least: u8::MIN, most: u8::MAX }.spec()];
+    /// Whether drivers interpolate microsteps to 256: quieter, and the motor follows half a microstep later.
+    104 "interpolate" = driver.interpolate, "", [Spec::SWITCH];
 }
 
 /// Rows of [`DriverGroups::own`].
@@ -176,6 +187,8 @@ pub(super) mod own {
         101 "current_ma" = driver.current_ma, "mA", [ranges::CURRENT_MA.spec().or_group()];
         /// Own StallGuard threshold of this motor (M914 I). Left out, it has the threshold of its group.
         102 "stall_threshold" = driver.stall_threshold, "", [ranges::OWN_STALL_THRESHOLD.spec().or_group()];
+        /// Own current of this motor at rest, in percent of the running motor's. Left out, it has that of its group.
+        105 "hold_percent" = driver.hold_percent, "%", [ranges::OWN_HOLD_PERCENT.spec().or_group()];
     }
 }
 
@@ -194,11 +207,13 @@ mod tests {
     fn a_motor_has_its_own_values_and_those_of_its_group_otherwise() {
         let mut s = Settings::prototype();
         let group = s.drivers.z;
-        s.drivers.own[prototype::Z2.index()] = OwnDriver { current_ma: 600, stall_threshold: 0 };
+        s.drivers.own[prototype::Z2.index()] = OwnDriver { current_ma: 600, ..OwnDriver::NONE };
         assert_eq!(s.driver_of(prototype::Z1), group);
         assert_eq!(s.driver_of(prototype::Z2), DriverSettings { current_ma: 600, ..group });
-        s.drivers.own[prototype::Z2.index()] = OwnDriver { current_ma: 0, stall_threshold: 7 };
+        s.drivers.own[prototype::Z2.index()] = OwnDriver { stall_threshold: 7, ..OwnDriver::NONE };
         assert_eq!(s.driver_of(prototype::Z2), DriverSettings { stall_threshold: 7, ..group });
+        s.drivers.own[prototype::Z2.index()] = OwnDriver { hold_percent: 40, ..OwnDriver::NONE };
+        assert_eq!(s.driver_of(prototype::Z2), DriverSettings { hold_percent: 40, ..group });
     }
 
     #[test]

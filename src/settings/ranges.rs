@@ -68,6 +68,8 @@ pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };
 pub const OWN_STALL_THRESHOLD: Range<u8> = Range { least: 1, most: u8::MAX };
 /// Hold current in percent of the run current.
 pub const HOLD_PERCENT: Range<u8> = Range { least: 0, most: 100 };
+/// Hold current of a single motor; 0 is that of its group.
+pub const OWN_HOLD_PERCENT: Range<u8> = Range { least: 1, ..HOLD_PERCENT };
 /// Frequency of an input shaper: below 10 Hz a shaper takes longer than the trajectory remembers, above 500 it takes
 /// no more than a few steps.
 pub const FREQUENCY: Range<Hertz> = Range { least: Hertz::const_from_int(10), most: Hertz::const_from_int(500) };

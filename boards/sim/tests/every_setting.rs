@@ -94,7 +94,8 @@ fn file(rule: CornerRule) -> Table {
     file["advance"]["window"] = 0.03.into();
     // A driver with values of its own for each motor.
     for motor in prototype::NAMES.into_iter().take(prototype::COUNT) {
-        let own = [("current_ma", 300), ("stall_threshold", 3)].map(|(key, value)| (key.to_owned(), value.into()));
+        let own = [("current_ma", 300), ("hold_percent", 30), ("stall_threshold", 3)]
+            .map(|(key, value)| (key.to_owned(), value.into()));
         let drivers = file["drivers"].as_table_mut().unwrap();
         drivers.insert(motor.to_string(), toml::Value::Table(Table::from_iter(own)));
     }

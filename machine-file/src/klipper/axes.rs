@@ -1,6 +1,6 @@
 //! Axes: their reach, their limits, their switches, and how they home.
 
-use super::work::Work;
+use super::work::{Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use crate::value::float_toml;
@@ -133,7 +133,7 @@ fn homing(work: &mut Work<'_>, axis: &str, section: &str, (least, most): (f64, O
     let place = work.number(section, "position_endstop");
     let positive = work.value(section, "homing_positive_dir");
     let is_max = match (positive, place, most) {
-        (Some((_, text)), ..) => ["true", "1", "yes", "on"].contains(&text.to_lowercase().as_str()),
+        (Some((_, text)), ..) => is_true(text),
         (None, Some((_, place)), Some(most)) => place > (least + most) / 2.0,
         (None, ..) => false,
     };

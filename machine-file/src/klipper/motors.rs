@@ -1,6 +1,6 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
-use super::work::Work;
+use super::work::{Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use corehbot::motors::{MOTORS, MotorName};
@@ -279,11 +279,21 @@ fn driver(work: &mut Work<'_>, stepper: &Stepper) {
             );
         }
     }
-    if let Some((entry, text)) = work.value(&section, "interpolate") {
-        if text.eq_ignore_ascii_case("true") {
-            work.say(entry, Kind::Taken, "drivers always interpolate to 256 microsteps");
-        } else {
-            work.say(entry, Kind::NotYet, "drivers always interpolate to 256 microsteps");
+    interpolation(work, &section, stepper);
+}
+
+/// Klipper's drivers interpolate unless they are told not to.
+fn interpolation(work: &mut Work<'_>, section: &str, stepper: &Stepper) {
+    let path = format!("{}.interpolate", stepper.group());
+    if let Some((entry, text)) = work.value(section, "interpolate") {
+        return group_switch(work, entry, stepper, "interpolate", is_true(text));
+    }
+    match work.lines.get(&path).and_then(Toml::as_bool) {
+        None => work.lines.set(&path, true.into(), "Klipper's default"),
+        Some(true) => {}
+        Some(false) => {
+            let text = format!("[{section}] has no interpolate, but {path} = false holds for its group");
+            work.notes.push(Verdict::new(Kind::Approximated, text));
         }
     }
 }

@@ -74,3 +74,8 @@ impl DerefMut for Work<'_> {
         &mut self.draft
     }
 }
+
+/// Whether a value switches something on, in Python's words.
+pub(super) fn is_true(text: &str) -> bool {
+    ["true", "1", "yes", "on"].contains(&text.to_lowercase().as_str())
+}

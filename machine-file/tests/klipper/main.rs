@@ -112,6 +112,7 @@ fn a_gantry_on_an_octopus_is_a_machine() {
     assert!(matches!(s.corner, CornerRule::SquareCorner(speed) if speed.to_num::<f64>() == 6.0));
     assert_eq!((s.drivers.belt.current_ma, s.drivers.belt.hold_percent, s.drivers.belt.microsteps), (800, 100, 32));
     assert_eq!((s.drivers.e.current_ma, s.drivers.e.hold_percent, s.drivers.e.stealth), (500, 40, true));
+    assert_eq!([s.drivers.belt, s.drivers.z].map(|group| group.interpolate), [false, true]);
     let ends = [s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z];
     assert_eq!(ends.map(|end| end.is_normally_open), [false, true, false]);
     assert_eq!(s.endstops.x.position.to_num::<f64>(), 350.0);

@@ -39,7 +39,10 @@ fn the_fields_are_where_the_datasheet_has_them() {
         assert_eq!((chopconf >> 24) & 0xF, mres);
         assert_eq!(super::microsteps(chopconf), u32::from(microsteps));
     }
+    assert_eq!(config(|d| d.interpolate = false).value(Register::Chopconf), 0x0403_0053);
     assert_eq!(config(|d| d.hold_percent = 0).value(Register::IholdIrun) & 0x1F, 0);
+    // 13 of the 26 parts of 795 mA.
+    assert_eq!((c.run_current_ma(), c.hold_current_ma()), (795, 397));
     assert_eq!(config(|d| d.stall_threshold = 9).value(Register::Tcoolthrs), SLOWEST);
 }
 
@@ -69,6 +72,9 @@ fn the_threshold_is_a_time_between_two_of_256_steps() {
     // 100 mm/s are 8,000 steps, 128,000 of the finest: 93.75 clocks.
     let at = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).value(Register::Tpwmthrs);
     assert_eq!((at(0), at(100), at(3000)), (0, 93, 3));
+    // The other way round: 93 clocks are 8,064 steps a second.
+    let rate = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).hybrid_steps_per_s();
+    assert_eq!((rate(0), rate(100)), (None, Some(8064)));
     let slow = config(|d| d.hybrid_threshold = MmPerSec::lit("0.005"));
     assert_eq!(slow.value(Register::Tpwmthrs), SLOWEST);
 }

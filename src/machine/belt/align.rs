@@ -202,6 +202,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
     // A motor at rest needs all its torque, because the belt is strained on purpose.
     measuring.drivers.belt.hold_percent = 100;
+    measuring.drivers.own.iter_mut().for_each(|own| own.hold_percent = 0);
     main_loop.trimming.measure(true);
     main_loop.configure_drivers(&measuring).await?;
     let tuned = main_loop.now().after_ms(TUNING_MS);

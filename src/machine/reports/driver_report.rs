@@ -19,6 +19,8 @@ struct State<'r> {
     held: Option<Config>,
     power: &'static str,
     turn: Hundredths,
+    /// The speed at which stealthChop ends.
+    threshold: Option<Hundredths>,
 }
 
 impl fmt::Display for State<'_> {
@@ -26,11 +28,18 @@ impl fmt::Display for State<'_> {
         let (power, turn) = (self.power, &self.turn);
         let Some(held) = self.held else { return write!(f, "not configured yet, motor {power}") };
         let (current, mode) = (held.run_current_ma(), self.reading.mode());
-        write!(f, "configured, motor {power}, {current} mA, {mode}, ")?;
-        match self.reading.microsteps() {
-            Some(microsteps) => write!(f, "{microsteps} microsteps, {turn} mm a turn"),
-            None => f.write_str("microsteps by its pins"),
+        write!(f, "configured, motor {power}, {current} mA, {mode}")?;
+        if let (Some(threshold), true) = (&self.threshold, self.reading.is_stealthy()) {
+            write!(f, " up to {threshold} mm/s")?;
         }
+        match self.reading.microsteps() {
+            Some(microsteps) => {
+                let steps = if self.reading.interpolates() { "microsteps" } else { "plain microsteps" };
+                write!(f, ", {microsteps} {steps}, {turn} mm a turn")?;
+            }
+            None => f.write_str(", microsteps by its pins")?,
+        }
+        write!(f, ", {} mA at rest", held.hold_current_ma())
     }
 }
 
@@ -66,7 +75,9 @@ pub(in crate::machine) fn report_driver(
     let (held, failures) = drivers.known(motor);
     let power = if drivers.powered().has(motor) { "on" } else { "off" };
     let turn = turn_of(s.steps_per_mm(motor), reading.microsteps().unwrap_or_default());
-    let state = State { reading: &reading, held, power, turn };
+    let rate = held.and_then(|held| held.hybrid_steps_per_s());
+    let threshold = rate.map(|rate| Hundredths::of(s.steps_per_mm(motor).length_of(rate.into())));
+    let state = State { reading: &reading, held, power, turn, threshold };
     to.say(format_args!("Driver {name}: {state}"));
     // A driver that got no message yet rightly reports that it was reset.
     let problem = held.and(reading.problem());

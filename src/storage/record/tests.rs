@@ -43,7 +43,7 @@ fn the_checksum_is_that_of_zip() {
 #[test]
 fn a_record_reads_back() {
     let mut settings = Settings::prototype();
-    settings.drivers.own[5] = OwnDriver { current_ma: 655, stall_threshold: 255 };
+    settings.drivers.own[5] = OwnDriver { current_ma: 655, hold_percent: 99, stall_threshold: 255 };
     let record = encode(&settings, &Unknown::NONE, 41).unwrap();
     assert_eq!(length(&record.bytes[..HEADER]), Ok(record.receipt.bytes));
     let decoded = Decoded { settings, unknown: Unknown::NONE, sequence: 41, receipt: record.receipt };

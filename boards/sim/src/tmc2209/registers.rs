@@ -54,6 +54,8 @@ pub mod chopconf {
     pub const ADDRESS: u8 = 0x6C;
     /// High sensitivity of the sense resistors.
     pub const VSENSE: u32 = 1 << 17;
+    /// Microsteps are interpolated to 256.
+    pub const INTPOL: u32 = 1 << 28;
     /// Where the microstep resolution begins.
     pub const MRES: u32 = 24;
 }

@@ -1,7 +1,8 @@
 //! Values of single motors: a machine file gives them, M906 I and M914 I change them, M500 stores them.
 
-use super::script::{LONG_MOVE, Script, Steps, lines};
+use super::script::{LONG_MOVE, Script, Steps, act, lines, say};
 use corehbot::motors::{Motor, prototype};
+use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::drivers::Drivers;
@@ -49,6 +50,40 @@ fn drivers_get_the_values_of_their_motor() {
     assert_eq!(thresholds, [70, 20, 0]);
     let has = |part: &str| heard.iter().any(|line| line.contains(part));
     assert!(has("Driver z1: configured, motor on, 6") && has("Driver z2: configured, motor on, 795 mA"), "{heard:?}");
+}
+
+/// The currents at rest and the threshold are in registers that nothing reads back: IFCNT counts their writes.
+#[test]
+fn hold_currents_threshold_and_interpolation_come_back_after_a_loss_of_power() {
+    let file = "[drivers.belt]\ninterpolate = false\nstealth = true\nhybrid_threshold = 100\n\
+                [drivers.z]\nhold_percent = 60\n[drivers.z1]\nhold_percent = 90\n";
+    let (settings, drivers) = (machine_file::load(file).unwrap(), Drivers::new());
+    let dip = |drivers: &Drivers| Motor::ALL.into_iter().for_each(|motor| drivers.chip(motor).reset());
+    let acts = vec![say("M17"), say("M122"), say("M84"), act(dip), say("M17"), say("M122")];
+    let mut host = Script {
+        drivers: &drivers,
+        acts: acts.into(),
+        is_awaiting: false,
+        heard: Vec::new(),
+        interjection: None,
+        interjected: 0,
+    };
+    run_on(&settings, None, NoStorage, &drivers, &mut [&mut host], &mut Steps::default()).unwrap();
+    let heard = std::mem::take(&mut host.heard);
+    drop(host);
+    let hold = |motor| drivers.chip(motor).register(tmc2209::IHOLD_IRUN) & 0x1F;
+    // 26 parts of the full scale run; 50, 90 and 60 % of them, less one.
+    assert_eq!([prototype::M1, prototype::Z1, prototype::Z2].map(hold), [12, 22, 14]);
+    let interpolates =
+        |motor| drivers.chip(motor).register(tmc2209::chopconf::ADDRESS) & tmc2209::chopconf::INTPOL != 0;
+    assert_eq!([prototype::M1, prototype::M11, prototype::Z1].map(interpolates), [false, false, true]);
+    let threshold = |motor| drivers.chip(motor).register(tmc2209::TPWMTHRS);
+    assert_eq!([prototype::M4, prototype::Z1].map(threshold), [93, 0]);
+    let said = |line: &str| heard.iter().filter(|heard| *heard == line).count();
+    let m1 = "Driver m1: configured, motor on, 795 mA, stealthChop up to 100.80 mm/s, 16 plain microsteps, \
+              40.00 mm a turn, 397 mA at rest";
+    let z1 = "Driver z1: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 4.00 mm a turn, 703 mA at rest";
+    assert_eq!((said(m1), said(z1)), (2, 2), "{heard:#?}");
 }
 
 #[test]

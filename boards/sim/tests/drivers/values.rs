@@ -49,7 +49,8 @@ fn stealth_is_a_bit_of_gconf() {
     let expected = [("X", stealth), ("Y", stealth), ("Z", spread), ("E", spread)];
     assert_eq!(modes, expected.map(|(axis, mode)| format!("{axis} driver mode: {mode}")).iter().collect::<Vec<_>>());
     assert!(
-        told.has("Y stealthChop max speed: 100") && told.has("Driver m8: configured, motor on, 795 mA, stealthChop")
+        told.has("Y stealthChop max speed: 100")
+            && told.has("Driver m8: configured, motor on, 795 mA, stealthChop up to 100.80 mm/s")
     );
 }
 
@@ -65,8 +66,12 @@ fn the_report_tells_of_each_driver() {
     let report: Vec<_> = told.heard.iter().map(String::as_str).collect();
     assert!(report.contains(&"Driver m1: not configured yet, motor off"), "{report:#?}");
     assert!(report.contains(&"Driver m8: does not answer: is the motor supply on, its jumper set to UART?"));
-    assert!(report.contains(&"Driver z1: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 4.00 mm a turn"));
-    assert!(report.contains(&"Driver e0: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 8.00 mm a turn"));
+    assert!(report.contains(
+        &"Driver z1: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 4.00 mm a turn, 795 mA at rest"
+    ));
+    assert!(report.contains(
+        &"Driver e0: configured, motor on, 795 mA, spreadCycle, 16 microsteps, 8.00 mm a turn, 397 mA at rest"
+    ));
     let health = "  above 120 C, coil open?, stall result 123, 12 writes, 0 failed exchanges";
     assert!(report.contains(&health), "{report:#?}");
 }

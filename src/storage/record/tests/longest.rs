@@ -42,11 +42,12 @@ fn the_longest_values_fit() {
         hold_percent: u8::MAX,
         microsteps: u16::MAX,
         stealth: true,
+        interpolate: true,
         hybrid_threshold: MmPerSec::MAX,
         stall_threshold: u8::MAX,
     };
     (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
-    s.drivers.own.fill(OwnDriver { current_ma: u16::MAX, stall_threshold: u8::MAX });
+    s.drivers.own.fill(OwnDriver { current_ma: u16::MAX, hold_percent: u8::MAX, stall_threshold: u8::MAX });
     s.wiring.motors.fill(MotorPlug { connector: ConnectorName::lit("12345678"), is_reversed: true });
     let endstop = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);

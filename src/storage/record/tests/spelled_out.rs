@@ -34,6 +34,7 @@ pub fn spelled_out() -> Settings {
         hold_percent: 60,
         microsteps: 32,
         stealth: true,
+        interpolate: true,
         hybrid_threshold: MmPerSec::from_num(120),
         stall_threshold: 70,
     };
