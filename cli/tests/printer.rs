@@ -44,6 +44,7 @@ const MARLIN: Script = Script {
         ("M503", M503),
         ("M211", "echo:Soft endstops: On  Min: X0.00 Y0.00 Z0.00   Max: X235.00 Y230.00 Z250.00\nok\n"),
         ("M119", "Reporting endstop status\nx_min: open\ny_min: open\nz_min: TRIGGERED\nok\n"),
+        ("M122", "\t\tX\tY\tZ\tE\nEnabled\t\tfalse\tfalse\tfalse\tfalse\nmsteps\t\t16\t16\t32\t16\nok\n"),
         UNKNOWN,
     ],
 };
@@ -147,6 +148,7 @@ fn a_printer_that_resets_becomes_a_machine() {
             "Marlin 2.1.2.4 (x)",
             "X = 80.00 -> axes.x.steps_per_mm = 80",
             "axes.y.length = 230",
+            "Z = 32 -> drivers.z.microsteps = 32",
             "to be filled in\n  motors.x = \"M0\"",
         ] {
             assert!(said.contains(told), "{told}: {said}");
@@ -164,6 +166,7 @@ fn a_printer_that_resets_becomes_a_machine() {
 
 #[test]
 fn other_firmwares_have_their_own_cures() {
+    let mut waiting = Vec::new();
     for (answers, start, cure) in [
         (
             &[("M115", "FIRMWARE_NAME: RepRapFirmware for Duet 2 WiFi FIRMWARE_VERSION: 3.4.5\nok\n")][..],
@@ -179,14 +182,19 @@ fn other_firmwares_have_their_own_cures() {
         (&[("M", "error:20\n")], "GrblHAL 1.1f ['$' or '$HELP' for help]\n", "$100 to $132"),
         (&[("M115", "FIRMWARE_NAME:Bread V2 PROTOCOL_VERSION:1.0\nok\n")], "", "is Bread V2, not Marlin"),
     ] {
-        let (status, said) = ask(Script { answers, start, baud: 250_000 }, &[]);
-        assert!(status == Some(2) && said.contains(cure), "{cure}: {said}");
-        assert!(said.contains("not Marlin: "), "{said}");
+        waiting.push(spawn(move || {
+            let (status, said) = ask(Script { answers, start, baud: 250_000 }, &[]);
+            assert!(status == Some(2) && said.contains(cure), "{cure}: {said}");
+            assert!(said.contains("not Marlin: "), "{said}");
+        }));
     }
+    waiting.into_iter().for_each(|case| case.join().unwrap());
 }
 
 #[test]
 fn a_printer_that_cannot_answer_is_told_with_the_cure() {
+    // At once, because each waits for silence.
+    let mut waiting = Vec::new();
     let quiet = Script { baud: 250_000, start: "", answers: &[] };
     for (script, cure) in [
         (quiet, "is the printer switched on"),
@@ -196,9 +204,12 @@ fn a_printer_that_cannot_answer_is_told_with_the_cure() {
         (Script { answers: &[("M115", M115), UNKNOWN], ..quiet }, "DISABLE_M503"),
         (Script { answers: &[("M115", M115), ("M503", "echo:busy: paused for user\n")], ..quiet }, "press it"),
     ] {
-        let (status, said) = ask(script, &["--baud", "250000"]);
-        assert!(status == Some(2) && said.contains(cure), "{cure}: {said}");
+        waiting.push(spawn(move || {
+            let (status, said) = ask(script, &["--baud", "250000"]);
+            assert!(status == Some(2) && said.contains(cure), "{cure}: {said}");
+        }));
     }
+    waiting.into_iter().for_each(|case| case.join().unwrap());
 }
 
 #[test]

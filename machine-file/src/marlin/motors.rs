@@ -143,7 +143,7 @@ fn kinematics(work: &mut Work<'_>, given: Option<&'static Kinematics>) -> &'stat
 /// Motors of an axis: drivers are listed one by one, and Z motors that are aligned are numbered.
 fn count(work: &Work<'_>, letter: char) -> usize {
     let words = &work.said.words;
-    let of_drivers = words.iter().filter(|word| ["M906", "M913", "M569"].contains(&word.code.as_str()));
+    let of_drivers = words.iter().filter(|word| ["M906", "M913", "M569", "M122"].contains(&word.code.as_str()));
     let parts = of_drivers.filter_map(|word| {
         let (part, of) = word.key.strip_prefix('I')?.split_once(' ')?;
         (of.starts_with(letter)).then(|| part.parse::<usize>().ok())?
@@ -196,6 +196,7 @@ pub(super) fn drivers(work: &mut Work<'_>, motors: &Motors) {
                 group(work, entry, motor, leaf, number);
             }
         }
+        microsteps(work, motor);
         if let Some((entry, is_on)) = work.number("M569", &motor.word) {
             let path = format!("{}.stealth", motor.group());
             let is_on = is_on != 0.0;
@@ -210,12 +211,31 @@ pub(super) fn drivers(work: &mut Work<'_>, motors: &Motors) {
     let keys = |leaf: &str, number: i64| -> Vec<(String, Toml)> {
         groups.iter().map(|group| (format!("{group}.{leaf}"), number.into())).collect()
     };
-    let mut currents = keys("current_ma", LOW_MA);
-    currents.retain(|(path, _)| work.lines.get(path).is_none());
-    if !currents.is_empty() {
-        work.fill_in(&currents, "half of the motor's rated current at first, in mA");
+    for (keys, what) in [
+        (keys("current_ma", LOW_MA), "half of the motor's rated current at first, in mA"),
+        (keys("microsteps", 16), "as on the old board: another number changes the steps of a mm"),
+    ] {
+        let open: Vec<_> = keys.into_iter().filter(|(path, _)| work.lines.get(path).is_none()).collect();
+        if !open.is_empty() {
+            work.fill_in(&open, what);
+        }
     }
-    work.fill_in(&keys("microsteps", 16), "as on the old board: another number changes the steps of a mm");
+}
+
+/// Microsteps belong to the steps of a mm, so all motors of a group need the same.
+fn microsteps(work: &mut Work<'_>, motor: &Motor) {
+    let Some((entry, number)) = work.number("M122", &motor.word) else { return };
+    let path = format!("{}.microsteps", motor.group());
+    let is_legal = (0..=8).any(|power| number == f64::from(1 << power));
+    match work.lines.number(&path) {
+        _ if !is_legal => work.say(entry, Kind::Decide, format!("no such microsteps: write {path}")),
+        Some(first) if first == number => work.say(entry, Kind::Taken, path),
+        Some(first) => {
+            work.say(entry, Kind::Decide, format!("{path} holds for several motors, and another one has {first}"));
+            work.leave_open(&path);
+        }
+        None => work.take_number(entry, &path, number),
+    }
 }
 
 /// Takes a number for the drivers of a motor's group, or for the motor alone if another one has set the group's.

@@ -1,4 +1,4 @@
-//! What a printer said: the lines of M503, M115, M211 and M119 as words.
+//! What a printer said: the lines of M503, M115, M211, M119 and M122 as words.
 //!
 //! Versions differ in their decoration (`Marlin/src/module/settings.cpp`, `MarlinSettings::report`; in 1.1.9
 //! `configuration_store.cpp`): a line of settings begins with `echo:` or with blanks alone, headings end with a colon
@@ -29,6 +29,8 @@ pub(super) struct Said {
     pub words: Vec<Word>,
     /// Lines that nothing here reads, each with its number.
     pub others: Vec<(usize, String)>,
+    /// The drivers in the columns of M122, by their words in M906.
+    drivers: Vec<String>,
 }
 
 /// Words that are kept: a report has some hundred, one with a large mesh some thousand.
@@ -81,6 +83,10 @@ impl Said {
             self.ends(number, "Max", most);
         } else if let Some((switch, state)) = switch_in(text) {
             self.push(number, "M119", &switch, state, false);
+        } else if let Some(drivers) = columns(text) {
+            self.drivers = drivers;
+        } else if text.contains('\t') && !self.drivers.is_empty() {
+            self.row(number, text);
         } else if !is_noise(text) {
             self.others.push((number, text.to_owned()));
         }
@@ -151,6 +157,16 @@ impl Said {
         }
     }
 
+    /// A row of M122: of its many readings only the microsteps are a setting that no other command says.
+    fn row(&mut self, line: usize, text: &str) {
+        let mut cells = text.split('\t').map(str::trim).filter(|cell| !cell.is_empty());
+        if cells.next() == Some("msteps") {
+            for (driver, value) in self.drivers.clone().into_iter().zip(cells) {
+                self.push(line, "M122", &driver, value, false);
+            }
+        }
+    }
+
     /// `X0.00 Y0.00 Z0.00` of M211, in mm.
     fn ends(&mut self, line: usize, end: &str, text: &str) {
         let is_axis = |(letter, _): &(String, &str)| "XYZIJKUVW".contains(letter.as_str());
@@ -158,6 +174,20 @@ impl Said {
             self.push(line, "M211", &format!("{end} {letter}"), value, false);
         }
     }
+}
+
+/// The drivers in the head of M122, `X X2 Y Z E` with tabs between: as words of M906, where X2 is `I1 X`.
+fn columns(text: &str) -> Option<Vec<String>> {
+    let driver = |name: &str| {
+        let (letter, number) = (name.get(..1)?, name.get(1..)?);
+        match (letter, number) {
+            ("X" | "Y" | "Z" | "E", "") => Some(letter.to_owned()),
+            ("X" | "Y" | "Z", "2" | "3" | "4") => Some(format!("I{} {letter}", number.parse::<u8>().ok()? - 1)),
+            ("E", "1" | "2" | "3" | "4" | "5" | "6" | "7") => Some(format!("T{number} E")),
+            _ => None,
+        }
+    };
+    text.contains('\t').then(|| text.split('\t').filter(|cell| !cell.is_empty()).map(driver).collect())?
 }
 
 /// A line without decoration.

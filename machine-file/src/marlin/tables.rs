@@ -132,6 +132,7 @@ const REMARKS: &[Remark] = &[
     remark_on("M306", "E? *", NotYet, "one hotend so far"),
     remark_on("M710", "[SIA]", NotYet, "the controller's fan runs at full speed, or not"),
     // Drivers.
+    remark_on("M122", "T? E", NotYet, "a second extruder: it stays off"),
     remark_on("M906", "T? E", NotYet, "a second extruder: it stays off"),
     remark_on("M913", "T? E", NotYet, "a second extruder: it stays off"),
     remark_on("M914", "", NotYet, "no axis homes by StallGuard: plug in a switch"),

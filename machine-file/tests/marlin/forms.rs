@@ -29,6 +29,7 @@ fn every_generation_becomes_a_machine() {
     assert_eq!(core.mechanism.rows[..2], [[1, 1, 0, 0], [1, -1, 0, 0]]);
     assert_eq!(steps(&core), [160.0, 160.0, 800.0, 415.0]);
     assert!(core.drivers.belt.stealth && core.drivers.z.stealth && core.drivers.e.stealth);
+    assert_eq!((core.drivers.belt.microsteps, core.drivers.z.microsteps, core.drivers.e.microsteps), (32, 32, 16));
     assert_eq!(core.axes.z.length.to_num::<f64>(), 320.0);
     let shaped = settings("shaped");
     assert_eq!((shaped.shapers.x.kind, shaped.shapers.y.frequency.to_num::<f64>()), (ShaperKind::Zv, 41.0));
@@ -124,6 +125,11 @@ fn damage_is_left_to_the_owner() {
         let done = of_text("x", &whole.replacen(from, to, 1), Some("cartesian"));
         assert!(done.machine.is_none() && !done.is_whole(), "{to}: {}", done.text);
         assert!(done.report.notes.iter().any(|note| note.text.contains("axes.z.steps_per_mm")), "{to}");
+    }
+    for (row, is_machine) in [("16\t16\t8", true), ("16\t32\t8", false), ("16\t17\t8", true)] {
+        let done = of_text("x", &format!("{whole}\n\t\tX\tY\tZ\nmsteps\t\t{row}\n"), Some("cartesian"));
+        assert_eq!(done.machine.is_some(), is_machine, "{row}");
+        assert_eq!(verdict(&done.report, "M122", "Y").0 == Kind::Taken, row == "16\t16\t8", "{row}");
     }
     for (from, to, kind) in [
         ("M203 X300.00", "M203 Xovf", Kind::Decide),
@@ -231,6 +237,7 @@ fn any_report() -> impl Strategy<Value = String> {
         1 => any_value().prop_map(|value| format!("area:{{full:{{min:{{x:{value},y:0}},max:{{x:{value}}}}},work:{{}}\n")),
         1 => "(FIRMWARE_NAME:[ -~]{0,9} )?(MACHINE_TYPE|KINEMATICS|EXTRUDER_COUNT):[ -~]{0,30}\n",
         1 => "[xyz]_(min|max): (open|TRIGGERED)\n",
+        1 => "\t(X|Y|Z2|E9|é)?\tX(\tE1)?\n(msteps\t\t[0-9]{0,4}\t[0-9a-z]{0,3}\n)?",
         1 => "[ -~\t]{0,40}\n?",
         1 => "[\u{0}-\u{1f}\u{7f}-\u{a0}\u{2028}]{0,6}",
     ];

@@ -1,7 +1,7 @@
 //! Asks a running printer what it is: over its serial line, at the rate at which it answers.
 //!
 //! A board with a serial chip resets when its line is opened, and a bootloader listens first. So it may start before it
-//! is asked, and it is asked again. M115, M503, M211 and M119 change nothing.
+//! is asked, and it is asked again. M115, M503, M211, M119 and M122 change nothing.
 
 use super::super::line::SerialLine;
 use anyhow::{Result, bail};
@@ -66,7 +66,9 @@ impl Printer {
             if let Some((firmware, name)) = talk.greet()? {
                 eprintln!("{}: {}", path.display(), short(&name));
                 return match firmware {
-                    Firmware::Marlin | Firmware::Corehbot => talk.interview(),
+                    Firmware::Marlin => talk.interview(&["M211", "M119", "M122"]),
+                    // Its M122 has no table of drivers.
+                    Firmware::Corehbot => talk.interview(&["M211", "M119"]),
                     other => {
                         bail!("the printer on {} is {}, not Marlin: {}", path.display(), short(&name), other.cure())
                     }
@@ -79,7 +81,7 @@ impl Printer {
         }
         let rates = bauds.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ");
         let port = path.display();
-        if said.contains("kill() called") || said.contains("Printer halted") {
+        if has_stopped(&said) {
             bail!("the printer on {port} has stopped itself: switch it off and on, and look why");
         }
         if let Some(line) = said.lines().map(str::trim).find(|line| !line.is_empty()) {
@@ -112,6 +114,11 @@ struct Talk {
 fn is_alone(line: &str) -> bool {
     let line = line.trim().trim_start_matches("echo:");
     line.is_empty() || ["T:", "B:", "wait", "X:", "busy:", "ok T:"].iter().any(|beginning| line.starts_with(beginning))
+}
+
+/// Whether a printer has stopped itself, as it does when a heater fails.
+fn has_stopped(text: &str) -> bool {
+    text.contains("kill() called") || text.contains("Printer halted")
 }
 
 impl Talk {
@@ -157,7 +164,8 @@ impl Talk {
             self.hear_out(PAUSE, LONGEST_START)?;
         }
         for _ in 0..QUESTIONS {
-            if self.is_garbage() {
+            // A printer that has stopped itself answers nothing.
+            if self.is_garbage() || has_stopped(&self.text) {
                 break;
             }
             // The line end ends whatever another program has begun.
@@ -176,8 +184,8 @@ impl Talk {
         Ok(None)
     }
 
-    /// Asks for the settings, and returns all that was said from M115 on.
-    fn interview(&mut self) -> Result<String> {
+    /// Asks for the settings and for `more`, and returns all that was said from M115 on.
+    fn interview(&mut self, more: &[&str]) -> Result<String> {
         let answer = self.answer("M503")?;
         if !is_report(&answer) {
             if answer.contains("Unknown command") {
@@ -190,7 +198,7 @@ impl Talk {
             bail!("the printer answers M503 with {lines} lines, and none of them sets anything: try again");
         }
         // What they would have said is to be filled in then.
-        for code in ["M211", "M119"] {
+        for code in more {
             if let Err(error) = self.answer(code) {
                 eprintln!("{error:#}");
             }
@@ -211,7 +219,7 @@ impl Talk {
                 active = Instant::now();
             }
             let answer = &self.text[from..];
-            if answer.contains("kill() called") {
+            if has_stopped(answer) {
                 bail!("the printer has stopped itself: switch it off and on, and look why");
             }
             if answer.contains("busy: paused") {
