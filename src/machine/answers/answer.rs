@@ -130,10 +130,6 @@ pub(in crate::machine) enum Answer<'a> {
     Refused(&'static str),
     /// The same, reported at the start.
     NoMachine(&'static str),
-    HomingFailed {
-        axis: char,
-        why: &'static str,
-    },
 }
 
 impl Answer<'_> {

@@ -87,11 +87,11 @@ pub(super) async fn buzz<P: PortSet, W: Pend>(
     let s: &Settings = &main_loop.settings;
     let called = |name: MotorName| {
         let motor = s.motors().find(|(motor, known)| *known == name && s.mechanism.fitted().has(*motor));
-        motor.map(|(motor, _)| motor).ok_or(Answer::Buzz(BuzzAnswer::NoMotor(name)))
+        motor.map(|(motor, _)| motor).ok_or(name)
     };
     let (motor, free) = match (called(motor), free.map(called).transpose()) {
         (Ok(motor), Ok(free)) => (motor, free),
-        (Err(answer), _) | (_, Err(answer)) => return Ok(answer),
+        (Err(name), _) | (_, Err(name)) => return Ok(Answer::Buzz(BuzzAnswer::NoMotor(name))),
     };
     let residuals = main_loop.settings.residuals();
     let Some(Cast { held, free }) = cast(s, &residuals, motor, free) else {

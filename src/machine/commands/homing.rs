@@ -21,7 +21,7 @@
 //! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
 //! - README.md (limits), the row of G29 and G30 in docs/reference/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, the real position for planner and program, as `stand_at_switch` sets it after homing (the
-//!   planner is at the end of the move); and its own wording for `HomingFailed` (`main_loop/reply.rs`);
+//!   planner is at the end of the move); and its own reason to end a job (`JobEnd` in `state/job.rs`);
 //! - another word than "Probing" in the list of missing parts in boards/*/README.md.
 //!
 //! To home Z by the probe instead, moreover:
@@ -58,7 +58,7 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
     }
 }
 
-/// G28. If any axis fails, the print must not go on: the machine halts.
+/// G28. If any axis fails, the job ends.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,

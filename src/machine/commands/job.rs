@@ -15,18 +15,31 @@ use crate::protocol::Action;
 const ENDED: Answer<'static> =
     Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
 
-/// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print.
+/// Said when homing fails in a pause: the print can wait for its cure.
+const STAYS_PAUSED: &str = "The print stays paused: home again (G28), then continue it";
+
+/// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print. A pause
+/// during which homing fails stays a pause.
 pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
+    if let (JobEnd::NotHomed { .. }, true) = (why, main_loop.job.is_paused()) {
+        main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
+        return Ok(Answer::Nothing);
+    }
     main_loop.pauses.end_command();
     main_loop.heat.switch_off(&main_loop.settings.thermal);
     let is_wanted = why == JobEnd::Cancelled;
     if !is_wanted || main_loop.job.is_under_way() {
         main_loop.job.end_early();
-        main_loop.hosts.notify_all(format_args!("echo:{why}"));
+        if is_wanted {
+            main_loop.hosts.notify_all(format_args!("echo:print cancelled, heaters are off"));
+        } else {
+            // The start of a print is not known from lines at the console.
+            main_loop.hosts.notify_all(format_args!("echo:print ended, heaters are off: {why}"));
+        }
         announce(main_loop, &[Action::Cancel]).await?;
     }
     main_loop.finish().await?;

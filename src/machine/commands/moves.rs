@@ -164,12 +164,13 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
     }
 
-    /// Whether these axes may move: they are homed, or need not be. In the second case the host is told once.
+    /// Whether these axes may move: they are homed, or need not be. In the second case the host is told once. An axis
+    /// with a homing that failed does not move.
     pub(super) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
         if !self.main_loop.homed.lacks_one_of(moves) {
             return Ok(true);
         }
-        if self.main_loop.settings.require_homing {
+        if self.main_loop.settings.require_homing || self.main_loop.homed.has_failed_one_of(moves) {
             self.clamps.clear();
             return Ok(false);
         }

@@ -1,12 +1,12 @@
 //! Switches: an axis finds its endstop fast, backs off, and finds it again slowly. The result homes the axis or only
 //! measures the switch.
 
-use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::state::job::{HomingFailure, JobEnd};
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, MotorSet, Pend};
 use crate::settings::{Endstop, HomedAxis, Homing, Range};
 use crate::units::{Mm, MmPerSec, Steps};
 
@@ -17,19 +17,16 @@ const BEYOND: Mm = Mm::const_from_int(10);
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum HomeError {
     /// The switch did not respond as it should.
-    Failed(&'static str),
+    Failed(HomingFailure),
     /// Something else ended it.
     Interrupted(Interrupt),
 }
 
-/// The board has no such input: nothing would end the move.
-const NOT_FITTED: HomeError = HomeError::Failed("not on this board");
-
-/// The switch was not met on the whole length of the axis.
-const NO_TRIGGER: HomeError = HomeError::Failed("not found");
-
-/// The switch was still pressed after backing off.
-const STILL_PRESSED: HomeError = HomeError::Failed("does not release");
+impl From<HomingFailure> for HomeError {
+    fn from(failure: HomingFailure) -> Self {
+        Self::Failed(failure)
+    }
+}
 
 impl From<Interrupt> for HomeError {
     fn from(interrupt: Interrupt) -> Self {
@@ -40,15 +37,15 @@ impl From<Interrupt> for HomeError {
 /// An axis that can be homed.
 #[derive(Clone, Copy)]
 struct Axis {
+    axis: HomedAxis,
     index: usize,
-    name: char,
     switch: EndstopSet,
     endstop: Endstop,
     homing: Homing,
     reach: Range<Mm>,
 }
 
-/// Homes an axis. If that fails the host gets the reason, and the print must not go on.
+/// Homes an axis. If that fails the job ends: hosts get the reason.
 pub(super) async fn home_named<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
@@ -60,7 +57,7 @@ pub(super) async fn home_named<P: PortSet, W: Pend>(
     end_homing(main_loop, &axis, result).await
 }
 
-/// Reports why homing failed, if it did; then the print must not go on.
+/// If homing failed the axis is not homed, and the job ends.
 async fn end_homing<T, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
@@ -73,10 +70,24 @@ async fn end_homing<T, P: PortSet, W: Pend>(
         Ok(found) => Ok(found),
         Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
         Err(HomeError::Failed(why)) => {
-            main_loop.reply(Answer::HomingFailed { axis: axis.name, why }).await?;
-            Err(Interrupt::Halt)
+            give_up(main_loop, axis, why);
+            Err(Interrupt::EndJob)
         }
     }
+}
+
+/// The axis stays where it is, and its place is not known.
+fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis, why: HomingFailure) {
+    let mechanism = main_loop.motion.groups().mechanism();
+    // A search in vain ends where the frame stops the axis.
+    let is_pressed = matches!(why, HomingFailure::NotMet { .. });
+    let pressed = if is_pressed { mechanism.motors_of(axis.index) } else { MotorSet::NONE };
+    main_loop.homed.fail(axis.index, pressed, mechanism);
+    if main_loop.settings.residuals().motors().intersects(pressed) {
+        main_loop.trimming.forget();
+    }
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
+    main_loop.job.note_end(JobEnd::NotHomed { axis: axis.axis, why });
 }
 
 /// Meets the switch of an axis once more, and backs off. Returns the distance in steps from the expected position: the
@@ -114,7 +125,7 @@ fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -
         HomedAxis::Z => EndstopSet::Z,
     };
     let (endstop, homing, reach) = (s.endstops.of(axis), s.homing.of(axis), s.reach(axis));
-    Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, reach }
+    Axis { axis, index: axis as usize, switch, endstop, homing, reach }
 }
 
 async fn home_axis<P: PortSet, W: Pend>(
@@ -136,8 +147,9 @@ async fn home_axis<P: PortSet, W: Pend>(
 /// Finds the switch fast, backs off and finds it slowly. Returns the distance of its back-off.
 async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
     let start = main_loop.motion.real_steps();
-    if !approach(main_loop, axis, axis.endstop.longest_way(axis.reach) + BEYOND, axis.homing.fast).await? {
-        return Err(NO_TRIGGER);
+    let way = axis.endstop.longest_way(axis.reach) + BEYOND;
+    if !approach(main_loop, axis, way, axis.homing.fast).await? {
+        return Err(HomingFailure::NotMet { way: way.to_num() }.into());
     }
     // If the axis did not move, it was at the switch already, or anywhere behind it.
     let depth = if main_loop.motion.real_steps() == start { axis.endstop.depth(axis.reach) } else { Mm::ZERO };
@@ -147,10 +159,10 @@ async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, ax
     let sought = back_off * 2;
     let before = main_loop.motion.real_steps();
     if !approach(main_loop, axis, sought, axis.homing.slow).await? {
-        return Err(NO_TRIGGER);
+        return Err(HomingFailure::NotMet { way: sought.to_num() }.into());
     }
     if main_loop.motion.real_steps() == before {
-        return Err(STILL_PRESSED);
+        return Err(HomingFailure::StillPressed { back_off: back_off.to_num() }.into());
     }
     let path = main_loop.motion.path();
     main_loop.homed.note_met(axis.index, path);
@@ -165,7 +177,7 @@ async fn approach<P: PortSet, W: Pend>(
     speed: MmPerSec,
 ) -> Result<bool, HomeError> {
     if !main_loop.status.inputs().has(axis.switch) {
-        return Err(NOT_FITTED);
+        return Err(HomingFailure::NotConnected.into());
     }
     travel(main_loop, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
     let met = !main_loop.status.triggered().is_empty();

@@ -200,7 +200,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),
             Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor got power")),
-            Answer::HomingFailed { axis, why } => to.say(format_args!("Error:Homing failed: {axis} endstop {why}")),
         }
     }
 

@@ -22,6 +22,7 @@
 use super::kept_line::KeptLine;
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
+use crate::settings::HomedAxis;
 use crate::units::{Celsius, Mm};
 use core::fmt;
 
@@ -48,23 +49,51 @@ pub(in crate::machine) enum JobEnd {
     Unreachable { heater: Heater, at: i32, target: i32 },
     /// A heater that is waited for has no reading: its sensor broke while it was off, which is no fault.
     Unread { heater: Heater },
+    /// An axis was not homed: a print with a wrong origin would be worse than none.
+    NotHomed { axis: HomedAxis, why: HomingFailure },
+}
+
+/// Why an axis was not homed; distances in whole mm.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum HomingFailure {
+    /// The board has no such input: nothing would end the move.
+    NotConnected,
+    /// The switch was not met on this way, which is longer than the axis.
+    NotMet { way: i32 },
+    /// The switch was still pressed after backing off so far.
+    StillPressed { back_off: i32 },
+}
+
+impl fmt::Display for HomingFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotConnected => f.write_str("has no endstop on this board. Name its connector in the machine file"),
+            Self::NotMet { way } => {
+                write!(f, "endstop was not met within {way} mm. Check its switch, its plug and its wire")
+            }
+            Self::StillPressed { back_off } => write!(
+                f,
+                "endstop was still pressed after backing off {back_off} mm. Check its switch, its wire, and that the \
+                axis moves away from it"
+            ),
+        }
+    }
 }
 
 impl fmt::Display for JobEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Cancelled => f.write_str("print cancelled, heaters are off"),
+            Self::Cancelled => f.write_str("its user cancelled it"),
             Self::Unreachable { heater, at, target } => write!(
                 f,
-                "print ended, heaters are off: {} stays at {at} C and does not reach {target} C. Choose a lower \
-                target, or check its heater, its supply and draughts",
+                "{} stays at {at} C and does not reach {target} C. Choose a lower target, or check its heater, its \
+                supply and draughts",
                 heater.name()
             ),
-            Self::Unread { heater } => write!(
-                f,
-                "print ended, heaters are off: {} has no reading. Check its sensor, its plug and its wire",
-                heater.name()
-            ),
+            Self::Unread { heater } => {
+                write!(f, "{} has no reading. Check its sensor, its plug and its wire", heater.name())
+            }
+            Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
         }
     }
 }

@@ -16,14 +16,17 @@ pub(in crate::machine) struct Homed {
     is_under_way: bool,
     /// The path of the tool in mm when x and y met their switches last.
     met: [Option<u32>; 2],
-    /// The axes with a position that was ever known.
+    /// The axes with a position that was ever known, or searched for in vain.
     ever: [bool; 3],
+    /// The axes with a position that was lost in a search for an endstop. They do not move until they are homed, or
+    /// until their motors lose power.
+    failed: [bool; 3],
 }
 
 impl Homed {
     /// These of x, y and z are homed.
     pub const fn new(axes: [bool; 3]) -> Self {
-        Self { axes, is_under_way: false, met: [None; 2], ever: axes }
+        Self { axes, is_under_way: false, met: [None; 2], ever: axes, failed: [false; 3] }
     }
 
     /// Whether x, y and z are homed.
@@ -45,6 +48,11 @@ impl Homed {
             .any(|((moves, is_homed), was_ever)| moves && was_ever && !is_homed)
     }
 
+    /// Whether homing failed for one of the axes that move.
+    pub fn has_failed_one_of(&self, moves: [bool; 3]) -> bool {
+        moves.into_iter().zip(self.failed).any(|(moves, has_failed)| moves && has_failed)
+    }
+
     /// The axis is being homed.
     pub fn begin(&mut self, axis: usize) {
         self.is_under_way = true;
@@ -54,6 +62,19 @@ impl Homed {
     /// The axis has met its endstop.
     pub fn arrive(&mut self, axis: usize) {
         self.set(axis, true);
+    }
+
+    /// Homing failed for an axis. `pressed` are motors that may have been driven against the end of an axis: they may
+    /// have skipped, each by its own number of steps. So every axis that they move is lost.
+    pub fn fail(&mut self, axis: usize, pressed: MotorSet, mechanism: &Mechanism) {
+        for lost in 0..self.axes.len() {
+            if lost == axis || mechanism.motors_of(lost).intersects(pressed) {
+                self.set(lost, false);
+                if let (Some(ever), Some(failed)) = (self.ever.get_mut(lost), self.failed.get_mut(lost)) {
+                    (*ever, *failed) = (true, true);
+                }
+            }
+        }
     }
 
     /// The axis met its endstop when the path of the tool was so long.
@@ -75,6 +96,9 @@ impl Homed {
             *flag = is_homed;
             *ever |= is_homed;
         }
+        if let Some(failed) = self.failed.get_mut(axis).filter(|_| is_homed) {
+            *failed = false;
+        }
     }
 
     /// Restores the homed flags from before; the times when the axes met their switches since then stay.
@@ -89,9 +113,11 @@ impl Homed {
 
     /// These motors lose their power: the axes that they held are no longer homed.
     pub fn release(&mut self, motors: MotorSet, mechanism: &Mechanism) {
-        for (axis, is_homed) in self.axes.iter_mut().enumerate() {
+        for (axis, (is_homed, failed)) in self.axes.iter_mut().zip(&mut self.failed).enumerate() {
             let own = mechanism.motors_of(axis);
-            *is_homed &= own.without(motors) == own;
+            let are_held = own.without(motors) == own;
+            *is_homed &= are_held;
+            *failed &= are_held;
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::{MINUTE, heated, place};
 use crate::life::live;
 use corehbot::settings::Settings;
+use corehbot::units::Mm;
 
 /// Cancelled while parked, and printed again: the second print is the first one.
 #[test]
@@ -38,6 +39,61 @@ fn a_cancel_while_parked_leaves_nothing_to_the_next_print() {
     }
     // A print that ended as it should, with its filament pulled back.
     assert!(first == steps(&[&["M207 S4 Z1", "G1 X50 E1", "G10", "M84"], &["G1 X50 E1", "G10"]]));
+}
+
+/// Homing fails: in a print it ends the print. In a pause the print waits for the cure.
+#[test]
+fn homing_that_fails_ends_a_print_and_keeps_a_pause() {
+    let mut settings = heated();
+    settings.axes.x.length = Mm::from_num(20);
+    // Far beyond the end of its axis: each search for the switch ends 30 mm nearer.
+    let begin = ["G28", "G28", "G28", "G28", "M140 S60", "M302 P1", "M211 S0", "G1 X100 Y5 Z5 E5 F6000", "M400"];
+    live(&settings, 1, |life| {
+        for line in [&begin[..], &["M25", "G1 X100"]].concat() {
+            life.say_within(line, MINUTE);
+        }
+        life.say("G28 X");
+        let stays =
+            "Check its switch, its plug and its wire. The print stays paused: home again (G28), then continue it";
+        let told = format!("echo:homing failed: X endstop was not met within 30 mm. {stays}");
+        assert_eq!(life.count(&told), 1, "{:?}", life.heard);
+        let cancelled = life.count("//action:cancel");
+        assert_eq!(life.targets(), [0.0, 60.0]);
+        // It cannot continue without its place.
+        let resumed = life.count("//action:resumed");
+        life.say("M24");
+        assert_eq!(life.count("//action:resumed"), resumed, "{:?}", life.heard);
+        for _ in 0..3 {
+            life.say("G28 X");
+        }
+        life.say("G28 Y");
+        life.say("M24");
+        life.say("G1 X15 E6");
+        life.say("M400");
+        assert_eq!(life.count("//action:resumed"), resumed + 1, "{:?}", life.heard);
+        assert_eq!(place(life), [15.0, 5.0, 5.0, 6.0]);
+        assert_eq!(life.count("//action:cancel"), cancelled);
+    });
+    live(&settings, 1, |life| {
+        for line in begin {
+            life.say_within(line, MINUTE);
+        }
+        let ended = "echo:print ended, heaters are off: homing failed: X endstop was not met";
+        let before = life.count(ended);
+        life.say("G28 X");
+        assert_eq!(life.count(ended), before + 1);
+        assert_eq!(life.count("Error:"), 0, "{:?}", life.heard);
+        life.say("G1 X15 E6");
+        assert_eq!((life.count("echo:the print was ended"), life.targets()), (1, [0.0, 0.0]));
+        // The same file again, once the axis homes.
+        for _ in 0..3 {
+            life.say("G28");
+        }
+        for line in begin {
+            life.say_within(line, MINUTE);
+        }
+        assert_eq!((place(life), life.targets()), ([100.0, 5.0, 5.0, 5.0], [0.0, 60.0]), "{:?}", life.heard);
+    });
 }
 
 #[test]
