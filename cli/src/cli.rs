@@ -3,6 +3,8 @@
 //! 0: the print was done and its steps are sound. 1: it was not, or nothing was printed. 2: nothing was begun, because
 //! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
 
+#[cfg(unix)]
+use crate::bringup::{self, Bringup};
 use crate::config::{self, Config};
 use crate::image::{self, Image};
 use crate::run::{self, Run};
@@ -30,6 +32,9 @@ enum Command {
     /// Runs the firmware on a pseudo-terminal, for hosts and terminal programs.
     #[cfg(unix)]
     Serve(Serve),
+    /// Leads from a flashed board to a first print, step by step, and writes a report to keep.
+    #[cfg(unix)]
+    Bringup(Bringup),
     /// Writes a firmware image for a board, with the machine of a file in it. Needs no compiler.
     Image(Image),
     /// Writes, checks and describes machine files, sends them to boards and reads them back.
@@ -47,6 +52,8 @@ pub fn main() -> ExitCode {
         Command::Run(args) => end(run::Prepared::new(&args), |prepared| prepared.run(&args)),
         #[cfg(unix)]
         Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
+        #[cfg(unix)]
+        Command::Bringup(args) => end(bringup::Prepared::new(&args), |prepared| prepared.run(&args)),
         Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
         Command::Config(config) => end(config::run(&config), Ok),
         Command::Twin(question) => end(Ok(question), |question| twin::run(&question)),

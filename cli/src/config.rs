@@ -8,6 +8,11 @@ mod line;
 #[cfg(unix)]
 mod ports;
 
+#[cfg(unix)]
+pub(crate) use exchange::machine_said;
+#[cfg(unix)]
+pub(crate) use line::SerialLine;
+
 use crate::status::{DONE, FAILED};
 use anyhow::{Context as _, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};

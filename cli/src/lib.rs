@@ -12,6 +12,8 @@
 //! other in a circle.
 #![forbid(unsafe_code)]
 
+#[cfg(unix)]
+mod bringup;
 pub mod cli;
 mod config;
 pub mod heat_args;

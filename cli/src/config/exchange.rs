@@ -89,7 +89,7 @@ fn lines_of(machine: &Settings) -> Result<String> {
 }
 
 /// The machine in the pieces that a board said.
-fn machine_said(heard: &[String]) -> Result<Settings> {
+pub(crate) fn machine_said(heard: &[String]) -> Result<Settings> {
     let mut record = Vec::new();
     for words in heard.iter().filter_map(|line| line.strip_prefix(PIECE_SAID)) {
         if let Some(end) = words.strip_prefix("END=") {

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 const SILENCE: Duration = Duration::from_secs(8);
 
 /// A line to a board.
-pub(super) struct SerialLine {
+pub(crate) struct SerialLine {
     line: OwnedFd,
     path: PathBuf,
     baud: u32,

@@ -1,0 +1,189 @@
+//! The board: lines to it, its answers, and how it is brought to rest.
+
+use super::owner::Owner;
+use super::trouble::Trouble;
+use crate::config::SerialLine;
+use corehbot_report::printable;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Silence after which the board counts as absent: it says `busy` every 2 s, and is silent for half a second while it
+/// stores settings in flash.
+const SILENCE: Duration = Duration::from_secs(8);
+
+/// A restarted board has said its greeting, and a computer has found its USB port again, after this time.
+const RESTART: Duration = Duration::from_secs(10);
+
+/// Orders that bring it to rest, each of them harmless at any time: the first two act at once, as they arrive.
+const REST: [&str; 6] = ["M410", "M108", "M104 S0", "M140 S0", "M141 S0", "M84"];
+
+/// The answers to these orders, before M112 has to do.
+const PATIENCE: Duration = Duration::from_secs(4);
+
+/// The board at the end of a serial line.
+pub(super) struct Board {
+    port: SerialLine,
+    path: PathBuf,
+    baud: u32,
+    part: Vec<u8>,
+    last: Instant,
+}
+
+impl Board {
+    pub fn open(path: &Path, baud: u32) -> anyhow::Result<Self> {
+        let port = SerialLine::open(path, baud)?;
+        Ok(Self { port, path: path.to_owned(), baud, part: Vec::new(), last: Instant::now() })
+    }
+
+    /// The answer to a line, without its `ok`.
+    pub fn ask(&mut self, line: &str, owner: &Owner) -> Result<Vec<String>, Trouble> {
+        self.ask_and(line, owner, |_, _| Ok(()))
+    }
+
+    /// The same while motors move: Enter stops everything with M112.
+    pub fn ask_watched(&mut self, line: &str, owner: &Owner) -> Result<Vec<String>, Trouble> {
+        self.ask_and(line, owner, |board, _| {
+            if owner.has_interrupted() {
+                board.port.write(b"M112\n")?;
+            }
+            Ok(())
+        })
+    }
+
+    /// The same, and `meanwhile` gets every line that is heard before the end.
+    pub fn ask_and(
+        &mut self,
+        line: &str,
+        owner: &Owner,
+        mut meanwhile: impl FnMut(&mut Self, Option<&str>) -> Result<(), Trouble>,
+    ) -> Result<Vec<String>, Trouble> {
+        self.port.write(format!("{line}\n").as_bytes())?;
+        self.last = Instant::now();
+        let mut heard = Vec::new();
+        loop {
+            owner.look_at_stop()?;
+            let lines = self.hear()?;
+            if lines.is_empty() {
+                meanwhile(self, None)?;
+            }
+            for line in lines {
+                if let Some(after) = line.strip_prefix("ok") {
+                    heard.extend((!after.is_empty()).then(|| after.trim().to_owned()));
+                    return Ok(heard);
+                }
+                if is_halt(&line) {
+                    // The line before has the fault, if there is one.
+                    let why = heard.iter().rev().find(|line: &&String| line.starts_with("Error:")).unwrap_or(&line);
+                    return Err(Trouble::Halted(why.trim_start_matches("Error:").to_owned()));
+                }
+                meanwhile(self, Some(&line))?;
+                if !line.starts_with("echo:busy") {
+                    heard.push(line);
+                }
+            }
+        }
+    }
+
+    /// Sends a line and leaves its answer to whoever asks next.
+    pub fn tell(&self, line: &str) -> Result<(), Trouble> {
+        Ok(self.port.write(format!("{line}\n").as_bytes())?)
+    }
+
+    /// Lines that have come; nothing heard for long is an error.
+    fn hear(&mut self) -> Result<Vec<String>, Trouble> {
+        let mut bytes = [0; 512];
+        let count = self.port.read(&mut bytes)?;
+        if count > 0 {
+            self.last = Instant::now();
+        } else if self.last.elapsed() > SILENCE {
+            let (path, seconds) = (self.path.display(), SILENCE.as_secs());
+            return Err(Trouble::Lost(format!("nothing on {path} at {} baud for {seconds} s", self.baud)));
+        }
+        let mut lines = Vec::new();
+        for byte in bytes.iter().take(count) {
+            if *byte == b'\n' {
+                let line = String::from_utf8_lossy(&std::mem::take(&mut self.part)).trim_end().to_owned();
+                lines.push(printable::line(&line).to_string());
+            } else {
+                self.part.push(*byte);
+            }
+        }
+        Ok(lines)
+    }
+
+    /// Throws away what the board says by itself, until it has been silent for a while.
+    pub fn drain(&mut self) -> Result<(), Trouble> {
+        self.last = Instant::now();
+        let mut quiet = Instant::now();
+        while quiet.elapsed() < Duration::from_millis(500) {
+            if !self.hear()?.is_empty() {
+                quiet = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    /// Restarts a firmware that has stopped everything. A USB port goes and comes back meanwhile.
+    pub fn restart(&mut self, owner: &Owner) -> Result<(), Trouble> {
+        self.port.write(b"M999\n")?;
+        let begin = Instant::now();
+        loop {
+            owner.look_at_stop()?;
+            self.last = Instant::now();
+            match self.hear() {
+                Ok(lines) if lines.iter().any(|line| line == "start") => return self.drain(),
+                Ok(_) => {}
+                Err(_) => {
+                    std::thread::sleep(Duration::from_millis(200));
+                    if let Ok(port) = SerialLine::open(&self.path, self.baud) {
+                        self.port = port;
+                    }
+                }
+            }
+            if begin.elapsed() > RESTART {
+                return Err(Trouble::Lost("it did not restart after M999; switch it off and on".to_owned()));
+            }
+        }
+    }
+
+    /// Heaters off, motors without power. If the board does not confirm it, M112 does it at once.
+    pub fn rest(&mut self) -> Result<(), Trouble> {
+        let begin = Instant::now();
+        let mut missing = 0;
+        for order in REST {
+            self.port.write(format!("{order}\n").as_bytes())?;
+            missing += 1;
+        }
+        while missing > 0 && begin.elapsed() < PATIENCE {
+            self.last = Instant::now();
+            for line in self.hear()? {
+                if is_halt(&line) {
+                    return Ok(());
+                }
+                missing -= usize::from(line.starts_with("ok") && missing > 0);
+            }
+        }
+        if missing > 0 {
+            self.port.write(b"M112\n")?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a line says that only M999 or a reset helps.
+fn is_halt(line: &str) -> bool {
+    line.starts_with("Error:") && line.contains("kill()")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_stop_is_one() {
+        assert!(is_halt("Error:Printer halted. kill() called! Send M999 or reset"));
+        for line in ["Error:Homing failed: X endstop was not met", "ok", "echo:M999", "Error:driver of motor m1"] {
+            assert!(!is_halt(line), "{line}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Homing: one axis after the other, slowly, with a hand at the key that stops everything.
+
+use super::guide::{Failure, Found, Guide};
+use super::trouble::Trouble;
+use corehbot::settings::HomedAxis;
+
+const MISSED: Failure = Failure {
+    what: "did not find its switch.",
+    cure: "do the steps of the endstops and of the motors again; the axis must be free over its whole length.",
+};
+const AWAY: Failure = Failure {
+    what: "did not go gently to its switch.",
+    cure: "if it went away from it, the machine file names the wrong end (endstops.*.end), or the step of the motors is not done.",
+};
+const STOPPED: Failure =
+    Failure { what: "was stopped by you.", cure: "see why; the board has restarted, so do this step again." };
+
+pub(super) const FAILURES: &[&Failure] = &[&MISSED, &AWAY, &STOPPED];
+
+/// Speeds at which a hand is quicker than the machine, in mm/s of x, y and z.
+const SLOW: [f64; 3] = [25.0, 25.0, 5.0];
+
+const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
+
+/// M203 with these speeds.
+fn speeds(of: [f64; 3]) -> String {
+    let words = LETTERS.iter().zip(of).map(|(letter, speed)| format!(" {letter}{speed}"));
+    format!("M203{}", words.collect::<String>())
+}
+
+pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+    let axes = guide.machine.axes;
+    let own = [axes.x, axes.y, axes.z].map(|axis| axis.max_speed.to_num::<f64>());
+    let slow: [f64; 3] = std::array::from_fn(|axis| own[axis].min(SLOW[axis]));
+    guide.ask(&speeds(slow))?;
+    let found = home(guide);
+    // Never are the slow speeds stored: the step after next sends M500.
+    match &found {
+        Ok(_) => drop(guide.ask(&speeds(own))?),
+        Err(_) => guide.board.tell(&speeds(own))?,
+    }
+    found
+}
+
+fn home(guide: &mut Guide) -> Result<Found, Trouble> {
+    let mut found = Found::default();
+    guide.owner.tell("  Enter stops everything at once while an axis moves.");
+    for axis in guide.machine.homing_order {
+        let letter = match axis {
+            HomedAxis::X => 'X',
+            HomedAxis::Y => 'Y',
+            HomedAxis::Z => 'Z',
+        };
+        let key = letter.to_ascii_lowercase();
+        guide.owner.wait(&format!("homing start {key}"), &format!("{letter} goes to its switch now"))?;
+        match guide.board.ask_watched(&format!("G28 {letter}"), &guide.owner) {
+            Ok(heard) => {
+                if let Some(why) = heard.iter().find_map(|line| line.strip_prefix("Error:")) {
+                    found.problems.push(MISSED.of(&format!("{letter}, {why}")));
+                    return Ok(found);
+                }
+            }
+            Err(Trouble::Halted(why)) => {
+                guide.board.restart(&guide.owner)?;
+                found.problems.push(STOPPED.of(&format!("{letter}, {why}")));
+                return Ok(found);
+            }
+            Err(trouble) => return Err(trouble),
+        }
+        if guide
+            .owner
+            .agrees(&format!("homing met {key}"), &format!("Did {letter} go to its switch and stop there?"))?
+        {
+            found.note(format!("{letter} met its switch"));
+        } else {
+            found.problems.push(AWAY.of(&letter.to_string()));
+            return Ok(found);
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,36 @@
+//! Trouble: why a step could not be carried to its end.
+
+use std::fmt;
+
+/// Why a step could not be carried to its end.
+#[derive(Debug)]
+pub(super) enum Trouble {
+    /// Ctrl-C.
+    Stopped,
+    /// The owner wants to go on later, or the input has ended.
+    Left,
+    /// The board is not one to go on with.
+    Unfit(String),
+    /// The port is gone, or nothing answers.
+    Lost(String),
+    /// The firmware has stopped everything and waits for M999; its words.
+    Halted(String),
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stopped => f.write_str("stopped by Ctrl-C"),
+            Self::Left => f.write_str("left by the owner"),
+            Self::Unfit(why) => f.write_str(why),
+            Self::Lost(why) => write!(f, "the board does not answer any more: {why}"),
+            Self::Halted(why) => write!(f, "the firmware has stopped: {why}"),
+        }
+    }
+}
+
+impl From<anyhow::Error> for Trouble {
+    fn from(error: anyhow::Error) -> Self {
+        Self::Lost(format!("{error:#}"))
+    }
+}

@@ -1,0 +1,388 @@
+//! The first hour on the simulated printer: `corehbot bringup` at the port of `corehbot serve`, with mistakes of a
+//! builder, and an owner who sees what the plant does.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use rustix::process::{Pid, Signal, kill_process};
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+const CORE: [&str; 4] = ["m1", "m4", "m8", "m11"];
+
+/// A folder of its own with a machine file, and a printer at its port.
+struct Bench {
+    folder: PathBuf,
+    printer: Child,
+    hand: ChildStdin,
+}
+
+impl Bench {
+    fn new(mistakes: &[&str]) -> Self {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("corehbot-bringup-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut new = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+        new.args(["config", "new", "--board", "octopus", "--machine", "corehbot", "--heaters", "-o"]);
+        assert!(new.arg(folder.join("m.toml")).status().unwrap().success());
+        let (printer, hand) = serve(&folder, mistakes);
+        Self { folder, printer, hand }
+    }
+
+    fn port(&self) -> PathBuf {
+        self.folder.join("printer")
+    }
+
+    fn guide(&self, args: &[&str]) -> Child {
+        let mut guide = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+        guide.arg("bringup").arg(self.port()).arg("--report").arg(self.folder.join("r.md")).args(args);
+        guide.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
+    }
+
+    fn report(&self) -> String {
+        std::fs::read_to_string(self.folder.join("r.md")).unwrap()
+    }
+
+    /// Leads through the guide. `owner` gets the key of each question and the hand; its answer is a line.
+    fn lead(&mut self, args: &[&str], mut owner: impl FnMut(&str, &mut dyn FnMut(&str)) -> String) -> Led {
+        let mut guide = self.guide(args);
+        let (mut out, mut said) = (guide.stdin.take().unwrap(), String::new());
+        for line in BufReader::new(guide.stdout.take().unwrap()).lines().map_while(Result::ok) {
+            said += &line;
+            said.push('\n');
+            let Some((key, _)) = line.strip_prefix("? [").and_then(|line| line.split_once(']')) else { continue };
+            let mut act = |line: &str| {
+                self.hand.write_all(format!("{line}\n").as_bytes()).unwrap();
+                // The printer looks at its hand every 0.1 ms.
+                std::thread::sleep(std::time::Duration::from_millis(20));
+            };
+            let answer = owner(key, &mut act);
+            if writeln!(out, "{answer}").is_err() {
+                break;
+            }
+        }
+        Led { status: guide.wait().unwrap().code(), said, report: self.report() }
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = self.printer.kill();
+        let _ = self.printer.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn serve(folder: &Path, mistakes: &[&str]) -> (Child, ChildStdin) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    let speed: &[&str] = if mistakes.contains(&"--speed") { &[] } else { &["--speed", "max"] };
+    command.arg("serve").args(speed).args(["--hand", "--settings"]).arg(folder.join("m.toml"));
+    command.arg("--pty").arg(folder.join("printer")).arg("--storage").arg(folder.join("e.bin")).args(mistakes);
+    let mut printer = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    // Its port is there when it says so.
+    BufReader::new(printer.stdout.as_mut().unwrap()).read_line(&mut String::new()).unwrap();
+    let hand = printer.stdin.take().unwrap();
+    (printer, hand)
+}
+
+struct Led {
+    status: Option<i32>,
+    said: String,
+    report: String,
+}
+
+/// What hangs on each driver of a CoreH-bot: a motor by its place, which way it turns, and nothing if it is dead.
+type Wires = [Option<(usize, i32)>; 4];
+
+const STRAIGHT: Wires = [Some((0, 1)), Some((1, 1)), Some((2, 1)), Some((3, 1))];
+
+/// Where its tool goes when one driver turns and another one is off: the only place at which the belt fits
+/// (docs/explanation/kinematics.md), tried in quarters of a step.
+fn seen(wires: &Wires, moved: &str, free: &str) -> String {
+    let place = |name: &str| CORE.iter().position(|known| *known == name).unwrap();
+    let (moved, free) = (place(moved), place(free));
+    if wires[moved].is_none() {
+        return "nothing".to_owned();
+    }
+    let mut turns: [Option<i32>; 4] = [None; 4];
+    for (driver, (motor, way)) in wires.iter().enumerate().filter_map(|(driver, wire)| Some((driver, (*wire)?))) {
+        if driver != free {
+            turns[motor] = Some(if driver == moved { 4 * way } else { 0 });
+        }
+    }
+    let mut ways = std::collections::BTreeSet::new();
+    for (x, y, c) in (-8..=8).flat_map(|x| (-8..=8).flat_map(move |y| (-8..=8).map(move |c| (x, y, c)))) {
+        let motors: [i32; 4] = [c - x + y, c - x - y, c + x - y, c + x + y];
+        if motors.iter().zip(turns).all(|(motor, turn)| turn.is_none_or(|turn| turn == *motor)) {
+            ways.insert((x.signum(), y.signum()));
+        }
+    }
+    match ways.into_iter().collect::<Vec<_>>()[..] {
+        [(x, y)] => format!("{} {}", ["left", "", "right"][(x + 1) as usize], ["front", "", "back"][(y + 1) as usize]),
+        _ => "?".to_owned(),
+    }
+}
+
+/// An owner who does and sees what is asked for, on a machine with these wires. After problems he goes on.
+fn honest(wires: Wires) -> impl FnMut(&str, &mut dyn FnMut(&str)) -> String {
+    move |key, act| {
+        let words: Vec<_> = key.split(' ').collect();
+        match words[..] {
+            ["sensors", part] => act(&format!("warm {part}")),
+            ["endstops", "press", switch] => act(&format!("press {switch}")),
+            ["endstops", "release", _] => act("let go"),
+            ["motors", "turn", moved, free, motor] => {
+                let place = |name: &str| CORE.iter().position(|known| *known == name).unwrap();
+                let turning = [moved, free].map(|driver| wires[place(driver)].map(|(motor, _)| motor));
+                return if turning.contains(&Some(place(motor))) { "yes" } else { "no" }.to_owned();
+            }
+            ["motors", moved, free] => return seen(&wires, moved, free),
+            ["supply", "supply"] => return "24.1 V".to_owned(),
+            ["tuning", _] => return "no".to_owned(),
+            [_, "needs"] => return "yes".to_owned(),
+            [_, "decide"] => return "skip".to_owned(),
+            _ => {}
+        }
+        String::new()
+    }
+}
+
+#[test]
+fn a_machine_without_mistakes_passes_and_keeps_its_tuning() {
+    let mut bench = Bench::new(&[]);
+    let mut owner = honest(STRAIGHT);
+    let led = bench.lead(&[], |key, act| if key.starts_with("tuning") { "yes".to_owned() } else { owner(key, act) });
+    assert_eq!(led.status, Some(0), "{}", led.said);
+    assert_eq!(led.report.matches(": passed\n").count(), 11, "{}", led.report);
+    for part in [
+        "24.1 V",
+        "hotend: follows a warm hand by ",
+        "m1 m4 m8 m11: wired as in the file",
+        "Y: back",
+        "J/K",
+        "stored (M500)",
+    ] {
+        assert!(led.report.contains(part), "{part}: {}", led.report);
+    }
+    // Homing was slow, and the slow speeds were not stored.
+    let mut get = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    let machine = get.args(["config", "get"]).arg(bench.port()).output().unwrap();
+    let (machine, file) = (String::from_utf8(machine.stdout).unwrap(), bench.folder.join("m.toml"));
+    let speeds = |text: &str| {
+        let mut speeds: Vec<_> = text.lines().filter(|line| line.starts_with("max_speed")).map(str::to_owned).collect();
+        speeds.sort();
+        speeds
+    };
+    assert_eq!(speeds(&machine), speeds(&std::fs::read_to_string(file).unwrap()));
+    // Again: everything is behind us.
+    let led = bench.lead(&[], |key, _| panic!("asked for {key}"));
+    assert_eq!(led.status, Some(0), "{}", led.said);
+}
+
+/// A mistake: how the printer makes it, the wires after it, the step that finds it, its words, and its cure.
+type Mistake = (&'static [&'static str], Wires, &'static str, &'static str, &'static str);
+
+const WIRED: &str = "m1 m4 m8 m11: its plug is elsewhere, or turned round.";
+
+#[rustfmt::skip]
+const MISTAKES: &[Mistake] = &[
+    (&["--fault", "swap-motors:m1,m8"], [Some((2, 1)), Some((1, 1)), Some((0, 1)), Some((3, 1))], "motors", WIRED,
+        "`m1 = \"M4\"`, `m8 = \"M0\"`"),
+    (&["--fault", "reverse-motor:m4"], [Some((0, 1)), Some((1, -1)), Some((2, 1)), Some((3, 1))], "motors", WIRED,
+        "`m4 = \"!M1\"`"),
+    // The plug of driver 1 turns motor 8 backward; that of driver 8 turns motor 1.
+    (&["--fault", "swap-motors:m1,m8", "--fault", "reverse-motor:m1"],
+        [Some((2, -1)), Some((1, 1)), Some((0, 1)), Some((3, 1))], "motors", WIRED, "`m1 = \"M4\"`, `m8 = \"!M0\"`"),
+    // Each motor in the place of the opposite one, and the other way round: the tool goes as it should.
+    (&["--fault", "swap-motors:m1,m8", "--fault", "swap-motors:m4,m11", "--fault", "reverse-motor:m1",
+        "--fault", "reverse-motor:m4", "--fault", "reverse-motor:m8", "--fault", "reverse-motor:m11"],
+        [Some((2, -1)), Some((3, -1)), Some((0, -1)), Some((1, -1))], "motors", WIRED,
+        "`m1 = \"!M4\"`, `m4 = \"!M3\"`, `m8 = \"!M0\"`, `m11 = \"!M1\"`"),
+    (&["--fault", "dead-motor:m11"], [Some((0, 1)), Some((1, 1)), Some((2, 1)), None], "motors", "m11: nothing moves.",
+        "Check the motor's plug and its coils"),
+    (&["--break", "open:hotend@0s"], STRAIGHT, "sensors", "hotend: its sensor is open.", "plug it in"),
+    (&["--break", "short:bed@0s"], STRAIGHT, "sensors", "bed: its sensor is shorted.", "bare wires"),
+    (&["--break", "swapped-sensors@0s"], STRAIGHT, "sensors",
+        "hotend (it is that of bed): another sensor follows its warmth.", "exchange the two plugs"),
+    (&["--fault", "swap-endstops:x,y"], STRAIGHT, "endstops", "x_min (it is y_min): another input reads pressed.",
+        "exchange the two plugs"),
+    (&["--fault", "stuck-endstop:z"], STRAIGHT, "endstops", "z_min: reads pressed although nothing touches it.",
+        "plug it in, or invert it"),
+    (&["--fault", "dead-endstop:x"], STRAIGHT, "endstops", "x_min: does not read pressed.", "its plug and its two wires"),
+    (&["--fault", "silent-driver:m4"], STRAIGHT, "drivers", "m4: does not answer: is the motor supply on",
+        "sits straight in its socket"),
+    (&["--break", "swapped-heaters@0s"], STRAIGHT, "heaters",
+        "bed (its output warms the sensor of hotend): another sensor got warmer.", "Exchange the plugs of the heaters"),
+    (&["--break", "no-heat:bed@0s"], STRAIGHT, "heaters", "bed: no sensor got warmer.", "Check the heater's wires"),
+];
+
+#[test]
+fn every_mistake_is_named_with_its_cure() {
+    for (mistakes, wires, step, what, cure) in MISTAKES {
+        let mut bench = Bench::new(mistakes);
+        let mut owner = honest(*wires);
+        let mut is_over = false;
+        let led = bench.lead(&["--from", step], |key, act| {
+            // The step is found out; the rest is another test's.
+            is_over |= key.ends_with(" decide");
+            if is_over { "quit".to_owned() } else { owner(key, act) }
+        });
+        assert_eq!(led.status, Some(1), "{mistakes:?}: {}", led.said);
+        let found = led.report.lines().find(|line| line.starts_with(&format!("- **{what}")));
+        assert!(found.is_some_and(|line| line.contains(cure)), "{mistakes:?}: {}", led.report);
+    }
+}
+
+/// The machine file as the guide would have it is right for the machine as it is wired.
+#[test]
+fn a_quit_guide_goes_on_with_the_same_step_after_the_cure() {
+    let mut bench = Bench::new(&["--fault", "swap-motors:m1,m8"]);
+    let wires = [Some((2, 1)), Some((1, 1)), Some((0, 1)), Some((3, 1))];
+    let mut owner = honest(wires);
+    let led = bench.lead(&[], |key, act| if key == "motors decide" { "quit".to_owned() } else { owner(key, act) });
+    assert_eq!(led.status, Some(1));
+    assert!(led.said.contains("goes on with this step"), "{}", led.said);
+    // The cure: plugs in their places, and the printer is switched on again.
+    kill_process(Pid::from_child(&bench.printer), Signal::INT).unwrap();
+    bench.printer.wait().unwrap();
+    (bench.printer, bench.hand) = serve(&bench.folder, &[]);
+    let (mut owner, mut keys) = (honest(STRAIGHT), Vec::new());
+    let led = bench.lead(&[], |key, act| {
+        keys.push(key.to_owned());
+        owner(key, act)
+    });
+    assert_eq!(led.status, Some(0), "{}", led.said);
+    assert_eq!(keys[0], "motors begin");
+    assert_eq!(led.report.matches(": passed\n").count(), 11, "{}", led.report);
+}
+
+/// Asks the printer for something, as another program would.
+fn ask(bench: &Bench, line: &str) -> String {
+    let port = std::fs::OpenOptions::new().read(true).write(true).open(bench.port()).unwrap();
+    let mut port = BufReader::new(port);
+    port.get_mut().write_all(format!("M118 here\n{line}\n").as_bytes()).unwrap();
+    let mut heard = String::new();
+    while heard.matches("ok").count() < 2 || !heard.contains("here") {
+        let mut part = String::new();
+        port.read_line(&mut part).unwrap();
+        if heard.contains("here") || part.contains("here") {
+            heard += &part;
+        }
+    }
+    heard
+}
+
+#[test]
+fn ctrl_c_leaves_everything_cold_and_without_power() {
+    let mut bench = Bench::new(&[]);
+    let mut guide = bench.guide(&["--from", "tuning"]);
+    let mut out = guide.stdin.take().unwrap();
+    let mut lines = BufReader::new(guide.stdout.take().unwrap()).lines().map_while(Result::ok);
+    let mut until = |key: &str| while !lines.by_ref().any(|line| line.starts_with(&format!("? [{key}]"))) {};
+    until("tuning needs");
+    writeln!(out, "yes").unwrap();
+    until("tuning hotend");
+    writeln!(out, "yes").unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    kill_process(Pid::from_child(&guide), Signal::INT).unwrap();
+    let rest: Vec<_> = lines.collect();
+    assert_eq!(guide.wait().unwrap().code(), Some(130), "{rest:?}");
+    assert!(rest.iter().any(|line| line.contains("stopped by Ctrl-C")), "{rest:?}");
+    let heard = ask(&bench, "M105");
+    assert!(heard.contains("/0.00") && heard.contains("@:0"), "{heard}");
+    let _ = &mut bench.hand;
+}
+
+#[test]
+fn a_switch_that_is_not_met_and_a_lost_board_end_the_guide() {
+    let mut bench = Bench::new(&["--fault", "dead-endstop:x"]);
+    let mut owner = honest(STRAIGHT);
+    // The switch of x never answers: the firmware says so after the whole length.
+    let led =
+        bench.lead(
+            &["--from", "homing"],
+            |key, act| {
+                if key.ends_with("decide") { "quit".to_owned() } else { owner(key, act) }
+            },
+        );
+    assert!(led.report.contains("**X, Homing failed: X endstop"), "{}", led.report);
+    // The board is switched off while its owner thinks.
+    let mut killed = false;
+    let printer = Pid::from_child(&bench.printer);
+    let led = bench.lead(&["--from", "endstops"], |_, _| {
+        if !killed {
+            killed = true;
+            kill_process(printer, Signal::KILL).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(200));
+        }
+        String::new()
+    });
+    assert_eq!(led.status, Some(1), "{}", led.said);
+    assert!(led.said.contains("the board does not answer any more"), "{}", led.said);
+    assert!(led.said.contains("goes on with this step"), "{}", led.said);
+}
+
+#[test]
+fn bad_input_is_answered() {
+    let mut bench = Bench::new(&[]);
+    let mut asked = 0;
+    let led = bench.lead(&["--from", "supply"], |key, _| {
+        asked += usize::from(key == "supply supply");
+        match (key, asked) {
+            ("supply supply", 1) => "much".to_owned(),
+            ("supply supply", _) => "18".to_owned(),
+            ("supply decide", _) => "quit".to_owned(),
+            _ => String::new(),
+        }
+    });
+    assert_eq!((led.status, asked), (Some(1), 2));
+    assert!(led.said.contains("That is none of the answers."), "{}", led.said);
+    assert!(led.report.contains("18 V: more than a twentieth off."), "{}", led.report);
+    let mut wrong = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    let output =
+        wrong.arg("bringup").arg(bench.folder.join("nothing")).arg("--report").arg(bench.folder.join("x.md")).output();
+    let output = output.unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("as a serial line"));
+    std::fs::write(bench.folder.join("x.json"), "no").unwrap();
+    let output = wrong.output().unwrap();
+    assert!(String::from_utf8_lossy(&output.stderr).contains("is not the state of an earlier session"));
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn enter_stops_a_homing_at_once_and_the_step_may_be_done_again() {
+    let bench = Bench::new(&["--speed", "1"]);
+    let mut guide = bench.guide(&["--from", "homing"]);
+    let mut out = guide.stdin.take().unwrap();
+    let mut said = String::new();
+    let mut has_stopped = false;
+    for line in BufReader::new(guide.stdout.take().unwrap()).lines().map_while(Result::ok) {
+        said += &line;
+        said.push('\n');
+        let answer = match line.strip_prefix("? [").and_then(|line| line.split_once(']')) {
+            Some(("homing needs", _)) => "yes",
+            Some(("homing start x", _)) if !has_stopped => {
+                has_stopped = true;
+                writeln!(out).unwrap();
+                // It has 31.7 mm to go, at 25 mm/s.
+                std::thread::sleep(std::time::Duration::from_millis(700));
+                ""
+            }
+            Some(("homing start x", _)) => "",
+            Some(("homing decide", _)) => "again",
+            Some(("homing met x", _)) => "no",
+            Some(_) => "quit",
+            None => continue,
+        };
+        if writeln!(out, "{answer}").is_err() || answer == "no" {
+            break;
+        }
+    }
+    assert!(said.contains("X, Printer halted. kill() called! Send M999 or reset: was stopped by you."), "{said}");
+    assert!(said.contains("? [homing met x]"), "{said}");
+    drop(out);
+    assert_eq!(guide.wait().unwrap().code(), Some(1));
+}
