@@ -23,9 +23,12 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
     counts: [i32; MOTORS],
-    /// The tool's position from the motors: x, y and z as sums of their counts, ready for the step interrupt. Sums grow
-    /// away from the switches.
-    weights: [[i32; MOTORS]; 3],
+    /// A step's part in the tool's position for each motor: x, y and z are sums of all counts, ready for the step
+    /// interrupt. Sums grow away from the switches.
+    weights: [[i32; 3]; MOTORS],
+    /// Motors up to the last one that moves the tool. The sums leave out the others, so a place for one more motor costs
+    /// the step interrupt nothing.
+    moving: usize,
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],
     /// The switches that there are.
@@ -46,20 +49,21 @@ impl Rig {
             *steps = ((from_switch * i128::from(pitch.to_bits())) >> 48) as i32;
         }
         let back = settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
-        let (counts, weights) = ([0; MOTORS], [[0; MOTORS]; 3]);
+        let (counts, weights) = ([0; MOTORS], [[0; 3]; MOTORS]);
         let away = switches.map(|switch| match switch.end {
             AxisEnd::Min => 1,
             AxisEnd::Max => -1,
         });
-        let mut rig = Self { counts, weights, start: [0; 3], inputs: EndstopSet::SWITCHES };
-        for motor in 0..MOTORS {
+        let mut rig = Self { counts, weights, moving: 0, start: [0; 3], inputs: EndstopSet::SWITCHES };
+        for (motor, weights) in rig.weights.iter_mut().enumerate() {
             let mut one = [0; MOTORS];
             one[motor] = 1;
             let axes = back.fractions(&one).into_iter().zip(steps).zip(away);
-            for ((weights, start), (((weight, over), steps), away)) in
-                rig.weights.iter_mut().zip(&mut rig.start).zip(axes)
-            {
-                (weights[motor], *start) = (weight as i32 * away, over * i64::from(steps * away));
+            for ((place, start), (((weight, over), steps), away)) in weights.iter_mut().zip(&mut rig.start).zip(axes) {
+                (*place, *start) = (weight as i32 * away, over * i64::from(steps * away));
+            }
+            if *weights != [0; 3] {
+                rig.moving = motor + 1;
             }
         }
         rig
@@ -100,11 +104,16 @@ impl Rig {
     /// The endstops that are pressed.
     #[must_use]
     pub fn endstops(&self) -> EndstopSet {
+        let mut sums = self.start;
+        for (weights, count) in self.weights.iter().zip(&self.counts).take(self.moving) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += i64::from(*weight) * i64::from(*count);
+            }
+        }
         let switches = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
         let mut pressed = 0;
-        for ((start, weights), switch) in self.start.into_iter().zip(&self.weights).zip(switches) {
-            let way = weights.iter().zip(&self.counts).map(|(weight, count)| i64::from(*weight) * i64::from(*count));
-            if start + way.sum::<i64>() <= 0 {
+        for (sum, switch) in sums.into_iter().zip(switches) {
+            if sum <= 0 {
                 pressed |= switch.0;
             }
         }
