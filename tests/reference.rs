@@ -30,9 +30,9 @@ fn treatment_of(code: &str) -> Option<Treatment> {
     }
 }
 
-/// The row of an M-code that sets plain settings, from their letters and meanings.
+/// The row of an M-code that sets plain settings and has no texts, from their letters and meanings.
 fn plain_row(number: u16) -> String {
-    let of_code = || settings().filter(|(row, _)| row.line.is_some_and(|line| line.number == number));
+    let of_code = || settings().filter(|(row, _)| row.lines.iter().any(|line| line.number == number));
     let mut words = Vec::new();
     for letter in plain::letters(number).flat_map(|letters| letters.split('/')) {
         if !words.contains(&letter) {
@@ -44,7 +44,7 @@ fn plain_row(number: u16) -> String {
         let meaning: Vec<_> = text.meaning.iter().rev().skip(1).rev().map(|line| line.trim()).collect();
         let meaning = meaning.join(" ");
         let (first, others) = meaning.trim_end_matches('.').split_at(1);
-        let letters = row.line.filter(|_| of_code().count() > 1).map(|line| line.letters.join(" ") + " ");
+        let letters = row.lines.first().filter(|_| of_code().count() > 1).map(|line| line.letters.join(" ") + " ");
         format!("{}{}{others}", letters.unwrap_or_default().replace('/', ", "), first.to_lowercase())
     });
     format!("| M{number} | {} | {}; or reports |\n", words.join(" "), meanings.collect::<Vec<_>>().join("; "))
@@ -59,7 +59,7 @@ fn with_tables(document: &str) -> String {
             .entry(line.family)
             .or_insert_with(|| format!("| {} |\n|{}\n", heads.join(" | "), "---|".repeat(heads.len())));
         let (letter, numbers) = line.codes;
-        if numbers.iter().any(|number| plain::letters(*number).count() > 0) {
+        if line.text.does.is_empty() && numbers.iter().any(|number| plain::letters(*number).count() > 0) {
             numbers.iter().for_each(|number| *table += &plain_row(*number));
             continue;
         }

@@ -1,8 +1,9 @@
 //! The rows of all settings: each id once, each key once, each setting in one row.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+use corehbot::gcode::{Command, PlainWords, SettingCommand, parse};
 use corehbot::settings::Settings;
-use corehbot::settings::plain::{AXIS_CODES, MACHINE_CODES};
+use corehbot::settings::plain::{CODES, CONDITIONS, Owner, condition, letters};
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
 use corehbot::settings::table::{NEXT_ID, described};
 use std::collections::BTreeSet;
@@ -104,20 +105,39 @@ fn numbers(value: &serde_json::Value, into: &mut Vec<String>, path: &str) {
     }
 }
 
-/// A line sets a plain setting while moves wait, and tells no other part.
+/// A line sets a plain setting while moves wait, and tells no other part than the owner of its code.
 #[test]
 fn no_other_part_keeps_a_copy_of_a_plain_setting() {
     let before = Settings::prototype();
-    let mut changed = before;
     let mut count = 0;
-    for code in MACHINE_CODES.iter().chain(AXIS_CODES) {
+    for code in CODES {
+        let mut changed = before;
         changed.visit_code(*code, &mut |_, field| {
             let Value::Number(number) = field.get() else { return };
             count += usize::from(field.set(&Value::Number(number + 1)));
         });
+        let resolution = |s: &Settings| s.axes.map(|axis| axis.steps_per_mm);
+        let kept = |s: &Settings| (s.drivers, s.shapers, s.advance, s.belt);
+        assert!(changed.is_built_as(&before) && kept(&changed) == kept(&before), "M{code}");
+        let owner = condition(*code).owner;
+        assert_eq!(changed.thermal != before.thermal, owner == Owner::Heaters, "M{code}");
+        assert_eq!(resolution(&changed) != resolution(&before), owner == Owner::Motors, "M{code}");
     }
-    assert!(count >= 12, "{count}");
-    let kept =
-        |s: &Settings| (s.drivers, s.shapers, s.advance, s.thermal, s.belt, s.axes.map(|axis| axis.steps_per_mm));
-    assert!(changed.is_built_as(&before) && kept(&changed) == kept(&before));
+    assert!(count >= 25, "{count}");
+}
+
+#[test]
+fn a_code_with_a_condition_has_rows_and_letters_of_its_own() {
+    for condition in CONDITIONS {
+        assert!(CODES.contains(&condition.code), "M{}", condition.code);
+        let all: Vec<_> = letters(condition.code).flat_map(|letters| letters.split('/')).collect();
+        assert_eq!(all.len(), all.iter().collect::<BTreeSet<_>>().len(), "M{}", condition.code);
+    }
+    for code in CODES {
+        let is_plain = matches!(
+            parse(format!("M{code}").as_bytes()),
+            Command::Setting(SettingCommand::Plain(PlainWords { code: read, .. })) if read == *code
+        );
+        assert!(is_plain, "M{code} has no row in src/gcode/commands");
+    }
 }

@@ -3,7 +3,7 @@
 use super::index::Absent;
 use super::number::Number;
 use crate::connectors::Heater;
-use crate::settings::plain::MOST_WORDS;
+use crate::settings::plain::{MOST_WORDS, letters};
 
 /// One value per axis, each only if the line gave it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -23,8 +23,16 @@ pub struct AxisWords {
 pub struct PlainWords {
     /// The number of the M-code.
     pub code: u16,
-    /// A number for each setting that the line gave one, in the order of the settings.
+    /// A number for each letter that the line gave one, in the order of [`letters`].
     pub numbers: [Option<Number>; MOST_WORDS],
+}
+
+impl PlainWords {
+    /// The number of a letter.
+    #[must_use]
+    pub fn number(&self, letter: &str) -> Option<Number> {
+        letters(self.code).zip(self.numbers).find(|(own, _)| *own == letter).and_then(|(_, number)| number)
+    }
 }
 
 /// The axes that a line named, with or without a value.
@@ -211,21 +219,6 @@ pub struct TuningWords {
     pub cycles: Option<Number>,
     /// U: whether to use the result.
     pub applies: bool,
-}
-
-/// The words of M205.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct CornerWords {
-    /// J: junction deviation in units.
-    pub deviation: Option<Number>,
-    /// X, Y, Z, E: the speed jump allowed in a corner, units/s.
-    pub jerk: AxisWords,
-    /// S: least speed of a printing move, units/s.
-    pub min_feed: Option<Number>,
-    /// T: least speed of a travelling move, units/s.
-    pub min_travel: Option<Number>,
-    /// B: least time of a segment in us, which this firmware does not know.
-    pub min_segment: Option<Number>,
 }
 
 /// The words of M593.

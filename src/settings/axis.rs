@@ -121,8 +121,8 @@ fn parts(s: &mut Settings) -> [&mut AxisSettings; 4] {
 rows! {
     for axis in parts, named &["axes.x", "axes.y", "axes.z", "axes.e"];
 
-    /// Steps a millimetre (M92).
-    20 "steps_per_mm" = axis.steps_per_mm, "steps/mm", [ranges::STEPS_PER_MM.spec()];
+    /// Steps a millimetre.
+    20 "steps_per_mm" = axis.steps_per_mm, "steps/mm", [ranges::STEPS_PER_MM.spec()], "M92" "X" "Y" "Z" "E";
     /// Speed limit.
     21 "max_speed" = axis.max_speed, "mm/s", [ranges::SPEED.spec()], "M203" "X" "Y" "Z" "E";
     /// Acceleration limit.

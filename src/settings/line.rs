@@ -1,10 +1,10 @@
 //! Lines: the line of G-code that sets a setting, as a part of its row.
 //!
-//! A row has one only if its number is plain: a part of the firmware reads it wherever it needs it, so the next move
-//! can take another value. `gcode` reads such lines, and `machine` carries them out and reports them, without a word
-//! about the setting anywhere else.
+//! A row has one only if its number is plain: its line gives it a value, and nothing else is to be said about it.
+//! `gcode` reads such lines, and `machine` carries them out and reports them, without a word about the setting anywhere
+//! else. [`plain`](super::plain) says which codes have a condition.
 
-/// The line that sets a setting: a code, and a letter for each part.
+/// The line that sets a setting: a code, and a letter for each part. Parts may have lines of their own.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Line {
     /// The code, such as `M204`.
@@ -16,13 +16,17 @@ pub struct Line {
     pub letters: &'static [&'static str],
     /// Whether the value follows the unit of lengths in lines (G20).
     pub is_length: bool,
+    /// Whether the value is cut off where its type ends, and reported with all of its digits, as positions are. Others
+    /// are the nearest value of the type.
+    pub is_exact: bool,
     /// Bits of the value after the point; 0 for a whole number.
     pub bits: u32,
 }
 
 impl Line {
     /// No line.
-    pub(super) const NONE: Self = Self { code: "", number: 0, letters: &[], is_length: false, bits: 0 };
+    pub(super) const NONE: Self =
+        Self { code: "", number: 0, letters: &[], is_length: false, is_exact: false, bits: 0 };
 
     /// A line that sets a value of that unit, with so many bits after the point.
     pub(super) const fn new(code: &'static str, letters: &'static [&'static str], unit: &str, bits: u32) -> Self {
@@ -33,17 +37,13 @@ impl Line {
             number = number * 10 + (*digit - b'0') as u16;
             digits = others;
         }
-        Self { code, number, letters, is_length: matches!(unit.as_bytes(), [b'm', b'm', ..]), bits }
+        let is_length = matches!(unit.as_bytes(), [b'm', b'm', ..]);
+        let is_exact = is_length || matches!(unit.as_bytes(), [.., b'm', b'm']);
+        Self { code, number, letters, is_length, is_exact, bits }
     }
 
     /// Whether the parts are axes.
     pub(super) const fn is_of_axes(&self) -> bool {
         self.letters.len() > 1
-    }
-
-    /// The letter that names a part in messages.
-    #[must_use]
-    pub fn letter(&self, part: u8) -> &'static str {
-        self.letters.get(usize::from(part)).and_then(|letters| letters.get(..1)).unwrap_or_default()
     }
 }

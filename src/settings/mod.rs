@@ -9,8 +9,9 @@
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
-//! - Command and M503: from the [line](mod@line) of the row, if its number is [`plain`]. Otherwise letters in
-//!   `gcode/commands/settings`, their effect in `machine/commands/settings/set.rs` (or `shaping`, `drivers`), and the
+//! - Command and M503: from the [line](mod@line) of the row, if its number is [`plain`]. A code with a condition is in
+//!   `plain::CONDITIONS`, its rule in `machine/commands/settings/rules.rs`. Otherwise letters in
+//!   `gcode/commands/settings`, their effect in `machine/commands/settings` (or `shaping`, `drivers`), and the
 //!   report in `machine/reports/settings_report.rs` and `machine/answers/setting.rs`. Checked by `every_setting.rs` and
 //!   `legal_settings.rs`.
 //! - Readers: `motion`, `driver`, `thermal` or `machine`, with their own tests.
@@ -337,12 +338,12 @@ mod top {
         /// The part of a move over which its speed holds at least, unless it accelerates or brakes all along
         /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
         7 "minimum_cruise_ratio" = machine.minimum_cruise_ratio, "", [ranges::CRUISE_RATIO.spec()];
-        /// The jump in the extruder's speed that a corner may ask for (M205 E).
-        8 "extruder_jerk" = machine.extruder_jerk, "mm/s", [ranges::SPEED.spec()];
-        /// Least commanded speed of printing moves; 0 is none (M205 S).
-        9 "min_feed" = machine.min_feed, "mm/s", [ranges::SPEED.spec().from_zero()];
-        /// Least commanded speed of other moves; 0 is none (M205 T).
-        10 "min_travel" = machine.min_travel, "mm/s", [ranges::SPEED.spec().from_zero()];
+        /// The jump in the extruder's speed that a corner may ask for.
+        8 "extruder_jerk" = machine.extruder_jerk, "mm/s", [ranges::SPEED.spec()], "M205" "E";
+        /// Least commanded speed of printing moves; 0 is none.
+        9 "min_feed" = machine.min_feed, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "S";
+        /// Least commanded speed of other moves; 0 is none.
+        10 "min_travel" = machine.min_travel, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "T";
         /// Whether moves are kept inside the reachable space (M211).
         11 "soft_endstops" = machine.soft_endstops, "", [Spec::SWITCH];
         /// Whether moves of an axis that was not homed are refused. Otherwise the host is told of them once.

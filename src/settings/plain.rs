@@ -1,17 +1,70 @@
-//! Plain settings: those of rows with a [`Line`], by the M-code that sets them.
+//! Plain settings: those of rows with a [`Line`], by the M-code that sets them; and the conditions of some codes.
 
 use super::Settings;
 use super::line::Line;
 use super::rows::{Field, Key, Visitor};
 use super::table::ALL;
 
-/// The number of rows with a line.
+/// The part of the firmware that must be told of new values.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Owner {
+    /// None: the next move, message or check reads them while others wait.
+    Readers,
+    /// Every part that knows the size of a step. Motion rests first.
+    Motors,
+    /// The heater control, which has a copy.
+    Heaters,
+}
+
+/// What a code needs that its rows do not say. `machine::commands::settings::rules` has the rules of codes.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition {
+    /// The number of the code.
+    pub code: u16,
+    /// Who gets its values.
+    pub owner: Owner,
+    /// Letters with a number that belong to its rule and to no row.
+    pub beside: &'static [&'static str],
+    /// Whether `gcode` has a row for it: its words are not those of all plain codes.
+    pub has_words: bool,
+}
+
+impl Condition {
+    /// None.
+    const fn none(code: u16) -> Self {
+        Self { code, owner: Owner::Readers, beside: &[], has_words: false }
+    }
+}
+
+/// The codes with a condition.
+pub const CONDITIONS: &[Condition] = &[
+    Condition { owner: Owner::Motors, ..Condition::none(92) },
+    // A letter chooses the rule for corners; Z and B are Marlin's.
+    Condition { beside: &["X", "Y", "Z", "J", "B"], has_words: true, ..Condition::none(205) },
+    Condition { owner: Owner::Heaters, has_words: true, ..Condition::none(301) },
+    Condition { owner: Owner::Heaters, has_words: true, ..Condition::none(304) },
+];
+
+/// The condition of a code.
+#[must_use]
+pub const fn condition(code: u16) -> Condition {
+    let mut conditions = CONDITIONS;
+    while let [first, others @ ..] = conditions {
+        if first.code == code {
+            return *first;
+        }
+        conditions = others;
+    }
+    Condition::none(code)
+}
+
+/// The number of lines.
 const COUNT: usize = {
     let (mut count, mut files) = (0, ALL);
     while let [file, other_files @ ..] = files {
         let mut rows = file.rows;
         while let [row, others @ ..] = rows {
-            count += row.line.is_some() as usize;
+            count += row.lines.len();
             rows = others;
         }
         files = other_files;
@@ -19,29 +72,31 @@ const COUNT: usize = {
     count
 };
 
-/// The lines of all rows, one for each row.
+/// The lines of all rows.
 const LINES: [&Line; COUNT] = {
-    let mut lines = [&Line::NONE; COUNT];
+    let mut all = [&Line::NONE; COUNT];
     let (mut count, mut files) = (0, ALL);
     while let [file, other_files @ ..] = files {
         let mut rows = file.rows;
         while let [row, others @ ..] = rows {
-            if let Some(line) = row.line {
-                lines[count] = line;
+            let mut lines = row.lines;
+            while let [line, next @ ..] = lines {
+                all[count] = line;
                 count += 1;
+                lines = next;
             }
             rows = others;
         }
         files = other_files;
     }
-    lines
+    all
 };
 
 /// The most words of a code.
 pub const MOST_WORDS: usize = {
     let (mut most, mut lines) = (0, LINES.as_slice());
     while let [first, others @ ..] = lines {
-        let (mut words, mut of_code) = (0, lines);
+        let (mut words, mut of_code) = (condition(first.number).beside.len(), lines);
         while let [line, others @ ..] = of_code {
             words += if line.number == first.number { line.letters.len() } else { 0 };
             of_code = others;
@@ -52,17 +107,30 @@ pub const MOST_WORDS: usize = {
     most
 };
 
-/// The codes of the machine or of its axes, and how many they are.
-const fn codes(of_axes: bool) -> ([u16; COUNT], usize) {
+/// The codes with lines of that kind, and how many they are.
+const fn codes(which: Which) -> ([u16; COUNT], usize) {
     let (mut codes, mut count, mut lines) = ([0; COUNT], 0, LINES.as_slice());
     while let [line, others @ ..] = lines {
-        if line.is_of_axes() == of_axes && !holds(codes.split_at(count).0, line.number) {
+        let is_wanted = match which {
+            Which::All => true,
+            Which::Machine => !line.is_of_axes() && !condition(line.number).has_words,
+            Which::Axes => line.is_of_axes() && !condition(line.number).has_words,
+        };
+        if is_wanted && !holds(codes.split_at(count).0, line.number) {
             codes[count] = line.number;
             count += 1;
         }
         lines = others;
     }
     (codes, count)
+}
+
+/// Which codes.
+#[derive(Clone, Copy)]
+enum Which {
+    All,
+    Machine,
+    Axes,
 }
 
 const fn holds(mut codes: &[u16], number: u16) -> bool {
@@ -75,18 +143,23 @@ const fn holds(mut codes: &[u16], number: u16) -> bool {
     false
 }
 
-const OF_MACHINE: ([u16; COUNT], usize) = codes(false);
-const OF_AXES: ([u16; COUNT], usize) = codes(true);
+const EVERY: ([u16; COUNT], usize) = codes(Which::All);
+const OF_MACHINE: ([u16; COUNT], usize) = codes(Which::Machine);
+const OF_AXES: ([u16; COUNT], usize) = codes(Which::Axes);
 
-/// The M-codes that set plain settings of the machine.
+/// The M-codes that set plain settings.
+pub const CODES: &[u16] = EVERY.0.split_at(EVERY.1).0;
+
+/// Of these, the ones with a letter for each setting of the machine and no other words.
 pub const MACHINE_CODES: &[u16] = OF_MACHINE.0.split_at(OF_MACHINE.1).0;
 
-/// The M-codes that set plain settings of each axis.
+/// Of these, the ones with a letter for each axis.
 pub const AXIS_CODES: &[u16] = OF_AXES.0.split_at(OF_AXES.1).0;
 
-/// The letters of a code, for each setting its own and older ones.
+/// The letters of a code: for each setting its own and older ones, then those of its rule.
 pub fn letters(number: u16) -> impl Iterator<Item = &'static str> {
-    LINES.iter().filter(move |line| line.number == number).flat_map(|line| line.letters).copied()
+    let of_rows = LINES.iter().filter(move |line| line.number == number).flat_map(|line| line.letters);
+    of_rows.chain(condition(number).beside).copied()
 }
 
 /// A word of a line, and the setting that it sets.
@@ -96,8 +169,18 @@ pub struct Word {
     pub place: usize,
     /// The line.
     pub line: &'static Line,
+    /// Its letters there: its own, and after `/` an older one.
+    pub letters: &'static str,
     /// The setting.
     pub key: Key,
+}
+
+impl Word {
+    /// The letter that names it in messages.
+    #[must_use]
+    pub fn letter(&self) -> &'static str {
+        self.letters.get(..1).unwrap_or_default()
+    }
 }
 
 /// Shows the settings of a code to a function.
@@ -109,8 +192,9 @@ struct OfCode<'a> {
 
 impl Visitor for OfCode<'_> {
     fn visit(&mut self, key: Key, field: &mut dyn Field) {
-        if let Some(line) = key.row.line.filter(|line| line.number == self.number) {
-            (self.show)(Word { place: self.place, line, key }, field);
+        let of_part = key.row.line(key.part);
+        if let Some((line, letters)) = of_part.filter(|(line, _)| line.number == self.number) {
+            (self.show)(Word { place: self.place, line, letters, key }, field);
             self.place += 1;
         }
     }

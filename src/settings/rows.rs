@@ -11,7 +11,7 @@
 //! | the field | getting and setting it |
 //! | a unit, and a comment with its meaning | people; not in an image, because nothing there refers to [`Text`] |
 //! | a [`Spec`]: its range and kind | all users |
-//! | a [`Line`], if its number is plain | G-code: reading, setting, reports, docs/reference/gcode.md |
+//! | its [`Line`]s, if its number is plain | G-code: reading, setting, reports, docs/reference/gcode.md |
 //!
 //! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)
 //! counts).
@@ -63,8 +63,8 @@ pub struct Row {
     pub leaf: &'static str,
     /// The legal values: one entry for all parts, or one for each.
     legal: &'static [Legal],
-    /// The line that sets it.
-    pub line: Option<&'static Line>,
+    /// The lines that set it: one for all parts, or one for each part from the first on. None if it is not plain.
+    pub lines: &'static [Line],
 }
 
 impl Row {
@@ -75,13 +75,30 @@ impl Row {
         leaf: &'static str,
         legal: &'static [Legal],
     ) -> Self {
-        Self { id, tables, leaf, legal, line: None }
+        Self { id, tables, leaf, legal, lines: &[] }
     }
 
-    /// The same, and a line sets it.
-    pub(super) const fn set_by(self, line: &'static Line) -> Self {
-        assert!(line.letters.len() == self.tables.len(), "a letter for each part");
-        Self { line: Some(line), ..self }
+    /// The same, and these lines set it.
+    pub(super) const fn set_by(self, lines: &'static [Line]) -> Self {
+        let (mut others, mut is_each) = (lines, true);
+        while let [line, next @ ..] = others {
+            is_each &= line.letters.len() == 1;
+            others = next;
+        }
+        let is_all = matches!(lines, [line] if line.letters.len() == self.tables.len());
+        assert!(is_all || is_each && lines.len() <= self.tables.len(), "a letter for each part");
+        Self { lines, ..self }
+    }
+
+    /// The line that sets a part, and the part's letters in it: its own, and after `/` an older one.
+    #[must_use]
+    pub fn line(&self, part: u8) -> Option<(&'static Line, &'static str)> {
+        let place = usize::from(part);
+        let (line, place) = match self.lines {
+            [line] if line.is_of_axes() => (line, place),
+            lines => (lines.get(place)?, 0),
+        };
+        Some((line, *line.letters.get(place)?))
     }
 
     /// The legal values of a part.
@@ -155,22 +172,22 @@ pub(super) struct Rows {
 
 /// Makes the rows of a file of this room: `for PART in PARTS named [TABLE of each part]`, then for each setting its
 /// comment and `ID "KEY" = FIELD, "UNIT", [SPEC];`. If a line sets it, its code and a letter for each part follow:
-/// `ID "KEY" = FIELD, "UNIT", [SPEC], "M201" "X" "Y" "Z" "E";`.
+/// `ID "KEY" = FIELD, "UNIT", [SPEC], "M201" "X" "Y" "Z" "E";`. Or parts have codes: `.., "M301" "P", "M304" "P";`.
 macro_rules! rows {
     (
         for $part:ident in $parts:path, named $tables:expr;
         $(
             $(#[doc = $meaning:literal])+
-            $id:literal $leaf:literal = $field:expr, $unit:literal, [$spec:expr $(, $others:expr)*]$(, $code:literal $($letters:literal)+)?;
+            $id:literal $leaf:literal = $field:expr, $unit:literal, [$spec:expr $(, $others:expr)*]$(, $code:literal $($letters:literal)+)*;
         )+
     ) => {
         /// The rows.
         pub(in crate::settings) const ROWS: $crate::settings::rows::Rows = $crate::settings::rows::Rows {
             rows: const { &[$(
                 $crate::settings::rows::Row::new($id, const { $tables }, $leaf, const { &[$spec.legal $(, $others.legal)*] })
-                    $(.set_by(const {
-                        &$crate::settings::line::Line::new($code, &[$($letters),+], $unit, $spec.bits())
-                    }))?
+                    .set_by(const {
+                        &[$($crate::settings::line::Line::new($code, &[$($letters),+], $unit, $spec.bits())),*]
+                    })
             ),+] },
             visit,
         };
@@ -178,7 +195,7 @@ macro_rules! rows {
         /// The texts of the rows for people.
         pub(in crate::settings) const TEXTS: &[$crate::settings::rows::Text] = &[$($crate::settings::rows::Text {
             unit: $unit,
-            meaning: &[$($meaning),+ $(, concat!(" Set by ", $code $(, " ", $letters)+, "."))?],
+            meaning: &[$($meaning),+ $(, concat!(" Set by ", $code $(, " ", $letters)+, "."))*],
             kind: $spec.kind,
         }),+];
 

@@ -5,11 +5,9 @@ mod words;
 
 use core::fmt::{self, Display, Formatter};
 
-use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    ArcShape, ArcWords, Audience, Command, CornerWords, Form, HeatCommand, JobCommand, MachineRecord, MotionCommand,
-    MotorCommand, Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords,
-    TuningWords,
+    ArcShape, ArcWords, Audience, Command, Form, HeatCommand, JobCommand, MachineRecord, MotionCommand, MotorCommand,
+    Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -141,18 +139,10 @@ fn motor(f: &mut Formatter<'_>, command: MotorCommand, line: &[u8]) -> fmt::Resu
 
 fn setting(f: &mut Formatter<'_>, command: SettingCommand<'_>, line: &[u8]) -> fmt::Result {
     match command {
-        SettingCommand::StepsPerMm(words) => axis_line(f, "M92", words),
         SettingCommand::Plain(PlainWords { code, numbers }) => {
             write!(f, "M{code}")?;
             let named = letters(code).filter_map(|letters| letters.chars().next()).zip(numbers);
             named.into_iter().try_for_each(|(letter, number)| word(f, letter, number))
-        }
-        SettingCommand::Corners(CornerWords { deviation, jerk, min_feed, min_travel, min_segment }) => {
-            axis_line(f, "M205", jerk)?;
-            word(f, 'J', deviation)?;
-            word(f, 'S', min_feed)?;
-            word(f, 'T', min_travel)?;
-            word(f, 'B', min_segment)
         }
         SettingCommand::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
         SettingCommand::SaveSettings => f.write_str("M500"),
@@ -196,12 +186,6 @@ fn heat(f: &mut Formatter<'_>, command: HeatCommand, line: &[u8]) -> fmt::Result
         }
         HeatCommand::AwaitHeaters => f.write_str("M116"),
         HeatCommand::FanSpeed { fan, speed } => write!(f, "M106 P{fan} S{speed}"),
-        HeatCommand::Pid { heater, gains: [p, i, d] } => {
-            f.write_str(if heater == Heater::Bed { "M304" } else { "M301" })?;
-            word(f, 'P', p)?;
-            word(f, 'I', i)?;
-            word(f, 'D', d)
-        }
         HeatCommand::TuneHeater(TuningWords { heater, target, cycles, applies }) => {
             write!(f, "M303 {}", index(heater))?;
             word(f, 'S', target)?;

@@ -3,6 +3,7 @@
 use super::Command;
 use super::grammar::Grammar;
 use super::row::Described;
+use super::settings::plain;
 use crate::connectors::Heater;
 use crate::gcode::index::Part;
 use crate::gcode::lexer::{Words, last, number};
@@ -39,13 +40,6 @@ pub enum HeatCommand {
         fan: u8,
         /// S, of 255; 0 for M107.
         speed: Number,
-    },
-    /// M301, M304: the gains of a heater's PID controller, or report.
-    Pid {
-        /// Which heater.
-        heater: Heater,
-        /// P, I, D.
-        gains: [Option<Number>; 3],
     },
     /// M302: the temperature below which no filament moves, or report.
     ColdExtrusion {
@@ -100,11 +94,11 @@ pub(super) const ROWS: &[Described] = &[
         .grammar(&Grammar::numbers(b"SP").parts(&[(b'I', Part::Preset)]))
         .does("P S", "fan P: S of 255"),
     Described::m(&[107], |_, text| heat(fan(text, true))).grammar(&Grammar::numbers(b"P")).does("P", "fan P is off"),
-    Described::m(&[301], |_, text| heat(pid(Heater::Hotend, text)))
-        .grammar(&Grammar::numbers(b"PID").parts(&[(b'E', Part::Extruder), (b'H', Part::Heater), (b'T', Part::Tool)]))
+    Described::m(&[301], plain)
+        .grammar(&Grammar::plain().parts(&[(b'E', Part::Extruder), (b'H', Part::Heater), (b'T', Part::Tool)]))
         .does("P I D", "PID gains of the hotend; or reports"),
-    Described::m(&[304], |_, text| heat(pid(Heater::Bed, text)))
-        .grammar(&Grammar::numbers(b"PID").parts(&[(b'H', Part::Heater), (b'T', Part::Tool)]))
+    Described::m(&[304], plain)
+        .grammar(&Grammar::plain().parts(&[(b'H', Part::Heater), (b'T', Part::Tool)]))
         .does("P I D", "the same for the bed"),
     Described::m(&[302], |_, text| heat(cold_extrusion(text)))
         .grammar(&Grammar::numbers(b"SP"))
@@ -147,11 +141,6 @@ fn fan(text: &[u8], stops: bool) -> HeatCommand {
     let fan = number(text, b'P').map_or(0, |fan| u8::try_from(fan.to_int()).unwrap_or(u8::MAX));
     let speed = if stops { Number::ZERO } else { number(text, b'S').unwrap_or(Number::from(FULL_SPEED)) };
     HeatCommand::FanSpeed { fan, speed }
-}
-
-/// M301, M304.
-fn pid(heater: Heater, text: &[u8]) -> HeatCommand {
-    HeatCommand::Pid { heater, gains: [b'P', b'I', b'D'].map(|letter| number(text, letter)) }
 }
 
 /// The heater of E.

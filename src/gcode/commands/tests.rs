@@ -6,7 +6,7 @@ use super::*;
 use crate::connectors::Heater;
 use crate::gcode::number::Number;
 use crate::gcode::parse::parse;
-use crate::gcode::parts::{AxisFlags, AxisWords, CornerWords, ModelWords, ParkWords, PlainWords, TuningWords};
+use crate::gcode::parts::{AxisFlags, AxisWords, ModelWords, ParkWords, PlainWords, TuningWords};
 use crate::settings::plain::MOST_WORDS;
 
 /// The command of a code with numbers for its first settings.
@@ -201,7 +201,7 @@ fn every_code_has_its_command() {
         ("M851", Command::Refused(RefusedCommand::Probing)),
         ("M82", Command::Motion(MotionCommand::AbsoluteExtrusion)),
         ("M83", Command::Motion(MotionCommand::RelativeExtrusion)),
-        ("M92", Command::Setting(SettingCommand::StepsPerMm(none))),
+        ("M92", plain(92, [])),
         ("M105", Command::Heat(HeatCommand::ReportTemperatures)),
         ("M108", Command::Job(JobCommand::Continue)),
         ("M110 N5", Command::Report(ReportCommand::LineNumber)),
@@ -235,14 +235,12 @@ fn every_code_has_its_command() {
 fn letters_that_only_one_code_knows() {
     let [one, two, three, four] = [1, 2, 3, 4].map(|n| Some(Number::from(n)));
     assert_eq!(parse(b"M204 P1 R2 T3 S4"), plain(204, [one, two, three]));
-    let expected = Command::Setting(SettingCommand::Corners(CornerWords {
-        deviation: one,
-        jerk: AxisWords { y: four, ..AxisWords::default() },
-        min_feed: two,
-        min_travel: three,
-        min_segment: four,
-    }));
+    // E, S and T of rows; X, Y, Z, J and B of the rule.
+    let expected = plain(205, [None, two, three, None, four, None, one, four]);
     assert_eq!(parse(b"M205 J1 S2 T3 B4 Y4"), expected);
+    for (line, code) in [("M301 D3 P1", 301), ("M304 D3 P1", 304)] {
+        assert_eq!(parse(line.as_bytes()), plain(code, [one, None, three]));
+    }
 }
 
 #[test]

@@ -4,8 +4,9 @@ extern crate std;
 
 use super::super::commands::{MotionCommand, MotorCommand, RefusedCommand, SettingCommand};
 use super::super::number::Number;
-use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Plane};
+use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, PlainWords, Plane};
 use super::*;
+use crate::settings::plain::MOST_WORDS;
 
 fn number(text: &str) -> Option<Number> {
     Number::read(text.as_bytes()).map(|(number, _)| number)
@@ -137,7 +138,9 @@ fn every_axis_has_its_value() {
         );
     }
     assert_eq!(parse(b"G92 X1 Y2 Z3 E4"), Command::Motion(MotionCommand::SetPosition(to)));
-    assert_eq!(parse(b"M92 X1 Y2 Z3 E4"), Command::Setting(SettingCommand::StepsPerMm(to)));
+    let mut numbers = [None; MOST_WORDS];
+    numbers[..4].copy_from_slice(&[x, y, z, e]);
+    assert_eq!(parse(b"M92 X1 Y2 Z3 E4"), Command::Setting(SettingCommand::Plain(PlainWords { code: 92, numbers })));
     let none = AxisFlags::default();
     for (letter, axis) in [
         ('X', AxisFlags { x: true, ..none }),

@@ -1,7 +1,7 @@
 //! Heaters and fans, each by its command.
 
 use super::fans::{set_controller_fan, set_fan};
-use super::heater_settings::{set_model, set_pid};
+use super::heater_settings::set_model;
 use super::heating::{await_heaters, heat_and_wait, model_of, set_target, switch_off};
 use super::self_test::test_heaters;
 use super::states::States;
@@ -33,13 +33,10 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         HeatCommand::AwaitHeaters => return await_heaters(main_loop, notices).await,
         HeatCommand::ReportTemperatures => Answer::Temperatures,
         HeatCommand::FanSpeed { fan, speed } => return set_fan(main_loop, notices, clamps, fan, speed).await,
-        HeatCommand::Pid { heater, gains } => match model_of(main_loop, Some(heater)) {
-            Ok(_) => change_heat(main_loop, |s, _| set_pid(heater, gains, s.heater_mut(heater), clamps)),
-            Err(answer) => answer,
-        },
         HeatCommand::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
         HeatCommand::TuneHeater(ref words) => return tune(main_loop, clamps, words).await,
-        HeatCommand::HeaterModel { heater, is_named, ref words } => match model_of(main_loop, heater) {
+        HeatCommand::HeaterModel { heater, is_named, ref words } => match model_of(&main_loop.settings.thermal, heater)
+        {
             Ok(heater) => change_heat(main_loop, |s, _| set_model(heater, is_named, words, s, clamps)),
             Err(answer) => answer,
         },

@@ -1,42 +1,20 @@
-//! How heaters behave, as lines set it: M301, M304, M306.
+//! How heaters behave, as lines set it: M306.
 //!
-//! A heater is controlled by its model or by PID. The model is the default; M301 or M304 with a gain selects PID, and
-//! M306 with a number selects the model again. M503 says the one in use last (`reports::heat_settings_report`).
+//! A heater is controlled by its model or by PID. The model is the default; M301 or M304 with a gain selects PID
+//! (`settings::rules`), and M306 with a number selects the model again. M503 says the one in use last
+//! (`reports::heat_settings_report`).
 
 use crate::connectors::Heater;
-use crate::gcode::{ModelWords, Number};
+use crate::gcode::ModelWords;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::setting::{HeatSetting, pid_code};
+use crate::machine::answers::setting::HeatSetting;
 use crate::machine::numbers::rate;
 use crate::machine::state::clamps::Clamps;
-use crate::settings::{Control, HeaterSettings, Pid, Plausible, Range, ThermalSettings, ranges};
+use crate::settings::{Control, Plausible, Range, ThermalSettings, ranges};
 use crate::units::{Ratio, Seconds};
 
 /// The reciprocal of the shortest legal time constant, in 1/s.
 const FASTEST: Ratio = Ratio::const_from_int(10);
-
-/// M301, M304.
-pub(in crate::machine) fn set_pid(
-    heater: Heater,
-    gains: [Option<Number>; 3],
-    settings: &mut HeaterSettings,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    if gains == [None; 3] {
-        return Answer::HeatSetting(HeatSetting::Pid(heater));
-    }
-    let mut wanted = settings.pid;
-    let Pid { p, i, d } = &mut wanted;
-    for ((place, letter), gain) in [(p, "P"), (i, "I"), (d, "D")].into_iter().zip(gains) {
-        if let Some(gain) = gain {
-            clamps.near([pid_code(heater), letter], gain, ranges::GAIN, place);
-        }
-    }
-    if !clamps.refuses_line() {
-        (settings.pid, settings.control) = (wanted, Control::Pid);
-    }
-    Answer::Nothing
-}
 
 /// M306. F is the whole loss with the part fan at full speed, as in Marlin. The legal range depends on the kind of
 /// heater and on its power, which the same line may set. Without E it is the hotend's, and says so.

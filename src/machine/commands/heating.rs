@@ -14,7 +14,7 @@ use crate::machine::state::job::JobEnd;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Pend, Storage};
-use crate::settings::Range;
+use crate::settings::{Range, ThermalSettings};
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
 /// Within the first distance of its target a heater has reached it; beyond the second it has lost it again: Marlin's
@@ -301,11 +301,10 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
 
 /// The heater that a command for its behaviour means, if it is fitted.
 #[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
-pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
-    main_loop: &MainLoop<'_, P, W>,
+pub(in crate::machine) fn model_of(
+    thermal: &ThermalSettings,
     heater: Option<Heater>,
 ) -> Result<Heater, Answer<'static>> {
-    let thermal = &main_loop.settings.thermal;
     match heater {
         None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
         Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),

@@ -29,7 +29,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     words: &TuningWords,
 ) -> Result<Answer<'static>, Interrupt> {
     let TuningWords { heater, target, cycles, applies } = *words;
-    let heater = match model_of(main_loop, heater) {
+    let heater = match model_of(&main_loop.settings.thermal, heater) {
         Ok(heater) => heater,
         Err(answer) => return Ok(answer),
     };

@@ -15,8 +15,6 @@ use crate::kinematics::Residuals;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
-use crate::settings::plain::Word;
-use crate::settings::rows::Field;
 use crate::settings::{Advance, Belt, DriverGroups, Kept, Settings, ThermalSettings};
 use crate::units::{Instant, Mm};
 use core::ops::Deref;
@@ -131,14 +129,9 @@ impl LiveSettings<'_> {
         dynamics.put(self.0);
     }
 
-    /// Sets the plain settings of an M-code, all of them if `set` returns true for each, otherwise none.
-    pub fn set_plain(&mut self, code: u16, set: &mut dyn FnMut(Word, &mut dyn Field) -> bool) {
-        let mut wanted = **self;
-        let mut are_legal = true;
-        wanted.visit_code(code, &mut |word, field| are_legal &= set(word, field));
-        if are_legal {
-            **self.0 = wanted;
-        }
+    /// Takes the settings of a line that has changed plain ones without an owner.
+    pub fn set_plain(&mut self, wanted: &Settings) {
+        **self.0 = *wanted;
     }
 
     /// Turns the soft endstops on or off.

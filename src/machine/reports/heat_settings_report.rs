@@ -1,21 +1,17 @@
-//! How heaters behave, as the lines that set it: M301, M304, M306 and M710, alone and in M503; M302 in M503.
+//! How heaters behave, as the lines that set it: M306 and M710, alone and in M503; M301, M304 and M302 in M503.
 //!
 //! M503 says the control in use last, so that its lines, sent back, leave it in use.
 
+use super::plain_setting::PlainSetting;
 use crate::connectors::Heater;
-use crate::machine::answers::setting::{HeatSetting, pid_code};
+use crate::machine::answers::setting::HeatSetting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{rate, shortest};
-use crate::settings::{Control, FanRole, Pid, ThermalSettings};
+use crate::settings::{Control, FanRole, Settings, ThermalSettings};
 
 /// The line of one of them.
 pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: HeatSetting, thermal: &ThermalSettings) {
     match setting {
-        HeatSetting::Pid(heater) => {
-            let Pid { p, i, d } = thermal.heater(heater).pid;
-            let [p, i, d] = [p, i, d].map(shortest);
-            to.setting(format_args!("{} P{p} I{i} D{d}", pid_code(heater)));
-        }
         HeatSetting::Model(heater) => {
             let settings = thermal.heater(heater);
             let model = settings.model;
@@ -42,18 +38,26 @@ pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: Hea
 }
 
 /// M503, the part of heaters that are fitted.
-pub(in crate::machine) fn report_heat_settings(to: &mut Speaker<'_>, thermal: &ThermalSettings) {
+pub(in crate::machine) fn report_heat_settings(to: &mut Speaker<'_>, s: &Settings) {
+    let thermal = &s.thermal;
     let fitted = || Heater::ALL.into_iter().filter(|heater| thermal.heater(*heater).is_fitted);
     for heater in fitted() {
-        let (pid, model) = (HeatSetting::Pid(heater), HeatSetting::Model(heater));
-        let lines = match (heater, thermal.heater(heater).control) {
+        let gains = match heater {
+            Heater::Hotend => Some(301),
+            Heater::Bed => Some(304),
             // There is no command for the chamber's gains.
-            (Heater::Chamber, _) => [None, Some(model)],
-            (_, Control::Model) => [Some(pid), Some(model)],
-            (_, Control::Pid) => [Some(model), Some(pid)],
+            Heater::Chamber => None,
         };
-        for line in lines.into_iter().flatten() {
-            report_heat_setting(to, line, thermal);
+        let gains = gains.map(|code| PlainSetting { code, s });
+        let is_by_model = gains.is_none() || thermal.heater(heater).control == Control::Model;
+        if !is_by_model {
+            report_heat_setting(to, HeatSetting::Model(heater), thermal);
+        }
+        if let Some(gains) = gains {
+            to.setting(format_args!("{gains}"));
+        }
+        if is_by_model {
+            report_heat_setting(to, HeatSetting::Model(heater), thermal);
         }
     }
     if thermal.heater(Heater::Hotend).is_fitted {

@@ -2,20 +2,18 @@
 //! M503.
 
 use super::heat_settings_report::report_heat_settings;
+use super::plain_setting::PlainSetting;
 use crate::gcode::{Number, ShaperName};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::answers::words::Words;
-use crate::machine::numbers::{exact, shortest, shortest_with};
+use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
-use crate::settings::plain::Word;
-use crate::settings::rows::Value;
-use crate::settings::{AxisEnd, Bed, Belt, CornerRule, HomedAxis, Pause, Range, Settings, Shaper, ShaperKind};
+use crate::settings::{AxisEnd, Bed, Belt, HomedAxis, Pause, Range, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
 use core::fmt::{self, Display, Formatter};
-use fixed::types::I32F32;
 
 /// M503: every setting that G-code can set, and as comments some that only a machine file sets.
 pub(in crate::machine) fn report_settings(
@@ -33,7 +31,7 @@ pub(in crate::machine) fn report_settings(
     if has_drivers {
         report_driver_settings(to, s);
     }
-    report_heat_settings(to, &s.thermal);
+    report_heat_settings(to, s);
     report_space(to, s);
     let soft = u8::from(s.soft_endstops);
     to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
@@ -47,20 +45,7 @@ pub(in crate::machine) fn report_settings(
 /// The line or lines of one setting.
 pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
     match setting {
-        Setting::Resolutions => report_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
-        Setting::Plain(code) => to.setting(format_args!("{}", Plain { code, s })),
-        Setting::Corners => {
-            let [e, feed, travel] = [s.extruder_jerk, s.min_feed, s.min_travel].map(exact);
-            match s.corner {
-                CornerRule::JunctionDeviation(d) => {
-                    to.setting(format_args!("M205 J{} E{e} S{feed} T{travel}", exact(d)));
-                }
-                CornerRule::SquareCorner(v) => {
-                    let v = exact(v);
-                    to.setting(format_args!("M205 X{v} Y{v} E{e} S{feed} T{travel}"));
-                }
-            }
-        }
+        Setting::Plain(code) => to.setting(format_args!("{}", PlainSetting { code, s })),
         Setting::VelocityLimit => {
             let ratio = shortest(s.minimum_cruise_ratio);
             to.named_setting(format_args!("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
@@ -82,27 +67,6 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
 /// Says the line of a command that takes a number for each axis.
 fn report_axes(to: &mut Speaker<'_>, code: &'static str, values: [Number; 4]) {
     to.setting(format_args!("{}", Words::of_axes(code, values)));
-}
-
-/// Plain settings as the line that sets them.
-struct Plain<'s> {
-    code: u16,
-    s: &'s Settings,
-}
-
-impl Display for Plain<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(f, "M{}", self.code)?;
-        let mut written = Ok(());
-        self.s.clone().visit_code(self.code, &mut |Word { line, key, .. }, field| {
-            if let Value::Number(bits) = field.get() {
-                let value = I32F32::from_bits(bits << (32 - line.bits));
-                let number = if line.is_length { exact(value) } else { shortest_with(value, line.bits) };
-                written = written.and_then(|()| write!(f, " {}{number}", line.letter(key.part)));
-            }
-        });
-        written
-    }
 }
 
 /// Where an axis can be: one number if it begins at 0.

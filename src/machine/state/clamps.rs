@@ -227,8 +227,8 @@ impl Clamps {
         self.judge(asked, range, old.map(Into::into), scale).map(T::saturating_from)
     }
 
-    /// The bits of a plain setting. `None` if it is refused. A length is cut off where its type ends, as positions are;
-    /// a whole number at the point.
+    /// The bits of a plain setting. `None` if it is refused. An exact one is cut off where its type ends, as positions
+    /// are; a whole number at the point.
     pub fn setting(
         &mut self,
         modal: &Modal,
@@ -237,7 +237,7 @@ impl Clamps {
         legal: Legal,
         old: Option<i64>,
     ) -> Option<i64> {
-        let plain::Word { line, key, .. } = word;
+        let line = word.line;
         let shift = 32 - line.bits;
         let fixed = |bits: i64| I32F32::from_bits(bits << shift);
         let value = match line.bits {
@@ -245,9 +245,11 @@ impl Clamps {
             0 => Number::from(asked.to_int()).value(),
             _ => asked.value(),
         };
-        let half = if line.is_length { 0 } else { 1 << shift >> 1 };
-        let wanted = fixed(value.to_bits().saturating_add(half) >> shift);
-        let asked = Asked { word: [line.code, line.letter(key.part)], number: asked, value, wanted, bits: line.bits };
+        let half = if line.is_exact { 0 } else { 1 << shift >> 1 };
+        let wanted = value.to_bits().saturating_add(half) >> shift;
+        // A type with a point has no sign, so what is less than a unit below 0 is 0 to it.
+        let wanted = fixed(if line.bits > 0 { wanted.max(0) } else { wanted });
+        let asked = Asked { word: [line.code, word.letter()], number: asked, value, wanted, bits: line.bits };
         let range = Range { least: fixed(legal.least), most: fixed(legal.most) };
         let scale = |told| if line.is_length { modal.in_words(told) } else { told };
         self.judge(&asked, range, old.map(fixed), &scale).map(|legal| legal.to_bits() >> shift)

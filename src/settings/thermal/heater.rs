@@ -248,12 +248,12 @@ rows! {
     82 "model.heater_lag" = heater.model.heater_lag, "s", [ranges::LAG.spec()];
     /// Time constant from the heated part to the sensor's reading (M306 R).
     83 "model.sensor_lag" = heater.model.sensor_lag, "s", [ranges::LAG.spec()];
-    /// Duty of 255 for each K (M301 P, M304 P).
-    84 "pid.p" = heater.pid.p, "1/K", [ranges::GAIN.spec()];
-    /// Duty of 255 for each K and second (M301 I, M304 I).
-    85 "pid.i" = heater.pid.i, "1/(K s)", [ranges::GAIN.spec()];
-    /// Duty of 255 for each K/s (M301 D, M304 D).
-    86 "pid.d" = heater.pid.d, "s/K", [ranges::GAIN.spec()];
+    /// Duty of 255 for each K.
+    84 "pid.p" = heater.pid.p, "1/K", [ranges::GAIN.spec()], "M301" "P", "M304" "P";
+    /// Duty of 255 for each K and second.
+    85 "pid.i" = heater.pid.i, "1/(K s)", [ranges::GAIN.spec()], "M301" "I", "M304" "I";
+    /// Duty of 255 for each K/s.
+    86 "pid.d" = heater.pid.d, "s/K", [ranges::GAIN.spec()], "M301" "D", "M304" "D";
     /// It has to warm up by at least this part of the warming that its model predicts.
     87 "guards.heating" = heater.guards.heating, "", [ranges::HEATING.spec()];
     /// A reached target is lost when the temperature is so far from it for lost_s.

@@ -47,9 +47,14 @@ impl Host for Asker {
 
 /// The answers of a homed machine to `lines`, without its greeting and without [`BUSY`].
 pub fn answers(lines: &[&str]) -> Vec<String> {
+    answers_of(&Settings::prototype(), lines)
+}
+
+/// The same of a machine of `settings`.
+pub fn answers_of(settings: &Settings, lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
-    let outcome = run(&Settings::prototype(), Some([100, 100, 50].map(Mm::from_num)), &mut host, &mut Deaf).unwrap();
+    let outcome = run(settings, Some([100, 100, 50].map(Mm::from_num)), &mut host, &mut Deaf).unwrap();
     assert!(!outcome.halted, "{:?}", host.lines);
     host.heard.into_iter().skip(2).filter(|line| line != BUSY).collect()
 }

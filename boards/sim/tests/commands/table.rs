@@ -1,9 +1,10 @@
 //! The table: a line, and the answer before its `ok`.
 
-use super::asker::answers;
+use super::asker::{answers, answers_of};
 use super::plain_lines::plain_lines;
 use corehbot::gcode::{Command, names, parse};
 use corehbot::protocol::BUSY_PAUSED;
+use corehbot_machine_file as machine_file;
 use std::collections::BTreeSet;
 
 /// Answers in front of the `ok`; an asterisk at the end stands for anything.
@@ -374,9 +375,13 @@ fn begins(line: &str, code: &str) -> bool {
 /// M113 alone has another answer, in its row.
 #[test]
 fn a_plain_setting_is_set_in_silence_and_reported_as_the_line_that_sets_it() {
+    // No two axes share a motor, and there are heaters.
+    let axes = "[mechanism]\nm1 = [1, 0, 0]\nm4 = [0, 1, 0]\nz1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n";
+    let heaters = ["hotend", "bed"].map(|heater| format!("[heaters.{heater}]\nis_fitted = true\n"));
+    let settings = machine_file::load(&(axes.to_owned() + &heaters.concat())).unwrap();
     for line in plain_lines().into_values().filter(|line| !begins(line, "M113")) {
         let (code, word) = line.split_once(' ').unwrap();
-        let heard = answers(&[code, &line, code]);
+        let heard = answers_of(&settings, &[code, &line, code]);
         let [before, _, _, after, _] = heard.as_slice() else { panic!("{line}: {heard:?}") };
         assert!(before.starts_with(&format!("  {code} ")), "{heard:?}");
         let changed: Vec<_> =

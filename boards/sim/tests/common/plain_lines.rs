@@ -1,7 +1,7 @@
 //! A line for each plain setting, from its row.
 
 use corehbot::settings::Settings;
-use corehbot::settings::plain::{AXIS_CODES, MACHINE_CODES};
+use corehbot::settings::plain::CODES;
 use corehbot::settings::rows::Value;
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use std::collections::BTreeMap;
 /// own, or a quarter of the greatest.
 pub fn plain_lines() -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
-    for code in MACHINE_CODES.iter().chain(AXIS_CODES) {
+    for code in CODES {
         Settings::prototype().visit_code(*code, &mut |word, field| {
             let legal = word.key.row.legal(word.key.part.into());
             let now = if let Value::Number(now) = field.get() { now } else { legal.least };
             let half = legal.least + (now - legal.least) / 2;
             let other = if half == now { now + 1 + (legal.most - now) / 4 } else { half };
             let number = other as f64 / (1_u64 << word.line.bits) as f64;
-            lines.insert(word.key.to_string(), format!("M{code} {}{number}", word.line.letter(word.key.part)));
+            lines.insert(word.key.to_string(), format!("M{code} {}{number}", word.letter()));
         });
     }
     lines

@@ -6,7 +6,7 @@ mod setting_lines;
 
 use super::talk::keep;
 use corehbot::settings::Settings;
-use corehbot::settings::plain::{AXIS_CODES, MACHINE_CODES};
+use corehbot::settings::plain::CODES;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::eeprom::Eeprom;
 use proptest::prelude::*;
@@ -15,13 +15,10 @@ use std::collections::BTreeSet;
 
 /// Codes that set settings with rules of their own, each with its letters. Those of [`LINES`] and of
 /// plain settings are added to them.
-const SETTERS: [(&str, &str); 16] = [
-    ("M92", "XYZE"),
+const SETTERS: [(&str, &str); 13] = [
     ("M205", "JEST"),
     ("M205", "XYE"),
     ("M211", "S"),
-    ("M301", "PID"),
-    ("M304", "PID"),
     ("M302", "SP"),
     ("M306", "EPCAFRLH"),
     ("M569", "SXZE"),
@@ -37,11 +34,11 @@ const SETTERS: [(&str, &str); 16] = [
 /// Codes that set settings, each with all of its letters.
 pub fn setters() -> Vec<(&'static str, String)> {
     let mut all: Vec<_> = SETTERS.iter().map(|(code, letters)| (*code, (*letters).to_owned())).collect();
-    for number in MACHINE_CODES.iter().chain(AXIS_CODES) {
+    for number in CODES {
         let (mut code, mut letters) = ("", BTreeSet::new());
         Settings::prototype().visit_code(*number, &mut |word, _| {
             code = word.line.code;
-            letters.extend(word.line.letters[usize::from(word.key.part)].split('/'));
+            letters.extend(word.letters.split('/'));
         });
         all.push((code, letters.into_iter().collect()));
     }

@@ -7,13 +7,12 @@ mod shaping;
 use super::Command;
 use super::grammar::{Grammar, NO_AXES, WORDS};
 use super::row::Described;
-use crate::gcode::axes::{axis_words, take_axis};
 use crate::gcode::index::Part;
-use crate::gcode::lexer::{Words, switch};
+use crate::gcode::lexer::switch;
 use crate::gcode::number::Number;
-use crate::gcode::parts::{AxisWords, CornerWords, MachineRecord, PlainWords, ShaperWords, VelocityWords};
+use crate::gcode::parts::{MachineRecord, PlainWords, ShaperWords, VelocityWords};
 use crate::settings::plain::{AXIS_CODES, MACHINE_CODES};
-use plain::plain;
+pub(super) use plain::plain;
 pub use shaping::ShaperName;
 use shaping::{linear_advance, pressure_advance, set_pressure_advance, set_velocity_limit, shaper};
 pub(super) use shaping::{named_value, words};
@@ -22,12 +21,8 @@ pub(super) use shaping::{named_value, words};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum SettingCommand<'a> {
-    /// M92: steps a millimetre.
-    StepsPerMm(AxisWords),
     /// Numbers of rows of `settings`, or report.
     Plain(PlainWords),
-    /// M205: corner speeds and least feeds.
-    Corners(CornerWords),
     /// M211: keep moves inside the reachable space, or report.
     SoftEndstops(Option<bool>),
     /// M413: recovery from a loss of power, which this firmware cannot; or report.
@@ -62,16 +57,13 @@ pub enum SettingCommand<'a> {
 }
 
 /// A number for each axis.
-const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES).parts(&[(b'T', Part::Extruder)]);
+const AXES: &Grammar = &Grammar::plain().no_axes(NO_AXES).parts(&[(b'T', Part::Extruder)]);
 
 pub(super) const ROWS: &[Described] = &[
-    Described::m(&[92], |_, text| setting(SettingCommand::StepsPerMm(axis_words(text))))
-        .grammar(AXES)
-        .does("X Y Z E", "steps per mm; or reports"),
     Described::m(AXIS_CODES, plain).grammar(AXES),
     Described::m(MACHINE_CODES, plain).grammar(&Grammar::plain()),
-    Described::m(&[205], |_, text| setting(corners(text)))
-        .grammar(&Grammar::numbers(b"XYZEJSTB"))
+    Described::m(&[205], plain)
+        .grammar(&Grammar::plain())
         .does("X Y Z E J S T B", "jerks, junction deviation, least feeds; B is not used; or reports"),
     Described::m(&[211], |_, text| setting(SettingCommand::SoftEndstops(switch(text))))
         .grammar(WORDS)
@@ -115,20 +107,4 @@ pub(super) const ROWS: &[Described] = &[
 
 const fn setting(command: SettingCommand<'_>) -> Option<Command<'_>> {
     Some(Command::Setting(command))
-}
-
-/// M205.
-fn corners(text: &[u8]) -> SettingCommand<'static> {
-    let mut jerk = AxisWords::default();
-    let (mut deviation, mut min_feed, mut min_travel, mut min_segment) = (None, None, None, None);
-    for word in Words::new(text) {
-        match word.letter {
-            b'B' => min_segment = word.number,
-            b'J' => deviation = word.number,
-            b'S' => min_feed = word.number,
-            b'T' => min_travel = word.number,
-            _ => take_axis(&mut jerk, word),
-        }
-    }
-    SettingCommand::Corners(CornerWords { deviation, jerk, min_feed, min_travel, min_segment })
 }

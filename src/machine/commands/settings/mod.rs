@@ -3,7 +3,8 @@
 //! | file | does | commands |
 //! |---|---|---|
 //! | [`plain`] | takes numbers of rows of `settings` if all are legal | as the rows say |
-//! | [`set`] | the same for settings with rules of their own | M92, M205, SET_VELOCITY_LIMIT |
+//! | [`rules`] | the rules of some of these commands | M92, M203, M205, M301, M304 |
+//! | [`velocity_limit`] | limits in Klipper's words | SET_VELOCITY_LIMIT |
 //! | [`machine_record`] | exchanges the whole machine with a computer | MACHINE_GET, MACHINE_PUT, MACHINE_STORE |
 //! | [`stored`] | keeps all settings in memory that survives without power | M500, M501, M502, M504 |
 //!
@@ -13,8 +14,9 @@
 
 mod machine_record;
 mod plain;
-pub(in crate::machine) mod set;
+mod rules;
 pub(in crate::machine) mod stored;
+mod velocity_limit;
 
 use super::shaping::{change_advance, change_shapers};
 use super::states::States;
@@ -26,8 +28,8 @@ use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use machine_record::exchange_machine;
 use plain::set_plain;
-use set::{change_resolution, set_corners, set_velocity_limit};
 use stored::{check_storage, load_settings, reset_settings, save_settings};
+use velocity_limit::set_velocity_limit;
 
 /// Carries out a command about settings.
 pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
@@ -35,14 +37,11 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
     states: &mut States,
     command: &SettingCommand<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
-    let States { modal, retraction, clamps, notices, pieces, cold: _ } = states;
     Ok(match *command {
-        SettingCommand::StepsPerMm(ref words) => return change_resolution(main_loop, clamps, words).await,
-        SettingCommand::Plain(ref words) => set_plain(words, &mut main_loop.live_settings(), modal, clamps),
-        SettingCommand::Corners(ref words) => {
-            set_corners(words, &mut main_loop.live_settings(), modal, clamps, notices)
+        SettingCommand::Plain(ref words) => return set_plain(main_loop, states, words).await,
+        SettingCommand::VelocityLimit(ref words) => {
+            set_velocity_limit(words, &mut main_loop.live_settings(), &mut states.clamps)
         }
-        SettingCommand::VelocityLimit(ref words) => set_velocity_limit(words, &mut main_loop.live_settings(), clamps),
         SettingCommand::SoftEndstops(None) => Answer::SoftEndstops,
         SettingCommand::SoftEndstops(Some(on)) => {
             main_loop.live_settings().set_soft_endstops(on);
@@ -54,13 +53,15 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         SettingCommand::PowerLossRecovery(Some(true)) => {
             Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it")
         }
-        SettingCommand::Shaper(ref words) => return change_shapers(main_loop, clamps, words).await,
-        SettingCommand::Advance { time, window } => return change_advance(main_loop, clamps, time, window).await,
-        SettingCommand::SaveSettings => return save_settings(main_loop, pieces).await.map(Answer::Storage),
+        SettingCommand::Shaper(ref words) => return change_shapers(main_loop, &mut states.clamps, words).await,
+        SettingCommand::Advance { time, window } => {
+            return change_advance(main_loop, &mut states.clamps, time, window).await;
+        }
+        SettingCommand::SaveSettings => return save_settings(main_loop, &states.pieces).await.map(Answer::Storage),
         SettingCommand::LoadSettings => return load_settings(main_loop).await.map(Answer::Storage),
         SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
         SettingCommand::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
-        SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: *retraction, for_replay },
-        SettingCommand::MachineRecord(order) => return exchange_machine(main_loop, pieces, order).await,
+        SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: states.retraction, for_replay },
+        SettingCommand::MachineRecord(order) => return exchange_machine(main_loop, &mut states.pieces, order).await,
     })
 }

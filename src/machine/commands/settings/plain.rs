@@ -1,43 +1,76 @@
-//! Plain settings: the numbers that rows of `crate::settings` have a letter for.
+//! Plain settings: the numbers that rows of `crate::settings` have a letter for. [`rules`](super::rules) has the rules
+//! of some codes.
 
+use super::rules::{Ending, Rule};
 use crate::gcode::{Number, PlainWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
-use crate::machine::main_loop::settings::LiveSettings;
+use crate::machine::commands::states::States;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::settings::plain::Word;
-use crate::settings::ranges;
-use crate::settings::rows::{Legal, Value};
+use crate::port::Pend;
+use crate::settings::Settings;
+use crate::settings::plain::{Owner, condition};
+use crate::settings::rows::Value;
 
 /// All values of a line if each is legal, otherwise none; without values a report.
-pub(super) fn set_plain(
+pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
     words: &PlainWords,
-    s: &mut LiveSettings<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    let States { modal, clamps, notices, .. } = states;
+    let (owner, rule) = (condition(words.code).owner, Rule::of(words.code));
+    if let Some(answer) = (rule.refuses)(&main_loop.settings) {
+        return Ok(answer);
+    }
+    if owner != Owner::Motors {
+        // The open line ends, whether values are legal or not.
+        main_loop.live_settings();
+    }
+    if words.numbers.iter().all(Option::is_none) {
+        return Ok(Answer::Setting(Setting::Plain(words.code)));
+    }
+    let Some(mut wanted) = with_values(&main_loop.settings, words, &rule, modal, clamps) else {
+        return Ok(Answer::Nothing);
+    };
+    match (rule.ends)(words, &mut wanted, notices) {
+        Ending::Done => {}
+        Ending::Remark(remark) => main_loop.reply(remark).await?,
+        Ending::Refusal(refusal) => return Ok(refusal),
+    }
+    match owner {
+        Owner::Readers => main_loop.live_settings().set_plain(&wanted),
+        Owner::Heaters => *main_loop.heat_settings() = wanted.thermal,
+        Owner::Motors => {
+            main_loop.finish().await?;
+            main_loop.use_settings(wanted).await?;
+        }
+    }
+    Ok(Answer::Nothing)
+}
+
+/// The settings with the values of a line, if each is legal.
+fn with_values(
+    now: &Settings,
+    words: &PlainWords,
+    rule: &Rule,
     modal: &Modal,
     clamps: &mut Clamps,
-) -> Answer<'static> {
-    let PlainWords { code, numbers } = words;
-    if numbers.iter().all(Option::is_none) {
-        return Answer::Setting(Setting::Plain(*code));
-    }
-    let fastest = [0, 1, 2, 3].map(|axis| ranges::STEP_RATE / s.finest(axis));
-    let legal = |Word { key, .. }| {
-        let part = usize::from(key.part);
-        let legal = key.row.legal(part);
-        match fastest.get(part) {
-            // A motor steps only so fast.
-            Some(fastest) if *code == 203 => Legal { most: legal.most.min(fastest.to_bits().into()), ..legal },
-            _ => legal,
-        }
-    };
-    s.set_plain(*code, &mut |word, field| {
-        let Some(Some(number)) = numbers.get(word.place) else { return true };
+) -> Option<Settings> {
+    let (mut wanted, mut are_taken) = (*now, true);
+    (rule.begins)(words, &mut wanted, modal, clamps);
+    wanted.visit_code(words.code, &mut |word, field| {
+        let Some(Some(number)) = words.numbers.get(word.place) else { return };
         let old = if let Value::Number(old) = field.get() { Some(old) } else { None };
-        let legal = legal(word);
+        let part = usize::from(word.key.part);
+        let legal = (rule.legal)(now, part, word.key.row.legal(part));
         let is_zero = *number == Number::ZERO && legal.holds(0);
-        let wanted = if is_zero { Some(0) } else { clamps.setting(modal, word, *number, legal, old) };
-        wanted.is_some_and(|bits| field.set(&Value::Number(bits)))
+        let value = if is_zero { Some(0) } else { clamps.setting(modal, word, *number, legal, old) };
+        are_taken &= value.is_some_and(|bits| field.set(&Value::Number(bits)));
     });
-    Answer::Nothing
+    (are_taken && !clamps.refuses_line()).then_some(wanted)
 }

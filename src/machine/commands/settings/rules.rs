@@ -1,0 +1,143 @@
+//! Rules: what the line of a plain code keeps to, besides the ranges of its rows.
+//!
+//! One table has a row for each code with a rule, and a row names its functions. `plain::CONDITIONS` in
+//! `crate::settings` says who must be told of new values.
+
+use crate::connectors::Heater;
+use crate::gcode::PlainWords;
+use crate::machine::answers::answer::Answer;
+use crate::machine::commands::heating::model_of;
+use crate::machine::state::clamps::Clamps;
+use crate::machine::state::modal::Modal;
+use crate::machine::state::notices::{Notice, Notices};
+use crate::settings::rows::Legal;
+use crate::settings::{Control, CornerRule, Settings, ranges};
+
+/// What a line can be answered before its values are read, if it is not carried out.
+type Refuses = fn(&Settings) -> Option<Answer<'static>>;
+
+/// The legal values of a part, from those of its row.
+type LegalValues = fn(&Settings, usize, Legal) -> Legal;
+
+/// Takes the words that are no settings.
+type Begins = fn(&PlainWords, &mut Settings, &Modal, &mut Clamps);
+
+/// What follows from the values when all are legal.
+type Ends = fn(&PlainWords, &mut Settings, &mut Notices) -> Ending;
+
+/// How a line ends.
+pub(super) enum Ending {
+    /// The values count.
+    Done,
+    /// They count, and the host gets a remark.
+    Remark(Answer<'static>),
+    /// They do not count.
+    Refusal(Answer<'static>),
+}
+
+/// The rule of a code.
+#[derive(Clone, Copy)]
+pub(super) struct Rule {
+    code: u16,
+    pub refuses: Refuses,
+    pub legal: LegalValues,
+    pub begins: Begins,
+    pub ends: Ends,
+}
+
+/// The codes with a rule.
+const RULES: [Rule; 5] = [
+    Rule { legal: resolution_of_motors, ends: check_resolutions, ..Rule::none(92) },
+    Rule { legal: speed_of_motors, ..Rule::none(203) },
+    Rule { begins: choose_corner_rule, ends: remark_on_corners, ..Rule::none(205) },
+    Rule { refuses: |s| model_of(&s.thermal, Some(Heater::Hotend)).err(), ends: by_hotend_gains, ..Rule::none(301) },
+    Rule { refuses: |s| model_of(&s.thermal, Some(Heater::Bed)).err(), ends: by_bed_gains, ..Rule::none(304) },
+];
+
+impl Rule {
+    /// None.
+    const fn none(code: u16) -> Self {
+        Self {
+            code,
+            refuses: |_| None,
+            legal: |_, _, legal| legal,
+            begins: |_, _, _, _| {},
+            ends: |_, _, _| Ending::Done,
+        }
+    }
+
+    /// The rule of a code.
+    pub fn of(code: u16) -> Self {
+        RULES.into_iter().find(|rule| rule.code == code).unwrap_or(const { Self::none(0) })
+    }
+}
+
+/// M203: a motor steps only so fast.
+fn speed_of_motors(s: &Settings, axis: usize, legal: Legal) -> Legal {
+    let fastest = ranges::STEP_RATE / s.finest(axis);
+    Legal { most: legal.most.min(fastest.to_bits().into()), ..legal }
+}
+
+/// M92: the motor that makes the most steps of the axis has the same range.
+fn resolution_of_motors(s: &Settings, axis: usize, legal: Legal) -> Legal {
+    let times = s.mechanism.most_times(axis).max(1).unsigned_abs();
+    Legal { most: legal.most / i64::from(times), ..legal }
+}
+
+/// M92: axes that share motors have one step. Speeds fall with finer steps, because the step rate of a motor is limited.
+fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Ending {
+    let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
+    let before = speeds(s);
+    if let Err(axes) = s.check_shared_motors() {
+        return Ending::Refusal(Answer::SharedMotors(axes));
+    }
+    let most = [0, 1, 2, 3].map(|axis| ranges::STEP_RATE / s.finest(axis));
+    let [x, y, z, e] = most;
+    let a = &mut s.axes;
+    for (axis, most) in [(&mut a.x, x), (&mut a.y, y), (&mut a.z, z), (&mut a.e, e)] {
+        axis.max_speed = axis.max_speed.min(most);
+    }
+    s.motor_max_speed = s.motor_max_speed.min(x.min(y));
+    if speeds(s) == before { Ending::Done } else { Ending::Remark(Answer::LoweredSpeeds) }
+}
+
+/// M205: J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90
+/// degrees changes the speed of each axis by exactly that.
+fn choose_corner_rule(words: &PlainWords, s: &mut Settings, modal: &Modal, clamps: &mut Clamps) {
+    let jerk = |letter: &'static str| words.number(letter).map(|number| (number, letter));
+    let corner = if let Some(number) = words.number("J") {
+        let old = if let CornerRule::JunctionDeviation(old) = s.corner { Some(old) } else { None };
+        let legal = clamps.length_of(modal, ["M205", "J"], number, ranges::TOLERANCE, old);
+        legal.map(CornerRule::JunctionDeviation)
+    } else if let Some((number, letter)) = jerk("X").into_iter().chain(jerk("Y")).min() {
+        let old = if let CornerRule::SquareCorner(old) = s.corner { Some(old) } else { None };
+        let legal = clamps.length_of(modal, ["M205", letter], number, ranges::SPEED, old);
+        legal.map(CornerRule::SquareCorner)
+    } else {
+        None
+    };
+    s.corner = corner.unwrap_or(s.corner);
+}
+
+/// M205: the words that do not count are named once.
+fn remark_on_corners(words: &PlainWords, _: &mut Settings, notices: &mut Notices) -> Ending {
+    let [x, y, z, deviation, min_segment] = ["X", "Y", "Z", "J", "B"].map(|letter| words.number(letter));
+    let is_doubtful = x.zip(y).is_some_and(|(x, y)| x != y) || deviation.and(x.or(y)).is_some();
+    let is_unused = z.or(min_segment).is_some();
+    if !(is_doubtful || is_unused) || !notices.give(Notice::Corners) {
+        return Ending::Done;
+    }
+    Ending::Remark(Answer::Line("echo:M205: one value for X and Y, the lesser, or J instead; Z and B are not used"))
+}
+
+/// M301: a gain selects PID, as a number of M306 selects the model.
+fn by_hotend_gains(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Ending {
+    s.thermal.heaters.hotend.control = Control::Pid;
+    Ending::Done
+}
+
+/// M304: the same.
+fn by_bed_gains(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Ending {
+    s.thermal.heaters.bed.control = Control::Pid;
+    Ending::Done
+}
