@@ -6,7 +6,7 @@ use crate::value;
 use corehbot::connectors::BoardConnectors;
 use corehbot::motors::{MOTORS, MotorName, prototype};
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
-use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Settings, Wiring};
+use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Settings, Wiring, ranges};
 use corehbot::units::Mm;
 use corehbot_boards as boards;
 use std::collections::BTreeMap;
@@ -173,8 +173,15 @@ impl Given {
     }
 }
 
-/// Puts an endstop without a position at its end of the axis, and checks the position of another one.
+/// Puts an endstop without a position at its end of the axis, and checks the position of another one, and the axis.
 fn endstop_of(axis: &str, e: &mut Endstop, reach: Range<Mm>, has_position: bool) -> Result<(), MachineFileError> {
+    let Range { least, most } = reach;
+    if most > ranges::PLACE.most {
+        let (key, length) = (format!("axes.{axis}.length"), most - least);
+        let value = keys::shortest(length.to_bits(), Mm::FRAC_NBITS);
+        let legal = format!("1 to {}, as the axis begins at {least}", ranges::PLACE.most - least);
+        return Err(MachineFileError::Range { key, value, legal });
+    }
     if !has_position {
         e.position = e.end.of(reach);
         return Ok(());

@@ -86,6 +86,22 @@ fn the_bed_is_what_the_tool_reaches_unless_the_file_says_otherwise() {
 }
 
 #[test]
+fn an_axis_may_begin_anywhere_within_five_metres_and_its_switch_sits_at_its_end() {
+    let s =
+        load("[axes.x]\nmin = -60\nlength = 290\n[axes.y]\nmin = 10\nlength = 400\n[homing.y]\nend = \"max\"").unwrap();
+    let ends = [s.endstops.x, s.endstops.y, s.endstops.z].map(|switch| switch.position.to_num::<f64>());
+    assert_eq!(ends, [-60.0, 410.0, 0.0]);
+    let bed = [s.bed.width, s.bed.depth, s.bed.left, s.bed.front].map(|mm| mm.to_num::<f64>());
+    assert_eq!(bed, [290.0, 400.0, -60.0, 10.0]);
+    let error = |text: &str| load(text).unwrap_err().to_string();
+    let told = "axes.x.length = 1001 is outside 1 to 1000, as the axis begins at 4000";
+    assert_eq!(error("[axes.x]\nmin = 4000\nlength = 1001"), told);
+    assert_eq!(error("[axes.z]\nmin = -5001"), "axes.z.min = -5001 is outside -5000 to 5000");
+    let text = "[axes.x]\nmin = -60\nlength = 290\n[homing.x]\nposition = -111";
+    assert_eq!(error(text), "homing.x.position = -111 is outside -110 to 85");
+}
+
+#[test]
 fn a_probe_is_plugged_in_by_name() {
     let s = load("board = \"octopus\"\n[endstops]\nprobe = \"!BLTOUCH\"").unwrap();
     assert_eq!((s.probe.connector.to_string(), s.probe.is_normally_open), ("BLTOUCH".to_owned(), true));
