@@ -12,7 +12,7 @@ use crate::line::HostLine;
 use crate::usb_line::{UsbHabits, UsbLine};
 use crate::usbip::UsbIp;
 use crate::warm;
-use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Timer, Wiring};
+use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Wiring};
 use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
 use rigless::device::Level;
@@ -167,7 +167,7 @@ impl Emulated {
             let function = self.function(pin);
             let is_idle = match timer {
                 _ if function == 0 => JTAG.contains(&pin),
-                Some((Timer::Five, channel)) if function == Timer::Five.function() => self.pulse(channel).is_none(),
+                Some((timer, channel)) if function == timer.function() => self.pulse(timer, channel).is_none(),
                 _ => false,
             };
             if port.alternate & pin.mask() != 0 && is_idle {
@@ -175,6 +175,13 @@ impl Emulated {
             }
         }
         port
+    }
+
+    /// The pins of port `n` that are outputs or a peripheral's. Function 0 is the debug port's, as after a reset.
+    pub fn driven(&mut self, n: usize) -> u16 {
+        let port = self.port(n);
+        let functions = (0..16).filter(|bit| self.function_of(n, *bit) != 0).fold(0, |pins, bit| pins | 1 << bit);
+        port.outputs | port.alternate & functions
     }
 
     /// Whether the chip pulls `pin` up.

@@ -5,6 +5,8 @@
 //! window ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset
 //! line.
 //!
+//! TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
+//!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the
 //! line is armed, and pends the interrupt itself.
@@ -18,6 +20,7 @@ use crate::clock_tree::{ClockTree, Defect, Supply};
 use crate::flash::FlashSectors;
 use crate::flash_interface::FlashInterface;
 use crate::line::HostLine;
+use crate::small_timers::{self, SmallTimer, WithRegisters};
 use crate::usb_port::{UsbPort, window};
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
 use rigless::emulator::Access;
@@ -45,12 +48,14 @@ pub struct Chip {
     clock_tree: ClockTree,
     supply: Supply,
     lines: Lines,
+    small_timers: [SmallTimer; small_timers::ALL.len()],
     /// The flash interface of a board that keeps settings in flash.
     pub flash: Option<FlashInterface>,
     /// A bus with that board's memory, which gives the emulator its map before it starts.
     map: Option<Bus>,
-    /// Where the bus has the five.
+    /// Where the bus has the five, and the small timers.
     slots: [Option<usize>; 5],
+    timer_slots: [Option<usize>; small_timers::ALL.len()],
 }
 
 /// The crate's slot of OTG_FS, which nothing reaches but the reset line.
@@ -91,8 +96,9 @@ impl Chip {
         let mut part = Stm32f427::new()?;
         let usb_slot = part.bus_mut().add_window(window())?;
         let usb = UsbPort::new(part.bus().slots()[usb_slot].peripheral().registers);
-        let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH"]
-            .map(|name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name));
+        let slot_of = |name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name);
+        let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH"].map(slot_of);
+        let timer_slots = small_timers::ALL.map(|timer| slot_of(timer.name));
         Ok(Self {
             part,
             usb_reset: UsbReset::default(),
@@ -101,9 +107,11 @@ impl Chip {
             clock_tree: ClockTree::new(),
             supply: Supply::new(),
             lines: Lines,
+            small_timers: small_timers::new(),
             flash: None,
             map: None,
             slots,
+            timer_slots,
         })
     }
 
@@ -168,6 +176,12 @@ impl Chip {
         (line, &mut self.part.usart)
     }
 
+    /// A small timer with its registers, by its place in [`small_timers::ALL`].
+    pub fn small_timer(&mut self, place: usize) -> Option<WithRegisters<'_>> {
+        let slot = self.timer_slots[place]?;
+        Some((&mut self.small_timers[place], self.part.bus_mut().slot_mut(slot).registers_mut()))
+    }
+
     /// The rates of HCLK, PCLK1 and PCLK2 in Hz.
     #[must_use]
     pub fn rates(&self) -> [u64; 3] {
@@ -208,6 +222,9 @@ impl Mcu for Chip {
             }
             return (self.part.bus_mut(), Some(&mut self.usb));
         }
+        if let Some(place) = self.timer_slots.iter().position(|mine| *mine == Some(slot)) {
+            return (self.part.bus_mut(), Some(&mut self.small_timers[place]));
+        }
         let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
             Some(0) => &mut self.usb_reset,
             Some(1) => &mut self.clock_tree,
@@ -223,6 +240,7 @@ impl Mcu for Chip {
         self.part.reset(at, cause);
         self.usb.reset();
         self.supply = Supply::new();
+        self.small_timers = small_timers::new();
         if let Some(slot) = self.slots[1] {
             self.clock_tree.restarted(cause, self.part.bus_mut().slot_mut(slot).registers_mut());
         }

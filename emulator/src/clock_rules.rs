@@ -14,10 +14,12 @@
 //! | HSEBYP changes only while HSE is off, and is set if another chip gives its clock | 6.2.1, 6.3.1 |
 //! | PLL and crystal stay on while the system clock comes from them | 6.3.1 |
 //! | wait states: one for every 30 MHz of HCLK begun, less one, also for the clock that is asked for | 3.4.1 |
+//! | TIM9 and TIM12 are used only while their clock is on, and at the rate of their model | 6.2, 6.3.13, 6.3.14 |
 //! | HCLK, PCLK1, PCLK2 up to 168, 42, 84 MHz; with over-drive up to 180, 45, 90 MHz | 5.1.4, 6.2; datasheet |
 
 use crate::board::Emulated;
-use crate::wiring::Hse;
+use crate::small_timers;
+use crate::wiring::{Hse, Timer};
 use rigless::emulator::Access;
 use rigless::mcu::Operate;
 use rigless::soc::Width;
@@ -81,6 +83,8 @@ pub enum Rule {
     WaitStates(u64, u64),
     /// A clock is faster than it may be, in Hz.
     TooFast(&'static str, u64),
+    /// A small timer was used while its clock is off, or has another rate than its model.
+    Unclocked(&'static str),
     /// A cache was emptied while it was on.
     CacheInUse,
     /// A cache was switched on with lines from before.
@@ -108,6 +112,9 @@ impl fmt::Display for Rule {
             }
             Self::WaitStates(has, needs) => {
                 write!(f, "{has} wait states of flash, the clock needs {needs} (RM0390, 3.4.1)")
+            }
+            Self::Unclocked(name) => {
+                write!(f, "{name} used without a clock or at a rate unknown to its model (RM0390, 6.2)")
             }
             Self::CacheInUse => f.write_str("a cache of flash emptied while it is on (RM0390, 3.8.1)"),
             Self::StaleCache => f.write_str("a cache of flash switched on again without emptying it (RM0390, 3.8.1)"),
@@ -181,6 +188,14 @@ impl ClockRules {
 
     /// The firmware wrote to a register.
     pub fn written(&mut self, board: &mut Emulated, access: &Access) {
+        let small = [Timer::Nine, Timer::Twelve].iter().position(|timer| timer.has(access.address));
+        if let Some(timer) = small.map(|place| &small_timers::ALL[place]) {
+            let (register, bit) = timer.enable;
+            let is_on = board.mcu.peek(access.virtual_time, register, Width::W32).unwrap_or(0) & bit != 0;
+            if !is_on || 2 * board.mcu.rates()[timer.apb] != timer.hz {
+                self.note(access, Rule::Unclocked(timer.name));
+            }
+        }
         if !matches!(access.address & !0x3FF, 0x4002_3800 | 0x4002_3C00 | 0x4000_7000) {
             return;
         }
@@ -195,11 +210,15 @@ impl ClockRules {
             power_status: peek(PWR_CSR),
         };
         for rule in self.judge(access.address, access.value, &now) {
-            let breach = Breach { at: access.virtual_time.0, from: access.program_counter.unwrap_or(0), rule };
-            // A clock that is too fast is so at the next write, too.
-            if self.breaches.iter().all(|earlier| earlier.rule != rule) {
-                self.breaches.push(breach);
-            }
+            self.note(access, rule);
+        }
+    }
+
+    /// Notes that an access breaks a rule; a clock that is too fast is so at the next write, too.
+    fn note(&mut self, access: &Access, rule: Rule) {
+        if self.breaches.iter().all(|earlier| earlier.rule != rule) {
+            let from = access.program_counter.unwrap_or(0);
+            self.breaches.push(Breach { at: access.virtual_time.0, from, rule });
         }
     }
 

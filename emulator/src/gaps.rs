@@ -31,11 +31,6 @@ pub const ALLOWED: &[Allowed] = &[
         reason: "of the F446 only; selects clocks of USB, SDIO, I2C4 and CEC: USB has nothing plugged in, the others are not used",
     },
     Allowed {
-        addresses: (0x4001_4000, 0x4001_404C),
-        name: "TIM9",
-        reason: "the fan FAN1; the registers keep what is written, and the plant takes the duty from there",
-    },
-    Allowed {
         addresses: (0xE004_2000, 0xE004_2010),
         name: "DBGMCU",
         reason: "keeps clocks alive under a debugger, of which there is none",

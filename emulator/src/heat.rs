@@ -11,7 +11,6 @@ use corehbot::port::ThermalPort;
 use corehbot::settings::Settings;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::PlantFaults;
-use rigless::time::VirtualNanos;
 
 /// The plant advances in steps of 1 ms, a fifth of its own longest part.
 const STEP_NS: u64 = 1_000_000;
@@ -151,15 +150,14 @@ impl HeatWatch {
         if !self.is_heated {
             return;
         }
-        let now = VirtualNanos(at);
         for &(output, load) in self.wiring.heaters {
-            let level = board.drives(now, load);
-            if self.heaters[output as usize].set(at, level) {
-                self.edges.push(Edge { at, output, is_high: level > 0.0 });
+            let is_high = board.drives(load);
+            if self.heaters[output as usize].set(at, f64::from(is_high)) {
+                self.edges.push(Edge { at, output, is_high });
             }
         }
         for (meter, load) in self.fans.iter_mut().zip(self.wiring.fans.iter().copied()) {
-            meter.set(at, board.drives(now, load));
+            meter.set(at, f64::from(board.drives(load)));
         }
         if at >= self.begun + STEP_NS {
             self.step(board, at, extruded);

@@ -1,6 +1,6 @@
 //! Laps: whether the firmware counts the half laps of its clock's timer as the timer makes them.
 //!
-//! embassy's time is TIM3, 16 bits, and a count of its half laps. The count's last bit has to equal the counter's
+//! embassy's time is TIM2, 16 bits, and a count of its half laps. The count's last bit has to equal the counter's
 //! highest bit, so that a read just after a half lap differs from a read before it. Out of step, the time sometimes
 //! goes back.
 
@@ -9,8 +9,8 @@ use rigless::mcu::Operate;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
-/// TIM3 (RM0390 rev 6, section 2.2.2).
-const TIM3: u64 = 0x4000_0400;
+/// TIM2 (RM0390 rev 6, section 2.2.2).
+const TIM2: u64 = 0x4000_0000;
 const SR: u64 = 0x10;
 const CNT: u64 = 0x24;
 
@@ -28,7 +28,7 @@ pub struct Laps {
 impl Laps {
     /// The firmware wrote `value` to `address`.
     pub fn written(&mut self, board: &mut Emulated, at: VirtualNanos, address: u64, value: u64) {
-        if address != TIM3 + SR {
+        if address != TIM2 + SR {
             return;
         }
         // Writing 0 clears flags. Clearing all of them at once is not a half lap, but a start.
@@ -41,7 +41,7 @@ impl Laps {
             return;
         }
         self.count = self.count.wrapping_add(halves);
-        let Ok(counter) = board.mcu.peek(at, TIM3 + CNT, Width::W32) else { return };
+        let Ok(counter) = board.mcu.peek(at, TIM2 + CNT, Width::W32) else { return };
         self.out_of_step += u32::from(u64::from(self.count & 1) != counter >> 15 & 1);
     }
 }

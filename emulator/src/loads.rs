@@ -1,83 +1,94 @@
 //! Loads: how the firmware drives the pins of heaters and fans, as outputs and through the chip's timers.
 
 use crate::board::Emulated;
+use crate::small_timers;
 use crate::wiring::{Load, Pin, Timer};
 use rigless::device::Level;
 use rigless::mcu::Operate;
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::gpioa::Register;
-use rigless::soc::stm32f427::generated::tim2;
 use rigless::soc::stm32f427::peripherals::tim;
 use rigless::time::VirtualNanos;
 
-/// Places of TIM1 among the advanced timers of the model, and of TIM4 and TIM5 among the general ones.
+/// The place of TIM1 among the advanced timers of the model, and of TIM2 among the general ones, which follow each
+/// other.
 const TIM1: usize = 0;
-const TIM4: usize = 2;
-const TIM5: usize = 3;
+const TIM2: usize = 0;
 
-/// CR1, CCER, ARR and CCR1 of TIM9 (RM0390 rev 6, section 2.2.2 and the chapter of TIM9 to TIM14).
-const TIM9: [u64; 4] = [0x4001_4000, 0x4001_4020, 0x4001_402C, 0x4001_4034];
+/// Registers of a timer that drives pins (RM0390 rev 6, register maps of the timers).
+const CR1: u64 = 0x00;
+const CCER: u64 = 0x20;
+const ARR: u64 = 0x2C;
+const CCR1: u64 = 0x34;
+
+/// CR1: the counter runs, and stops at its end by itself.
+const CEN: u64 = 1;
+const OPM: u64 = 1 << 3;
 
 impl Emulated {
-    /// How the firmware drives `load` now: 0 is off, 1 on. For a timer without a model it is the share of the time.
-    pub fn drives(&mut self, at: VirtualNanos, load: Load) -> f64 {
+    /// Whether the firmware drives `load` high now.
+    pub fn drives(&mut self, load: Load) -> bool {
         let (_, registers) = self.mcu.port(load.pin.port);
         match registers.get(Register::Moder) >> (2 * load.pin.bit) & 3 {
-            1 => f64::from(registers.get(Register::Odr) as u16 & load.pin.mask() != 0),
-            2 => load.timer.map_or(0.0, |timer| self.timer_drives(at, load.pin, timer)),
-            _ => 0.0,
+            1 => registers.get(Register::Odr) as u16 & load.pin.mask() != 0,
+            2 => load.timer.is_some_and(|(timer, channel)| {
+                self.function(load.pin) == timer.function() && self.puts_out(timer, channel) == Some(Level::High)
+            }),
+            _ => false,
         }
     }
 
-    fn timer_drives(&mut self, at: VirtualNanos, pin: Pin, (timer, channel): (Timer, u8)) -> f64 {
-        if self.function(pin) != timer.function() {
-            return 0.0;
-        }
-        let Some(channel) = tim::Channel::new(channel) else { return 0.0 };
-        let level = match timer {
-            Timer::Nine => return self.share_of_tim9(at),
+    /// The level that a timer puts out on a channel; `None` if it drives none.
+    fn puts_out(&mut self, timer: Timer, channel: u8) -> Option<Level> {
+        let channel = tim::Channel::new(channel)?;
+        let general = match timer {
             Timer::One => {
                 let (timer, registers) = self.mcu.advanced_timer(TIM1);
-                timer.output(channel, registers)
+                return timer.output(channel, registers);
             }
-            Timer::Four | Timer::Five => {
-                let (timer, registers) = self.mcu.timer(if timer == Timer::Four { TIM4 } else { TIM5 });
-                timer.output(channel, registers)
+            Timer::OneComplementary => {
+                let (timer, registers) = self.mcu.advanced_timer(TIM1);
+                return timer.complementary_output(channel, registers);
             }
+            Timer::Nine | Timer::Twelve => {
+                let place = if timer == Timer::Nine { small_timers::TIM9 } else { small_timers::TIM12 };
+                let (timer, registers) = self.mcu.small_timer(place)?;
+                return timer.output(channel, registers);
+            }
+            Timer::Two => TIM2,
+            Timer::Three => TIM2 + 1,
+            Timer::Four => TIM2 + 2,
+            Timer::Five => TIM2 + 3,
         };
-        f64::from(level == Some(Level::High))
-    }
-
-    /// The share of the time that the first channel of TIM9 is on, from its registers: PWM mode 1 (RM0390, TIM9).
-    fn share_of_tim9(&mut self, at: VirtualNanos) -> f64 {
-        let [control, enable, reload, compare] =
-            TIM9.map(|address| self.mcu.peek(at, address, Width::W32).unwrap_or(0));
-        if control & 1 == 0 || enable & 1 == 0 {
-            return 0.0;
-        }
-        (compare as f64 / (reload as f64 + 1.0)).min(1.0)
+        let (timer, registers) = self.mcu.timer(general);
+        timer.output(channel, registers)
     }
 
     /// The number of a pin's alternate function.
     pub(crate) fn function(&mut self, pin: Pin) -> u64 {
-        let (_, registers) = self.mcu.port(pin.port);
-        let word = registers.get(if pin.bit < 8 { Register::Afrl } else { Register::Afrh });
-        word >> (4 * (pin.bit % 8)) & 0xF
+        self.function_of(pin.port, pin.bit)
     }
 
-    /// The pulse that a channel of TIM5 puts out now or will before its counter stops: its begin and its end, in counts
-    /// of the present period. A level that is high while the counter stands has no end.
-    pub fn pulse(&mut self, channel: u8) -> Option<(u64, u64)> {
-        let number = tim::Channel::new(channel)?;
-        let (timer, registers) = self.mcu.timer(TIM5);
-        let is_high = timer.output(number, registers) == Some(Level::High);
-        let enabled = registers.get(tim2::Register::Ccer) >> (4 * (u32::from(channel) - 1)) & 1 != 0;
-        let compare = [tim2::Register::Ccr1, tim2::Register::Ccr2, tim2::Register::Ccr3, tim2::Register::Ccr4];
-        let (begin, end) = (registers.get(compare[usize::from(channel) - 1]), registers.get(tim2::Register::Arr) + 1);
-        let is_running = registers.get(tim2::Register::Cr1) & 1 != 0;
-        match (is_high, is_running) {
+    /// That of pin `bit` of port `n`.
+    pub(crate) fn function_of(&mut self, n: usize, bit: u8) -> u64 {
+        let (_, registers) = self.mcu.port(n);
+        let word = registers.get(if bit < 8 { Register::Afrl } else { Register::Afrh });
+        word >> (4 * (bit % 8)) & 0xF
+    }
+
+    /// The pulse that a channel of a timer puts out now or will before its counter stops: its begin and its end, in
+    /// counts of the present period. A level that is high while the counter stands has no end, and neither has the pulse
+    /// of a counter that does not stop by itself.
+    pub fn pulse(&mut self, timer: Timer, channel: u8) -> Option<(u64, u64)> {
+        let is_high = self.puts_out(timer, channel) == Some(Level::High);
+        let mut peek = |offset| self.mcu.peek(VirtualNanos(0), timer.base() + offset, Width::W32).unwrap_or(0);
+        let place = u64::from(channel) - 1;
+        let is_enabled = peek(CCER) >> (4 * place) & 1 != 0;
+        let (control, begin, end) = (peek(CR1), peek(CCR1 + 4 * place), peek(ARR) + 1);
+        match (is_high, control & CEN != 0) {
             (true, false) => Some((0, u64::MAX)),
-            (false, true) if !enabled || begin >= end => None,
+            (false, true) if !is_enabled || begin >= end => None,
+            (_, true) if control & OPM == 0 => Some((0, u64::MAX)),
             (_, true) => Some((begin, end)),
             (false, false) => None,
         }

@@ -15,7 +15,7 @@ use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
-use crate::wiring::{BRR, HostPort, Pin, SettingsMemory, Wiring};
+use crate::wiring::{BRR, HostPort, PORTS, Pin, SettingsMemory, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::BeltSetup;
@@ -85,6 +85,8 @@ pub struct Seen {
     pub recorder: Recorder,
     /// Accesses of the step interrupt to peripherals on APB.
     pub slow_accesses: u64,
+    /// Pins that the image has driven, itself or by a peripheral, in each port.
+    pub driven: [u16; PORTS],
     /// Enable lines and heaters.
     pub safety: Safety,
     /// The firmware's clock.
@@ -224,6 +226,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         started,
         recorder: watch.recorder,
         slow_accesses: watch.slow_accesses,
+        driven: watch.driven,
         safety: watch.safety,
         laps: watch.laps,
         heat: watch.heat,

@@ -16,7 +16,7 @@ use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
-use crate::wiring::{BRR, PORTS, SettingsMemory, Wiring};
+use crate::wiring::{BRR, Load, PORTS, SettingsMemory, Wiring};
 use corehbot::motors::{EndstopSet, prototype};
 use corehbot::settings::Settings;
 use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
@@ -32,9 +32,6 @@ const PORT_SIZE: u64 = 0x400;
 
 /// Peripherals on both APB (RM0390 rev 6, section 2.2.2).
 const APB: Range<u64> = 0x4000_0000..0x4002_0000;
-
-/// TIM5, on port A (RM0390 rev 6, section 2.2.2).
-const HEATER_TIMER: Range<u64> = 0x4000_0C00..0x4000_1000;
 
 /// Interval at which the run is checked: every ms.
 const LOOK_NS: u64 = 1_000_000;
@@ -57,6 +54,8 @@ pub struct Watch {
     pub recorder: Recorder,
     /// Accesses of the step interrupt to peripherals on APB, which make it wait for the bus.
     pub slow_accesses: u64,
+    /// Pins that the image has driven so far, itself or by a peripheral, in each port.
+    pub driven: [u16; PORTS],
     /// Enable lines and heaters.
     pub safety: Safety,
     /// The firmware's clock.
@@ -118,6 +117,7 @@ impl Watch {
             done: None,
             resets: 0,
             recorder: Recorder::new(wiring),
+            driven: [0; PORTS],
             safety: Safety::new(wiring, fitted(settings)),
             heat: HeatWatch::new(wiring, settings, &Climate::default()),
             laps: Laps::default(),
@@ -161,6 +161,17 @@ impl Watch {
         self.mechanics.step(at.0, tick, (steps, forward), &mut self.drivers, self.safety.supplied());
         self.press(session, at);
         self.inject(session, host, at);
+    }
+
+    /// Looks at the heaters on the timer at `address`; returns whether there are any.
+    fn timer_written(&mut self, board: &mut Emulated, at: VirtualNanos, address: u64) -> bool {
+        let has_timer = |load: &Load| load.timer.is_some_and(|(timer, _)| timer.has(address));
+        let mut is_heaters = false;
+        for (_, load) in self.wiring.heaters.iter().filter(|(_, load)| has_timer(load)) {
+            self.safety.store(at.0, load.pin.port, board.port(load.pin.port), self.greeted);
+            is_heaters = true;
+        }
+        is_heaters
     }
 
     /// Sets the serial ports to the rate that the hosts want, whatever the image has just written.
@@ -245,12 +256,13 @@ impl Driver<Emulated> for Watch {
         self.laps.written(session.board_mut(), access.virtual_time, access.address, access.value);
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         let is_port = (port as usize) < PORTS;
-        if HEATER_TIMER.contains(&access.address) {
-            let port = session.board_mut().port(0);
-            self.safety.store(access.virtual_time.0, 0, port, self.greeted);
-        }
-        if is_port || HEATER_TIMER.contains(&access.address) {
+        let is_timer = self.timer_written(session.board_mut(), access.virtual_time, access.address);
+        if is_port || is_timer {
             self.heat.look(session.board_mut(), access.virtual_time.0, self.mechanics.counts()[prototype::E0.index()]);
+        }
+        let is_mode = (access.address & (PORT_SIZE - 1)) == 0;
+        if is_port && is_mode && access.program_counter.is_some_and(|pc| pc >= u64::from(self.wiring.application)) {
+            self.driven[port as usize] |= session.board_mut().driven(port as usize);
         }
         if is_port {
             self.port_written(session, host, access.virtual_time, port as usize);

@@ -59,12 +59,20 @@ pub struct Slot {
 pub enum Timer {
     /// TIM1.
     One,
+    /// The complementary outputs of TIM1.
+    OneComplementary,
+    /// TIM2.
+    Two,
+    /// TIM3.
+    Three,
     /// TIM4.
     Four,
     /// TIM5.
     Five,
-    /// TIM9; the emulator has only its registers.
+    /// TIM9.
     Nine,
+    /// TIM12.
+    Twelve,
 }
 
 impl Timer {
@@ -72,10 +80,31 @@ impl Timer {
     #[must_use]
     pub const fn function(self) -> u64 {
         match self {
-            Self::One => 1,
-            Self::Four | Self::Five => 2,
+            Self::One | Self::OneComplementary | Self::Two => 1,
+            Self::Three | Self::Four | Self::Five => 2,
             Self::Nine => 3,
+            Self::Twelve => 9,
         }
+    }
+
+    /// Where its registers begin (RM0390 rev 6, section 2.2.2).
+    #[must_use]
+    pub const fn base(self) -> u64 {
+        match self {
+            Self::One | Self::OneComplementary => 0x4001_0000,
+            Self::Two => 0x4000_0000,
+            Self::Three => 0x4000_0400,
+            Self::Four => 0x4000_0800,
+            Self::Five => 0x4000_0C00,
+            Self::Nine => 0x4001_4000,
+            Self::Twelve => 0x4000_1800,
+        }
+    }
+
+    /// Whether `address` is in its block of 1 KiB.
+    #[must_use]
+    pub const fn has(self, address: u64) -> bool {
+        address & !0x3FF == self.base()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Clocks: 180 MHz from the crystal, and 48 MHz for USB.
 
 use cortex_m::peripheral::NVIC;
-use embassy_stm32::pac::{FLASH, Interrupt, PWR, RCC, TIM3};
+use embassy_stm32::pac::{FLASH, Interrupt, PWR, RCC, TIM2};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, LsConfig, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllRDiv, PllSource,
     Sysclk,
@@ -98,15 +98,15 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     config.rcc.ahb_pre = AHBPrescaler::DIV1;
     config.rcc.apb1_pre = APBPrescaler::DIV4;
     config.rcc.apb2_pre = APBPrescaler::DIV2;
-    // embassy's time counts half laps of TIM3 by its flags. Before the counter starts, the counter and the compare
+    // embassy's time counts half laps of TIM2 by its flags. Before the counter starts, the counter and the compare
     // register of the half lap are both 0. That sets the half-lap flag in the emulated chip, and perhaps in the real
     // one; embassy-stm32 0.6.0 does not clear it. With one half lap too many, a read just when a half lap ends goes
     // back by 65 ms.
     critical_section::with(|_| {
         // The peripherals are used by their registers here.
         let _ = embassy_stm32::init(config);
-        TIM3.sr().write(|_| ());
-        NVIC::unpend(Interrupt::TIM3);
+        TIM2.sr().write(|_| ());
+        NVIC::unpend(Interrupt::TIM2);
     });
     // embassy-stm32 0.6.0 writes the wait states into ACR and with that switches prefetch and both caches off, which
     // every start of a branch would pay with five cycles and more.
@@ -128,13 +128,13 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     RCC.cr().modify(|w| w.set_csson(true));
 }
 
-/// Stops embassy's time during `work`, which may hold off interrupts for longer than a half lap of TIM3, 33 ms. embassy
+/// Stops embassy's time during `work`, which may hold off interrupts for longer than a half lap of TIM2, 33 ms. embassy
 /// would count at most two of the half laps that end in that time. After an odd number of uncounted half laps, every
 /// later read just when a half lap ends would go back by 65 ms.
 pub fn without_time<R>(work: impl FnOnce() -> R) -> R {
-    TIM3.cr1().modify(|w| w.set_cen(false));
+    TIM2.cr1().modify(|w| w.set_cen(false));
     let result = work();
-    TIM3.cr1().modify(|w| w.set_cen(true));
+    TIM2.cr1().modify(|w| w.set_cen(true));
     result
 }
 

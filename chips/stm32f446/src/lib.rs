@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | 0x00 | SysTick | Stepper; nothing masks it |
 //! | 0x00 | PVD | the end, when the supply falls |
-//! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM3 | bytes, USB packets, embassy's time |
+//! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM2 | bytes, USB packets, embassy's time |
 //! | 0x40 | TIM8, during an exchange with a motor driver | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | 0xC0 | TIM5, at the end of the heaters' pulses, every 20 ms | ThermalControl, which feeds the watchdog |

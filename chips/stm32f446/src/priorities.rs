@@ -20,7 +20,7 @@ const STEPS: (SystemHandler, u8) = (SystemHandler::SysTick, 0);
 const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     // It never returns, so it delays no step.
     (supply::IRQ, Priority::P0),
-    (Interrupt::TIM3, LINK),
+    (Interrupt::TIM2, LINK),
     (Interrupt::USART1, LINK),
     (Interrupt::USART2, LINK),
     (Interrupt::DMA2_STREAM5, LINK),

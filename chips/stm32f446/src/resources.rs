@@ -56,7 +56,7 @@ pub const fn receiver(usart: Usart) -> Channel {
 pub const TIMERS: [(&str, u8); 6] = [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), ("TIM4", 1), ("TIM9", 2)];
 
 /// embassy's time.
-pub const TIME: &str = "TIM3";
+pub const TIME: &str = "TIM2";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";
 
@@ -83,7 +83,7 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
 /// through line 16 of EXTI, which the chip description leaves out, so it goes by its name.
 pub const SOURCES: [Source; 10] = [
     source("PVD", "", 1),
-    source(TIME, "UP", 29),
+    source(TIME, "UP", 28),
     source("USART1", "GLOBAL", 37),
     source("USART2", "GLOBAL", 38),
     source("DMA2", "CH5", 68),

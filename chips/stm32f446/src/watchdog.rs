@@ -28,7 +28,7 @@ const CROSSING: u32 = 135_000;
 pub fn start() {
     DBGMCU.apb1fzr().modify(|w| {
         w.set_iwdg(true);
-        w.set_tim3(true);
+        w.set_tim2(true);
     });
     IWDG.kr().write(|w| w.set_key(Key::START));
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
