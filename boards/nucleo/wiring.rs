@@ -49,6 +49,7 @@ pub static BOARD: Board = Board {
     // The processor's USB pins lead to a pin header (UM1724, morpho connector CN10), not to a connector.
     has_usb: false,
     eeprom: None,
+    has_144_pins: false,
     marks: &[],
 };
 

@@ -8,8 +8,8 @@
 use crate::Entry;
 use corehbot::connectors::{BoardConnectors, ConnectorName, FANS, Output, OutputSet, Sensor};
 use corehbot_wiring::{
-    Board, Crystal, FanPin, FanTimer, HeaterPin, Input, Mark, Pin, Port, SerialPort, Slot, SupplySwitch, ThermistorPin,
-    Usart,
+    Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Mark, Pin, Port, SerialPort, Slot, SupplySwitch,
+    ThermistorPin, Usart,
 };
 
 /// The names printed on it. M2 is one driver with two plugs. The direction line of M7 (PA14) is the clock of the debug
@@ -100,10 +100,11 @@ pub static BOARD: Board = Board {
     ],
     has_usb: true,
     eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),
+    has_144_pins: true,
     // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground.
     // On the Octopus Pro V1.1 PA0 is the heater, which our idle level would switch on (BTT pins of the Pro
     // V1.1).
-    marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
+    marks: &[Mark::up(const { &[Pin::new(Port::A, 0)] }), Mark::down(const { &[Pin::new(Port::A, 2)] })],
 };
 
 /// The way of an image onto it: behind BTT's bootloader of 32 KiB.
@@ -140,7 +141,7 @@ pub(crate) const fn inputs(probe: Input) -> [Input; 10] {
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
 const fn heater(output: Output, pin: u8) -> HeaterPin {
-    HeaterPin { output, pin: Pin::new(Port::A, pin), channel: pin + 1 }
+    HeaterPin { output, pin: Pin::new(Port::A, pin), timer: HeaterTimer::Five, channel: pin + 1 }
 }
 
 /// A fan on port D, where pins 12 to 15 are the channels of TIM4 (the same table).

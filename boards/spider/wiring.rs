@@ -1,4 +1,5 @@
-//! The wiring of the Fysetc Spider V1.x and V2.x with an STM32F446VET6 (LQFP100), as far as all of these are the same.
+//! The wiring of the Fysetc Spider V2.2 and V2.3 with an STM32F446VET6 (LQFP100). V1.0 to V2.1 differ in FAN0 and FAN1
+//! (`spider_v1`).
 //!
 //! From Fysetc's README (github.com/FYSETC/FYSETC-SPIDER), Klipper's generic-fysetc-spider.cfg, Marlin's
 //! pins_FYSETC_SPIDER.h and the RepRapFirmware that Fysetc adapted (FYSETC.h), which agree. The schematic itself has
@@ -8,11 +9,13 @@
 //! USART1, on the header for a Raspberry Pi, or on USB.
 
 use crate::Entry;
-use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet, Sensor};
-use corehbot_wiring::{Board, Crystal, Input, Pin, Port, SerialPort, Slot, ThermistorPin, Usart};
+use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet, Sensor};
+use corehbot_wiring::{
+    Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Pin, Port, SerialPort, Slot, ThermistorPin, Usart,
+};
 
-/// The names printed on it. Left out, though printed: heater outputs with pulses that no timer of ours can end, and
-/// fans.
+/// The names printed on it: BED, E0 and E1 are the outputs BED, HE0 and HE1. Left out, though printed: E2, because no
+/// timer can end its pulses.
 pub const CONNECTORS: BoardConnectors = BoardConnectors {
     key: "spider",
     name: "Fysetc Spider",
@@ -20,16 +23,16 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     inputs: &ConnectorName::all(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX", "Z-MAX"]),
     shared_inputs: &[],
     debug_sockets: &[],
-    outputs: OutputSet::NONE,
+    outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
-    fans: 0,
+    fans: 3,
     is_bench: false,
     is_simulated: false,
 };
 
 /// The board.
 pub static BOARD: Board = Board {
-    name: "Fysetc Spider",
+    name: "Fysetc Spider V2.2 or V2.3",
     connectors: &CONNECTORS,
     crystal: Crystal::Oscillator12MHz,
     sockets: &[
@@ -67,25 +70,24 @@ pub static BOARD: Board = Board {
         thermistor(Sensor::Hotend1, 1, 11),
         thermistor(Sensor::Hotend2, 2, 12),
     ],
-    // E0, E1, E2 and the bed, FAN2, and the strips' R, G and B. FAN0 and FAN1 of V1.x (PB0, PB1) are inputs of
-    // thermistors in V2.2.
-    loads: &[
-        Pin::new(Port::B, 15),
-        Pin::new(Port::C, 8),
-        Pin::new(Port::B, 3),
-        Pin::new(Port::B, 4),
-        Pin::new(Port::B, 2),
-        Pin::new(Port::B, 6),
-        Pin::new(Port::B, 5),
-        Pin::new(Port::B, 7),
+    loads: &loads([Pin::new(Port::A, 13), Pin::new(Port::A, 14)]),
+    // E2 (PB3) is on TIM2 alone, which keeps the time: it stays low.
+    heaters: &[
+        heater(Output::Bed, Pin::new(Port::B, 4), HeaterTimer::Three, 1),
+        heater(Output::He0, Pin::new(Port::B, 15), HeaterTimer::Twelve, 2),
+        heater(Output::He1, Pin::new(Port::C, 8), HeaterTimer::Three, 3),
     ],
-    // None of their pins is on TIM5, which would end their pulses: they stay low.
-    heaters: &[],
-    fans: &[],
+    // FAN0 and FAN1 are pins of the debug port, which no timer reaches.
+    fans: &[
+        FanPin { pin: Pin::new(Port::A, 13), timer: FanTimer::None, channel: 0 },
+        FanPin { pin: Pin::new(Port::A, 14), timer: FanTimer::None, channel: 0 },
+        FAN2,
+    ],
     supply_switch: None,
     serial: &[SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 }],
     has_usb: true,
     eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),
+    has_144_pins: false,
     marks: &[],
 };
 
@@ -99,6 +101,30 @@ pub const ENTRY: Entry = Entry {
 before you set the BT0 jumper: unplug the bed and all heaters, because nobody has checked how the chip's bootloader
 drives their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground",
 };
+
+/// FAN2, on either version.
+pub(crate) const FAN2: FanPin = FanPin { pin: Pin::new(Port::B, 2), timer: FanTimer::Two, channel: 4 };
+
+/// All heaters and fans: E0, E1, E2 and the bed, FAN2, the strips' R, G and B, and FAN0 and FAN1.
+pub(crate) const fn loads([fan0, fan1]: [Pin; 2]) -> [Pin; 10] {
+    [
+        Pin::new(Port::B, 15),
+        Pin::new(Port::C, 8),
+        Pin::new(Port::B, 3),
+        Pin::new(Port::B, 4),
+        Pin::new(Port::B, 2),
+        Pin::new(Port::B, 6),
+        Pin::new(Port::B, 5),
+        Pin::new(Port::B, 7),
+        fan0,
+        fan1,
+    ]
+}
+
+/// A heater (STM32F446 datasheet, table of alternate functions).
+const fn heater(output: Output, pin: Pin, timer: HeaterTimer, channel: u8) -> HeaterPin {
+    HeaterPin { output, pin, timer, channel }
+}
 
 /// A thermistor on port C.
 const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
@@ -127,10 +153,11 @@ mod tests {
         }
     }
 
-    /// Heaters and fans are off, on either version.
+    /// Heaters and fans are off at rest, on either version.
     #[test]
-    fn heaters_are_low_and_not_offered() {
-        assert_eq!(BOARD.outputs(), OutputSet::NONE);
+    fn at_rest_heaters_are_low_and_e2_is_not_offered() {
+        assert_eq!(BOARD.outputs(), CONNECTORS.outputs);
+        assert!(!BOARD.outputs().has(Output::He2));
         let low = |port| BOARD.safe_levels(port) >> 16;
         assert_eq!(low(Port::B), 1 << 15 | 0b1111_1100 | 1 << 12, "with the direction of Y-MOT");
         assert_eq!(low(Port::C), 1 << 8 | 1 << 4 | 1 << 13);

@@ -242,7 +242,7 @@ impl Wiring {
 }
 
 /// Every board.
-pub static ALL: [&Wiring; 4] = [&OCTOPUS, &OCTOPUS_PRO, &SPIDER, &NUCLEO];
+pub static ALL: [&Wiring; 5] = [&OCTOPUS, &OCTOPUS_PRO, &SPIDER, &SPIDER_V1, &NUCLEO];
 
 const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Option<Slot> {
     Some(Slot { motor, step, dir, enable, uart: Some(uart) })
@@ -295,6 +295,11 @@ pub static OCTOPUS: Wiring = Wiring {
     supply_switch: Some(Pin::new('E', 11)),
     // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: the check for the right board reads them.
     resistors: &[
+        (Pin::new('F', 14), true),
+        (Pin::new('F', 15), true),
+        (Pin::new('G', 5), true),
+        (Pin::new('G', 2), true),
+        (Pin::new('F', 1), true),
         (Pin::new('A', 0), true),
         (Pin::new('A', 1), false),
         (Pin::new('A', 2), false),
@@ -335,9 +340,9 @@ pub static OCTOPUS_PRO: Wiring = Wiring {
     ..OCTOPUS
 };
 
-/// Fysetc Spider V1.x and V2.x. Motors 1, 8, 4, 11 are in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
-/// E4-MOT and the extruder in E0-MOT. The Raspberry Pi header is USART1 (Fysetc's README, pin definition). Its
-/// resistors are unknown.
+/// Fysetc Spider V2.2 and V2.3. Motors 1, 8, 4, 11 are in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and
+/// E4-MOT and the extruder in E0-MOT. The Raspberry Pi header is USART1 (Fysetc's README, pin definition). PB0 and PB1
+/// are TB and TE4 with 4.7 kOhm to 3.3 V; no other resistor is known. Ports F and G have no pins.
 pub static SPIDER: Wiring = Wiring {
     name: "spider",
     slots: per_motor(
@@ -359,14 +364,18 @@ pub static SPIDER: Wiring = Wiring {
     ],
     bare_inputs: &[("Z-MAX", Pin::new('A', 3), Circuit::ToGround)],
     heaters: &[
-        (Output::Bed, Load { pin: Pin::new('B', 4), timer: None }),
-        (Output::He0, Load { pin: Pin::new('B', 15), timer: None }),
-        (Output::He1, Load { pin: Pin::new('C', 8), timer: None }),
+        (Output::Bed, Load::new('B', 4, Timer::Three, 1)),
+        (Output::He0, Load::new('B', 15, Timer::Twelve, 2)),
+        (Output::He1, Load::new('C', 8, Timer::Three, 3)),
         (Output::He2, Load { pin: Pin::new('B', 3), timer: None }),
     ],
-    fans: &[],
+    fans: &[
+        Load { pin: Pin::new('A', 13), timer: None },
+        Load { pin: Pin::new('A', 14), timer: None },
+        Load::new('B', 2, Timer::Two, 4),
+    ],
     supply_switch: None,
-    resistors: &[],
+    resistors: &[(Pin::new('B', 0), true), (Pin::new('B', 1), true)],
     thermistors: &[(Sensor::Bed, 13), (Sensor::Hotend0, 10), (Sensor::Hotend1, 11), (Sensor::Hotend2, 12)],
     application: 0x0800_8000,
     host_ports: &[HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true }],
@@ -378,6 +387,18 @@ pub static SPIDER: Wiring = Wiring {
     }),
     hse: Hse::Crystal(12_000_000),
     settings: SettingsMemory::Eeprom,
+};
+
+/// Fysetc Spider V1.0 to V2.1: FAN0 and FAN1 are PB0 and PB1 (Fysetc's README, pin definition of V1.x).
+pub static SPIDER_V1: Wiring = Wiring {
+    name: "spider-v1",
+    fans: &[
+        Load::new('B', 0, Timer::OneComplementary, 2),
+        Load::new('B', 1, Timer::OneComplementary, 3),
+        Load::new('B', 2, Timer::Two, 4),
+    ],
+    resistors: &[],
+    ..SPIDER
 };
 
 /// A socket of the CNC shield. D8 is the one enable line for all; no line leads to a driver's UART.

@@ -4,6 +4,7 @@ use crate::common::{Bench, MS, firmware, from_home, heated_bench, print, print_o
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
+use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::heat::Climate;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::steps::StepEvent;
@@ -18,12 +19,12 @@ fn check_file(path: &Path) {
 }
 
 fn check_gcode(name: &str, gcode: &str) -> Seen {
-    check_on(&Bench::default(), name, gcode)
+    check_on(&firmware(), &Bench::default(), name, gcode)
 }
 
-fn check_on(bench: &Bench<'_>, name: &str, gcode: &str) -> Seen {
-    let firmware = firmware();
-    let seen = print_on(&firmware, gcode, bench);
+/// Prints on a board, and checks all that the pins show.
+pub fn check_on(firmware: &Firmware, bench: &Bench<'_>, name: &str, gcode: &str) -> Seen {
+    let seen = print_on(firmware, gcode, bench);
     assert_eq!((seen.end, seen.line.failure.as_ref()), (End::Done, None), "{name}");
     assert!(seen.resets.is_empty() && seen.line.resends == 0, "{name}");
     seen.check_baud(250_000).unwrap();
@@ -115,7 +116,7 @@ fn a_print_steps_as_on_the_host() {
 }
 
 /// As slicers have it: heat, home, print, and leave all off.
-const HEATED_PRINT: &str = "M140 S60\nM104 S200\nG28\nG90\nM83\nM190 S60\nM109 S200\nG92 E0\nG0 X20 Y10 Z0.2 F9000\nM106 S255\n\
+pub const HEATED_PRINT: &str = "M140 S60\nM104 S200\nG28\nG90\nM83\nM190 S60\nM109 S200\nG92 E0\nG0 X20 Y10 Z0.2 F9000\nM106 S255\n\
     G1 X35 Y10 E1 F3600\nG2 X45 Y20 I0 J10 E1\nG1 X20 Y15 E1\nG1 E-1 F2400\nM107\nM104 S0\nM140 S0\nG28 X Y\nM84\n";
 
 /// The last `count` events: how many ticks before the end, and which motors step which way.
@@ -132,7 +133,7 @@ fn tail(events: &[StepEvent], count: usize) -> Vec<(u32, MotorSet, MotorSet)> {
 fn a_print_that_heats_steps_the_same_twice_as_on_the_host() {
     let climate = Climate { start: Some([198.0, 58.0]), mishap: None };
     let bench = Bench { climate, ..heated_bench() };
-    let seen = check_on(&bench, "a heated print twice", &HEATED_PRINT.repeat(2));
+    let seen = check_on(&firmware(), &bench, "a heated print twice", &HEATED_PRINT.repeat(2));
     let length = |gcode: &str| scheduled(gcode, &bench.settings).unwrap().len();
     let (once, homing) = (length(HEATED_PRINT), length("G28\n"));
     let count = once - homing;

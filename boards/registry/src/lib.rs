@@ -15,6 +15,8 @@ pub mod octopus_pro;
 pub mod sim;
 #[path = "../../spider/wiring.rs"]
 pub mod spider;
+#[path = "../../spider-v1/wiring.rs"]
+pub mod spider_v1;
 
 mod entry;
 #[cfg(test)]
@@ -25,7 +27,7 @@ pub use entry::{Entry, Package, connectors_of, tables_of};
 use corehbot::connectors::BoardConnectors;
 
 /// Boards of the Octopus's image, which differ in pins alone. It is on the first of them until it is told otherwise.
-pub const OCTOPUS: [&Entry; 3] = [&octopus::ENTRY, &octopus_pro::ENTRY, &spider::ENTRY];
+pub const OCTOPUS: [&Entry; 4] = [&octopus::ENTRY, &octopus_pro::ENTRY, &spider::ENTRY, &spider_v1::ENTRY];
 
 /// Boards of the Nucleo's image.
 pub const NUCLEO: [&Entry; 1] = [&nucleo::ENTRY];

@@ -1,11 +1,10 @@
 //! The contexts: each owns one handle of the core, and no other context touches it.
 
-use core::fmt::Write as _;
 use core::future::poll_fn;
 use core::pin::pin;
 
 use corehbot::app::{StepPorts, StepperKit};
-use corehbot::fault::{Cause, Fault};
+use corehbot::fault::Cause;
 use corehbot::port::{LINES, Lines, Pend, Received, Serial as _};
 use corehbot::status::Status;
 use corehbot::{machine, motion, thermal};
@@ -75,11 +74,14 @@ pub fn start(handles: Handles, usb: Option<UsbPort>, awake: bool) -> ! {
     })
 }
 
-/// Communication-only mode: reports the `fault` to hosts, and runs nothing else until M999 comes.
-pub fn only_talk(lines: Lines<HostSerial>, usb: Option<UsbPort>, fault: Fault) -> ! {
+/// A message that hosts get again and again.
+pub type Message = heapless::String<192>;
+
+/// Communication-only mode: sends hosts the message, and runs nothing else until M999 comes.
+pub fn only_talk(lines: Lines<HostSerial>, usb: Option<UsbPort>, message: Message) -> ! {
     priorities::enable();
     EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawn(spawner, talk(lines, fault));
+        spawn(spawner, talk(lines, message));
         // The cycle counter times the calls of interrupts, and it may stand still while the processor sleeps.
         spawn(spawner, stay_awake());
         if let Some(port) = usb {
@@ -107,17 +109,11 @@ async fn run_console(console: &'static mut Console) {
     fault::begin_anew()
 }
 
-/// Reports every two seconds that only M999 is accepted, and waits for it.
+/// Sends the message every two seconds, and waits for M999.
 #[embassy_executor::task]
-async fn talk(mut lines: Lines<HostSerial>, fault: Fault) {
+async fn talk(mut lines: Lines<HostSerial>, message: Message) {
     /// Time between two polls; messages are 40 polls apart.
     const LOOK: Duration = Duration::from_millis(50);
-    let mut message: heapless::String<192> = heapless::String::new();
-    // Text that does not fit is lost.
-    let _ = writeln!(
-        message,
-        "Error:three faults within a minute ({fault}), heaters and motors stay off: send M999 or switch off"
-    );
     let mut heard = [0_u32; LINES];
     loop {
         lines.iter_mut().for_each(|line| _ = line.send(message.as_bytes()));

@@ -3,8 +3,12 @@
 //! A fan with two wires is switched on and off with its supply, and its motor's electronics have to start each time:
 //! Klipper's default is a cycle of 10 ms (Config reference, `cycle_time` of a fan). One duty is one step of the timer,
 //! so 0 is off and 65,535 is on without a gap.
+//!
+//! A fan on TIM2 gets 15 Hz, the rate at which the time's counter goes round. Marlin's software modulation has half of
+//! that (`SOFT_PWM_SCALE` 0). A fan without a timer is on while its duty is not 0.
 
-use embassy_stm32::pac::{RCC, TIM1, TIM4, TIM9};
+use embassy_stm32::pac::timer::vals::Ocm;
+use embassy_stm32::pac::{RCC, TIM1, TIM2, TIM4, TIM9};
 
 use crate::ports;
 use crate::resources::fan_timer;
@@ -22,6 +26,9 @@ const PRESCALER_90: u16 = 14 - 1;
 /// Two channels in PWM mode 1 (OCxM 110), with compare values that take effect at the end of a cycle (OCxPE).
 const MODULATED: u32 = 0x6868;
 
+/// The channel of TIM2 that a fan may have, from 0 (`FanTimer::channels`).
+const LAST_CHANNEL: usize = 3;
+
 /// ARPE, CEN.
 const RUN: u32 = 1 << 7 | 1;
 
@@ -32,13 +39,13 @@ pub struct Fans {
 
 /// Sets the rest of a timer's registers: the types differ, the layout does not.
 macro_rules! run {
-    ($timer:ident, $prescaler:expr, $pairs:expr, $channels:expr) => {{
+    ($timer:ident, $prescaler:expr, $pairs:expr, $outputs:expr) => {{
         $timer.psc().write_value($prescaler);
         $timer.arr().write(|w| w.set_arr(LAST));
         for pair in 0..$pairs {
             $timer.ccmr_output(pair).write(|w| w.0 = MODULATED as _);
         }
-        $timer.ccer().modify(|w| $channels.for_each(|channel| w.0 |= 1 << (4 * channel)));
+        $timer.ccer().modify(|w| $outputs.for_each(|output| w.0 |= 1 << output));
         $timer.egr().write(|w| w.set_ug(true));
         $timer.cr1().write(|w| w.0 = RUN as _);
     }};
@@ -47,18 +54,34 @@ macro_rules! run {
 impl Fans {
     /// Lets the timers run, and hands them the pins: all fans off.
     pub fn start(wired: &'static [FanPin]) -> Self {
-        let of = |timer| wired.iter().filter(move |fan| fan.timer == timer).map(|fan| fan.channel - 1);
+        // The bits of outputs in CCER: CC1E is bit 0, CC1NE bit 2, and so on (RM0390, TIM1 and TIM8, CCER).
+        let of = |timer| wired.iter().filter(move |fan| fan.timer == timer).map(|fan| 4 * (fan.channel - 1));
         let has = |timer| of(timer).next().is_some();
+        let has_tim1 = has(FanTimer::One) || has(FanTimer::OneComplementary);
         RCC.apb2enr().modify(|w| {
-            w.set_tim1en(has(FanTimer::One));
+            w.set_tim1en(has_tim1);
             w.set_tim9en(has(FanTimer::Nine));
         });
         RCC.apb1enr().modify(|w| w.set_tim4en(has(FanTimer::Four)));
         let _ = RCC.apb1enr().read();
-        if has(FanTimer::One) {
-            run!(TIM1, PRESCALER_180, 2, of(FanTimer::One));
+        if has_tim1 {
+            run!(
+                TIM1,
+                PRESCALER_180,
+                2,
+                of(FanTimer::One).chain(of(FanTimer::OneComplementary).map(|output| output + 2))
+            );
             // Nothing of TIM1 comes out without (RM0390, TIM1 and TIM8, MOE).
             TIM1.bdtr().modify(|w| w.set_moe(true));
+        }
+        if has(FanTimer::Two) {
+            // The counter is embassy's: nothing here touches it. It counts to 65,535.
+            TIM2.ccr(LAST_CHANNEL).write_value(0);
+            TIM2.ccmr_output(1).modify(|w| {
+                w.set_ocm(1, Ocm::PWM_MODE1);
+                w.set_ocpe(1, true);
+            });
+            TIM2.ccer().modify(|w| w.set_cce(LAST_CHANNEL, true));
         }
         if has(FanTimer::Four) {
             run!(TIM4, PRESCALER_90, 2, of(FanTimer::Four));
@@ -66,7 +89,12 @@ impl Fans {
         if has(FanTimer::Nine) {
             run!(TIM9, PRESCALER_180, 1, of(FanTimer::Nine));
         }
-        wired.iter().for_each(|fan| ports::drive_by(fan.pin, fan_timer(fan.timer).1));
+        for fan in wired {
+            // A fan without a timer has an output of its own already (`safe_levels`).
+            if let Some((_, function, _)) = fan_timer(fan.timer) {
+                ports::drive_by(fan.pin, function);
+            }
+        }
         Self { wired }
     }
 
@@ -78,11 +106,14 @@ impl Fans {
     /// Runs one fan at this duty.
     pub fn set_fan(&mut self, fan: usize, duty: u16) {
         let Some(fan) = self.wired.get(fan) else { return };
-        let channel = usize::from(fan.channel) - 1;
+        let channel = usize::from(fan.channel).saturating_sub(1);
         match fan.timer {
-            FanTimer::One => TIM1.ccr(channel).write(|w| w.set_ccr(duty)),
+            FanTimer::One | FanTimer::OneComplementary => TIM1.ccr(channel).write(|w| w.set_ccr(duty)),
             FanTimer::Four => TIM4.ccr(channel).write(|w| w.set_ccr(duty)),
             FanTimer::Nine => TIM9.ccr(channel).write(|w| w.set_ccr(duty)),
+            // One more than the counter reaches is on without a gap.
+            FanTimer::Two => TIM2.ccr(channel).write_value(u32::from(duty) + u32::from(duty == u16::MAX)),
+            FanTimer::None => ports::put(fan.pin, duty != 0),
         }
     }
 }

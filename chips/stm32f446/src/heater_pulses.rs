@@ -20,6 +20,13 @@ const CYCLES: u32 = 2;
 /// above the reload value, PWM mode 2 holds the output inactive.
 pub const NEVER: u32 = u32::MAX;
 
+/// Counts of the timer in a count of a timer of 16 bits: a period has 60,000 of these.
+pub const NARROW: u32 = 30;
+const _: () = assert!(PERIOD / NARROW < NEVER_NARROW as u32);
+
+/// [`NEVER`] for a timer of 16 bits.
+pub const NEVER_NARROW: u16 = u16::MAX;
+
 /// Longest pulse, in counts. The heater goes off no later than this after the order to go on.
 pub const LONGEST: u32 = PERIOD - 1;
 
@@ -60,6 +67,22 @@ pub const fn compare(duty: u16, counts: u32) -> u32 {
     if on >= counts { 1 } else { counts - on }
 }
 
+/// The counts of a timer of 16 bits in `counts`, which are a [`PERIOD`] at most: none too many.
+#[must_use]
+pub const fn narrow_counts(counts: u32) -> u16 {
+    (counts / NARROW) as u16
+}
+
+/// [`compare`] for a timer of 16 bits, with its own counts.
+#[must_use]
+pub const fn narrow_compare(duty: u16, counts: u16) -> u16 {
+    if duty == 0 {
+        return NEVER_NARROW;
+    }
+    let on = (duty as u32 * (PERIOD / NARROW) / 65_535) as u16;
+    if on >= counts { 1 } else { counts - on }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,6 +100,14 @@ mod tests {
         assert_eq!(high(compare(u16::MAX, PERIOD), PERIOD), LONGEST);
         assert_eq!(high(compare(32_768, PERIOD), PERIOD), 900_013);
         assert_eq!(high(compare(1, PERIOD), PERIOD), 27);
+    }
+
+    #[test]
+    fn a_timer_of_16_bits_has_the_same_period_in_larger_counts() {
+        let all = narrow_counts(PERIOD);
+        assert_eq!((all, narrow_counts(PERIOD - 1)), (60_000, 59_999));
+        let high = |duty| all.saturating_sub(narrow_compare(duty, all));
+        assert_eq!([0, 1, 2, 32_768, u16::MAX].map(high), [0, 0, 1, 30_000, 59_999]);
     }
 
     #[test]
@@ -112,6 +143,16 @@ mod tests {
             let wanted = (u64::from(duty) * u64::from(PERIOD) / 65_535) as u32;
             prop_assert_eq!(on, wanted.min(counts - 1));
             prop_assert!(on <= LONGEST);
+        }
+
+        #[test]
+        fn so_it_is_on_a_timer_of_16_bits(duty: u16, late in 0..=PERIOD / 2) {
+            let counts = narrow_counts(PERIOD - late);
+            prop_assert!(u32::from(counts) * NARROW <= PERIOD - late);
+            let compare = narrow_compare(duty, counts);
+            prop_assert!(compare > 0);
+            let wanted = (u64::from(duty) * 60_000 / 65_535) as u16;
+            prop_assert_eq!(counts.saturating_sub(compare), wanted.min(counts - 1));
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The heater timer: TIM5 in one-pulse mode puts out the heaters' pulses, and the interrupt at its end is the control
-//! period.
+//! period. A board may have heaters on two more timers, which count along with it ([`NarrowHeaters`]).
 //!
 //! A dead man's switch in hardware. The counter is started for one control period and stops by itself. While it stands
 //! at 0, all outputs are low (see [`heater_pulses`]), even if the processor hangs, waits in an endless interrupt,
 //! erases flash or is halted. So a heater goes off at most 20 ms after it was switched on, unless it is requested
 //! again; that needs no instruction. The watchdog's reset comes 0.34 to 0.94 s later.
 //!
-//! The interrupt has only one source, the counter's end. Only [`heat`] starts the counter, once a period, at the end of
+//! The interrupt has only one source, the counter's end. TIM5 has it on every board, also without a heater of its own. Only [`heat`] starts the counter, once a period, at the end of
 //! the interrupt. If one control period fails to call it, that period is the last, and nothing feeds the watchdog any
 //! more. The Console plays no part in this.
 //!
@@ -21,9 +21,10 @@ use cortex_m::peripheral::DWT;
 use embassy_stm32::pac::{DBGMCU, Interrupt, RCC, TIM5};
 
 use crate::heater_pulses::{Grid, NEVER, PERIOD, compare};
+use crate::narrow_heaters::NarrowHeaters;
 use crate::ports;
-use crate::resources::HEATER_FUNCTION;
-use crate::wiring::HeaterPin;
+use crate::resources;
+use crate::wiring::{HeaterPin, HeaterTimer as Timer};
 
 /// The interrupt of the control period.
 pub const IRQ: Interrupt = Interrupt::TIM5;
@@ -33,11 +34,12 @@ const CHANNELS: usize = 4;
 
 /// Mode of two channels (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect
 /// with the next period (OCxPE).
-const PULSES: u32 = 0x7878;
+pub const PULSES: u32 = 0x7878;
 
 /// The timer, running.
 pub struct HeaterTimer {
     heaters: &'static [HeaterPin],
+    narrow: NarrowHeaters,
     grid: Grid,
 }
 
@@ -66,17 +68,19 @@ impl HeaterTimer {
         }
         TIM5.egr().write(|w| w.set_ug(true));
         TIM5.sr().write(|w| w.0 = 0);
-        TIM5.ccer().write(|w| heaters.iter().for_each(|heater| w.set_cce(usize::from(heater.channel) - 1, true)));
+        TIM5.ccer().write(|w| on_tim5(heaters).for_each(|heater| w.set_cce(usize::from(heater.channel) - 1, true)));
         TIM5.dier().write(|w| w.set_uie(true));
-        heaters.iter().for_each(|heater| ports::drive_by(heater.pin, HEATER_FUNCTION));
-        Self { heaters, grid: Grid::new(DWT::cycle_count()) }
+        let narrow = NarrowHeaters::start(heaters);
+        heaters.iter().for_each(|heater| ports::drive_by(heater.pin, resources::heater_timer(heater.timer).1));
+        Self { heaters, narrow, grid: Grid::new(DWT::cycle_count()) }
     }
 
     /// Begins a control period with these duties.
     pub fn heat(&mut self, duties: &[u16; OUTPUTS]) {
         let counts = self.grid.next(DWT::cycle_count());
         TIM5.arr().write_value(counts - 1);
-        for heater in self.heaters {
+        self.narrow.begin(duties, counts);
+        for heater in on_tim5(self.heaters) {
             let duty = duties[heater.output as usize];
             TIM5.ccr(usize::from(heater.channel) - 1).write_value(compare(duty, counts));
         }
@@ -84,6 +88,11 @@ impl HeaterTimer {
         TIM5.egr().write(|w| w.set_ug(true));
         TIM5.cr1().modify(|w| w.set_cen(true));
     }
+}
+
+/// The heaters on TIM5 itself.
+fn on_tim5(heaters: &'static [HeaterPin]) -> impl Iterator<Item = &'static HeaterPin> {
+    heaters.iter().filter(|heater| heater.timer == Timer::Five)
 }
 
 /// The interrupt has come: takes it back.

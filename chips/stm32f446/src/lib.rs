@@ -64,6 +64,8 @@ mod image;
 #[cfg(target_os = "none")]
 mod machine_at_start;
 #[cfg(target_os = "none")]
+mod narrow_heaters;
+#[cfg(target_os = "none")]
 mod otg;
 #[cfg(target_os = "none")]
 mod pin_scrub;

@@ -9,7 +9,6 @@ use embassy_stm32::pac::{RCC, USART1, USART2};
 
 use crate::after_bootloader::HSI_HZ;
 use crate::resources::USART_FUNCTION;
-use crate::wiring::Board;
 use crate::wiring::{SerialPort, Usart};
 use crate::{ports, watchdog};
 
@@ -21,11 +20,11 @@ const PAUSE: u32 = HSI_HZ / 20;
 const SENDING: u32 = 4200;
 
 /// Sends the message to hosts for ever. Nothing else runs.
-pub fn tell(board: &Board, parts: &[&str]) -> ! {
-    board.serial.iter().for_each(start);
+pub fn tell(ports: impl Iterator<Item = &'static SerialPort> + Clone, parts: &[&str]) -> ! {
+    ports.clone().for_each(start);
     loop {
         for byte in parts.iter().flat_map(|part| part.bytes()) {
-            board.serial.iter().for_each(|port| send(registers(port), byte));
+            ports.clone().for_each(|port| send(registers(port), byte));
         }
         for _ in 0..PAUSES {
             watchdog::feed();

@@ -3,8 +3,7 @@
 //! Plain numbers and names, so that a host test can compare them with the chip description behind stm32-metapac
 //! (`tests/chip.rs`); the code uses these.
 
-use crate::wiring::FanTimer;
-use crate::wiring::Usart;
+use crate::wiring::{FanTimer, HeaterTimer, Usart};
 
 /// USART1 to 3 (STM32F446 datasheet, table of alternate functions).
 pub const USART_FUNCTION: u8 = 7;
@@ -15,16 +14,27 @@ pub const I2C_FUNCTION: u8 = 4;
 /// OTG_FS (the same table).
 pub const USB_FUNCTION: u8 = 10;
 
-/// TIM5 drives the heaters with its channels (the same table).
-pub const HEATER_FUNCTION: u8 = 2;
-
-/// The timer of a fan, its alternate function (the same table), and its channels.
+/// The timer of a heater, and its alternate function (the same table).
 #[must_use]
-pub const fn fan_timer(timer: FanTimer) -> (&'static str, u8, u8) {
+pub const fn heater_timer(timer: HeaterTimer) -> (&'static str, u8) {
     match timer {
-        FanTimer::One => ("TIM1", 1, 4),
-        FanTimer::Four => ("TIM4", 2, 4),
-        FanTimer::Nine => ("TIM9", 3, 2),
+        HeaterTimer::Three => ("TIM3", 2),
+        HeaterTimer::Five => (HEAT, 2),
+        HeaterTimer::Twelve => ("TIM12", 9),
+    }
+}
+
+/// The timer of a fan, its alternate function (the same table), and the letter after its channel; `None` for a fan that
+/// is only switched.
+#[must_use]
+pub const fn fan_timer(timer: FanTimer) -> Option<(&'static str, u8, &'static str)> {
+    match timer {
+        FanTimer::One => Some(("TIM1", 1, "")),
+        FanTimer::OneComplementary => Some(("TIM1", 1, "N")),
+        FanTimer::Two => Some((TIME, 1, "")),
+        FanTimer::Four => Some(("TIM4", 2, "")),
+        FanTimer::Nine => Some(("TIM9", 3, "")),
+        FanTimer::None => None,
     }
 }
 
@@ -53,15 +63,17 @@ pub const fn receiver(usart: Usart) -> Channel {
 }
 
 /// Timers, and the bus that each is on: APB1 or APB2.
-pub const TIMERS: [(&str, u8); 6] = [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), ("TIM4", 1), ("TIM9", 2)];
+pub const TIMERS: [(&str, u8); 8] =
+    [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), ("TIM3", 1), ("TIM4", 1), ("TIM9", 2), ("TIM12", 1)];
 
-/// embassy's time.
+/// embassy's time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no board
+/// here needs a channel of TIM2 for a heater.
 pub const TIME: &str = "TIM2";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";
 
-/// The heaters' pulses and the control period. Besides TIM2 this is the only timer with 32 bits on these pins, and on
-/// TIM2 two pairs of heaters would share channels.
+/// The control period, and the pulses of heaters on its pins. Besides TIM2 this is the only timer with 32 bits on the
+/// Octopus's heater pins, and on TIM2 two pairs of heaters would share channels.
 pub const HEAT: &str = "TIM5";
 
 /// An interrupt in use: its owner, its purpose, and its number in the vector table.

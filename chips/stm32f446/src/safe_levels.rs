@@ -3,21 +3,25 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::ports::{self, Speed};
-use crate::wiring::{Board, HEATER_PORT, Plugged, Port, Slot};
+use crate::wiring::{Board, HEATER_PORTS, Plugged, Port, Slot};
 
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
 static WORDS: [AtomicU32; Port::ALL.len()] = [const { AtomicU32::new(0) }; Port::ALL.len()];
 
-/// The bits of the heaters' pins in their port's mode register, and the value that makes them outputs again.
-static HEATER_MODES: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
+/// The bits of the heaters' pins in the mode register of each of their ports, and the value that makes them outputs
+/// again.
+static HEATER_MODES: [[AtomicU32; 2]; HEATER_PORTS.len()] =
+    [const { [const { AtomicU32::new(0) }; 2] }; HEATER_PORTS.len()];
 
 /// Makes the board's outputs outputs, safe from the first instant on. Heaters come first.
 pub fn adopt(board: &Board) {
     for port in Port::ALL {
         WORDS[port as usize].store(board.safe_levels(port), Ordering::Relaxed);
     }
-    for (place, word) in HEATER_MODES.iter().zip(board.heater_modes()) {
-        place.store(word, Ordering::Relaxed);
+    for (places, port) in HEATER_MODES.iter().zip(HEATER_PORTS) {
+        for (place, word) in places.iter().zip(board.heater_modes(port)) {
+            place.store(word, Ordering::Relaxed);
+        }
     }
     assume();
     for pin in board.loads {
@@ -45,15 +49,24 @@ fn drive(slot: &Slot) {
     }
 }
 
-/// Sets the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A
-/// dozen instructions without a branch, a lock or a stack. Code that changes modes at that time must not continue
-/// afterwards.
+/// Sets the heaters' pins low, whatever their timers do: for each port the level first, then the pins are taken from the
+/// timers. Some three dozen instructions without a branch, a lock or a stack. Code that changes modes at that time must
+/// not continue afterwards.
 // A function by itself, so that `cargo xtask build` can count how many instructions lead to its end.
 #[inline(never)]
 pub fn lower_heaters() {
-    let port = ports::registers(HEATER_PORT);
-    let [bits, outputs] = &HEATER_MODES;
-    ports::store(port, WORDS[HEATER_PORT as usize].load(Ordering::Relaxed));
+    lower_on::<0>();
+    lower_on::<1>();
+    lower_on::<2>();
+}
+
+/// Does that for one of the ports, by an address that is known when this is compiled.
+#[inline(always)]
+fn lower_on<const PLACE: usize>() {
+    const { assert!(HEATER_PORTS.len() == 3) };
+    let port = const { ports::registers(HEATER_PORTS[PLACE]) };
+    let [bits, outputs] = &HEATER_MODES[PLACE];
+    ports::store(port, WORDS[const { HEATER_PORTS[PLACE] as usize }].load(Ordering::Relaxed));
     port.moder().modify(|w| w.0 = w.0 & !bits.load(Ordering::Relaxed) | outputs.load(Ordering::Relaxed));
 }
 

@@ -1,13 +1,15 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
+use core::fmt::Write as _;
+
 use corehbot::app::StepPorts;
-use corehbot::fault::{Cause, Record};
+use corehbot::fault::{Cause, Fault, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
-use embassy_time::{Duration, Instant, block_for};
+use embassy_time::Instant;
 use static_cell::StaticCell;
 
 use crate::assembly::{Handles, assemble};
@@ -23,8 +25,7 @@ use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
-use crate::wiring::SerialPort;
-use crate::wiring::{Board, Image, Input};
+use crate::wiring::{Board, Image, Input, Mark, OF_144_PINS, SerialPort};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
 };
@@ -41,9 +42,6 @@ const SUPPLY_OFF: &str = "echo:the power supply stays off, for a heater could no
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
 const SETTLE: u32 = 10_000;
-
-/// Between two messages of a board that is not the one we are for.
-const REPEAT: Duration = Duration::from_secs(2);
 
 /// A function that finds the memory of a board, when its clocks run. A board's `main` passes it, so the linker leaves
 /// the other driver out.
@@ -65,8 +63,8 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     ports::switch_on();
     ports::release_debug_port();
     // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
-    let is_right = is_right_board(board);
-    if is_right {
+    let found = look_at(board);
+    if found == Found::Right {
         safe_levels::adopt(board);
     }
     watchdog::start();
@@ -78,24 +76,25 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     priorities::reset(&mut peripherals);
     supply::wait();
     if let Err(cause) = clocks::try_out(board.crystal) {
-        plain_serial::tell(board, &["Error:", cause, ", this board cannot print\n"]);
+        plain_serial::tell(ports_of(board, found), &["Error:", cause, ", this board cannot print\n"]);
     }
     clocks::start(board.crystal, priorities::LINK);
     supply::watch();
-    pull(board.inputs.iter().copied());
-    if !is_right {
-        refuse(board, open_headers(board, None));
+    if found != Found::Right {
+        let (lines, usb) = open_lines(board, found, None, past.reason);
+        contexts::only_talk(lines, usb, refusal(board));
     }
+    pull(board.inputs.iter().copied());
     if let Some(record) = past.record.filter(Record::is_series) {
         // Stored settings may cause the faults, so they are not read here, not even for the baud rate.
-        let (lines, usb) = open_lines(board, None, past.reason);
+        let (lines, usb) = open_lines(board, found, None, past.reason);
         let mut fans = Fans::start(board.fans);
         (0..fans.len()).for_each(|fan| fans.set_fan(fan, u16::MAX));
-        contexts::only_talk(lines, usb, record.fault);
+        contexts::only_talk(lines, usb, series(record.fault));
     }
     let mut storage = BoardStorage(find(board));
     let Start { settings, plugged, refusal } = machine_at_start(image, board, &mut storage);
-    let (mut lines, usb) = open_lines(board, Some(settings.baud), past.reason);
+    let (mut lines, usb) = open_lines(board, found, Some(settings.baud), past.reason);
     if past.is_supply_off {
         lines.iter_mut().for_each(|line| _ = line.send(SUPPLY_OFF.as_bytes()));
     }
@@ -120,24 +119,51 @@ fn pull(inputs: impl Iterator<Item = Input>) {
     inputs.for_each(|input| ports::make_input(input.pin, input.circuit.is_high_when_open()));
 }
 
-/// Whether the board has the resistors that we know it by. Leaves the pins inputs.
-fn is_right_board(board: &Board) -> bool {
-    let is_marked = board.marks.iter().all(|mark| {
-        ports::make_input(mark.pin, !mark.is_high);
+/// The board that we are on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Found {
+    /// The one that we are for.
+    Right,
+    /// One with a processor of that size, and other resistors.
+    Similar,
+    /// One with another processor: any of its pins may lead anywhere.
+    Foreign,
+}
+
+/// Looks for the resistors that we know the board by. No pin is driven, and all stay inputs.
+fn look_at(board: &Board) -> Found {
+    if is_high(&OF_144_PINS) != board.has_144_pins {
+        return Found::Foreign;
+    }
+    if board.marks.iter().all(|mark| is_high(mark) == mark.is_high) { Found::Right } else { Found::Similar }
+}
+
+/// Whether a pin of the mark is high against its internal resistor.
+fn is_high(mark: &Mark) -> bool {
+    mark.pins.iter().fold(false, |is_high, pin| {
+        ports::make_input(*pin, mark.is_pulled_up);
         cortex_m::asm::delay(SETTLE);
-        ports::is_high(mark.pin) == mark.is_high
-    });
-    board.marks.iter().for_each(|mark| ports::float(mark.pin));
-    is_marked
+        let is_this = ports::is_high(*pin);
+        ports::float(*pin);
+        is_high | is_this
+    })
+}
+
+/// The serial ports that may be opened. On a foreign board these are the ports that the processor's own bootloader tries
+/// on any board.
+fn ports_of(board: &'static Board, found: Found) -> impl Iterator<Item = &'static SerialPort> + Clone {
+    board.serial.iter().filter(move |port| found != Found::Foreign || port.is_of_bootloader())
 }
 
 /// Starts all lines, and reports the last reset. Headers have the rate of the machine, if that is known.
 fn open_lines(
     board: &'static Board,
+    found: Found,
     baud: Option<u32>,
     reason: Option<ResetReason>,
 ) -> (Lines<HostSerial>, Option<UsbPort>) {
-    let mut lines = open_headers(board, baud);
+    let ports = ports_of(board, found).map(|port| SerialPort { baud: baud.unwrap_or(port.baud), ..*port });
+    let mut lines: Lines<_> = ports.map(|port| HostSerial::Usart(UsartLine::start(&port))).collect();
     report(&mut lines, reason.as_ref());
     let usb = open_usb(board, reason).map(|(line, port)| {
         // A board's table has no more lines than there is room for.
@@ -145,12 +171,6 @@ fn open_lines(
         port
     });
     (lines, usb)
-}
-
-/// Starts the lines on headers, with that rate or the one of the board's table.
-fn open_headers(board: &Board, baud: Option<u32>) -> Lines<HostSerial> {
-    let ports = board.serial.iter().map(|port| SerialPort { baud: baud.unwrap_or(port.baud), ..*port });
-    ports.map(|port| HostSerial::Usart(UsartLine::start(&port))).collect()
 }
 
 /// Starts USB, if the board has it.
@@ -161,19 +181,23 @@ fn open_usb(board: &'static Board, reason: Option<ResetReason>) -> Option<(UsbLi
     usb::start(board, reason)
 }
 
-/// Reports to the host for ever that this is another board. No output is driven, and nothing can change that.
-fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
-    priorities::enable();
-    loop {
-        for part in ["Error:this board is not a ", board.name, ", flash the firmware that is meant for it\n"] {
-            lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
-        }
-        let begin = Instant::now();
-        while begin.elapsed() < REPEAT {
-            watchdog::feed();
-            block_for(Duration::from_millis(50));
-        }
-    }
+/// The message of a board that is not the one we are for. No output is driven, and nothing can change that.
+fn refusal(board: &Board) -> contexts::Message {
+    message(format_args!("Error:this board is not a {}, flash the firmware that is meant for it\n", board.name))
+}
+
+/// The message of a board with too many faults.
+fn series(fault: Fault) -> contexts::Message {
+    message(format_args!(
+        "Error:three faults within a minute ({fault}), heaters and motors stay off: send M999 or switch off\n"
+    ))
+}
+
+/// A text as far as it fits.
+fn message(text: core::fmt::Arguments<'_>) -> contexts::Message {
+    let mut message = contexts::Message::new();
+    let _ = message.write_fmt(text);
+    message
 }
 
 /// Reports to the hosts why the last reset happened, unless the reset was intended, and what the board lacks.

@@ -73,10 +73,11 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         serial,
         has_usb,
         eeprom,
+        has_144_pins: _,
         marks: _,
     } = *board;
     // A second pin of a heater or fan would need a check too; so this lists all their fields.
-    heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
+    heaters.iter().for_each(|HeaterPin { output: _, pin: _, timer: _, channel: _ }| {});
     fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
     let mut pins = Vec::new();
     for (n, slot) in sockets.iter().enumerate() {
@@ -125,14 +126,12 @@ fn problems(board: &Board, has_pin: impl Fn(Pin) -> bool) -> Vec<String> {
         found.extend(misplaced(thermistor.pin, "ADC3", &format!("IN{}", thermistor.channel), None));
     }
     for heater in board.heaters {
-        let function = Some(resources::HEATER_FUNCTION);
-        found.extend(misplaced(heater.pin, resources::HEAT, &format!("CH{}", heater.channel), function));
+        let (timer, function) = resources::heater_timer(heater.timer);
+        found.extend(misplaced(heater.pin, timer, &format!("CH{}", heater.channel), Some(function)));
     }
     for fan in board.fans {
-        let (timer, function, channels) = resources::fan_timer(fan.timer);
-        found.extend(misplaced(fan.pin, timer, &format!("CH{}", fan.channel), Some(function)));
-        if fan.channel > channels {
-            found.push(format!("{timer} has no channel {}", fan.channel));
+        if let Some((timer, function, letter)) = resources::fan_timer(fan.timer) {
+            found.extend(misplaced(fan.pin, timer, &format!("CH{}{letter}", fan.channel), Some(function)));
         }
     }
     if let Some([clock, data]) = board.eeprom {
@@ -261,6 +260,19 @@ fn interrupts_have_the_numbers_of_their_sources() {
             "the receiver of {usart:?} has no interrupt"
         );
     }
+}
+
+/// Boards that are not there (docs/reference/boards.md): a heater needs a timer that ends its pulses, and TIM2 keeps the
+/// time.
+#[test]
+fn no_timer_is_left_for_the_heaters_of_a_leviathan_nor_for_e0_of_an_s6() {
+    let timers = |pin: &str| -> Vec<_> {
+        let timers = METADATA.peripherals.iter().filter(|timer| timer.name.starts_with("TIM"));
+        timers.filter(|timer| timer.pins.iter().any(|p| p.pin == pin)).map(|timer| timer.name).collect()
+    };
+    assert_eq!((timers("PG10"), timers("PG11")), (vec![], vec![]));
+    assert_eq!(timers("PB3"), [resources::TIME]);
+    assert!(timers("PB15").contains(&"TIM12"), "the list knows timers");
 }
 
 /// An interrupt without a handler ends in the default handler, which halts the board. embassy handles the interrupt of

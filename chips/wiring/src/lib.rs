@@ -34,6 +34,8 @@ pub use input::{Circuit, Contact, Input};
 pub use plugged::Plugged;
 pub use serial_port::{SerialPort, Usart};
 
+use core::ops::RangeInclusive;
+
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::{Output, OutputSet, Sensor};
 
@@ -133,14 +135,53 @@ impl Slot {
     }
 }
 
-/// A level that tells boards apart: `pin` read against its internal resistor.
+/// Levels that tell boards apart: `pins` read against their internal resistors.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Mark {
-    /// An input, with the internal resistor against `is_high`.
-    pub pin: Pin,
-    /// The level if the resistor on the board is the expected one.
+    /// Inputs, one after the other with its internal resistor.
+    pub pins: &'static [Pin],
+    /// The internal resistor pulls up, else down.
+    pub is_pulled_up: bool,
+    /// Whether one of them is high on the expected board.
     pub is_high: bool,
 }
+
+impl Mark {
+    /// A resistor on the board pulls one of `pins` up, against the internal one.
+    #[must_use]
+    pub const fn up(pins: &'static [Pin]) -> Self {
+        Self { pins, is_pulled_up: false, is_high: true }
+    }
+
+    /// A resistor on the board pulls all of `pins` down, against the internal ones.
+    #[must_use]
+    pub const fn down(pins: &'static [Pin]) -> Self {
+        Self { pins, is_pulled_up: true, is_high: false }
+    }
+
+    /// Nothing on the board pulls one of `pins` up against the internal resistor.
+    #[must_use]
+    pub const fn not_up(pins: &'static [Pin]) -> Self {
+        Self { pins, is_pulled_up: false, is_high: false }
+    }
+}
+
+/// Pins that only the package with 144 pins has. On both Octopuses they are the enable lines of M0, M1, M2, M4 and M5,
+/// with 10 kOhm to 3.3 V (BTT's schematic). In a smaller package nothing is connected to them, and the internal resistor
+/// alone gives the level. Read with a pull-down of 30 to 50 kOhm (STM32F446 datasheet, I/O static characteristics), an
+/// enable line has 2.5 V or more, and its driver stays off. No register tells packages apart (RM0390, device electronic
+/// signature).
+pub const OF_144_PINS: Mark = Mark::up(
+    const {
+        &[
+            Pin::new(Port::F, 14),
+            Pin::new(Port::F, 15),
+            Pin::new(Port::G, 5),
+            Pin::new(Port::G, 2),
+            Pin::new(Port::F, 1),
+        ]
+    },
+);
 
 /// An input for a thermistor to ground, under a resistor to the converter's reference. Which kind is plugged in is a
 /// setting.
@@ -154,29 +195,74 @@ pub struct ThermistorPin {
     pub channel: u8,
 }
 
-/// A heater output on a channel of TIM5, which ends each pulse by itself (see `heater_timer`).
+/// A timer that ends the pulses of heaters by itself, in one-pulse mode (see `heater_timer`).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HeaterTimer {
+    /// TIM3.
+    Three,
+    /// TIM5.
+    Five,
+    /// TIM12.
+    Twelve,
+}
+
+impl HeaterTimer {
+    /// How many channels it has (RM0390, main features of the timers).
+    #[must_use]
+    pub const fn channels(self) -> u8 {
+        match self {
+            Self::Three | Self::Five => 4,
+            Self::Twelve => 2,
+        }
+    }
+}
+
+/// A heater output on a channel of such a timer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeaterPin {
     /// The output printed next to it on the board.
     pub output: Output,
     /// Its pin, which is one of [`Board::loads`] too: high heats.
     pub pin: Pin,
-    /// The pin's channel of TIM5, 1 to 4.
+    /// The timer.
+    pub timer: HeaterTimer,
+    /// The pin's channel of it, from 1.
     pub channel: u8,
 }
 
-/// A timer that fans hang on.
+/// The source of a fan's duty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FanTimer {
     /// TIM1.
     One,
+    /// TIM1 by its complementary outputs.
+    OneComplementary,
+    /// TIM2, which keeps the time too and so modulates at 15 Hz.
+    Two,
     /// TIM4.
     Four,
-    /// TIM9, which has two channels.
+    /// TIM9.
     Nine,
+    /// No timer: the fan is on while its duty is not 0. Its channel is 0.
+    None,
 }
 
-/// A fan output on a channel of a timer.
+impl FanTimer {
+    /// Its channels for fans (RM0390, main features of the timers).
+    #[must_use]
+    pub const fn channels(self) -> RangeInclusive<u8> {
+        match self {
+            Self::One | Self::Four => 1..=4,
+            Self::OneComplementary => 1..=3,
+            // Time has the first two, and one fan is all that any board has there.
+            Self::Two => 4..=4,
+            Self::Nine => 1..=2,
+            Self::None => 0..=0,
+        }
+    }
+}
+
+/// A fan output.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FanPin {
     /// Its pin, which is one of [`Board::loads`] too: high blows.
@@ -231,7 +317,9 @@ pub struct Board {
     pub has_usb: bool,
     /// Clock and data of I2C1, on which the EEPROM is.
     pub eeprom: Option<[Pin; 2]>,
-    /// Marks that tell this board from others that might get an image of ours.
+    /// Its processor has 144 pins, with the resistors of [`OF_144_PINS`].
+    pub has_144_pins: bool,
+    /// Marks that tell this board from others with such a processor that might get an image of ours.
     pub marks: &'static [Mark],
 }
 
@@ -241,8 +329,9 @@ pub const USB: [Pin; 2] = [Pin::new(Port::A, 11), Pin::new(Port::A, 12)];
 /// The pins of the debug port: SWDIO and SWCLK (STM32F446 datasheet, pin definitions).
 pub const DEBUG: [Pin; 2] = [Pin::new(Port::A, 13), Pin::new(Port::A, 14)];
 
-/// The port of all heaters: the channels of TIM5 are on no other (STM32F446 datasheet, table of alternate functions).
-pub const HEATER_PORT: Port = Port::A;
+/// The ports of all heaters, which faults look at first. In LQFP100 and LQFP144 the timers' channels are on more ports
+/// (STM32F446 datasheet, table of alternate functions); no board here has a heater there.
+pub const HEATER_PORTS: [Port; 3] = [Port::A, Port::B, Port::C];
 
 /// The clock at the crystal's pins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -269,12 +358,13 @@ impl Board {
         self.heaters.iter().fold(OutputSet::NONE, |set, heater| set.with(heater.output))
     }
 
-    /// The bits of the heater pins in their port's mode register, and the value that makes them outputs. RM0390, 7.4.1:
-    /// two bits a pin, 01 is an output. All heater pins are on one port, or there is a [`problem`](Self::problem).
+    /// The bits of the heater pins of `port` in its mode register, and the value that makes them outputs. RM0390, 7.4.1:
+    /// two bits a pin, 01 is an output. All heater pins are on [`HEATER_PORTS`], or there is a
+    /// [`problem`](Self::problem).
     #[must_use]
-    pub fn heater_modes(&self) -> [u32; 2] {
-        let pair = |heater: &HeaterPin| 1 << (2 * heater.pin.number());
-        let outputs = self.heaters.iter().fold(0, |word, heater| word | pair(heater));
+    pub fn heater_modes(&self, port: Port) -> [u32; 2] {
+        let pins = self.heaters.iter().map(|heater| heater.pin).filter(|pin| pin.port == port);
+        let outputs = pins.fold(0, |word, pin| word | 1 << (2 * pin.number()));
         [outputs * 0b11, outputs]
     }
 }

@@ -5,7 +5,7 @@ use corehbot::motors::prototype;
 use corehbot::port::{FANS, LINES};
 
 use crate::port_writes::{DirWrites, StepWrites};
-use crate::{Board, FanPin, HEATER_PORT, HeaterPin, Input, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
+use crate::{Board, FanPin, FanTimer, HEATER_PORTS, HeaterPin, Input, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
 
 impl Board {
     /// The first problem of the table, if any.
@@ -27,7 +27,14 @@ impl Board {
             return Some("a pin has two jobs");
         }
         let uarts = sockets().filter_map(|slot| slot.uart);
-        if self.pins_beside_drivers().chain(uarts).chain(enables()).any(Pin::is_of_debug_port) {
+        let is_fan = |pin: &Pin| self.fans.iter().any(|fan| fan.pin == *pin);
+        if self
+            .pins_beside_drivers()
+            .filter(|pin| !is_fan(pin))
+            .chain(uarts)
+            .chain(enables())
+            .any(Pin::is_of_debug_port)
+        {
             return Some("a pin of the debug port has a job");
         }
         if self.connectors.sockets.len() != self.sockets.len() || self.connectors.inputs.len() != self.inputs.len() {
@@ -81,10 +88,11 @@ impl Board {
             serial,
             has_usb,
             eeprom,
+            has_144_pins: _,
             marks: _,
         } = *self;
         // A second pin of a heater or fan would need a check too; so this lists all their fields.
-        heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
+        heaters.iter().for_each(|HeaterPin { output: _, pin: _, timer: _, channel: _ }| {});
         fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
         // Two connectors may share a pin.
         let inputs = inputs
@@ -107,17 +115,27 @@ impl Board {
             return Some("a heater or a fan has no safe level");
         }
         let is_twice = |one: &HeaterPin| {
-            heaters().filter(|other| other.output == one.output || other.channel == one.channel).count() > 1
+            let is_same = |other: &&HeaterPin| {
+                other.output == one.output || (other.timer, other.channel) == (one.timer, one.channel)
+            };
+            heaters().filter(is_same).count() > 1
         };
-        if heaters().any(is_twice) || heaters().any(|heater| !(1..=4).contains(&heater.channel)) {
+        let has_channel = |heater: &HeaterPin| (1..=heater.timer.channels()).contains(&heater.channel);
+        if heaters().any(is_twice) || !heaters().all(has_channel) {
             return Some("two heaters share an output or a channel, or there is no such channel");
         }
-        if heaters().any(|heater| heater.pin.port != HEATER_PORT) {
+        if heaters().any(|heater| !HEATER_PORTS.contains(&heater.pin.port)) {
             return Some("a heater is on a port that faults do not look at first");
         }
-        let is_shared = |one: &FanPin| fans().filter(|o| (o.timer, o.channel) == (one.timer, one.channel)).count() > 1;
+        let is_shared = |one: &FanPin| {
+            one.timer != FanTimer::None
+                && fans().filter(|other| (other.timer, other.channel) == (one.timer, one.channel)).count() > 1
+        };
         if fans().any(is_shared) || self.fans.len() > FANS {
             return Some("two fans share a channel, or there are too many");
+        }
+        if !fans().all(|fan| fan.timer.channels().contains(&fan.channel)) {
+            return Some("a fan is on a channel that its timer does not have for fans");
         }
         None
     }

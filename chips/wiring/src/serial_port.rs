@@ -82,6 +82,13 @@ impl Usart {
 }
 
 impl SerialPort {
+    /// Whether the processor's own bootloader tries it too, on any board (AN2606, STM32F446xx configuration in system
+    /// memory boot mode: USART1 on these pins).
+    #[must_use]
+    pub const fn is_of_bootloader(&self) -> bool {
+        matches!((self.tx.port, self.tx.number(), self.rx.port, self.rx.number()), (Port::A, 9, Port::A, 10))
+    }
+
     /// The divisor of the bus clock: with 16 samples a bit and four bits of fraction it is the plain quotient (RM0390,
     /// 25.4.4).
     #[must_use]

@@ -28,6 +28,7 @@ fn board(uart: Option<Pin>) -> Board {
         serial: &[],
         has_usb: false,
         eeprom: None,
+        has_144_pins: false,
         marks: &[],
     }
 }
@@ -76,20 +77,26 @@ fn the_debug_port_is_taken_by_sockets_that_say_so_alone() {
 }
 
 #[test]
-fn a_heater_has_a_safe_level_a_channel_of_its_own_and_the_port_that_faults_look_at() {
-    const BED: HeaterPin = HeaterPin { output: Output::Bed, pin: Pin::new(Port::A, 1), channel: 2 };
-    const LOADS: &[Pin] = &[Pin::new(Port::A, 1), Pin::new(Port::A, 2), Pin::new(Port::C, 3)];
+fn a_heater_has_a_safe_level_a_channel_of_its_own_and_a_port_that_faults_look_at() {
+    const BED: HeaterPin =
+        HeaterPin { output: Output::Bed, pin: Pin::new(Port::A, 1), timer: HeaterTimer::Five, channel: 2 };
+    const LOADS: &[Pin] = &[Pin::new(Port::A, 1), Pin::new(Port::A, 2), Pin::new(Port::B, 15), Pin::new(Port::D, 3)];
     let with = |heaters: &'static [HeaterPin]| Board { loads: LOADS, heaters, ..board(None) };
-    const HE0: HeaterPin = HeaterPin { output: Output::He0, pin: Pin::new(Port::A, 2), channel: 3 };
-    let good = with(const { &[BED, HE0] });
-    assert_eq!((good.problem(), good.outputs()), (None, OutputSet::NONE.with(Output::Bed).with(Output::He0)));
-    assert_eq!(good.heater_modes(), [0b1111_0000 >> 2, 0b0101_0000 >> 2]);
+    const HE0: HeaterPin = HeaterPin { output: Output::He0, pin: Pin::new(Port::A, 2), channel: 3, ..BED };
+    const HE1: HeaterPin =
+        HeaterPin { output: Output::He1, pin: Pin::new(Port::B, 15), timer: HeaterTimer::Twelve, channel: 2 };
+    let good = with(const { &[BED, HE0, HE1] });
+    let outputs = OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1);
+    assert_eq!((good.problem(), good.outputs()), (None, outputs));
+    assert_eq!(good.heater_modes(Port::A), [0b1111_0000 >> 2, 0b0101_0000 >> 2]);
+    assert_eq!((good.heater_modes(Port::B), good.heater_modes(Port::C)), ([0b11 << 30, 1 << 30], [0; 2]));
     assert!(Board { loads: &[], ..good }.problem().is_some());
-    const WRONG: [&[HeaterPin]; 4] = [
+    const WRONG: [&[HeaterPin]; 5] = [
         &[BED, HeaterPin { output: Output::He0, ..BED }],
         &[BED, HeaterPin { channel: 3, ..BED }],
         &[HeaterPin { channel: 5, ..BED }],
-        &[HeaterPin { pin: Pin::new(Port::C, 3), ..BED }],
+        &[HeaterPin { channel: 3, ..HE1 }],
+        &[HeaterPin { pin: Pin::new(Port::D, 3), ..BED }],
     ];
     assert!(WRONG.into_iter().all(|heaters| with(heaters).problem().is_some()));
 }
@@ -102,5 +109,11 @@ fn two_fans_do_not_share_a_channel() {
     let with = |fans: &'static [FanPin]| Board { loads: LOADS, fans, ..board(None) };
     assert_eq!(with(const { &[FAN, OTHER] }).problem(), None);
     assert!(with(const { &[FAN, FAN] }).problem().is_some());
+    const SWITCHED: FanPin = FanPin { timer: FanTimer::None, channel: 0, ..FAN };
+    assert_eq!(with(const { &[SWITCHED, SWITCHED] }).problem(), None);
+    for wrong in [(FanTimer::Nine, 3), (FanTimer::Two, 1), (FanTimer::OneComplementary, 4)] {
+        let fan = FanPin { timer: wrong.0, channel: wrong.1, ..FAN };
+        assert!(with(vec![fan].leak()).problem().is_some(), "{wrong:?}");
+    }
     assert!(Board { loads: &[], ..with(const { &[FAN] }) }.problem().is_some());
 }

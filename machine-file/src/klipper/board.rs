@@ -139,22 +139,29 @@ fn pin_name(port: impl Debug, number: usize) -> String {
     format!("P{port:?}{number}")
 }
 
-/// The board that most motors of a configuration are on; of boards with the same pins, one that a comment, a
-/// section or a file names.
+/// The board that most motors of a configuration are on, and then most fans. Of boards alike so far it is one that a
+/// comment, a section or a file names, or else one that the firmware takes for granted on all of them.
 pub(super) fn found(config: &Config, aliases: &Aliases) -> Option<&'static BoardConnectors> {
-    let is_step = |key: &str| key == "step_pin";
-    let steps: Vec<_> = config.entries.iter().filter(|entry| is_step(&entry.key) && entry.replaced.is_none()).collect();
-    let steps: Vec<_> = steps.into_iter().map(|entry| aliases.resolve(&entry.value)).collect();
+    let of = |key: &'static str| {
+        let entries = config.entries.iter().filter(move |entry| entry.key == key && entry.replaced.is_none());
+        let pins = entries.map(|entry| aliases.resolve(&entry.value)).filter(PinText::is_on_board);
+        pins.map(|pin| pin.name).collect::<Vec<_>>()
+    };
+    let (steps, others) = (of("step_pin"), of("pin"));
     let fits = |entry: &Entry| {
         let pins = Pins::of(entry.board.connectors);
-        let is_here = |name: &str| pins.as_ref().is_some_and(|pins| pins.socket(name).is_some());
-        steps.iter().filter(|pin| pin.is_on_board() && is_here(&pin.name)).count()
+        let count = |names: &[String], is_here: fn(&Pins, &str) -> bool| {
+            pins.as_ref().map_or(0, |pins| names.iter().filter(|name| is_here(pins, name)).count())
+        };
+        (count(&steps, |pins, name| pins.socket(name).is_some()), count(&others, |pins, name| pins.fan(name).is_some()))
     };
-    let best = entries().map(fits).max().filter(|most| *most > 0)?;
-    let alike: Vec<_> = entries().filter(|entry| fits(entry) == best).map(|entry| entry.board.connectors).collect();
+    let best = entries().map(fits).max().filter(|(most, _)| *most > 0)?;
+    let alike: Vec<_> = entries().filter(|entry| fits(entry) == best).collect();
     if let [only] = alike[..] {
-        return Some(only);
+        return Some(only.board.connectors);
     }
+    let unmarked = alike.iter().find(|entry| entry.board.marks.is_empty()).map(|entry| entry.board.connectors);
+    let alike = alike.into_iter().map(|entry| entry.board.connectors);
     let names = config.sections.iter().map(|section| &section.name).chain(&config.files);
     let words = names.fold(config.comments.clone(), |words, name| words + &name.to_lowercase() + "\n");
     let named = |board: &BoardConnectors| {
@@ -163,6 +170,7 @@ pub(super) fn found(config: &Config, aliases: &Aliases) -> Option<&'static Board
     };
     // The first one that is named, because notes on others come later; of two at one place the longer name, because
     // "octopus pro" names the Octopus too.
-    let named = alike.into_iter().filter_map(|board| Some((named(board)?, board)));
-    named.min_by_key(|(place, board)| (*place, std::cmp::Reverse(board.key.len()))).map(|(_, board)| board)
+    let named = alike.filter_map(|board| Some((named(board)?, board)));
+    let first = named.min_by_key(|(place, board)| (*place, std::cmp::Reverse(board.key.len())));
+    first.map(|(_, board)| board).or(unmarked)
 }

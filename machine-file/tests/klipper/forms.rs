@@ -81,6 +81,23 @@ fn order_and_spelling_do_not_count() {
     }
 }
 
+/// V2.2 of the Spider has fans elsewhere than the older ones. Without a fan it is the table that every Spider starts with.
+#[test]
+fn fans_tell_which_spider_it_is() {
+    let step = "[stepper_x]\nstep_pin: PE11\n";
+    for (fan, board) in [
+        ("[fan]\npin: PB0\n", "spider-v1"),
+        ("[heater_fan hotend]\npin: !PB1\n[fan]\npin: PB2\n", "spider-v1"),
+        ("[fan]\npin: PA14\n", "spider"),
+        ("[fan]\npin: PB2\n", "spider"),
+        ("# a Fysetc Spider\n", "spider"),
+        ("", "spider"),
+    ] {
+        let text = format!("{step}{fan}");
+        assert_eq!(translate(&read(&text).unwrap(), None).unwrap().report.board.key, board, "{text}");
+    }
+}
+
 /// A note on another board with the same pins comes later.
 #[test]
 fn the_first_board_that_is_named_counts() {
