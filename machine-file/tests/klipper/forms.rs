@@ -1,8 +1,7 @@
 //! Forms of configurations: lines, order, spelling, and any text.
 
-use super::{folder, read, translated};
+use super::{configurations, folder, read, translated};
 use corehbot_machine_file::klipper::translate;
-use corehbot_machine_file::parse;
 use proptest::prelude::*;
 
 #[test]
@@ -123,16 +122,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn any_text_has_a_verdict_for_every_key(text in any_config()) {
-        if let Ok(config) = read(&text) {
-            let done = translate(&config, Some(&corehbot_boards::octopus::CONNECTORS)).unwrap();
-            let keys = done.report.sections.iter().map(|section| section.keys.len()).sum::<usize>();
-            prop_assert_eq!(keys, config.entries.len());
-            let counted: usize = done.report.counts().iter().map(|(_, count)| count).sum();
-            prop_assert!(counted >= keys);
-            prop_assert_eq!(done.machine.is_some(), parse(&done.text).is_ok());
-            prop_assert!(toml::from_str::<toml::Table>(&done.text).is_ok(), "{}", done.text);
-        }
+    fn any_text_has_a_verdict_for_every_key(choice in any::<u8>(), text in any_config()) {
+        configurations::any(&[&[choice], text.as_bytes()].concat());
     }
 }
 

@@ -1,6 +1,8 @@
 //! Configurations of Klipper, in all forms that its documentation has, as machine files.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "../support/configurations.rs"]
+mod configurations;
 mod forms;
 mod open;
 

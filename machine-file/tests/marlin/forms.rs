@@ -1,10 +1,9 @@
 //! Forms of reports: decoration, order, damage, and any text.
 
-use super::{LOGS, of_text, text, translated, verdict};
+use super::{LOGS, configurations, of_text, text, translated, verdict};
 use corehbot::settings::{AxisEnd, CornerRule, HomedAxis, Settings, ShaperKind};
 use corehbot_machine_file::Kind;
 use corehbot_machine_file::marlin::{Firmware, Given, is_report, text_of, translate};
-use corehbot_machine_file::parse;
 use proptest::prelude::*;
 
 /// The settings of a log's machine file.
@@ -186,13 +185,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn any_text_becomes_a_file_and_a_report(text in any_report(), has_board in any::<bool>()) {
-        let board = has_board.then_some(&corehbot_boards::octopus::CONNECTORS);
-        let done = translate("x", &text, Given { board, kinematics: None });
-        prop_assert_eq!(done.machine.is_some(), parse(&done.text).is_ok());
-        prop_assert!(toml::from_str::<toml::Table>(&done.text).is_ok(), "{}", done.text);
-        prop_assert!(!done.report.to_string().is_empty());
-        let _ = (is_report(&text), Firmware::heard(&text), text_of(text.as_bytes()));
+    fn any_text_becomes_a_file_and_a_report(choice in any::<u8>(), text in any_report()) {
+        configurations::any(&[&[choice], text.as_bytes()].concat());
+    }
+
+    #[test]
+    fn any_bytes_become_a_file_and_a_report(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        configurations::any(&bytes);
     }
 
     /// If each line is whole, the file is a machine, whatever the numbers.
