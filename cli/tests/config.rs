@@ -6,6 +6,7 @@
 mod json_schema;
 
 use corehbot::settings::SHEETS;
+use corehbot::storage::blank_block;
 use json_schema::is_of;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -336,4 +337,31 @@ fn a_saved_answer_of_marlin_becomes_a_machine() {
     assert!(
         from.status.code() == Some(2) && String::from_utf8_lossy(&from.stderr).contains("--machine is for printers")
     );
+}
+
+/// The tutorials show what a reader gets: the check of a new machine, and its size in an image.
+#[test]
+fn the_tutorials_show_the_new_machine_as_it_is() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("my-machine.toml");
+    let _ = std::fs::remove_file(&path);
+    let name = path.to_str().unwrap();
+    config(&["new", "--board", "octopus", "--machine", "corexy", "--heaters", "-o", name]);
+    let check = out(&config(&["check", name])).replace(name, "my-machine.toml");
+    for document in ["README.md", "docs/tutorial/first-machine-file.md"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(document);
+        let text = std::fs::read_to_string(path).unwrap();
+        assert!(text.contains(check.trim_end()), "{document} has no {check:?}");
+    }
+    let mut image = blank_block(&[&corehbot_boards::octopus::CONNECTORS]).to_vec();
+    let mut machine = corehbot_machine_file::read(&path).unwrap();
+    let receipt = corehbot_cli::image::put(&mut image, &mut machine.settings).unwrap();
+    let shown = format!("{} {receipt}\n", machine.name.unwrap());
+    let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/tutorial/first-flash.md");
+    let text = std::fs::read_to_string(&document).unwrap();
+    let (before, rest) = text.split_once("bytes for the board octopus, ").unwrap();
+    let whole = format!("{before}bytes for the board octopus, {shown}{}", rest.split_once('\n').unwrap().1);
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&document, &whole).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&document).unwrap(), whole, "BLESS=1 writes it");
 }
