@@ -6,8 +6,8 @@ mod support;
 
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    AxisFlags, AxisWords, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, RefusedCommand,
-    ReportCommand, codes, names, parse,
+    AxisFlags, AxisWords, Command, HeatCommand, HomeWords, JobCommand, MotionCommand, MotorCommand, Number,
+    RefusedCommand, ReportCommand, codes, names, parse,
 };
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -300,8 +300,8 @@ fn custom_code_of_real_profiles() {
             Command::Heat(HeatCommand::HeaterWait { heater, target: Some(Number::from(205)), cools: false }),
         ),
         ("G4 ; wait", Command::Motion(MotionCommand::Dwell { ms: 0 })),
-        ("G28 X0 Y0", Command::Motion(MotionCommand::Home(x_and_y))),
-        ("G28 W", Command::Motion(MotionCommand::Home(AxisFlags::default()))),
+        ("G28 X0 Y0", Command::Motion(MotionCommand::Home(HomeWords { axes: x_and_y, ..HomeWords::default() }))),
+        ("G28 W", Command::Motion(MotionCommand::Home(HomeWords::default()))),
         ("M84 X Y E ;disable all but Z", Command::Motor(MotorCommand::DisableMotors(AxisFlags { e: true, ..x_and_y }))),
         ("M115 U6.2.6+8948", Command::Report(ReportCommand::ReportFirmware)),
         ("M862.3 P \"MK4S\" ; printer model check", Command::Silent),

@@ -28,6 +28,6 @@ pub use index::{Absent, Named, Part};
 pub use number::Number;
 pub use parse::parse;
 pub use parts::{
-    ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, ParkWords, PlainWords,
-    Plane, ShaperWords, TuningWords, VelocityWords,
+    ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, HomeWords, MachineRecord, ModelWords, ParkWords,
+    PlainWords, Plane, ShaperWords, TuningWords, VelocityWords,
 };

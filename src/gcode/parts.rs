@@ -48,6 +48,17 @@ pub struct AxisFlags {
     pub e: bool,
 }
 
+/// The words of G28.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct HomeWords {
+    /// The axes, all if none is named.
+    pub axes: AxisFlags,
+    /// O: axes that are homed stay where they are.
+    pub only_lost: bool,
+    /// R: the distance that z rises by before an axis is homed.
+    pub raise: Option<Number>,
+}
+
 /// How a message of M118 is dressed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Form {

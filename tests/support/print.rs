@@ -6,8 +6,9 @@ mod words;
 use core::fmt::{self, Display, Formatter};
 
 use corehbot::gcode::{
-    ArcShape, ArcWords, Audience, Command, Form, HeatCommand, JobCommand, MachineRecord, MotionCommand, MotorCommand,
-    Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
+    ArcShape, ArcWords, Audience, Command, Form, HeatCommand, HomeWords, JobCommand, MachineRecord, MotionCommand,
+    MotorCommand, Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords,
+    TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -91,7 +92,11 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         MotionCommand::Plane(Plane::Yz) => f.write_str("G19"),
         MotionCommand::Inches => f.write_str("G20"),
         MotionCommand::Millimetres => f.write_str("G21"),
-        MotionCommand::Home(named) => flags(f, "G28", named),
+        MotionCommand::Home(HomeWords { axes, only_lost, raise }) => {
+            flags(f, "G28", axes)?;
+            f.write_str(if only_lost { " O" } else { "" })?;
+            word(f, 'R', raise)
+        }
         MotionCommand::Absolute => f.write_str("G90"),
         MotionCommand::Relative => f.write_str("G91"),
         MotionCommand::SetPosition(to) => axis_line(f, "G92", to),

@@ -8,7 +8,7 @@ use crate::gcode::code::Code;
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{Word, Words, last, number};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, Plane};
+use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, Plane};
 
 /// Moves, modes, overrides, retraction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -65,8 +65,8 @@ pub enum MotionCommand {
     Inches,
     /// G21: lengths are millimetres.
     Millimetres,
-    /// G28: home the named axes, all if none is named.
-    Home(AxisFlags),
+    /// G28: home axes.
+    Home(HomeWords),
     /// G90: positions are absolute.
     Absolute,
     /// G91: positions are relative, E too.
@@ -130,10 +130,10 @@ pub(super) const ROWS: &[Described] = &[
     })
     .grammar(WORDS)
     .does("", "inches, millimetres"),
-    // With W, Prusa's G28 does not probe the bed.
-    Described::g(&[28], |_, text| motion(MotionCommand::Home(AxisFlags { e: false, ..axis_flags(text) })))
-        .grammar(&Grammar::numbers(b"").no_axes(b"ABCUV"))
-        .does("X Y Z", "homes the named axes, all without words"),
+    // With W, Prusa's G28 does not probe the bed; L keeps or drops Marlin's mesh.
+    Described::g(&[28], |_, text| motion(MotionCommand::Home(home_words(text))))
+        .grammar(&Grammar::numbers(b"R").no_axes(b"ABCUV").not_negative(b"R"))
+        .does("X Y Z O R", "homes the named axes, all without words; O: those that are not homed; R raises Z first"),
     Described::g(&[90, 91], |number, _| {
         motion(if number == 90 { MotionCommand::Absolute } else { MotionCommand::Relative })
     })
@@ -268,6 +268,11 @@ fn decimals_of(written: &[u8]) -> u8 {
     let number = written.rsplit(u8::is_ascii_alphabetic).next().unwrap_or_default();
     let decimals = number.split(|byte| *byte == b'.').nth(1).unwrap_or_default();
     decimals.iter().take_while(|byte| byte.is_ascii_digit()).take(MOST_DECIMALS).count() as u8
+}
+
+fn home_words(text: &[u8]) -> HomeWords {
+    let axes = AxisFlags { e: false, ..axis_flags(text) };
+    HomeWords { axes, only_lost: last(text, b'O').is_some(), raise: number(text, b'R') }
 }
 
 /// G4. The sum stays below the largest number, so that it can be printed and read again.

@@ -4,7 +4,7 @@ extern crate std;
 
 use super::super::commands::{MotionCommand, MotorCommand, RefusedCommand, SettingCommand};
 use super::super::number::Number;
-use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, PlainWords, Plane};
+use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, PlainWords, Plane};
 use super::*;
 use crate::settings::plain::MOST_WORDS;
 
@@ -69,12 +69,18 @@ fn dwelling_adds_seconds_and_milliseconds() {
 
 #[test]
 fn homing_knows_flags_and_ignores_the_rest() {
-    let home = |x, y, z| Command::Motion(MotionCommand::Home(AxisFlags { x, y, z, e: false }));
+    let words = |x, y, z| HomeWords { axes: AxisFlags { x, y, z, e: false }, ..HomeWords::default() };
+    let home = |x, y, z| Command::Motion(MotionCommand::Home(words(x, y, z)));
     assert_eq!(parse(b"G28"), home(false, false, false));
     assert_eq!(parse(b"G28 X Y"), home(true, true, false));
     assert_eq!(parse(b"G28 X0 Y0"), home(true, true, false));
     assert_eq!(parse(b"G28 W"), home(false, false, false));
-    assert_eq!(parse(b"G28 X R5"), home(true, false, false));
+    let raised = HomeWords { raise: number("5"), ..words(true, false, false) };
+    assert_eq!(parse(b"G28 X R5"), Command::Motion(MotionCommand::Home(raised)));
+    let lost = HomeWords { only_lost: true, ..words(false, false, false) };
+    assert_eq!(parse(b"G28 O"), Command::Motion(MotionCommand::Home(lost)));
+    assert_eq!(parse(b"G28 XY"), home(true, true, false));
+    assert_eq!(parse(b"G28 R-5"), Command::Malformed(Flaw::OutOfRange(b"R-5")));
     assert_eq!(parse(b"G28 E"), home(false, false, false));
     assert_eq!(parse(b"g28z"), home(false, false, true));
 }

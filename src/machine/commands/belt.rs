@@ -168,13 +168,13 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
     if !z {
         return Ok(Mm::ZERO);
     }
-    shift_z(main_loop, lift).await?;
+    shift_z(main_loop, lift, EndstopSet::NONE).await?;
     Ok(lift)
 }
 
 /// Undoes [`lift`].
 async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
-    shift_z(main_loop, -lift).await
+    shift_z(main_loop, -lift, EndstopSet::NONE).await
 }
 
 /// Moves the tool back to its earlier place, if the position is known: a paused print continues from there.
@@ -191,7 +191,12 @@ async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place:
     Ok(())
 }
 
-async fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) -> Result<(), Interrupt> {
+/// Moves z alone, and waits until it stands or a switch in `watch` is met.
+pub(super) async fn shift_z<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    by: Mm,
+    watch: EndstopSet,
+) -> Result<(), Interrupt> {
     if by == Mm::ZERO {
         return Ok(());
     }
@@ -199,8 +204,11 @@ async fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
     let speed = main_loop.settings.axes.z.max_speed;
-    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
     main_loop.finish().await?;
+    if watch != EndstopSet::NONE {
+        main_loop.drop_motion().await?;
+    }
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())
 }

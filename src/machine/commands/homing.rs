@@ -34,9 +34,10 @@
 //!   seen to work;
 //! - the tool over the bed before Z goes down.
 
+use super::belt::shift_z;
 use super::proof::prove;
 use super::switch::home_named;
-use crate::gcode::AxisFlags;
+use crate::gcode::{AxisFlags, HomeWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::belt::align::{BeltError, align, lacks_alignment};
@@ -46,8 +47,9 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::keep_phases;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::{Notice, Notices};
-use crate::port::Pend;
-use crate::settings::{Alignment, HomedAxis};
+use crate::port::{EndstopSet, Pend};
+use crate::settings::{Alignment, AxisEnd, HomedAxis};
+use crate::units::Mm;
 
 /// Whether a line names an axis.
 const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
@@ -58,16 +60,43 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
     }
 }
 
-/// G28. If any axis fails, the job ends.
+/// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
-    flags: AxisFlags,
+    words: HomeWords,
+    raise: Mm,
 ) -> Result<(), Interrupt> {
+    let mut flags = words.axes;
+    if words.only_lost {
+        flags = lost(flags, main_loop.homed.axes());
+        if flags == AxisFlags::default() {
+            return Ok(());
+        }
+    }
     power_up(main_loop).await?;
+    main_loop.commanded.forget_retraction();
+    raise_z(main_loop, raise).await?;
     // As motors got power they may have been aligned by their phases.
     let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
     home_axes(main_loop, notices, flags, aligns).await
+}
+
+/// Of the axes that a line means, those that are not homed.
+fn lost(flags: AxisFlags, [x, y, z]: [bool; 3]) -> AxisFlags {
+    let all = !(flags.x || flags.y || flags.z);
+    AxisFlags { x: !x && (all || flags.x), y: !y && (all || flags.y), z: !z && (all || flags.z), e: false }
+}
+
+/// Raises z, as far as it can. If its place is not known, a switch at its upper end stops it.
+async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise: Mm) -> Result<(), Interrupt> {
+    let s = &*main_loop.settings;
+    let ([.., is_known], [_, _, at, _]) = (main_loop.homed.axes(), main_loop.motion.end_mm());
+    let reach = s.reach(HomedAxis::Z);
+    let room = if is_known { reach.most.saturating_sub(at) } else { reach.most.saturating_sub(reach.least) };
+    let is_above = s.endstops.of(HomedAxis::Z).end == AxisEnd::Max;
+    let watch = if is_above && !is_known { EndstopSet::Z } else { EndstopSet::NONE };
+    shift_z(main_loop, raise.min(room).max(Mm::ZERO), watch).await
 }
 
 /// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.

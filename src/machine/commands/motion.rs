@@ -33,7 +33,10 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::Dwell { ms } => dwell(main_loop, ms).await?,
         MotionCommand::Retract => return Moves { main_loop, modal, clamps, notices, cold }.retract(retraction).await,
         MotionCommand::Recover => return Moves { main_loop, modal, clamps, notices, cold }.recover(retraction).await,
-        MotionCommand::Home(flags) => home(main_loop, notices, flags).await?,
+        MotionCommand::Home(words) => {
+            let raise = words.raise.map(|raise| modal.length(raise));
+            home(main_loop, notices, words, raise.unwrap_or(Mm::ZERO)).await?;
+        }
         MotionCommand::Finish => main_loop.finish().await?,
         // The receive path has acted on it.
         MotionCommand::QuickStop => {}

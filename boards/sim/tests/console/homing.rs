@@ -4,7 +4,7 @@ use super::talk::{Steps, Talk, talk, talk_to};
 use corehbot::motors::{EndstopSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::protocol::BUSY;
-use corehbot::settings::Settings;
+use corehbot::settings::{AxisEnd, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, run_at};
@@ -120,4 +120,45 @@ fn motors_without_power_do_not_know_where_they_are() {
     let (heard, ..) = talk(&["G1 X500 F12000", "M84", "G1 X600", "M400", "M114"]);
     // The first target is clamped; after M84 the axis has no known edge.
     assert!(heard.iter().any(|l| l.starts_with("X:600.00")), "{heard:?}");
+}
+
+#[test]
+fn axes_that_are_homed_stay_where_they_are_with_o() {
+    let (heard, ..) = talk(&["G28", "G1 X30 Y40 Z5 F6000", "G28 O", "M114", "G28 O Z", "M114"]);
+    assert_eq!(heard.iter().filter(|line| line.starts_with("X:30.00 Y:40.00 Z:5.00")).count(), 2, "{heard:?}");
+    // After M84 of one axis of a belt both are lost; z is not.
+    let (heard, ..) = talk(&["G28", "G1 X30 Y40 Z5 F6000", "M84 X", "G28 O", "M114", "M84", "G28 O", "M114"]);
+    assert!(heard.iter().any(|line| line.starts_with("X:0.00 Y:0.00 Z:5.00")), "{heard:?}");
+    assert!(heard.iter().any(|line| line.starts_with("X:0.00 Y:0.00 Z:0.00")), "{heard:?}");
+}
+
+#[test]
+fn z_rises_first_with_r() {
+    let place = |lines: &[&str]| {
+        let (heard, outcome, _) = talk(lines);
+        assert!(!outcome.halted && !heard.iter().any(|line| line.contains("Error")), "{heard:?}");
+        heard.iter().find(|line| line.starts_with("X:")).unwrap().clone()
+    };
+    assert!(place(&["G28", "G1 X30 Z5 F6000", "G28 X R5", "M114"]).starts_with("X:0.00 Y:0.00 Z:10.00"));
+    assert!(place(&["G28", "G20", "G28 X R1", "G21", "M114"]).starts_with("X:0.00 Y:0.00 Z:25.40"));
+    // As far as it can, and not at all.
+    let top = Settings::prototype().axes.z.length;
+    assert!(place(&["G28", "G28 X R5000", "M114"]).contains(&format!("Z:{top:.2}")));
+    assert!(place(&["G28", "G1 Z5", "G28 X R0", "M114"]).contains("Z:5.00"));
+    // The place of z is not known: it rises from where it is.
+    assert!(place(&["G28 X Y R5", "M114"]).contains("Z:5.00"));
+}
+
+/// A switch at the upper end stops a rise from a place that is not known.
+#[test]
+fn a_blind_rise_ends_at_the_switch_above() {
+    let mut settings = Settings::prototype();
+    settings.endstops.z.end = AxisEnd::Max;
+    settings.endstops.z.position = settings.axes.z.length;
+    let begin = [0.0, 0.0, settings.axes.z.length.to_num::<f64>() - 3.0];
+    let lines = ["G92 Z0", "G28 X Y R50", "M119", "G28 Z", "M114"];
+    let (heard, outcome, _) = talk_to(&settings, Some(begin), &lines);
+    assert!(!outcome.halted, "{heard:?}");
+    assert!(heard.contains(&"z_max: TRIGGERED".to_owned()), "{heard:?}");
+    assert!(heard.iter().any(|line| line.contains(&format!("Z:{:.2}", settings.axes.z.length))), "{heard:?}");
 }
