@@ -181,6 +181,18 @@ fn a_machine_without_mistakes_passes_and_keeps_its_tuning() {
     assert_eq!(led.status, Some(0), "{}", led.said);
 }
 
+#[test]
+fn without_a_person_nothing_is_asked_that_needs_a_hand() {
+    let mut bench = Bench::new(&[]);
+    let led = bench.lead(&["--yes"], |_, _| String::new());
+    assert_eq!(led.status, Some(0), "{}", led.said);
+    for part in
+        ["hotend: not warmed by hand", "not pressed by hand", "the voltage at a 5 V pin of the board: not measured"]
+    {
+        assert!(led.report.contains(part), "{part}: {}", led.report);
+    }
+}
+
 /// A mistake: how the printer makes it, the wires after it, the step that finds it, its words, and its cure.
 type Mistake = (&'static [&'static str], Wires, &'static str, &'static str, &'static str);
 
@@ -192,7 +204,7 @@ const MISTAKES: &[Mistake] = &[
         "`m1 = \"M4\"`, `m8 = \"M0\"`"),
     (&["--fault", "reverse-motor:m4"], [Some((0, 1)), Some((1, -1)), Some((2, 1)), Some((3, 1))], "motors", WIRED,
         "`m4 = \"!M1\"`"),
-    // The plug of driver 1 turns motor 8 backward; that of driver 8 turns motor 1.
+    // Driver 1 turns motor 8 backward, and driver 8 turns motor 1.
     (&["--fault", "swap-motors:m1,m8", "--fault", "reverse-motor:m1"],
         [Some((2, -1)), Some((1, 1)), Some((0, 1)), Some((3, 1))], "motors", WIRED, "`m1 = \"M4\"`, `m8 = \"!M0\"`"),
     // Each motor in the place of the opposite one, and the other way round: the tool goes as it should.
@@ -205,7 +217,7 @@ const MISTAKES: &[Mistake] = &[
     (&["--break", "open:hotend@0s"], STRAIGHT, "sensors", "hotend: its sensor is open.", "plug it in"),
     (&["--break", "short:bed@0s"], STRAIGHT, "sensors", "bed: its sensor is shorted.", "bare wires"),
     (&["--break", "swapped-sensors@0s"], STRAIGHT, "sensors",
-        "hotend (it is that of bed): another sensor follows its warmth.", "exchange the two plugs"),
+        "hotend (now it is bed): another sensor follows its warmth.", "exchange the two plugs"),
     (&["--fault", "swap-endstops:x,y"], STRAIGHT, "endstops", "x_min (it is y_min): another input reads pressed.",
         "exchange the two plugs"),
     (&["--fault", "stuck-endstop:z"], STRAIGHT, "endstops", "z_min: reads pressed although nothing touches it.",
@@ -307,7 +319,7 @@ fn a_switch_that_is_not_met_and_a_lost_board_end_the_guide() {
                 if key.ends_with("decide") { "quit".to_owned() } else { owner(key, act) }
             },
         );
-    assert!(led.report.contains("**X, Homing failed: X endstop"), "{}", led.report);
+    assert!(led.report.contains("**X, X endstop was not met"), "{}", led.report);
     // The board is switched off while its owner thinks.
     let mut killed = false;
     let printer = Pid::from_child(&bench.printer);

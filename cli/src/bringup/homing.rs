@@ -42,6 +42,13 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
     found
 }
 
+/// Why a homing failed, in a line that says so: an error, or the end of a job.
+fn failure(line: &str) -> Option<&str> {
+    const FAILED: &str = "homing failed: ";
+    let at = line.to_ascii_lowercase().find(FAILED).map(|at| at + FAILED.len());
+    at.and_then(|at| line.get(at..)).or_else(|| line.strip_prefix("Error:"))
+}
+
 fn home(guide: &mut Guide) -> Result<Found, Trouble> {
     let mut found = Found::default();
     guide.owner.tell("  Enter stops everything at once while an axis moves.");
@@ -55,8 +62,10 @@ fn home(guide: &mut Guide) -> Result<Found, Trouble> {
         guide.owner.wait(&format!("homing start {key}"), &format!("{letter} goes to its switch now"))?;
         match guide.board.ask_watched(&format!("G28 {letter}"), &guide.owner) {
             Ok(heard) => {
-                if let Some(why) = heard.iter().find_map(|line| line.strip_prefix("Error:")) {
+                if let Some(why) = heard.iter().find_map(|line| failure(line)) {
                     found.problems.push(MISSED.of(&format!("{letter}, {why}")));
+                    // It has ended a job, after which heating is refused until someone goes on.
+                    guide.ask("M108")?;
                     return Ok(found);
                 }
             }
@@ -78,4 +87,18 @@ fn home(guide: &mut Guide) -> Result<Found, Trouble> {
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_is_found_wherever_it_stands() {
+        for line in ["Error:Homing failed: X endstop open", "echo:print ended: homing failed: X endstop open"] {
+            assert_eq!(failure(line), Some("X endstop open"));
+        }
+        assert_eq!(failure("Error:driver of motor m1 does not answer"), Some("driver of motor m1 does not answer"));
+        assert_eq!(failure("echo:motion before homing"), None);
+    }
 }

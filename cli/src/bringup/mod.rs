@@ -104,8 +104,8 @@ impl Prepared {
         };
         let file = args.machine.as_deref().map(machine_file::read).transpose()?.map(|machine| machine.settings);
         let record = Record::load(&args.report)?;
-        record.save(&args.report)?;
         let board = Board::open(port, args.baud)?;
+        record.save(&args.report)?;
         let owner = Owner::new(args.yes, stop.clone());
         let guide = Guide { board, owner, machine: Settings::prototype(), file, build: String::new() };
         Ok(Self { guide: Some(guide), record, stop })

@@ -43,8 +43,8 @@ const PATIENCE: Duration = Duration::from_secs(25);
 /// Between two looks.
 const LOOK: Duration = Duration::from_millis(400);
 
-/// Shares of the reference, of 65,536, beyond which a thermistor is open or shorted: at 100 kOhm under 4.7 kOhm they are
-/// -40 C and 600 C.
+/// Shares of the reference, of 65,536, beyond which a thermistor is open or shorted. Of 100 kOhm under 4.7 kOhm they
+/// are -40 C and 600 C.
 const OPEN_ABOVE: u32 = 65_300;
 const SHORTED_BELOW: u32 = 500;
 
@@ -103,7 +103,7 @@ fn warm(guide: &mut Guide, heater: Heater, found: &mut Found) -> Result<(), Trou
             if risen == heater {
                 found.note(format!("{name}: follows a warm hand by {kelvin:.1} K"));
             } else {
-                found.problems.push(SWAPPED.of(&format!("{name} (it is that of {})", risen.name())));
+                found.problems.push(SWAPPED.of(&format!("{name} (now it is {})", risen.name())));
             }
             return Ok(());
         }

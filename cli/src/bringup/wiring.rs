@@ -2,8 +2,8 @@
 //! moved alone (STEPPER_BUZZ).
 //!
 //! ```text
-//!   rows of the mechanism ──▶ for each of n! * 2^n wirings: where would the tool go? ──▶ those that fit what was seen
-//!                                                         └──▶ the next buzz: the one that tells most of them apart
+//!   rows of the mechanism ──▶ n! * 2^n wirings: where would the tool go? ──▶ those that fit what was seen
+//!                                              └──▶ the next buzz: the one that tells most of them apart
 //! ```
 //!
 //! In a buzz one motor moves, some turn freely and all others stand. So the tool goes where the rows of these motors
@@ -166,8 +166,8 @@ impl Belt {
         among.into_iter().filter(|wiring| self.way(wiring, buzz) == seen).collect()
     }
 
-    /// A buzz in which other motors turn in one of these two wirings of a closed belt than in the other one, and a motor
-    /// that turns in the first alone.
+    /// A buzz in which these two wirings of a closed belt turn other motors, and a motor that turns in the first one
+    /// alone.
     pub fn mirrored(&self, among: &[Wiring]) -> Option<(Buzz, usize)> {
         let [Wiring(one), Wiring(other)] = among else { return None };
         let turns = |wires: &[(usize, bool)], buzz: &Buzz, motor: usize| {
