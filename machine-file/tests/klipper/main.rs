@@ -5,6 +5,7 @@
 mod configurations;
 mod forms;
 mod open;
+mod wanted;
 
 use corehbot::settings::{CornerRule, Settings};
 use corehbot_machine_file::klipper::{Config, Files, Kind, Report, Translation, matches, translate};
