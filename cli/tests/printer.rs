@@ -164,6 +164,16 @@ fn a_printer_that_resets_becomes_a_machine() {
     }
 }
 
+/// Makers give Marlin a name of their own.
+#[test]
+fn a_firmware_with_another_name_that_answers_as_marlin_is_taken() {
+    const ANSWERS: &[(&str, &str)] =
+        &[("M115", "FIRMWARE_NAME:Maker UFW 2.97 MACHINE_TYPE:Mine\nok\n"), ("M503", M503), UNKNOWN];
+    let (status, said) = ask(Script { answers: ANSWERS, ..MARLIN }, &["--machine", "corexy"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert!(said.contains("Maker UFW 2.97 is not Marlin: check every line"), "{said}");
+}
+
 #[test]
 fn other_firmwares_have_their_own_cures() {
     let mut waiting = Vec::new();
@@ -180,7 +190,7 @@ fn other_firmwares_have_their_own_cures() {
             "config from FILE",
         ),
         (&[("M", "error:20\n")], "GrblHAL 1.1f ['$' or '$HELP' for help]\n", "$100 to $132"),
-        (&[("M115", "FIRMWARE_NAME:Bread V2 PROTOCOL_VERSION:1.0\nok\n")], "", "is Bread V2, not Marlin"),
+        (&[("M115", "FIRMWARE_NAME:Bread V2 PROTOCOL_VERSION:1.0\nok\n"), UNKNOWN], "", "is Bread V2, not Marlin"),
     ] {
         waiting.push(spawn(move || {
             let (status, said) = ask(Script { answers, start, baud: 250_000 }, &[]);

@@ -21,7 +21,8 @@ const LONGEST_REPORT: u64 = 1 << 20;
 #[derive(Args)]
 pub(crate) struct From {
     /// Klipper's printer.cfg, or the folder with it; or a file with the answer of a Marlin printer to M503.
-    #[arg(value_name = "FILE", required_unless_present = "serial")]
+    #[cfg_attr(unix, arg(value_name = "FILE", required_unless_present = "serial"))]
+    #[cfg_attr(not(unix), arg(value_name = "FILE", required = true))]
     file: Option<PathBuf>,
     #[cfg(unix)]
     #[command(flatten)]

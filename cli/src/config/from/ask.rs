@@ -24,8 +24,9 @@ pub(crate) struct Printer {
 /// Rates of printers: Marlin's own, and that of most boards for sale.
 const BAUDS: [u32; 2] = [250_000, 115_200];
 
-/// After the line was opened: a board that starts says its first word by then, if its bootloader is quick.
-const FIRST_WORD: Duration = Duration::from_millis(1500);
+/// After the line was opened: a board that starts says its first word by then, because its bootloader takes 1 to 2 s.
+/// A question in that time could keep it in the bootloader.
+const FIRST_WORD: Duration = Duration::from_millis(2500);
 
 /// Silence that ends the start of a board: EEPROM and card are read between two words.
 const PAUSE: Duration = Duration::from_millis(1200);
@@ -65,13 +66,16 @@ impl Printer {
             talk.tune(*baud)?;
             if let Some((firmware, name)) = talk.greet()? {
                 eprintln!("{}: {}", path.display(), short(&name));
+                let is_not = || format!("the printer on {} is {}, not Marlin", path.display(), short(&name));
                 return match firmware {
                     Firmware::Marlin => talk.interview(&["M211", "M119", "M122"]),
                     // Its M122 has no table of drivers.
                     Firmware::Corehbot => talk.interview(&["M211", "M119"]),
-                    other => {
-                        bail!("the printer on {} is {}, not Marlin: {}", path.display(), short(&name), other.cure())
-                    }
+                    // Makers rename Marlin, so the answer tells; the report asks for a look at every line.
+                    Firmware::Other => talk
+                        .interview(&["M211", "M119"])
+                        .map_err(|error| error.context(format!("{}: {}", is_not(), firmware.cure()))),
+                    other => bail!("{}: {}", is_not(), other.cure()),
                 };
             }
             has_garbage |= talk.is_garbage();
