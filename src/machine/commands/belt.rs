@@ -3,6 +3,7 @@
 
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
+use super::shift_z::shift_z;
 use crate::gcode::AxisFlags;
 use crate::kinematics::{Mechanism, Residual, Residuals};
 use crate::machine::answers::answer::Answer;
@@ -187,28 +188,6 @@ async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place:
     let (position, speed) = ([x, y, z, e], main_loop.settings.axes.x.max_speed);
     main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await?;
-    main_loop.commanded.stand_at(main_loop.motion.end_mm());
-    Ok(())
-}
-
-/// Moves z alone, and waits until it stands or a switch in `watch` is met.
-pub(super) async fn shift_z<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    by: Mm,
-    watch: EndstopSet,
-) -> Result<(), Interrupt> {
-    if by == Mm::ZERO {
-        return Ok(());
-    }
-    let mut position = main_loop.motion.end_mm();
-    let [_, _, z, _] = &mut position;
-    *z = z.saturating_add(by);
-    let speed = main_loop.settings.axes.z.max_speed;
-    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
-    main_loop.finish().await?;
-    if watch != EndstopSet::NONE {
-        main_loop.drop_motion().await?;
-    }
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())
 }

@@ -34,8 +34,8 @@
 //!   seen to work;
 //! - the tool over the bed before Z goes down.
 
-use super::belt::shift_z;
 use super::proof::prove;
+use super::shift_z::shift_z;
 use super::switch::home_named;
 use crate::gcode::{AxisFlags, HomeWords};
 use crate::machine::answers::answer::Answer;

@@ -12,7 +12,7 @@
 //!
 //! | family (the same in `gcode::commands`) | its arms | its work |
 //! |---|---|---|
-//! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`homing`], [`switch`], [`waits`] |
+//! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`homing`], [`switch`], [`shift_z`], [`waits`] |
 //! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
@@ -53,6 +53,7 @@ mod retraction;
 mod self_test;
 pub(in crate::machine) mod settings;
 mod shaping;
+mod shift_z;
 pub(in crate::machine) mod states;
 mod switch;
 mod tuning;

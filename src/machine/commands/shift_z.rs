@@ -1,0 +1,30 @@
+//! Moves of z alone that a command makes by itself: the tool goes up before it crosses a print.
+
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::motion::Target;
+use crate::port::{EndstopSet, Pend};
+use crate::units::Mm;
+
+/// Moves z alone, and waits until it stands or a switch in `watch` is met.
+pub(super) async fn shift_z<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    by: Mm,
+    watch: EndstopSet,
+) -> Result<(), Interrupt> {
+    if by == Mm::ZERO {
+        return Ok(());
+    }
+    let mut position = main_loop.motion.end_mm();
+    let [_, _, z, _] = &mut position;
+    *z = z.saturating_add(by);
+    let speed = main_loop.settings.axes.z.max_speed;
+    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
+    main_loop.finish().await?;
+    if watch != EndstopSet::NONE {
+        main_loop.drop_motion().await?;
+    }
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
+    Ok(())
+}
