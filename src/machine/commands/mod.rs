@@ -12,7 +12,8 @@
 //!
 //! | family (the same in `gcode::commands`) | its arms | its work |
 //! |---|---|---|
-//! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`homing`], [`switch`], [`shift_z`], [`waits`] |
+//! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`waits`] |
+//! | homing | [`motion`] | [`homing`], [`switch`], [`shift_z`] |
 //! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
