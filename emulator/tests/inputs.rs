@@ -4,7 +4,7 @@ use crate::common::{Bench, MS, firmware, plain_firmware, print_on};
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::{End, Injection};
-use corehbot_emulator::wiring::{ALL, Pin};
+use corehbot_emulator::wiring::{ALL, Pin, ROOM};
 use corehbot_machine_file as machine_file;
 
 /// The reference in mV.
@@ -65,6 +65,30 @@ fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {
     assert!(seen.safety.dangers.is_empty() && !seen.safety.is_hot());
     let told = seen.line.said.iter().find(|line| line.contains("the last reset came after")).expect("the cause");
     println!("{told}");
+}
+
+/// Sensors without a heater on TH1 and TH2: by voltage, open and shorted. None of them stops the machine, whose heaters
+/// are others.
+#[test]
+fn a_sensor_without_a_heater_is_reported_and_stops_nothing() {
+    let sensor = |place, input| format!("[sensors.{place}]\nis_fitted = true\nsensor = \"{input}\"\n");
+    let file = sensor("chamber", "hotend1") + &sensor("board", "hotend2");
+    let mut machine = machine_file::load(&file).unwrap();
+    let mut firmware = plain_firmware();
+    firmware.put_machine(&mut machine).unwrap();
+    // 100 kOhm under 4.7 kOhm at 25 C; its table has 1770 Ohm at 150 C.
+    let warm = REFERENCE * 1770 / (1770 + 4700);
+    for (chamber, board, words) in [
+        (ROOM, warm, [" C:25.", " M:150."]),
+        (REFERENCE, 0, [" C:open", " M:short"]),
+        (0, REFERENCE, [" C:short", " M:open"]),
+    ] {
+        let seen = talk(&firmware, "M105\nG4 P700\nM105\nM122\n", &[(15, chamber), (4, board)], None);
+        let temperatures: Vec<_> = seen.line.said.iter().filter(|line| line.starts_with("ok T")).collect();
+        assert_eq!(temperatures.len(), 2);
+        assert!(words.iter().all(|word| temperatures[1].contains(word)), "{temperatures:?}");
+        assert!(seen.line.said.iter().any(|line| line == "echo:fault: none"), "{:?}", seen.line.said);
+    }
 }
 
 /// A machine without a probe has no line of it.

@@ -244,5 +244,6 @@ fn plugged(error: &ConnectorError) -> String {
         }
         ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),
         ConnectorError::NoSuchSensor(heater, ..) => format!("heaters.{}.sensor", heater.name()),
+        ConnectorError::NoSuchExtraSensor(place, ..) => format!("sensors.{place}.sensor"),
     }
 }

@@ -70,7 +70,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 30] = [
+pub(crate) const TABLES: [(&str, &str); 34] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -105,6 +105,10 @@ pub(crate) const TABLES: [(&str, &str); 30] = [
     ("heaters.hotend", "The hotend (T)."),
     ("heaters.bed", "The bed (B)."),
     ("heaters.chamber", "The chamber (C)."),
+    ("sensors", "Temperature sensors without a heater. M105 reports them; a broken one stops nothing."),
+    ("sensors.chamber", "The chamber's air (C), if the chamber has no heater."),
+    ("sensors.board", "The board or its case (M)."),
+    ("sensors.probe", "The probe (P)."),
     ("fans", "Fan outputs."),
     ("guards", "Guards, which cannot be switched off."),
 ];

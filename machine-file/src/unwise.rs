@@ -108,6 +108,11 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
+    let [chamber, ..] = s.sensors;
+    if chamber.is_fitted && s.thermal.heaters.chamber.is_fitted {
+        let text = "the chamber's heater has a sensor of its own, which M105 reports; this one stays silent";
+        warn("sensors.chamber.is_fitted", text.to_owned());
+    }
     if let (Some(_), Some(motor), false) = (machine.board, s.mechanism.extruder(), s.thermal.heaters.hotend.is_fitted) {
         let text =
             format!("an extruder ({}) without a hotend: heating is ignored, and filament moves cold", s.name_of(motor));

@@ -5,7 +5,9 @@
 use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::port::ThermalPort;
-use corehbot::settings::{FanRole, HeaterSettings, Settings, ThermalSettings, part_fans};
+use corehbot::settings::{
+    EXTRA_SENSORS, ExtraSensor, FanRole, HeaterSettings, Law, Settings, ThermalSettings, Thermistor as Kind, part_fans,
+};
 
 /// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
 const ROOM: u16 = 62594;
@@ -17,6 +19,8 @@ const FILAMENT: f64 = 2.405;
 pub struct Heat {
     plant: Option<Plant>,
     settings: ThermalSettings,
+    /// Sensors without a heater, which have the temperature of the room.
+    sensors: [ExtraSensor; EXTRA_SENSORS],
     steps_per_mm: f64,
     duties: [u16; OUTPUTS],
     fans: [u16; FANS],
@@ -39,6 +43,7 @@ impl Heat {
         Self {
             plant: thermal.has_heater().then(|| Plant::new(constants)),
             settings: thermal,
+            sensors: settings.sensors,
             steps_per_mm: settings.axes.e.steps_per_mm.to_num(),
             duties: [0; OUTPUTS],
             fans: [0; FANS],
@@ -149,8 +154,8 @@ pub fn constants(thermal: &ThermalSettings) -> PlantConstants {
     let (hotend, bed) = (&thermal.heaters.hotend, &thermal.heaters.bed);
     constants.hotend.heater.nominal_watt = hotend.power.to_num();
     constants.bed.heater.nominal_watt = bed.power.to_num();
-    constants.hotend.sensor.thermistor = law(hotend);
-    constants.bed.sensor.thermistor = law(bed);
+    constants.hotend.sensor.thermistor = law(hotend.thermistor);
+    constants.bed.sensor.thermistor = law(bed.thermistor);
     let share = |heater: &HeaterSettings, prototype: f64| heater.model.capacity.to_num::<f64>() / prototype;
     let (c, b) = (&mut constants.hotend, &mut constants.bed);
     let of_hotend = share(hotend, c.cartridge_joule_per_kelvin + c.block_joule_per_kelvin);
@@ -171,23 +176,34 @@ fn chamber(heater: &HeaterSettings) -> ChamberConstants {
     c.element_joule_per_kelvin *= share;
     c.air_joule_per_kelvin *= share;
     c.heater.nominal_watt = heater.power.to_num();
-    c.sensor.thermistor = law(heater);
+    c.sensor.thermistor = law(heater.thermistor);
     c
 }
 
 /// The law of a sensor, from its data sheet.
-fn law(heater: &HeaterSettings) -> Thermistor {
-    use corehbot::settings::{Law, Thermistor as Kind};
-    match (heater.thermistor, heater.thermistor.sheet().map(|sheet| sheet.law)) {
+fn law(kind: Kind) -> Thermistor {
+    match (kind, kind.sheet().map(|sheet| sheet.law)) {
         (Kind::Beta { ohms, beta }, _) => Thermistor::Beta { ohm_at_25: ohms.into(), beta: beta.into() },
         (_, Some(Law::Ntc(points))) => Thermistor::through(points),
         (_, Some(Law::Platinum) | None) => Thermistor::Platinum,
     }
 }
 
+/// The reading of a sensor without a heater, in the room's 25 C.
+fn share_at_room(extra: &ExtraSensor) -> u16 {
+    let PlantConstants { converter, ambient_celsius, .. } = PlantConstants::prototype();
+    let ohm = law(extra.thermistor).ohm(ambient_celsius);
+    (65_536.0 * ohm / (ohm + converter.pull_up_ohm)) as u16
+}
+
 impl ThermalPort for Heat {
     fn sample(&mut self, sensor: Sensor) -> Option<u16> {
         let place = self.place(sensor);
+        let is_extra = |extra: &&ExtraSensor| extra.is_fitted && extra.sensor == sensor;
+        let extra = self.sensors.iter().find(is_extra).filter(|_| place.is_none() || self.plant.is_none());
+        if let Some(extra) = extra {
+            return Some(share_at_room(extra));
+        }
         let Some(plant) = &mut self.plant else {
             return matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM);
         };

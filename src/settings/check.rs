@@ -3,7 +3,7 @@
 use super::ranges;
 use super::rows::{Field, Key, Value, Visitor};
 use super::thermal::{ThermalSettings, Thermistor};
-use super::{DriverGroups, Endstop, HomedAxis, OwnDriver, Range, Settings};
+use super::{DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, Range, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, multiple};
 use crate::motors::{Motor, MotorName, MotorSet};
@@ -136,13 +136,8 @@ fn endstop(e: Endstop, reach: Range<Mm>, key: &'static str) -> Result<(), Settin
 }
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
-    for (heater, key) in t.heaters.all().into_iter().zip(THERMISTORS) {
-        let is_legal = match heater.thermistor {
-            Thermistor::Sheet(_) => heater.thermistor.sheet().is_some(),
-            Thermistor::Beta { ohms, beta } => ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta),
-        };
-        legal_beside(is_legal, key)?;
-    }
+    let heaters = t.heaters.all().into_iter().zip(THERMISTORS);
+    heaters.map(|(heater, key)| (heater.thermistor, key)).try_for_each(thermistor)?;
     for (a, b) in [(Heater::Hotend, Heater::Bed), (Heater::Hotend, Heater::Chamber), (Heater::Bed, Heater::Chamber)] {
         let (a, b) = (t.heater(a), t.heater(b));
         if a.is_fitted && b.is_fitted && a.output == b.output {
@@ -154,6 +149,18 @@ fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
     }
     t.fans.iter().zip(FAN_DUTIES).try_for_each(|(fan, key)| legal_beside(fan.least <= fan.most, key))
 }
+
+fn thermistor((kind, key): (Thermistor, &'static str)) -> Result<(), SettingsError> {
+    let is_legal = match kind {
+        Thermistor::Sheet(_) => kind.sheet().is_some(),
+        Thermistor::Beta { ohms, beta } => ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta),
+    };
+    legal_beside(is_legal, key)
+}
+
+/// Keys of thermistors without a heater.
+const EXTRA_THERMISTORS: [&str; EXTRA_SENSORS] =
+    ["sensors.chamber.thermistor", "sensors.board.thermistor", "sensors.probe.thermistor"];
 
 /// Keys of thermistors.
 const THERMISTORS: [&str; HEATERS] =
@@ -232,6 +239,8 @@ impl Settings {
         self.check_motor_names()?;
         self.check_own_drivers()?;
         self.check_microsteps()?;
+        let extra = self.sensors.iter().zip(EXTRA_THERMISTORS);
+        extra.map(|(sensor, key)| (sensor.thermistor, key)).try_for_each(thermistor)?;
         thermal(&self.thermal)
     }
 

@@ -38,6 +38,7 @@ mod plugged;
 mod range;
 pub mod ranges;
 pub mod rows;
+mod sensors;
 mod shaping;
 mod spec;
 pub mod table;
@@ -56,6 +57,7 @@ pub use name::MachineName;
 pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
 pub use range::Range;
+pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Law, Pid, Plausible, SHEETS,
@@ -143,6 +145,8 @@ pub struct Settings {
     pub name: MachineName,
     /// The tool's and the heaters' part in a pause.
     pub pause: Pause,
+    /// Sensors without a heater, in the order of [`PLACES`].
+    pub sensors: [ExtraSensor; EXTRA_SENSORS],
 }
 
 impl Settings {
@@ -206,6 +210,7 @@ impl Settings {
             belt: Belt::prototype(),
             name: const { MachineName::lit("CoreH-bot prototype") },
             pause: Pause::prototype(),
+            sensors: ExtraSensor::prototype(),
         }
     }
 
@@ -260,6 +265,7 @@ impl Settings {
             motor_names: _,
             name: _,
             pause: _,
+            sensors: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring

@@ -1,7 +1,7 @@
 //! Whether a board has the connectors that a machine uses. Checked for machine files and images, by MACHINE_STORE and
 //! when a board starts. M-codes are not checked, because none of them changes a plug.
 
-use super::{Settings, Wiring};
+use super::{ExtraSensor, PLACES, Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
 use crate::motors::MotorName;
 use core::fmt::{self, Display};
@@ -28,8 +28,10 @@ pub enum ConnectorError {
     Twice([Plugged; 2], [ConnectorName; 2]),
     /// The board has no such heater output, or cannot switch it.
     NoSuchOutput(Heater, Output, &'static BoardConnectors),
-    /// The board has no such input for a temperature sensor.
+    /// The board has no such input for the temperature sensor of a heater.
     NoSuchSensor(Heater, Sensor, &'static BoardConnectors),
+    /// Nor for the sensor without a heater at this place.
+    NoSuchExtraSensor(&'static str, Sensor, &'static BoardConnectors),
 }
 
 impl Settings {
@@ -56,7 +58,15 @@ impl Settings {
         let probe = Some(self.probe.connector).filter(|connector| !connector.is_none());
         let contacts = switches.chain(probe.map(|connector| (Plugged::Probe, connector)));
         check(contacts, board, BoardConnectors::is_one_line)?;
-        Heater::ALL.into_iter().filter(|_| !board.is_simulated).try_for_each(|heater| self.check_heater(heater, board))
+        if board.is_simulated {
+            return Ok(());
+        }
+        Heater::ALL.into_iter().try_for_each(|heater| self.check_heater(heater, board))?;
+        let missing = |extra: &ExtraSensor| extra.is_fitted && !board.sensors.contains(&extra.sensor);
+        match PLACES.iter().zip(self.sensors).find(|(_, extra)| missing(extra)) {
+            Some(((place, _), extra)) => Err(ConnectorError::NoSuchExtraSensor(place, extra.sensor, board)),
+            None => Ok(()),
+        }
     }
 
     fn check_heater(&self, heater: Heater, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
@@ -136,6 +146,10 @@ impl Display for ConnectorError {
             }
             Self::NoSuchSensor(heater, sensor, board) => {
                 write!(f, "heater {}: the {} has no sensor {}; it has ", heater.name(), board.name, sensor.name())?;
+                list(f, board.sensors.iter().map(|sensor| sensor.name()))
+            }
+            Self::NoSuchExtraSensor(place, sensor, board) => {
+                write!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
                 list(f, board.sensors.iter().map(|sensor| sensor.name()))
             }
         }

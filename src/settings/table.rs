@@ -44,6 +44,7 @@ files! {
     endstops,
     endstops::order,
     pause,
+    sensors,
     shaping,
     shaping::advance,
     thermal,

@@ -16,7 +16,7 @@ mod setting_lines;
 use corehbot::gcode::{Command, Number, SettingCommand, ShaperWords, parse};
 use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
-use corehbot::settings::{CornerRule, Settings, ShaperKind};
+use corehbot::settings::{CornerRule, PLACES, Settings, ShaperKind};
 use corehbot::units::Mm;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::drivers::Drivers;
@@ -114,6 +114,10 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
         match value {
             Value::Array(items) if path.ends_with(".fans") => {
                 items.iter().enumerate().for_each(|(n, value)| gather(value, &format!("{path}.fan{n}"), into));
+            }
+            Value::Array(items) if path.ends_with(".sensors") => {
+                let places = PLACES.iter().zip(items);
+                places.for_each(|((place, _), value)| gather(value, &format!("{path}.{place}"), into));
             }
             Value::Array(items) if path.ends_with(".motors") => {
                 let motors = prototype::NAMES.into_iter().zip(items).take(prototype::COUNT);
@@ -230,6 +234,7 @@ fn is_of_all_machines(path: &str) -> bool {
         && !OF_MOTORS.contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")
+        && !path.starts_with("sensors.")
         && !path.starts_with("wiring.")
 }
 

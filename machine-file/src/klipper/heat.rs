@@ -3,6 +3,7 @@
 use super::work::Work;
 use crate::pattern::matches;
 use crate::translation::{Kind, Verdict};
+use corehbot::settings::PLACES;
 use toml::Value as Toml;
 
 /// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.
@@ -36,7 +37,45 @@ pub(super) fn heat(work: &mut Work<'_>) {
     if let Some(section) = names.into_iter().find(is_chamber) {
         heater(work, "chamber", section);
     }
+    extra_sensors(work);
     fans(work);
+}
+
+/// Sensors without a heater, in the places that there are: by their names, or else in the first that is left. One that
+/// is no thermistor at an input of the board is not reported, which breaks nothing.
+fn extra_sensors(work: &mut Work<'_>) {
+    let config = work.config;
+    let names = config.sections.iter().filter_map(|section| section.name.strip_prefix("temperature_sensor "));
+    let mut free: Vec<&str> = PLACES.iter().map(|(place, _)| *place).collect();
+    // The chamber's heater has a sensor, which is reported.
+    free.retain(|place| *place != "chamber" || work.lines.get("heaters.chamber.is_fitted").is_none());
+    let mut named: Vec<(&str, bool)> =
+        names.map(|name| (name, free.iter().any(|place| name.to_lowercase().contains(place)))).collect();
+    named.sort_by_key(|(_, is_named)| !is_named);
+    for (name, _) in named {
+        let section = format!("temperature_sensor {name}");
+        let Some((entry, pin)) = work.pin(&section, "sensor_pin") else { continue };
+        let known = work.value(&section, "sensor_type").is_some_and(|(_, kind)| {
+            SENSORS.iter().any(|(known, _)| *known == kind) || config.section(&format!("thermistor {kind}")).is_some()
+        });
+        if !pin.is_on_board() || work.pins.sensor(&pin.name).is_none() || !known {
+            let text = format!("no thermistor of a known kind at an input of the {}", work.pins.connectors.name);
+            work.say(entry, Kind::NotYet, text);
+            continue;
+        }
+        let by_name = free.iter().position(|place| name.to_lowercase().contains(place));
+        if free.is_empty() {
+            continue;
+        }
+        let place = free.remove(by_name.unwrap_or(0));
+        let key = |leaf: &str| format!("sensors.{place}.{leaf}");
+        let parts = [
+            input(work, &key("sensor"), &section),
+            sensor_type(work, &key("thermistor"), &section),
+            pullup(work, &section),
+        ];
+        work.lines.set(&key("is_fitted"), parts.into_iter().all(|is_right| is_right).into(), &section);
+    }
 }
 
 fn heater(work: &mut Work<'_>, name: &str, section: &str) {

@@ -155,6 +155,30 @@ fn every_kinematics_has_klippers_matrix() {
     }
 }
 
+/// By its name, else in the first place that is left. Others are told as not there.
+#[test]
+fn sensors_without_a_heater_have_their_places() {
+    let sensor = |name: &str, pin: &str, kind: &str| {
+        format!("[temperature_sensor {name}]\nsensor_type: {kind}\nsensor_pin: {pin}\nmin_temp: 0\n")
+    };
+    let text = [
+        sensor("electronics", "PF6", "Generic 3950"),
+        sensor("Chamber_top", "PF5", "PT1000"),
+        sensor("toolhead", "EBBCan:PA3", "Generic 3950"),
+        "[temperature_sensor pi]\nsensor_type: temperature_host\n".to_owned(),
+    ];
+    let done = of_text(&text.concat());
+    for lines in [
+        "[sensors.chamber]\nsensor = \"hotend1\"  # printer.cfg:7\nthermistor = \"pt1000\"  # printer.cfg:6\nis_fitted = true",
+        "[sensors.board]\nsensor = \"hotend2\"  # printer.cfg:3\nthermistor = \"ntc_3950\"  # printer.cfg:2\nis_fitted = true",
+    ] {
+        assert!(done.text.contains(lines), "{}", done.text);
+    }
+    assert!(!done.text.contains("[sensors.probe]"), "{}", done.text);
+    let report = done.report.to_string();
+    assert!(report.contains("sensor_pin = EBBCan:PA3 -> no thermistor of a known kind"), "{report}");
+}
+
 #[test]
 fn a_probes_input_has_the_name_of_its_header() {
     for (text, plug) in [

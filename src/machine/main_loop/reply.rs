@@ -85,7 +85,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// The temperatures of the heaters.
     fn temperatures(&self) -> Temperatures {
-        Temperatures::new(&self.settings.thermal, self.status.heat(), |heater| self.heat.target(heater))
+        Temperatures::new(&self.settings, self.status.heat(), |heater| self.heat.target(heater))
     }
 
     fn reply_answer(&mut self, answer: &Answer<'_>) {
@@ -155,7 +155,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Firmware => report_firmware(to, is_present(storage), s),
             Answer::Endstops(pressed) => report_endstops(to, pressed, status.inputs(), &s.endstops),
             Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
-            Answer::Heat => report_heat(to, &s.thermal, status.heat(), status.fault(), targets),
+            Answer::Heat => report_heat(to, s, status.heat(), status.fault(), targets),
             Answer::Overload => {
                 report_overload(to, status.overload());
                 if let Some(warning) = power.warning() {

@@ -1,12 +1,12 @@
 //! Reports of heat: temperatures (M105, M155, waits), heaters and the fault (M122), the result of a tuning (M303).
 
 use super::report::Hundredths;
-use super::sensors::report_sensors;
+use super::sensors::{Extra, ExtraReadings, extra_readings, report_extra, report_sensors};
 use crate::connectors::{HEATERS, Heater};
 use crate::fault::Latch;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
-use crate::settings::ThermalSettings;
+use crate::settings::Settings;
 use crate::status::{Heat, Tuned};
 use crate::units::{Celsius, Ratio};
 use core::fmt;
@@ -14,17 +14,20 @@ use core::fmt;
 /// The letters of heaters in reports.
 const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
 
-/// The temperatures of the heaters that are fitted, as M105 has them. Without heaters hosts take the form of the line
-/// as a sign of life.
+/// The temperatures of the heaters and sensors that are fitted, as M105 has them. Without heaters hosts take the form of
+/// the line as a sign of life.
 pub(in crate::machine) struct Temperatures {
     /// Measured, target, and duty of 127.
     heaters: [Option<(Celsius, Celsius, u16)>; HEATERS],
+    extra: ExtraReadings,
 }
 
 impl Temperatures {
     /// The latest readings, with the ordered targets.
-    pub fn new(thermal: &ThermalSettings, heat: &Heat, target: impl Fn(Heater) -> Celsius) -> Self {
+    pub fn new(settings: &Settings, heat: &Heat, target: impl Fn(Heater) -> Celsius) -> Self {
+        let thermal = &settings.thermal;
         Self {
+            extra: extra_readings(settings, heat),
             heaters: Heater::ALL.map(|heater| {
                 let measured = heat.measured(heater).unwrap_or(Celsius::ZERO);
                 let is_fitted = thermal.heater(heater).is_fitted;
@@ -37,7 +40,8 @@ impl Temperatures {
 impl fmt::Display for Temperatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.heaters == [None; HEATERS] {
-            return f.write_str("T:0.00 /0.00 B:0.00 /0.00 @:0 B@:0");
+            f.write_str("T:0.00 /0.00 B:0.00 /0.00")?;
+            return write!(f, "{} @:0 B@:0", Extra(&self.extra));
         }
         let mut gap = "";
         for (letter, (measured, target, _)) in LETTERS.into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?)))
@@ -46,6 +50,7 @@ impl fmt::Display for Temperatures {
             write!(f, "{gap}{letter}:{measured} /{target}")?;
             gap = " ";
         }
+        write!(f, "{}", Extra(&self.extra))?;
         for (letter, (.., duty)) in ["", "B", "C"].into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?))) {
             write!(f, " {letter}@:{duty}")?;
         }
@@ -56,11 +61,12 @@ impl fmt::Display for Temperatures {
 /// Part of M122: the fault, the heaters, the sensors.
 pub(in crate::machine) fn report_heat(
     to: &mut Speaker<'_>,
-    thermal: &ThermalSettings,
+    settings: &Settings,
     heat: &Heat,
     fault_latch: &Latch,
     targets: [Celsius; HEATERS],
 ) {
+    let thermal = &settings.thermal;
     match fault_latch.fault() {
         Some(fault) => to.say(format_args!("echo:fault: {fault}; {} more since", fault_latch.more())),
         None => to.say(format_args!("echo:fault: none")),
@@ -76,6 +82,7 @@ pub(in crate::machine) fn report_heat(
             None => to.say(format_args!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
         }
     }
+    report_extra(to, &extra_readings(settings, heat));
     report_sensors(to, heat);
 }
 

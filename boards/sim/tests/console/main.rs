@@ -13,6 +13,7 @@ mod positions;
 mod refused_settings;
 mod reports;
 mod saving;
+mod sensors;
 mod stops;
 mod storage;
 mod talk;

@@ -1,0 +1,51 @@
+//! Sensors without a heater: thermistors in places where nothing heats. M105 and M122 report them, and nothing else
+//! reads them. So a broken one is reported and stops nothing. A heater on the same input has its own guards.
+
+use super::rows::{Chosen, Kind, Spec, rows};
+use super::{Settings, Thermistor};
+use crate::connectors::Sensor;
+use serde::{Deserialize, Serialize};
+
+/// Places of sensors without a heater: their names in machine files and reports, and their letters in M105, which are
+/// Marlin's (`print_heater_states`).
+pub const PLACES: [(&str, char); EXTRA_SENSORS] = [("chamber", 'C'), ("board", 'M'), ("probe", 'P')];
+
+/// Sensors without a heater that a machine may have.
+pub const EXTRA_SENSORS: usize = 3;
+
+/// A sensor without a heater.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct ExtraSensor {
+    /// Whether there is one.
+    pub is_fitted: bool,
+    /// Its input.
+    pub sensor: Sensor,
+    /// Its kind.
+    pub thermistor: Thermistor,
+}
+
+impl ExtraSensor {
+    /// None of them, at the inputs that the prototype leaves free.
+    #[must_use]
+    pub const fn prototype() -> [Self; EXTRA_SENSORS] {
+        const fn at(sensor: Sensor) -> ExtraSensor {
+            ExtraSensor { is_fitted: false, sensor, thermistor: Thermistor::NTC_3950 }
+        }
+        [at(Sensor::Hotend1), at(Sensor::Hotend2), at(Sensor::Hotend3)]
+    }
+}
+
+fn parts(s: &mut Settings) -> [&mut ExtraSensor; EXTRA_SENSORS] {
+    s.sensors.each_mut()
+}
+
+rows! {
+    for sensor in parts, named &["sensors.chamber", "sensors.board", "sensors.probe"];
+
+    /// Whether the machine has this sensor, which no heater depends on: M105 reports it.
+    106 "is_fitted" = sensor.is_fitted, "", [Spec::SWITCH];
+    /// The input of the sensor.
+    107 "sensor" = Chosen(&mut sensor.sensor), "", [Spec::choice::<Sensor>()];
+    /// The kind of sensor; or an NTC by its resistance at 25 C in Ohm and its beta in K.
+    108 "thermistor" = sensor.thermistor, "", [Spec::packed((1 << 45) - 1, Kind::Thermistor).from_zero()];
+}
