@@ -295,6 +295,11 @@ pub trait ThermalPort {
         None
     }
 
+    /// Whether filament presses the switch of its sensor; `None` without a sensor.
+    fn filament(&self) -> Option<bool> {
+        None
+    }
+
     /// Whether the board can switch the power supply off (PS_ON).
     fn has_supply_switch(&self) -> bool {
         false

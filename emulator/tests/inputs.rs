@@ -98,6 +98,26 @@ fn a_machine_without_a_probe_reports_none() {
     assert!(seen.line.said.iter().all(|line| !line.starts_with("z_probe")), "{:?}", seen.line.said);
 }
 
+/// Filament that presses the switch of its sensor is Marlin's TRIGGERED, whether the switch opens or closes then.
+#[test]
+fn filament_in_its_sensor_is_reported() {
+    let pin = Pin::new('G', 12);
+    for (plug, level, words) in [
+        ("", None, None),
+        ("E0DET", None, Some("filament: TRIGGERED")),
+        ("E0DET", Some((pin, false)), Some("filament: open")),
+        ("!E0DET", None, Some("filament: open")),
+        ("!E0DET", Some((pin, false)), Some("filament: TRIGGERED")),
+    ] {
+        let mut machine = machine_file::load(&format!("[endstops]\nfilament = \"{plug}\"")).unwrap();
+        let mut firmware = plain_firmware();
+        firmware.put_machine(&mut machine).unwrap();
+        let seen = talk(&firmware, "G4 P100\nM119\n", &[], level);
+        let told = seen.line.said.iter().find(|line| line.starts_with("filament"));
+        assert_eq!(told.map(String::as_str), words, "{plug} {level:?}");
+    }
+}
+
 /// The contact of a probe closes and opens at each connector that may have one and has no resistor of the board: by the
 /// resistor of the chip the image reads both. A pin with the wrong one, or without, would read one level for ever.
 ///

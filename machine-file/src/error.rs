@@ -240,6 +240,7 @@ fn plugged(error: &ConnectorError) -> String {
                 Plugged::Motor(motor) => format!("motors.{motor}"),
                 Plugged::Endstop(axis) => format!("endstops.{axis}"),
                 Plugged::Probe => "endstops.probe".to_owned(),
+                Plugged::Filament => "endstops.filament".to_owned(),
             }
         }
         ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),

@@ -113,7 +113,10 @@ const PEERS: &[Peer] = &[
     Peer("quad_gantry_level", NotYet("all Z motors move alike")),
     Peer("z_tilt*", NotYet("all Z motors move alike")),
     Peer("safe_z_home", NotYet("Z homes where the tool stands")),
-    Peer("filament_switch_sensor", NotYet("nothing notices the end of the filament")),
+    Peer(
+        "filament_switch_sensor",
+        Use("endstops.filament", "its input; M119 reports it, and nothing stops at the end of the filament"),
+    ),
     Peer("gcode_macro", NotYet("no macros")),
 ];
 

@@ -21,6 +21,8 @@ pub struct Heat {
     settings: ThermalSettings,
     /// Sensors without a heater, which have the temperature of the room.
     sensors: [ExtraSensor; EXTRA_SENSORS],
+    /// There is a filament sensor, and filament in it.
+    has_filament: bool,
     steps_per_mm: f64,
     duties: [u16; OUTPUTS],
     fans: [u16; FANS],
@@ -44,6 +46,7 @@ impl Heat {
             plant: thermal.has_heater().then(|| Plant::new(constants)),
             settings: thermal,
             sensors: settings.sensors,
+            has_filament: !settings.filament.connector.is_none(),
             steps_per_mm: settings.axes.e.steps_per_mm.to_num(),
             duties: [0; OUTPUTS],
             fans: [0; FANS],
@@ -231,6 +234,10 @@ impl ThermalPort for Heat {
         if let Some(place) = self.fans.get_mut(fan) {
             *place = duty;
         }
+    }
+
+    fn filament(&self) -> Option<bool> {
+        self.has_filament.then_some(true)
     }
 
     fn has_supply_switch(&self) -> bool {

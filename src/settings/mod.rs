@@ -139,6 +139,8 @@ pub struct Settings {
     /// The connector of the Z probe; without a connector there is none. It reads as a switch does: without
     /// `is_normally_open` it has triggered when it is open. Nothing probes by it.
     pub probe: EndstopPlug,
+    /// The connector of the filament sensor: filament presses its switch. M119 reports it, and nothing else asks for it.
+    pub filament: EndstopPlug,
     /// The belt of x and y.
     pub belt: Belt,
     /// The machine's name for hosts and screens (M115).
@@ -207,6 +209,7 @@ impl Settings {
             baud: 250_000,
             bed: Bed { width, depth, left: Mm::ZERO, front: Mm::ZERO },
             probe: EndstopPlug::NONE,
+            filament: EndstopPlug::NONE,
             belt: Belt::prototype(),
             name: const { MachineName::lit("CoreH-bot prototype") },
             pause: Pause::prototype(),
@@ -223,6 +226,7 @@ impl Settings {
             wiring,
             baud,
             probe,
+            filament,
             belt:
                 Belt {
                     is_closed,
@@ -271,6 +275,7 @@ impl Settings {
             && wiring == other.wiring
             && baud == other.baud
             && probe == other.probe
+            && filament == other.filament
             && is_closed == other.belt.is_closed
     }
 
@@ -397,14 +402,15 @@ mod tests {
             assert_ne!(other, made);
             made.is_built_as(&other)
         };
-        let building: [fn(&mut Settings); 5] = [
+        let building: [fn(&mut Settings); 6] = [
             |s| s.mechanism.rows.reverse(),
             |s| s.wiring.motors[0].is_reversed ^= true,
             |s| s.baud = 9600,
             |s| s.probe.is_normally_open ^= true,
+            |s| s.filament.is_normally_open ^= true,
             |s| s.belt.is_closed ^= true,
         ];
-        assert_eq!(building.map(is_built_alike), [false; 5]);
+        assert_eq!(building.map(is_built_alike), [false; 6]);
         let others: [fn(&mut Settings); 4] = [
             |s| s.axes.x.length = Mm::ZERO,
             |s| s.belt.settling_ms = 200,

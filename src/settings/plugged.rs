@@ -15,6 +15,8 @@ pub enum Plugged {
     Endstop(&'static str),
     /// The Z probe.
     Probe,
+    /// The filament sensor.
+    Filament,
 }
 
 /// A part plugged in at an impossible connector.
@@ -55,8 +57,8 @@ impl Settings {
         let axes = &self.wiring.endstops;
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
         let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
-        let probe = Some(self.probe.connector).filter(|connector| !connector.is_none());
-        let contacts = switches.chain(probe.map(|connector| (Plugged::Probe, connector)));
+        let others = [(Plugged::Probe, self.probe.connector), (Plugged::Filament, self.filament.connector)];
+        let contacts = switches.chain(others.into_iter().filter(|(_, connector)| !connector.is_none()));
         check(contacts, board, BoardConnectors::is_one_line)?;
         if board.is_simulated {
             return Ok(());
@@ -108,7 +110,7 @@ impl Plugged {
     const fn connectors_of(self, board: &BoardConnectors) -> &'static [ConnectorName] {
         match self {
             Self::Motor(_) => board.sockets,
-            Self::Endstop(_) | Self::Probe => board.inputs,
+            Self::Endstop(_) | Self::Probe | Self::Filament => board.inputs,
         }
     }
 }
@@ -119,6 +121,7 @@ impl Display for Plugged {
             Self::Motor(motor) => write!(f, "motor {motor}"),
             Self::Endstop(axis) => write!(f, "endstop of {axis}"),
             Self::Probe => f.write_str("probe"),
+            Self::Filament => f.write_str("filament sensor"),
         }
     }
 }

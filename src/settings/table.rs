@@ -53,6 +53,7 @@ files! {
     wiring::names,
     wiring::motors,
     wiring::endstops,
+    wiring::filament,
     wiring::mechanism,
 }
 

@@ -198,6 +198,23 @@ pub(super) mod endstops {
     }
 }
 
+/// The row of the filament sensor, which came later than its neighbours.
+pub(super) mod filament {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut EndstopPlug; 1] {
+        [&mut s.filament]
+    }
+
+    rows! {
+        for plug in parts, named &["endstops.filament"];
+
+        /// Input of the filament sensor, with a switch that opens when filament presses it; ! before it: which closes
+        /// then. Empty is none. M119 reports it; so far nothing stops at the end of the filament.
+        109 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
+    }
+}
+
 impl Field for Row {
     fn get(&self) -> Value {
         // The number of an illegal row is out of range.

@@ -88,6 +88,8 @@ pub struct Heat {
     /// Of 65,535.
     duties: [AtomicU16; HEATERS],
     fans: [AtomicU16; FANS],
+    /// One more than whether filament presses the switch of its sensor; 0 without a sensor.
+    filament: AtomicU8,
     /// Control periods since start.
     periods: AtomicU32,
     tuning: AtomicU32,
@@ -116,6 +118,7 @@ impl Heat {
             ailments: [const { AtomicU8::new(0) }; HEATERS],
             duties: [const { AtomicU16::new(0) }; HEATERS],
             fans: [const { AtomicU16::new(0) }; FANS],
+            filament: AtomicU8::new(0),
             periods: AtomicU32::new(0),
             tuning: AtomicU32::new(0),
             tuned: [const { AtomicU32::new(0) }; 7],
@@ -163,6 +166,12 @@ impl Heat {
     #[must_use]
     pub fn fan(&self, fan: usize) -> u16 {
         self.fans.get(fan).map_or(0, |duty| duty.load(Relaxed))
+    }
+
+    /// Whether filament presses the switch of its sensor; `None` without a sensor.
+    #[must_use]
+    pub fn filament(&self) -> Option<bool> {
+        self.filament.load(Relaxed).checked_sub(1).map(|is_there| is_there > 0)
     }
 
     /// Control periods of 20 ms since start.
@@ -221,6 +230,10 @@ impl Heat {
         if let Some(place) = self.fans.get(fan) {
             place.store(duty, Relaxed);
         }
+    }
+
+    pub(crate) fn set_filament(&self, is_there: Option<bool>) {
+        self.filament.store(is_there.map_or(0, |is_there| 1 + u8::from(is_there)), Relaxed);
     }
 
     pub(crate) fn count_period(&self) {

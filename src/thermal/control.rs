@@ -106,6 +106,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         self.listen();
         self.heat();
         self.set_fan();
+        self.status.heat().set_filament(self.port.filament());
         self.status.heat().count_period();
     }
 

@@ -145,7 +145,7 @@ fn key_of(path: &str) -> String {
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.strip_prefix("axis_min.").map_or(path.clone(), |axis| format!("axes.{axis}.min"));
     let path = path.replace("homing_order", "homing.order");
-    let path = if path == "probe" { "endstops.probe".to_owned() } else { path };
+    let path = if ["probe", "filament"].contains(&path.as_str()) { format!("endstops.{path}") } else { path };
     let path = path.replace("belt.is_closed", "belt.closed").replace("settling_ms", "settling");
     let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
     CornerRule::all().map(corner).fold(path, |path, [of_rule, key, _]| path.replace(of_rule, &format!("corner.{key}")))
@@ -171,8 +171,8 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
         load(&file).ok().filter(|settings| *settings != before)
     };
     let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0, 115_200.0].into_iter().map(toml::Value::Float);
-    let names =
-        ["mzv", "he2", "hotend2", "pt1000", "pid", "hotend", "controller", "max", "warning"].map(toml::Value::from);
+    let names = ["mzv", "he2", "hotend2", "hotend3", "pt1000", "pid", "hotend", "controller", "max", "warning"]
+        .map(toml::Value::from);
     let (order, phases) = (toml::Value::from(["z", "x", "y"].to_vec()), toml::Value::from([517, 3].to_vec()));
     [true.into(), false.into(), order, phases].into_iter().chain(names).chain(numbers).find_map(legal)
 }
@@ -230,7 +230,7 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 fn is_of_all_machines(path: &str) -> bool {
     let is_of_closed_belt = path.starts_with("belt.")
         && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases", "belt.limp_lift"].contains(&path);
-    path != "probe"
+    !["probe", "filament"].contains(&path)
         && !OF_MOTORS.contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")

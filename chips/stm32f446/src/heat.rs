@@ -7,7 +7,7 @@ use crate::fans::Fans;
 use crate::heater_timer::HeaterTimer;
 use crate::reference_voltage::ReferenceVoltage;
 use crate::thermistors::Thermistors;
-use crate::wiring::{Board, SupplySwitch};
+use crate::wiring::{Contact, Plugged, SupplySwitch};
 use crate::{ports, reset_reason, watchdog};
 
 /// Heaters, fans and sensors of a board, and its watchdog.
@@ -18,6 +18,7 @@ pub struct BoardHeat {
     timer: HeaterTimer,
     fans: Fans,
     supply_switch: Option<SupplySwitch>,
+    filament: Option<Contact>,
     /// All sensors that were asked for in this period have delivered.
     is_sampled: bool,
     /// The cycle counter when the watchdog was fed last.
@@ -27,7 +28,8 @@ pub struct BoardHeat {
 impl BoardHeat {
     /// Takes the timers, converters and pins, with everything off except the power supply. The supply stays off too if
     /// it was switched off before the reset, because a heater did not go off otherwise.
-    pub fn start(board: &'static Board, is_supplied: bool) -> Self {
+    pub fn start(plugged: &Plugged, is_supplied: bool) -> Self {
+        let board = plugged.board;
         let thermistors = Thermistors::start(board.thermistors);
         let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
         if let Some(switch) = board.supply_switch {
@@ -42,6 +44,7 @@ impl BoardHeat {
             timer: HeaterTimer::start(board.heaters),
             fans: Fans::start(board.fans),
             supply_switch: board.supply_switch,
+            filament: plugged.filament,
             is_sampled: true,
             cycles: DWT::cycle_count(),
         }
@@ -83,6 +86,10 @@ impl ThermalPort for BoardHeat {
 
     fn set_fan(&mut self, fan: usize, duty: u16) {
         self.fans.set_fan(fan, duty);
+    }
+
+    fn filament(&self) -> Option<bool> {
+        self.filament.map(|contact| ports::is_high(contact.input.pin) == contact.is_high_when_triggered())
     }
 
     fn has_supply_switch(&self) -> bool {

@@ -106,7 +106,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let (coupling, circulating) = (groups.coupling(), Groups::new(&settings.mechanism.circulating()).coupling());
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
     let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
-    let heat = BoardHeat::start(board, !past.is_supply_off);
+    let heat = BoardHeat::start(plugged, !past.is_supply_off);
     let step_ports = StepPorts {
         pins: StepPins::new(plugged, dirs, [&coupling, if settings.belt.is_closed { &circulating } else { &coupling }]),
         clock: timer,

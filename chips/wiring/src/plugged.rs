@@ -20,6 +20,8 @@ pub struct Plugged {
     pub endstops: [Contact; 3],
     /// The Z probe, if the machine has one.
     pub probe: Option<Contact>,
+    /// The filament sensor, if the machine has one.
+    pub filament: Option<Contact>,
 }
 
 impl Board {
@@ -31,7 +33,7 @@ impl Board {
         prototype.zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
         let mut endstops = [Input::plain(Port::A, 0).contact(false); 3];
         endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = input.contact(false));
-        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None }
+        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, filament: None }
     }
 
     /// The board with a machine plugged in.
@@ -54,6 +56,7 @@ impl Board {
             *place = self.contact(plug).unwrap_or(place.input.contact(plug.is_normally_open));
         }
         plugged.probe = self.contact(machine.probe);
+        plugged.filament = self.contact(machine.filament);
         Ok(plugged)
     }
 
@@ -74,7 +77,7 @@ impl Board {
 impl Plugged {
     /// Everything with a contact.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> {
-        self.endstops.into_iter().chain(self.probe)
+        self.endstops.into_iter().chain(self.probe).chain(self.filament)
     }
 
     /// Step pins by motor.

@@ -51,6 +51,7 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     axes::axes(&mut work);
     heat::heat(&mut work);
     probe::probe(&mut work);
+    probe::filament(&mut work);
     probe::shapers(&mut work);
     numbers(&mut work);
     let head = format!(

@@ -1,4 +1,4 @@
-//! The probe's input, and input shapers.
+//! Inputs of probe and filament sensor, and input shapers.
 
 use super::work::Work;
 use crate::translation::Kind;
@@ -29,6 +29,26 @@ pub(super) fn probe(work: &mut Work<'_>) {
                 let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
                 work.say(entry, Kind::NotYet, text);
             }
+        }
+    }
+}
+
+/// Translates a filament sensor with a switch: so far its input is reported, and nothing more.
+pub(super) fn filament(work: &mut Work<'_>) {
+    let sections = work.config.sections.iter().map(|section| section.name.as_str());
+    for section in sections.filter(|name| name.starts_with("filament_switch_sensor ")) {
+        let Some((entry, pin)) = work.pin(section, "switch_pin") else { continue };
+        let is_first = work.lines.get("endstops.filament").is_none();
+        let input = work.pins.input(&pin, Circuit::Plain).filter(|_| pin.is_on_board() && is_first);
+        let Some(input) = input else {
+            let text = format!("no input of the {}, or a second sensor", work.pins.connectors.name);
+            work.say(entry, Kind::NotYet, text);
+            continue;
+        };
+        work.take(entry, "endstops.filament", input.plug(&pin));
+        work.say(entry, Kind::Approximated, "M119 reports it, and nothing stops at the end of the filament so far");
+        if let Some((kind, text)) = input.of_pull(&pin) {
+            work.say(entry, kind, text);
         }
     }
 }

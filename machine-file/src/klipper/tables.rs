@@ -127,7 +127,7 @@ pub(super) const REMARKS: &[Remark] = &[
     not_yet("safe_z_home", "", "Z homes where the tool stands: home X and Y first, see homing.order"),
     not_yet("homing_override", "", "G28 homes by homing.order, without G-code of yours"),
     // Sensors and displays.
-    not_yet("filament_switch_sensor *", "", "nothing notices the end of the filament"),
+    not_yet("filament_switch_sensor *", "", "M119 reports one, and nothing stops at the end of the filament"),
     not_yet("filament_motion_sensor *", "", "nothing notices a jam"),
     not_yet("adxl345*", "", "resonances are not measured by the board"),
     not_yet("lis2dw*", "", "resonances are not measured by the board"),

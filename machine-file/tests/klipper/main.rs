@@ -155,6 +155,19 @@ fn every_kinematics_has_klippers_matrix() {
     }
 }
 
+/// Klipper's pin is high while there is filament: with `!` the switch closes to ground then.
+#[test]
+fn a_filament_sensors_input_is_taken() {
+    for (pin, plug) in [("PG12", "E0DET"), ("^!PG15", "!E3DET"), ("~PB7", "!PROBE")] {
+        let text = of_text(&format!("[filament_switch_sensor spool]\nswitch_pin: {pin}\n")).text;
+        assert!(text.contains(&format!("\nfilament = \"{plug}\"  # printer.cfg:2\n")), "{text}");
+    }
+    for pin in ["EBBCan:PB4", "PF13"] {
+        let text = of_text(&format!("[filament_switch_sensor spool]\nswitch_pin: {pin}\n")).text;
+        assert!(!text.contains("filament ="), "{text}");
+    }
+}
+
 /// By its name, else in the first place that is left. Others are told as not there.
 #[test]
 fn sensors_without_a_heater_have_their_places() {

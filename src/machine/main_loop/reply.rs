@@ -153,7 +153,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 to.say(format_args!("echo:upload ended: there is no card, ignored lines: {lines}"));
             }
             Answer::Firmware => report_firmware(to, is_present(storage), s),
-            Answer::Endstops(pressed) => report_endstops(to, pressed, status.inputs(), &s.endstops),
+            Answer::Endstops(pressed) => {
+                report_endstops(to, pressed, status.inputs(), &s.endstops, status.heat().filament());
+            }
             Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
             Answer::Heat => report_heat(to, s, status.heat(), status.fault(), targets),
             Answer::Overload => {

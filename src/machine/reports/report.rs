@@ -151,12 +151,14 @@ pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: boo
     }
 }
 
-/// M119: which endstops are pressed, of the inputs that there are.
+/// M119: which endstops are pressed, of the inputs that there are, and whether filament presses the switch of its
+/// sensor.
 pub(in crate::machine) fn report_endstops(
     to: &mut Speaker<'_>,
     pressed: EndstopSet,
     inputs: EndstopSet,
     endstops: &Cartesian<Endstop>,
+    filament: Option<bool>,
 ) {
     let state = |e: EndstopSet| if pressed.has(e) { "TRIGGERED" } else { "open" };
     to.say(format_args!("Reporting endstop status"));
@@ -167,6 +169,10 @@ pub(in crate::machine) fn report_endstops(
     }
     if inputs.has(EndstopSet::PROBE) {
         to.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
+    }
+    if let Some(is_there) = filament {
+        // Marlin's words: with filament the switch has triggered (`Endstops::report_states`).
+        to.say(format_args!("filament: {}", if is_there { "TRIGGERED" } else { "open" }));
     }
 }
 

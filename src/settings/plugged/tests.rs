@@ -107,6 +107,17 @@ fn a_probe_is_plugged_in_at_any_input_or_not_at_all() {
 }
 
 #[test]
+fn a_filament_sensor_is_plugged_in_at_an_input_of_its_own() {
+    let mut s = Settings::prototype();
+    s.filament.connector = ConnectorName::lit("E0DET");
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
+    s.probe.connector = ConnectorName::lit("E0DET");
+    assert_eq!(error(&s, &PRINTER), "probe and filament sensor have the same connector, E0DET");
+    s.filament.connector = ConnectorName::lit("FIL");
+    assert_eq!(error(&s, &PRINTER), format!("filament sensor: the sample has no connector FIL; it has {INPUTS}"));
+}
+
+#[test]
 fn two_connectors_of_one_line_are_one() {
     for (z, probe) in [("PROBE", "BLTOUCH"), ("BLTOUCH", "PROBE")] {
         let mut s = Settings::prototype();

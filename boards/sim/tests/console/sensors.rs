@@ -1,8 +1,9 @@
-//! Sensors without a heater: M105 and M122 report them, over saves and restarts, and no guard asks for them.
+//! Sensors that are reported and stop nothing: without a heater (M105, M122), and of filament (M119), over saves and
+//! restarts.
 
 use super::talk::{keep, talk_to};
 use super::wild_machine::lines_of;
-use corehbot::connectors::Sensor;
+use corehbot::connectors::{ConnectorName, Sensor};
 use corehbot::settings::{Settings, Thermistor};
 use corehbot_sim::eeprom::Eeprom;
 
@@ -48,7 +49,7 @@ fn a_heater_in_the_chamber_counts_before_a_sensor_there() {
     let mut settings = machine();
     settings.thermal.heaters.chamber.is_fitted = true;
     let line = temperatures(&settings);
-    assert_eq!((line.matches(" C:").count() + line.matches("ok C:").count(), line.matches(" M:").count()), (1, 1));
+    assert_eq!((line.matches(" C:").count(), line.matches(" M:").count()), (1, 1), "{line}");
 }
 
 /// A PT1000's range read from a thermistor of 100 kOhm is an open wire, and the reverse a short.
@@ -81,4 +82,18 @@ fn they_outlive_a_save_a_restart_and_m502() {
         let (heard, ..) = keep(&mut eeprom, &made, &["M105"]);
         assert_eq!(has_board(&heard), [true], "{heard:?}");
     }
+}
+
+/// The line is there while the machine has the sensor, over saves and restarts.
+#[test]
+fn a_filament_sensor_is_a_line_of_m119() {
+    let (mut eeprom, made) = (Eeprom::blank(), Settings::prototype());
+    let mut settings = made;
+    settings.filament.connector = ConnectorName::lit("E0DET");
+    let mut told = |settings: &Settings| {
+        let (heard, ..) = keep(&mut eeprom, settings, &["G4 P100", "M119", "M500", "M501", "M119"]);
+        heard.iter().filter(|line| *line == "filament: TRIGGERED").count()
+    };
+    assert_eq!([told(&settings), told(&settings)], [2, 2]);
+    assert_eq!(told(&made), 0);
 }

@@ -54,6 +54,7 @@ fn the_longest_values_fit() {
     let endstop = Endstop { end: AxisEnd::Max, position: Mm::MIN };
     (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
     s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN };
+    s.filament = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     s.probe = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     s.belt = Belt {
         is_closed: true,
