@@ -209,13 +209,21 @@ pub(in crate::gcode) fn line(code: Code, text: &[u8]) -> Command<'_> {
             _ => is_usual = false,
         }
     }
+    if !is_usual || words.has_skipped() {
+        return unusual_line(code, text, to, feed);
+    }
+    Command::Motion(MotionCommand::Line { rapid: code.number == 0, to, feed })
+}
+
+/// The same for a line with unusual parts. It makes its command itself, so that [`line`] writes one to one place.
+#[cold]
+#[inline(never)]
+fn unusual_line(code: Code, text: &[u8], to: AxisWords, feed: Option<Number>) -> Command<'_> {
     let command = Command::Motion(MotionCommand::Line { rapid: code.number == 0, to, feed });
-    if is_usual && !words.has_skipped() { command } else { in_order(with_belt(command, text), LINE, code, text) }
+    in_order(with_belt(command, text), LINE, code, text)
 }
 
 /// A move in which the belt circulates too, if the line has a C.
-#[cold]
-#[inline(never)]
 fn with_belt<'a>(command: Command<'a>, text: &[u8]) -> Command<'a> {
     match (command, Words::new(text).filter(|word| word.letter == b'C').last()) {
         (Command::Motion(MotionCommand::Line { to, feed, .. }), Some(Word { number: Some(belt), .. })) => {
