@@ -48,11 +48,11 @@ fn fans_blow_on_either_version() {
             .collect();
         let seen = print_on(&firmware, &gcode, &bench);
         assert_eq!((seen.end, &seen.line.failure, &seen.gaps.found), (End::Done, &None, &vec![]));
-        // Whole turns of 15 Hz in the second half of each of the four.
+        // Some turns of 15 Hz in the middle of each of the four.
         let end = seen.virtual_ns;
         let mean = |turn: u64| {
             let at = |sample: &&Sample| {
-                (end - 400 * MS * (4 - turn) + 180 * MS..end - 400 * MS * (3 - turn)).contains(&sample.at)
+                (end - 400 * MS * (4 - turn) + 120 * MS..end - 400 * MS * (3 - turn) - 60 * MS).contains(&sample.at)
             };
             let samples: Vec<_> = seen.heat.samples.iter().filter(at).collect();
             [0, 1, 2].map(|fan| samples.iter().map(|sample| sample.fans[fan]).sum::<f64>() / samples.len() as f64)
@@ -101,7 +101,7 @@ fn no_pulse_lasts_longer_than_a_control_period() {
             let pulses: Vec<_> = edges.chunks(2).map(|pair| pair[1].at - pair[0].at).collect();
             println!("{output:?}: {} pulses, {:?} to {:?} ns", pulses.len(), pulses.iter().min(), pulses.iter().max());
             assert!(edges.chunks(2).all(|pair| pair[0].is_high && !pair[1].is_high), "{output:?}");
-            assert!(pulses.len() > 50 && pulses.iter().all(|pulse| *pulse <= 20 * MS), "{output:?}");
+            assert!(pulses.len() > 40 && pulses.iter().all(|pulse| *pulse <= 20 * MS), "{output:?}");
             // The bed is slower than the test.
             assert!(
                 output == Output::Bed || pulses.iter().any(|pulse| *pulse < 15 * MS),

@@ -27,7 +27,7 @@ fn start(key: &str, wiring: &'static Wiring, usb: bool) -> Seen {
         drivers: DriverLines::new(wiring),
         second: (wiring.host_ports.len() > 1 && !usb).then_some(gcode),
         manner: Manner { is_impatient: true, insists: true, usb: usb.then(UsbHabits::default), ..Manner::default() },
-        whole: 3500 * MS,
+        whole: 6000 * MS,
         ..bench_of(settings)
     };
     let seen = print_on(&image(key), gcode, &bench);

@@ -4,8 +4,9 @@ use super::{LOOK_NS, Watch};
 use crate::board::Emulated;
 use rigless::session::Session;
 
-/// A run continues for this long after the host is done: 20 ms.
-const LAST_NS: u64 = 20_000_000;
+/// A run continues for this long after the host is done: 50 ms. A fan that is switched on then has turned its timer
+/// round, and a whole sample shows it.
+const LAST_NS: u64 = 50_000_000;
 
 /// Why a run ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
