@@ -240,6 +240,8 @@ switch_pin: PG12
         needs: &[
             ("stepper_x", "position_min", Taken, "axes.x.min = -19"),
             ("tmc5160 stepper_x", "run_current", NotYet, "another driver than a TMC2209"),
+            ("temperature_sensor chamber", "sensor_pin", Taken, "sensors.chamber.sensor = \"hotend1\""),
+            ("filament_switch_sensor runout", "switch_pin", Approximated, "endstops.filament = \"E0DET\""),
         ],
         is_machine: true,
         decisions: 0,
@@ -336,7 +338,7 @@ pin: PD12
 cycle_time: 0.00002
 hardware_pwm: true
 ",
-        needs: &[("fan", "pin", Taken, "fans.fan2")],
+        needs: &[("fan", "pin", Taken, "fans.fan2"), ("fan", "cycle_time", NotYet, "98 Hz")],
         is_machine: true,
         decisions: 0,
     },
