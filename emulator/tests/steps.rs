@@ -105,6 +105,16 @@ fn a_belt_runs_round_as_on_the_host() {
 /// A file is printed so far. `cargo xtask equal` prints the whole of it.
 const LINES: usize = 300;
 
+/// A motor of the belt without the other of its pair or without its neighbour, a screw on a slow step pin, and the
+/// extruder. No motor steps without power, and in the end all of them have it.
+#[test]
+fn one_motor_alone_steps_as_on_the_host() {
+    let buzzes = ["m1", "m4 FREE=m8", "z2", "e0"].map(|motor| format!("STEPPER_BUZZ STEPPER={motor}\n"));
+    let seen = check_gcode("one motor alone", &format!("{}M17\n", buzzes.concat()));
+    // Five times to and fro, at 80, 80, 800 and 400 steps/mm.
+    assert_eq!(seen.recorder.events.len(), 10 * (80 + 80 + 800 + 400));
+}
+
 /// A typical print. The sliced file is not part of the project; without it an example is printed.
 #[test]
 fn a_print_steps_as_on_the_host() {

@@ -268,6 +268,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     /// Changes the port's coupling and sets the direction lines again. At rest.
     pub fn recouple(&mut self, change: impl FnOnce(&mut P)) {
         change(&mut self.port);
+        self.status.set_slow_groups(self.port.slow_groups());
         self.port.dir(self.forward);
     }
 

@@ -102,15 +102,11 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     pull(plugged.contacts().map(|contact| contact.input));
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
-    let groups = Groups::new(&settings.mechanism);
-    let (coupling, circulating) = (groups.coupling(), Groups::new(&settings.mechanism.circulating()).coupling());
+    let coupling = Groups::new(&settings.mechanism).coupling();
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
     let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
     let heat = BoardHeat::start(plugged, !past.is_supply_off);
-    let step_ports = StepPorts {
-        pins: StepPins::new(plugged, dirs, [&coupling, if settings.belt.is_closed { &circulating } else { &coupling }]),
-        clock: timer,
-    };
+    let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &coupling), clock: timer };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 

@@ -52,8 +52,8 @@ pub struct StepPins {
     held: GroupSet,
     dirs: &'static mut Dirs,
     endstops: Endstops,
-    /// Groups that need a closer look in any coupling that this machine may have.
-    slow_groups: GroupSet,
+    /// Groups that need a closer look.
+    slow: GroupSet,
 }
 
 /// Direction pins: their ports, and the values to store there.
@@ -77,6 +77,8 @@ pub struct Steps {
     writes: StepWrites,
     /// Groups with a motor on a slow step pin.
     held: GroupSet,
+    /// The same, and groups with a motor on a port that quick steps do not reach.
+    slow: GroupSet,
 }
 
 impl Steps {
@@ -85,12 +87,9 @@ impl Steps {
         let slow = plugged.slow();
         let each = (0..MOST_GROUPS).map(|group| 1 << group);
         let held = GroupSet(each.filter(|group| coupling.motors(GroupSet(*group)).0 & slow.0 != 0).sum());
-        Self { writes: StepWrites::pulses(plugged.step_pins(), slow, coupling), held }
-    }
-
-    /// Groups that need a closer look.
-    fn slow_groups(&self) -> GroupSet {
-        GroupSet(self.held.0 | self.writes.beyond_quick().0)
+        let writes = StepWrites::pulses(plugged.step_pins(), slow, coupling);
+        let slow = GroupSet(held.0 | writes.beyond_quick().0);
+        Self { writes, held, slow }
     }
 }
 
@@ -102,11 +101,9 @@ struct Quick {
 }
 
 impl StepPins {
-    /// The pins of the motors, which are outputs already, in the first of the couplings that there may be.
-    pub fn new(plugged: &Plugged, dirs: &'static mut Dirs, couplings: [&Coupling; 2]) -> Self {
-        let [first, other] = couplings.map(|coupling| Steps::new(plugged, coupling));
-        let slow_groups = GroupSet(first.slow_groups().0 | other.slow_groups().0);
-        let Steps { writes: steps, held } = first;
+    /// The pins of the motors, which are outputs already, in this coupling.
+    pub fn new(plugged: &Plugged, dirs: &'static mut Dirs, coupling: &Coupling) -> Self {
+        let Steps { writes: steps, held, slow } = Steps::new(plugged, coupling);
         let low = steps.of(ALL).map(|word| word << 16);
         let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {
@@ -117,7 +114,7 @@ impl StepPins {
             held,
             dirs,
             endstops: Endstops::new(plugged),
-            slow_groups,
+            slow,
         }
     }
 
@@ -125,6 +122,7 @@ impl StepPins {
     pub fn couple(&mut self, steps: &mut Steps, dirs: &mut &'static mut Dirs) {
         core::mem::swap(&mut self.steps, &mut steps.writes);
         core::mem::swap(&mut self.held, &mut steps.held);
+        core::mem::swap(&mut self.slow, &mut steps.slow);
         core::mem::swap(&mut self.dirs, dirs);
     }
 }
@@ -232,7 +230,7 @@ impl StepPort for StepPins {
     }
 
     fn slow_groups(&self) -> GroupSet {
-        self.slow_groups
+        self.slow
     }
 
     #[inline(always)]

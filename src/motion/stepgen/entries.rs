@@ -139,6 +139,8 @@ impl StepGenerator<'_> {
     fn regroup(&mut self, grouping: Grouping) {
         self.mechanism = self.groupings.of(grouping);
         self.alignment = Alignment::new(self.mechanism);
+        // The step pins have the new coupling already.
+        self.events.set_slow_groups(self.status.slow_groups());
     }
 
     /// All motors are at rest. Ends the task that waited for this, or begins the next one; false if there is none.
