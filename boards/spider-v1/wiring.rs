@@ -20,8 +20,8 @@ pub static BOARD: Board = Board {
         FanPin { pin: FANS[1], timer: FanTimer::OneComplementary, channel: 3 },
         spider::FAN2,
     ],
-    // Gates, which no resistor pulls up. On V2.2 and V2.3 they are TB and TE4 with 4.7 kOhm to 3.3 V, so an input without
-    // a sensor, or with a cold one, is high.
+    // Gates, which no resistor pulls up. On V2.2 and V2.3 they are TB and TE4 with 4.7 kOhm to 3.3 V, so an input
+    // without a sensor, or with a cold one, is high.
     marks: &[Mark::not_up(&FANS)],
     ..spider::BOARD
 };

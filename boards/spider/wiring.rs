@@ -53,8 +53,8 @@ pub static BOARD: Board = Board {
         // E1-MOT, which has a slow direction pin.
         Slot::new((Port::E, 6), (Port::C, 13), (Port::E, 5), (Port::C, 14)),
     ],
-    // X-MIN, Y-MIN, Z-MIN, X-MAX, Y-MAX, Z-MAX: contacts to ground (Fysetc's printer.cfg: ^ before each endstop_pin, and
-    // Z-MAX in [probe]).
+    // X-MIN, Y-MIN, Z-MIN, X-MAX, Y-MAX, Z-MAX: contacts to ground (Fysetc's printer.cfg: ^ before each endstop_pin,
+    // and Z-MAX in [probe]).
     inputs: &[
         Input::plain(Port::B, 14),
         Input::plain(Port::B, 13),

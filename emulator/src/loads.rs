@@ -77,8 +77,8 @@ impl Emulated {
     }
 
     /// The pulse that a channel of a timer puts out now or will before its counter stops: its begin and its end, in
-    /// counts of the present period. A level that is high while the counter stands has no end, and neither has the pulse
-    /// of a counter that does not stop by itself.
+    /// counts of the present period. A level that is high while the counter stands has no end, and neither has the
+    /// pulse of a counter that does not stop by itself.
     pub fn pulse(&mut self, timer: Timer, channel: u8) -> Option<(u64, u64)> {
         let is_high = self.puts_out(timer, channel) == Some(Level::High);
         let mut peek = |offset| self.mcu.peek(VirtualNanos(0), timer.base() + offset, Width::W32).unwrap_or(0);

@@ -26,8 +26,8 @@ pub struct Rig {
     /// A step's part in the tool's position for each motor: x, y and z are sums of all counts, ready for the step
     /// interrupt. Sums grow away from the switches.
     weights: [[i32; 3]; MOTORS],
-    /// Motors up to the last one that moves the tool. The sums leave out the others, so a place for one more motor costs
-    /// the step interrupt nothing.
+    /// Motors up to the last one that moves the tool. The sums leave out the others, so a place for one more motor
+    /// costs the step interrupt nothing.
     moving: usize,
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],

@@ -139,7 +139,8 @@ pub struct Settings {
     /// The connector of the Z probe; without a connector there is none. It reads as a switch does: without
     /// `is_normally_open` it has triggered when it is open. Nothing probes by it.
     pub probe: EndstopPlug,
-    /// The connector of the filament sensor: filament presses its switch. M119 reports it, and nothing else asks for it.
+    /// The connector of the filament sensor: filament presses its switch. M119 reports it, and nothing else asks for
+    /// it.
     pub filament: EndstopPlug,
     /// The belt of x and y.
     pub belt: Belt,

@@ -32,8 +32,8 @@ pub struct MotorPlug {
 pub struct EndstopPlug {
     /// The input.
     pub connector: ConnectorName,
-    /// It closes when it is pressed, so that a broken wire reads as not pressed. Otherwise it opens. Which level that is
-    /// depends on the input's circuit, which the board knows.
+    /// It closes when it is pressed, so that a broken wire reads as not pressed. Otherwise it opens. Which level that
+    /// is depends on the input's circuit, which the board knows.
     pub is_normally_open: bool,
 }
 

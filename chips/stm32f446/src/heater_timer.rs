@@ -6,9 +6,9 @@
 //! erases flash or is halted. So a heater goes off at most 20 ms after it was switched on, unless it is requested
 //! again; that needs no instruction. The watchdog's reset comes 0.34 to 0.94 s later.
 //!
-//! The interrupt has only one source, the counter's end. TIM5 has it on every board, also without a heater of its own. Only [`heat`] starts the counter, once a period, at the end of
-//! the interrupt. If one control period fails to call it, that period is the last, and nothing feeds the watchdog any
-//! more. The Console plays no part in this.
+//! The interrupt has only one source, the counter's end. TIM5 has it on every board, also without a heater of its own.
+//! Only [`heat`] starts the counter, once a period, at the end of the interrupt. If one control period fails to call
+//! it, that period is the last, and nothing feeds the watchdog any more. The Console plays no part in this.
 //!
 //! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt acts like any other hang.
 //! TIM5 stopped in the middle of a pulse would hold its output high: only TIM1 and TIM8 release their outputs in a halt

@@ -66,8 +66,8 @@ pub const fn receiver(usart: Usart) -> Channel {
 pub const TIMERS: [(&str, u8); 8] =
     [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), ("TIM3", 1), ("TIM4", 1), ("TIM9", 2), ("TIM12", 1)];
 
-/// embassy's time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no board
-/// here needs a channel of TIM2 for a heater.
+/// embassy's time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no
+/// board here needs a channel of TIM2 for a heater.
 pub const TIME: &str = "TIM2";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";

@@ -49,8 +49,8 @@ fn drive(slot: &Slot) {
     }
 }
 
-/// Sets the heaters' pins low, whatever their timers do: for each port the level first, then the pins are taken from the
-/// timers. Some three dozen instructions without a branch or a lock. Code that changes modes at that time must not
+/// Sets the heaters' pins low, whatever their timers do: for each port the level first, then the pins are taken from
+/// the timers. Some three dozen instructions without a branch or a lock. Code that changes modes at that time must not
 /// continue afterwards.
 // A function by itself, so that `cargo xtask build` can count how many instructions lead to its end.
 #[inline(never)]

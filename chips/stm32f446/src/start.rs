@@ -145,8 +145,8 @@ fn is_high(mark: &Mark) -> bool {
     })
 }
 
-/// The serial ports that may be opened. On a foreign board these are the ports that the processor's own bootloader tries
-/// on any board.
+/// The serial ports that may be opened. On a foreign board these are the ports that the processor's own bootloader
+/// tries on any board.
 fn ports_of(board: &'static Board, found: Found) -> impl Iterator<Item = &'static SerialPort> + Clone {
     board.serial.iter().filter(move |port| found != Found::Foreign || port.is_of_bootloader())
 }

@@ -262,8 +262,8 @@ fn interrupts_have_the_numbers_of_their_sources() {
     }
 }
 
-/// Boards that are not there (docs/reference/boards.md): a heater needs a timer that ends its pulses, and TIM2 keeps the
-/// time.
+/// Boards that are not there (docs/reference/boards.md): a heater needs a timer that ends its pulses, and TIM2 keeps
+/// the time.
 #[test]
 fn no_timer_is_left_for_the_heaters_of_a_leviathan_nor_for_e0_of_an_s6() {
     let timers = |pin: &str| -> Vec<_> {

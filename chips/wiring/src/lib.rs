@@ -167,10 +167,10 @@ impl Mark {
 }
 
 /// Pins that only the package with 144 pins has. On both Octopuses they are the enable lines of M0, M1, M2, M4 and M5,
-/// with 10 kOhm to 3.3 V (BTT's schematic). In a smaller package nothing is connected to them, and the internal resistor
-/// alone gives the level. Read with a pull-down of 30 to 50 kOhm (STM32F446 datasheet, I/O static characteristics), an
-/// enable line has 2.5 V or more, and its driver stays off. No register tells packages apart (RM0390, device electronic
-/// signature).
+/// with 10 kOhm to 3.3 V (BTT's schematic). In a smaller package nothing is connected to them, and the internal
+/// resistor alone gives the level. Read with a pull-down of 30 to 50 kOhm (STM32F446 datasheet, I/O static
+/// characteristics), an enable line has 2.5 V or more, and its driver stays off. No register tells packages apart
+/// (RM0390, device electronic signature).
 pub const OF_144_PINS: Mark = Mark::up(
     const {
         &[
@@ -358,8 +358,8 @@ impl Board {
         self.heaters.iter().fold(OutputSet::NONE, |set, heater| set.with(heater.output))
     }
 
-    /// The bits of the heater pins of `port` in its mode register, and the value that makes them outputs. RM0390, 7.4.1:
-    /// two bits a pin, 01 is an output. All heater pins are on [`HEATER_PORTS`], or there is a
+    /// The bits of the heater pins of `port` in its mode register, and the value that makes them outputs. RM0390,
+    /// 7.4.1: two bits a pin, 01 is an output. All heater pins are on [`HEATER_PORTS`], or there is a
     /// [`problem`](Self::problem).
     #[must_use]
     pub fn heater_modes(&self, port: Port) -> [u32; 2] {

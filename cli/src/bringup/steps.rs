@@ -1,4 +1,5 @@
-//! Steps: the table of the guide. docs/tutorial/first-hour.md has the same steps in the same order (a test checks that).
+//! Steps: the table of the guide. docs/tutorial/first-hour.md has the same steps in the same order (a test checks
+//! that).
 
 use super::guide::{Failure, Found, Guide};
 use super::trouble::Trouble;

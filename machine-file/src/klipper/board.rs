@@ -100,8 +100,8 @@ impl Pins {
         self.sockets.iter().find(|socket| socket.pins[0].as_deref() == Some(step))
     }
 
-    /// The input with that pin. Of two connectors on one pin it is the one that works with the resistor that Klipper was
-    /// told to add; without one, the one with the circuit `usual`.
+    /// The input with that pin. Of two connectors on one pin it is the one that works with the resistor that Klipper
+    /// was told to add; without one, the one with the circuit `usual`.
     pub fn input(&self, pin: &PinText, usual: Circuit) -> Option<InputPin> {
         let here = || self.inputs.iter().filter(|input| input.pin == pin.name);
         let wanted = match (pin.is_pulled_up, pin.is_pulled_down) {

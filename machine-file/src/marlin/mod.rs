@@ -1,4 +1,5 @@
-//! Marlin: what a printer says of itself (M503, M115, M211, M119, M122) as a machine file, with a verdict on every word.
+//! Marlin: what a printer says of itself (M503, M115, M211, M119, M122) as a machine file, with a verdict on every
+//! word.
 //!
 //! Nothing here opens a file or a port: it goes from text to text.
 //!

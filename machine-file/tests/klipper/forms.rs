@@ -80,7 +80,8 @@ fn order_and_spelling_do_not_count() {
     }
 }
 
-/// V2.2 of the Spider has fans elsewhere than the older ones. Without a fan it is the table that every Spider starts with.
+/// V2.2 of the Spider has fans elsewhere than the older ones. Without a fan it is the table that every Spider starts
+/// with.
 #[test]
 fn fans_tell_which_spider_it_is() {
     let step = "[stepper_x]\nstep_pin: PE11\n";

@@ -14,8 +14,8 @@ use core::fmt;
 /// The letters of heaters in reports.
 const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
 
-/// The temperatures of the heaters and sensors that are fitted, as M105 has them. Without heaters hosts take the form of
-/// the line as a sign of life.
+/// The temperatures of the heaters and sensors that are fitted, as M105 has them. Without heaters hosts take the form
+/// of the line as a sign of life.
 pub(in crate::machine) struct Temperatures {
     /// Measured, target, and duty of 127.
     heaters: [Option<(Celsius, Celsius, u16)>; HEATERS],

@@ -1,9 +1,9 @@
 //! `cargo xtask usb`: a real Linux kernel takes the emulated board over USB, and prints through it.
 //!
-//! The computer is Debian's kernel in QEMU with a small memory disk, whose only program is `emulator/guest/main.rs`. The
-//! cable is USB/IP, which the kernel speaks as it does to a server in the network. The board is the shipped image in the
-//! emulator. It counts when the guest has passed all that it tries, and when the emulator finds the host's steps and no
-//! breach of the USB core's manual.
+//! The computer is Debian's kernel in QEMU with a small memory disk, whose only program is `emulator/guest/main.rs`.
+//! The cable is USB/IP, which the kernel speaks as it does to a server in the network. The board is the shipped image
+//! in the emulator. It counts when the guest has passed all that it tries, and when the emulator finds the host's steps
+//! and no breach of the USB core's manual.
 //!
 //! | file | has |
 //! |---|---|

@@ -15,8 +15,8 @@ fn at(end: AxisEnd, position: f64) -> Endstop {
     Endstop { end, position: Mm::from_num(position) }
 }
 
-/// Some machine with switches elsewhere: all at the far ends; one outside, one inside and one between two steps; at axes
-/// on both sides of 0.
+/// Some machine with switches elsewhere: all at the far ends; one outside, one inside and one between two steps; at
+/// axes on both sides of 0.
 fn elsewhere(s: &Settings) -> [Settings; 3] {
     let (mut far, mut odd, mut below) = (*s, *s, *s);
     let lengths = s.axes.map(|axis| axis.length.to_num::<f64>());

@@ -84,7 +84,8 @@ fn resolution_of_motors(s: &Settings, axis: usize, legal: Legal) -> Legal {
     Legal { most: legal.most / i64::from(times), ..legal }
 }
 
-/// M92: axes that share motors have one step. Speeds fall with finer steps, because the step rate of a motor is limited.
+/// M92: axes that share motors have one step. Speeds fall with finer steps, because the step rate of a motor is
+/// limited.
 fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Ending {
     let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
     let before = speeds(s);
