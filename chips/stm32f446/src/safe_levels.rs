@@ -8,20 +8,16 @@ use crate::wiring::{Board, HEATER_PORTS, Plugged, Port, Slot};
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
 static WORDS: [AtomicU32; Port::ALL.len()] = [const { AtomicU32::new(0) }; Port::ALL.len()];
 
-/// The bits of the heaters' pins in the mode register of each of their ports, and the value that makes them outputs
-/// again.
-static HEATER_MODES: [[AtomicU32; 2]; HEATER_PORTS.len()] =
-    [const { [const { AtomicU32::new(0) }; 2] }; HEATER_PORTS.len()];
+/// The lower of the two bits of each heater's pin in the mode registers of their ports.
+static HEATER_OUTPUTS: [AtomicU32; HEATER_PORTS.len()] = [const { AtomicU32::new(0) }; HEATER_PORTS.len()];
 
 /// Makes the board's outputs outputs, safe from the first instant on. Heaters come first.
 pub fn adopt(board: &Board) {
     for port in Port::ALL {
         WORDS[port as usize].store(board.safe_levels(port), Ordering::Relaxed);
     }
-    for (places, port) in HEATER_MODES.iter().zip(HEATER_PORTS) {
-        for (place, word) in places.iter().zip(board.heater_modes(port)) {
-            place.store(word, Ordering::Relaxed);
-        }
+    for (place, port) in HEATER_OUTPUTS.iter().zip(HEATER_PORTS) {
+        place.store(board.heater_outputs(port), Ordering::Relaxed);
     }
     assume();
     for pin in board.loads {
@@ -49,25 +45,27 @@ fn drive(slot: &Slot) {
     }
 }
 
-/// Sets the heaters' pins low, whatever their timers do: for each port the level first, then the pins are taken from
-/// the timers. Some three dozen instructions without a branch or a lock. Code that changes modes at that time must not
-/// continue afterwards.
+/// Sets the heaters' pins low, whatever their timers do: for each of their ports the safe level of all outputs first,
+/// then the heaters' pins are taken from the timers. Two dozen instructions without a branch or a lock. Code that
+/// changes modes at that time must not continue afterwards.
 // A function by itself, so that `cargo xtask build` can count how many instructions lead to its end.
 #[inline(never)]
 pub fn lower_heaters() {
-    lower_on::<0>();
-    lower_on::<1>();
-    lower_on::<2>();
+    const { assert!(matches!(HEATER_PORTS, [Port::A, Port::B, Port::C])) };
+    let [a, b, c, ..] = &WORDS;
+    let [in_a, in_b, in_c] = &HEATER_OUTPUTS;
+    lower_on::<{ Port::A as usize }>(a, in_a);
+    lower_on::<{ Port::B as usize }>(b, in_b);
+    lower_on::<{ Port::C as usize }>(c, in_c);
 }
 
 /// Does that for one of the ports, by an address that is known when this is compiled.
 #[inline(always)]
-fn lower_on<const PLACE: usize>() {
-    const { assert!(HEATER_PORTS.len() == 3) };
-    let port = const { ports::registers(HEATER_PORTS[PLACE]) };
-    let [bits, outputs] = &HEATER_MODES[PLACE];
-    ports::store(port, WORDS[const { HEATER_PORTS[PLACE] as usize }].load(Ordering::Relaxed));
-    port.moder().modify(|w| w.0 = w.0 & !bits.load(Ordering::Relaxed) | outputs.load(Ordering::Relaxed));
+fn lower_on<const PORT: usize>(word: &AtomicU32, heaters: &AtomicU32) {
+    for_port::<PORT>(word);
+    let outputs = heaters.load(Ordering::Relaxed);
+    let port = const { ports::registers(Port::ALL[PORT]) };
+    port.moder().modify(|w| w.0 = (w.0 | outputs) & !(outputs << 1));
 }
 
 /// Sets all outputs to their safe levels, heaters first. Fans on a timer run on until the reset.
@@ -75,10 +73,7 @@ fn lower_on<const PLACE: usize>() {
 pub fn assume() {
     lower_heaters();
     // Port after port and no loop, which would take five times as many instructions.
-    let [a, b, c, d, e, f, g] = &WORDS;
-    for_port::<{ Port::A as usize }>(a);
-    for_port::<{ Port::B as usize }>(b);
-    for_port::<{ Port::C as usize }>(c);
+    let [_, _, _, d, e, f, g] = &WORDS;
     for_port::<{ Port::D as usize }>(d);
     for_port::<{ Port::E as usize }>(e);
     for_port::<{ Port::F as usize }>(f);

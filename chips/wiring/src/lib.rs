@@ -358,14 +358,12 @@ impl Board {
         self.heaters.iter().fold(OutputSet::NONE, |set, heater| set.with(heater.output))
     }
 
-    /// The bits of the heater pins of `port` in its mode register, and the value that makes them outputs. RM0390,
-    /// 7.4.1: two bits a pin, 01 is an output. All heater pins are on [`HEATER_PORTS`], or there is a
-    /// [`problem`](Self::problem).
+    /// The lower of the two bits of each heater pin of `port` in its mode register. RM0390, 7.4.1: 01 is an output. All
+    /// heater pins are on [`HEATER_PORTS`], or there is a [`problem`](Self::problem).
     #[must_use]
-    pub fn heater_modes(&self, port: Port) -> [u32; 2] {
+    pub fn heater_outputs(&self, port: Port) -> u32 {
         let pins = self.heaters.iter().map(|heater| heater.pin).filter(|pin| pin.port == port);
-        let outputs = pins.fold(0, |word, pin| word | 1 << (2 * pin.number()));
-        [outputs * 0b11, outputs]
+        pins.fold(0, |word, pin| word | 1 << (2 * pin.number()))
     }
 }
 

@@ -88,8 +88,8 @@ fn a_heater_has_a_safe_level_a_channel_of_its_own_and_a_port_that_faults_look_at
     let good = with(const { &[BED, HE0, HE1] });
     let outputs = OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1);
     assert_eq!((good.problem(), good.outputs()), (None, outputs));
-    assert_eq!(good.heater_modes(Port::A), [0b1111_0000 >> 2, 0b0101_0000 >> 2]);
-    assert_eq!((good.heater_modes(Port::B), good.heater_modes(Port::C)), ([0b11 << 30, 1 << 30], [0; 2]));
+    assert_eq!(good.heater_outputs(Port::A), 0b0101_0000 >> 2);
+    assert_eq!((good.heater_outputs(Port::B), good.heater_outputs(Port::C)), (1 << 30, 0));
     assert!(Board { loads: &[], ..good }.problem().is_some());
     const WRONG: [&[HeaterPin]; 5] = [
         &[BED, HeaterPin { output: Output::He0, ..BED }],

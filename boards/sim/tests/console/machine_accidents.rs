@@ -65,8 +65,8 @@ fn a_power_cut_at_any_byte_leaves_the_old_machine_or_the_new() {
     for cut in 0..200 {
         let mut eeprom = Eeprom::blank();
         eeprom.cells().copy_from_slice(before.cells());
-        // Spread over some 900 bytes, in no order that pages have.
-        let left = 1 + cut * 389 % 947;
+        // Spread over more bytes than are written, in no order that pages have.
+        let left = 1 + cut * 389 % 1109;
         let heard = say(Cut { eeprom: &mut eeprom, left }, &lines);
         let is_new = match eeprom.settings() {
             Some(machine) if machine == new => true,
