@@ -5,10 +5,13 @@
 mod configurations;
 mod forms;
 mod open;
+#[path = "../support/reports.rs"]
+mod reports;
 mod wanted;
 
 use corehbot::settings::{CornerRule, Settings};
-use corehbot_machine_file::klipper::{Config, Files, Kind, Report, Translation, matches, translate};
+use corehbot_machine_file::klipper::{Config, Files, Kind, Translation, matches, translate};
+use reports::{is_stored, verdict};
 use std::path::{Path, PathBuf};
 
 /// Texts by their names.
@@ -60,29 +63,13 @@ fn read(text: &str) -> Result<Config, Vec<String>> {
     Config::read("printer.cfg", &mut texts).map_err(|mistakes| mistakes.iter().map(ToString::to_string).collect())
 }
 
-/// The verdict on a key: its kind and its words.
-fn verdict<'r>(report: &'r Report, section: &str, key: &str) -> (Kind, &'r str) {
-    let section = report.sections.iter().find(|known| known.name == section).unwrap();
-    let key = section.keys.iter().rfind(|known| known.key == key).unwrap();
-    (key.verdict.kind, &key.verdict.text)
-}
-
-/// Compares a text with its stored copy.
-fn is_stored(name: &str, text: &str) {
-    let path = folder().join(name);
-    if std::env::var_os("BLESS").is_some() {
-        std::fs::write(&path, text).unwrap();
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap_or_default(), text, "{name}: BLESS=1 writes it");
-}
-
 #[test]
 fn reports_and_machine_files_are_the_stored_ones() {
     for name in ["gantry", "awd", "bedslinger"] {
         let done = translated(&format!("{name}.cfg"));
         let problems: String = done.problems.iter().map(|problem| format!("{name}.toml:{problem}\n")).collect();
-        is_stored(&format!("{name}.txt"), &format!("{}{problems}", done.report));
-        is_stored(&format!("{name}.toml"), &done.text);
+        is_stored(&folder().join(format!("{name}.txt")), &format!("{}{problems}", done.report));
+        is_stored(&folder().join(format!("{name}.toml")), &done.text);
     }
 }
 

@@ -4,9 +4,12 @@
 #[path = "../support/configurations.rs"]
 mod configurations;
 mod forms;
+#[path = "../support/reports.rs"]
+mod reports;
 
+use corehbot_machine_file::Translation;
 use corehbot_machine_file::marlin::{Given, Kinematics, translate};
-use corehbot_machine_file::{Kind, Report, Translation};
+use reports::{is_stored, verdict};
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
@@ -32,28 +35,12 @@ fn of_text(name: &str, text: &str, machine: Option<&str>) -> Translation {
     translate(name, text, Given { board: Some(&corehbot_boards::octopus::CONNECTORS), kinematics })
 }
 
-/// The verdict on a word: its kind and its words.
-fn verdict<'r>(report: &'r Report, code: &str, word: &str) -> (Kind, &'r str) {
-    let section = report.sections.iter().find(|known| known.name == code).unwrap();
-    let key = section.keys.iter().rfind(|known| known.key == word).unwrap();
-    (key.verdict.kind, &key.verdict.text)
-}
-
-/// Compares a text with its stored copy.
-fn is_stored(name: &str, text: &str) {
-    let path = folder().join(name);
-    if std::env::var_os("BLESS").is_some() {
-        std::fs::write(&path, text).unwrap();
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap_or_default(), text, "{name}: BLESS=1 writes it");
-}
-
 #[test]
 fn reports_and_machine_files_are_the_stored_ones() {
     for (name, _) in LOGS {
         let done = translated(name);
         let problems: String = done.problems.iter().map(|problem| format!("{name}.toml:{problem}\n")).collect();
-        is_stored(&format!("{name}.txt"), &format!("{}{problems}", done.report));
-        is_stored(&format!("{name}.toml"), &done.text);
+        is_stored(&folder().join(format!("{name}.txt")), &format!("{}{problems}", done.report));
+        is_stored(&folder().join(format!("{name}.toml")), &done.text);
     }
 }
