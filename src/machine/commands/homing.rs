@@ -75,7 +75,6 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
         }
     }
     power_up(main_loop).await?;
-    main_loop.commanded.forget_retraction();
     raise_z(main_loop, raise).await?;
     // As motors got power they may have been aligned by their phases.
     let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
@@ -99,7 +98,7 @@ async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise:
     shift_z(main_loop, raise.min(room).max(Mm::ZERO), watch).await
 }
 
-/// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
+/// Homes the named axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
 pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
@@ -113,7 +112,10 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
 /// Power first: without it, nothing is homed and the axes stay homed.
 async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    main_loop.power_up(main_loop.motion.groups().fitted()).await
+    main_loop.power_up(main_loop.motion.groups().fitted()).await?;
+    // A retraction left over from one print does not apply to the next.
+    main_loop.commanded.forget_retraction();
+    Ok(())
 }
 
 async fn home_axes<P: PortSet, W: Pend>(
@@ -123,8 +125,6 @@ async fn home_axes<P: PortSet, W: Pend>(
     aligns: bool,
 ) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
-    // A retraction left over from one print does not apply to the next.
-    main_loop.commanded.forget_retraction();
     let mut is_home = [false; 3];
     let mut aligns = aligns;
     for axis in main_loop.settings.homing_order {
