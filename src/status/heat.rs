@@ -80,7 +80,8 @@ pub struct Tuned {
 pub struct Heat {
     /// One more than the last sample of each sensor; 0 for none.
     samples: [AtomicU32; SENSORS],
-    /// Bits of a [`Celsius`]; the smallest number for none.
+    /// Bits of a [`Celsius`], as far above the smallest number as they are; 0 for none. (A status of zeros costs no
+    /// flash.)
     measured: [AtomicI32; HEATERS],
     targets: [AtomicI32; HEATERS],
     /// Numbers of the causes for which heaters are refused; 0 for none.
@@ -107,13 +108,11 @@ pub struct Heat {
     generator_beats: AtomicU8,
 }
 
-const NONE: i32 = i32::MIN;
-
 impl Heat {
     pub(super) const fn new() -> Self {
         Self {
             samples: [const { AtomicU32::new(0) }; SENSORS],
-            measured: [const { AtomicI32::new(NONE) }; HEATERS],
+            measured: [const { AtomicI32::new(0) }; HEATERS],
             targets: [const { AtomicI32::new(0) }; HEATERS],
             ailments: [const { AtomicU8::new(0) }; HEATERS],
             duties: [const { AtomicU16::new(0) }; HEATERS],
@@ -140,8 +139,8 @@ impl Heat {
     /// The temperature of a heater; `None` without such a heater or a reading.
     #[must_use]
     pub fn measured(&self, heater: Heater) -> Option<Celsius> {
-        let bits = self.measured[heater as usize].load(Relaxed);
-        (bits != NONE).then_some(Celsius::from_bits(bits))
+        let above_least = self.measured[heater as usize].load(Relaxed);
+        (above_least != 0).then(|| Celsius::from_bits(above_least.wrapping_add(i32::MIN)))
     }
 
     /// Its target; 0 is off.
@@ -217,7 +216,8 @@ impl Heat {
     }
 
     pub(crate) fn set_heater(&self, heater: Heater, measured: Option<Celsius>, target: Celsius, duty: u16) {
-        self.measured[heater as usize].store(measured.map_or(NONE, Celsius::to_bits), Relaxed);
+        self.measured[heater as usize]
+            .store(measured.map_or(0, |measured| measured.to_bits().wrapping_sub(i32::MIN)), Relaxed);
         self.targets[heater as usize].store(target.to_bits(), Relaxed);
         self.duties[heater as usize].store(duty, Relaxed);
     }
