@@ -11,6 +11,7 @@ use anyhow::{Context, Result};
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot_rig::Rig;
+use corehbot_rig::bed::BedPlant;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup, Chips};
 use corehbot_sim::tmc2209::Tmc2209;
@@ -22,6 +23,8 @@ const LOOK_NS: u64 = 10_000;
 pub struct Mechanics {
     rig: Rig,
     belt: Option<Box<BeltPlant>>,
+    /// The bed of a machine with a probe.
+    bed: Option<BedPlant>,
     /// Motion time of the last event.
     tick: u64,
     /// When to check the switches of the belt.
@@ -49,7 +52,7 @@ impl Mechanics {
     /// The machine of these settings, rigid.
     #[must_use]
     pub fn rigid(settings: &Settings) -> Self {
-        Self { rig: Rig::new(settings, None), belt: None, tick: 0, next: None }
+        Self { rig: Rig::new(settings, None), belt: None, bed: BedPlant::of(settings), tick: 0, next: None }
     }
 
     /// The same with a belt.
@@ -90,10 +93,18 @@ impl Mechanics {
 
     /// The endstops that are pressed at an instant in ns.
     pub fn endstops(&mut self, at: u64) -> EndstopSet {
-        let Some(plant) = &mut self.belt else { return self.rig.endstops() };
-        let pressed = plant.endstops(at / NS_PER_TICK);
-        self.next = plant.is_near_switch().then_some(at + LOOK_NS);
-        pressed
+        let now = at / NS_PER_TICK;
+        let (switches, nozzle) = match &mut self.belt {
+            None => (self.rig.endstops(), self.rig.nozzle()),
+            Some(plant) => {
+                let switches = plant.endstops(now);
+                self.next = plant.is_near_switch().then_some(at + LOOK_NS);
+                (switches, plant.nozzle())
+            }
+        };
+        let Some(bed) = &mut self.bed else { return switches };
+        bed.follow(nozzle);
+        switches.with(bed.endstops(now))
     }
 
     /// When to check the switches, if there is no step before, in ns.

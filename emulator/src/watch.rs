@@ -16,7 +16,7 @@ use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
-use crate::wiring::{BRR, Load, PORTS, SettingsMemory, Wiring};
+use crate::wiring::{BRR, Load, PORTS, ProbeInput, SettingsMemory, Wiring};
 use corehbot::motors::{EndstopSet, prototype};
 use corehbot::settings::Settings;
 use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
@@ -43,6 +43,7 @@ pub struct Watch {
     step_interrupt: Range<u64>,
     /// The load on the motors.
     pub mechanics: Mechanics,
+    probe: Option<ProbeInput>,
     endstops: Option<EndstopSet>,
     patience: Patience,
     injection: Option<Injection>,
@@ -109,6 +110,7 @@ impl Watch {
             slow_accesses: 0,
             drivers,
             mechanics: Mechanics::rigid(settings),
+            probe: wiring.probe(settings),
             endstops: None,
             patience,
             injection,
@@ -195,6 +197,12 @@ impl Watch {
             if self.endstops.is_none_or(|before| before.has(endstop) != is_pressed) {
                 session.board_mut().drive(at, pin, is_pressed);
             }
+        }
+        let has_triggered = pressed.has(EndstopSet::PROBE);
+        if let Some(probe) = self.probe
+            && self.endstops.is_none_or(|before| before.has(EndstopSet::PROBE) != has_triggered)
+        {
+            session.board_mut().put(at, probe.pin, probe.level(has_triggered));
         }
         self.endstops = Some(pressed);
     }

@@ -5,6 +5,7 @@
 
 use corehbot::connectors::{Output, Sensor};
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet, per_motor, prototype};
+use corehbot::settings::Settings;
 
 /// Ports of the chip, GPIOA to GPIOH.
 pub const PORTS: usize = 8;
@@ -193,6 +194,24 @@ impl Circuit {
     }
 }
 
+/// The probe's pin on a board, and its circuit.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ProbeInput {
+    /// The pin.
+    pub pin: Pin,
+    circuit: Circuit,
+    /// The contact opens when the probe triggers.
+    opens: bool,
+}
+
+impl ProbeInput {
+    /// The level that the probe gives the pin.
+    #[must_use]
+    pub fn level(self, has_triggered: bool) -> Option<bool> {
+        self.circuit.level(has_triggered != self.opens)
+    }
+}
+
 /// A board with an STM32F446.
 #[derive(Clone, Copy, Debug)]
 pub struct Wiring {
@@ -232,6 +251,14 @@ impl Wiring {
     #[must_use]
     pub fn called(name: &str) -> Option<&'static Self> {
         ALL.into_iter().find(|board| board.name == name)
+    }
+
+    /// The input of the machine's probe, if it has one and the board has a bare input of that name.
+    #[must_use]
+    pub fn probe(&self, settings: &Settings) -> Option<ProbeInput> {
+        let plug = settings.probe;
+        let input = self.bare_inputs.iter().find(|(name, ..)| *name == plug.connector.as_str());
+        input.map(|&(_, pin, circuit)| ProbeInput { pin, circuit, opens: !plug.is_normally_open })
     }
 
     /// The motors that the board has a slot for.

@@ -4,10 +4,11 @@
 //! the QEMU board use the same rig, so a homing move ends at the same step on both. Its heat is [`plant`].
 //!
 //! The switches sit where the settings say ([`Endstop`](corehbot::settings::Endstop)) and stay pressed beyond: that is
-//! where homing looks for them (`src/machine/commands/homing.rs`).
+//! where homing looks for them (`src/machine/commands/homing.rs`). The probe of a machine that has one is in [`bed`].
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod bed;
 pub mod heat;
 pub mod plant;
 
@@ -31,6 +32,9 @@ pub struct Rig {
     moving: usize,
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],
+    /// The places of the switches, in mm, and the mm of one unit of these sums, signed.
+    switches: [f64; 3],
+    units: [f64; 3],
     /// The switches that there are.
     inputs: EndstopSet,
 }
@@ -54,13 +58,17 @@ impl Rig {
             AxisEnd::Min => 1,
             AxisEnd::Max => -1,
         });
-        let mut rig = Self { counts, weights, moving: 0, start: [0; 3], inputs: EndstopSet::SWITCHES };
+        let inputs = EndstopSet::SWITCHES;
+        let places = switches.map(|switch| switch.position.to_num());
+        let mut rig = Self { counts, weights, moving: 0, start: [0; 3], switches: places, units: [0.0; 3], inputs };
         for (motor, weights) in rig.weights.iter_mut().enumerate() {
             let mut one = [0; MOTORS];
             one[motor] = 1;
-            let axes = back.fractions(&one).into_iter().zip(steps).zip(away);
-            for ((place, start), (((weight, over), steps), away)) in weights.iter_mut().zip(&mut rig.start).zip(axes) {
+            let axes = back.fractions(&one).into_iter().zip(steps).zip(away).zip(pitch);
+            let places = weights.iter_mut().zip(&mut rig.start).zip(&mut rig.units);
+            for (((place, start), unit), ((((weight, over), steps), away), pitch)) in places.zip(axes) {
                 (*place, *start) = (weight as i32 * away, over * i64::from(steps * away));
+                *unit = f64::from(away) / (over as f64 * pitch.to_num::<f64>());
             }
             if *weights != [0; 3] {
                 rig.moving = motor + 1;
@@ -101,15 +109,31 @@ impl Rig {
         self.counts
     }
 
-    /// The endstops that are pressed.
-    #[must_use]
-    pub fn endstops(&self) -> EndstopSet {
+    /// How far each axis is from its switch, in units of the sums.
+    fn sums(&self) -> [i64; 3] {
         let mut sums = self.start;
         for (weights, count) in self.weights.iter().zip(&self.counts).take(self.moving) {
             for (sum, weight) in sums.iter_mut().zip(weights) {
                 *sum += i64::from(*weight) * i64::from(*count);
             }
         }
+        sums
+    }
+
+    /// Where the nozzle is, in mm.
+    #[must_use]
+    pub fn nozzle(&self) -> [f64; 3] {
+        let mut places = self.switches;
+        for ((place, unit), sum) in places.iter_mut().zip(self.units).zip(self.sums()) {
+            *place += unit * sum as f64;
+        }
+        places
+    }
+
+    /// The switches that are pressed.
+    #[must_use]
+    pub fn endstops(&self) -> EndstopSet {
+        let sums = self.sums();
         let switches = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
         let mut pressed = 0;
         for (sum, switch) in sums.into_iter().zip(switches) {
@@ -139,5 +163,15 @@ mod tests {
         assert_eq!(rig.endstops(), EndstopSet::NONE);
         rig.step(prototype::BELT, forward);
         assert_eq!(rig.endstops(), EndstopSet::X);
+        assert_eq!(rig.nozzle(), [0.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn the_nozzle_is_as_far_from_a_switch_at_the_far_end() {
+        let mut settings = Settings::prototype();
+        settings.endstops.x.end = AxisEnd::Max;
+        settings.endstops.x.position = settings.axes.x.length;
+        let start = ["31.5", "23.25", "12.5"].map(Mm::lit);
+        assert_eq!(Rig::new(&settings, Some(start)).nozzle(), [31.5, 23.25, 12.5]);
     }
 }

@@ -150,6 +150,10 @@ impl Widening {
                 limit.acceleration = limit.acceleration.max(other.acceleration);
             }
         }
+        // Commands of many names lower the probe, and it stops Z alone.
+        for s in [Some(s), stored].into_iter().flatten().filter(|s| !s.probe.connector.is_none()) {
+            limits.allow_stops(s, [0.0, 0.0, s.homing.z.fast.to_num()], [AxisEnd::Min; 3]);
+        }
         Self { settings: [Some(*s), stored.copied()], limits, widest, unit: 1.0 }
     }
 
@@ -214,21 +218,7 @@ impl Limits {
                 self.trims |= s.belt.alignment == Alignment::Automatic;
                 self.circulates |= s.belt.is_closed && s.belt.homing_advance > Mm::ZERO;
                 let homing = s.homing.to_array().map(|h| h.fast.to_num::<f64>());
-                let ends = s.endstops.to_array().map(|switch| switch.end);
-                let stop = |limit: &mut Limit, speed: f64, end: AxisEnd| match end {
-                    AxisEnd::Min => wide(&mut limit.hard_stop, speed),
-                    AxisEnd::Max => wide(&mut limit.hard_stop_up, speed),
-                };
-                self.of.iter_mut().zip(homing.into_iter().zip(ends)).for_each(|(l, (v, end))| stop(l, v, end));
-                for (limit, belt) in self.of.iter_mut().skip(4).zip(belts(s)) {
-                    for (times, (v, end)) in belt.row.into_iter().zip(homing.into_iter().zip(ends)) {
-                        match times {
-                            1.. => stop(limit, v, end),
-                            0 => {}
-                            ..0 => stop(limit, v, end.other()),
-                        }
-                    }
-                }
+                self.allow_stops(s, homing, s.endstops.to_array().map(|switch| switch.end));
             }
             ('M', 112.0) => self.of.iter_mut().for_each(|l| l.hard_stop = f64::INFINITY),
             ('M', 92.0) => self.is_judged = false,
@@ -256,6 +246,27 @@ impl Limits {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Endstops may stop each axis at such a speed on its way to that end.
+    fn allow_stops(&mut self, s: &Settings, speeds: [f64; 3], ends: [AxisEnd; 3]) {
+        let stop = |limit: &mut Limit, speed: f64, end: AxisEnd| {
+            let slot = match end {
+                AxisEnd::Min => &mut limit.hard_stop,
+                AxisEnd::Max => &mut limit.hard_stop_up,
+            };
+            *slot = slot.max(speed);
+        };
+        self.of.iter_mut().zip(speeds.into_iter().zip(ends)).for_each(|(limit, (v, end))| stop(limit, v, end));
+        for (limit, belt) in self.of.iter_mut().skip(4).zip(belts(s)) {
+            for (times, (v, end)) in belt.row.into_iter().zip(speeds.into_iter().zip(ends)) {
+                match times {
+                    1.. => stop(limit, v, end),
+                    0 => {}
+                    ..0 => stop(limit, v, end.other()),
+                }
+            }
         }
     }
 

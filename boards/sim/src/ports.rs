@@ -11,6 +11,7 @@ use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
+use corehbot_rig::bed::BedPlant;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
@@ -137,8 +138,20 @@ pub(crate) enum Mechanics<'w> {
     Belt(&'w mut BeltPlant),
 }
 
+impl Mechanics<'_> {
+    /// Where the nozzle is, in mm.
+    fn nozzle(&self) -> [f64; 3] {
+        match self {
+            Self::Rigid(rig) => rig.nozzle(),
+            Self::Belt(plant) => plant.nozzle(),
+        }
+    }
+}
+
 pub(crate) struct Pins<'w> {
     pub mechanics: Mechanics<'w>,
+    /// The bed under the nozzle, on a machine with a probe.
+    pub bed: Option<&'w mut BedPlant>,
     pub shared: &'w Shared,
     pub drivers: &'w Drivers,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -176,24 +189,33 @@ impl StepPort for Pins<'_> {
             Mechanics::Rigid(rig) => rig.step(turned, forward),
             Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
         }
+        if let Some(bed) = &mut self.bed {
+            bed.follow(self.mechanics.nozzle());
+        }
         self.sink.event(tick, steps, self.forward);
     }
 
     fn fall(&mut self, _steps: GroupSet) {}
 
     fn endstops(&mut self) -> EndstopSet {
+        let now = self.shared.now.get();
         let met = match &mut self.mechanics {
             Mechanics::Rigid(rig) => rig.endstops(),
-            Mechanics::Belt(plant) => plant.endstops(self.shared.now.get()),
+            Mechanics::Belt(plant) => plant.endstops(now),
         };
-        let pressed = met.with(self.shared.pressed.get()).and(self.inputs());
+        let probe = self.bed.as_mut().map_or(EndstopSet::NONE, |bed| {
+            bed.follow(self.mechanics.nozzle());
+            bed.endstops(now)
+        });
+        let pressed = met.with(probe).with(self.shared.pressed.get()).and(self.inputs());
         self.plugs.map_or(pressed, |plugs| plugs.read(pressed).and(self.inputs()))
     }
 
     fn inputs(&self) -> EndstopSet {
-        match &self.mechanics {
+        let switches = match &self.mechanics {
             Mechanics::Rigid(rig) => rig.inputs(),
             Mechanics::Belt(plant) => plant.inputs(),
-        }
+        };
+        switches.with(if self.bed.is_some() { EndstopSet::PROBE } else { EndstopSet::NONE })
     }
 }

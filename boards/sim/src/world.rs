@@ -26,6 +26,7 @@ use corehbot::status::Status;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
+use corehbot_rig::bed::BedPlant;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
 pub use runs::{WorldError, run, run_at, run_from, run_on, run_with};
@@ -64,8 +65,10 @@ pub struct Desk {
     memory: Memory,
     shared: Shared,
     wires: Vec<Wire>,
-    /// The endstops that are connected.
+    /// The switches that are connected.
     pub endstops: EndstopSet,
+    /// The bed of a machine with a probe; without it, a flat one. It keeps its state across a restart.
+    pub bed: Option<Box<BedPlant>>,
     /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -88,6 +91,7 @@ impl Desk {
             shared,
             wires,
             endstops: EndstopSet::SWITCHES,
+            bed: None,
             belt: None,
             plugs: None,
             heat,
@@ -185,7 +189,7 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, belt, plugs, heat, plant: left } = desk;
+        let Desk { memory, shared, wires, endstops, bed, belt, plugs, heat, plant: left } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
@@ -196,8 +200,10 @@ impl<'w> World<'w> {
             None => Mechanics::Rigid(Rig::new(settings, place).with_inputs(*endstops)),
         };
         let table = MotorTable::new(&groups.coupling());
+        *bed = BedPlant::of(settings).map(|flat| bed.take().unwrap_or_else(|| Box::new(flat)));
+        let bed = bed.as_deref_mut();
         let plugs = plugs.as_ref();
-        let pins = Pins { mechanics, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
+        let pins = Pins { mechanics, bed, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),

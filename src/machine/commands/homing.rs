@@ -7,17 +7,13 @@
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part. It is read and reported (M119), but no axis homes by it. G29, G30
 //! and their relatives (`RefusedCommand::Probing`) are answered and not carried out. A command that probes would use
 //! `switch::approach`, which refuses an endstop that the board does not have. It moves towards the end of the axis that
-//! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch,
-//! and so does its hard stop in `widen`. It also needs:
+//! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch.
+//! The
+//! simulated bed presses it (`rig/src/bed`). It also needs:
 //!
 //! - `RefusedCommand::Probing` taken apart, and a grammar in its row (`tests/gcode.rs` asks for it);
-//! - a probe in the rig: `Rig::inputs` says which inputs there are, `Rig::endstops` presses them;
-//! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
-//! - the simulator: `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the
-//!   rig; its checker (`widen` in `boards/sim/src/limits.rs`) allows a hard stop for G28 alone;
 //! - every text that says "nothing probes by it": its row in `settings::wiring` (and so the schema), `Settings::probe`,
 //!   `examples/machines/prototype.toml`, docs/reference/machines.md;
-//! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
 //! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
 //! - README.md (limits), the row of G29 and G30 in docs/reference/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, the real position for planner and program, as `stand_at_switch` sets it after homing (the

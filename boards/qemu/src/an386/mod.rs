@@ -28,6 +28,7 @@ use corehbot::machine::Ports;
 use corehbot::port::{Lines, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
+use corehbot_rig::bed::BedPlant;
 use corehbot_rig::heat::Heat;
 use defmt_semihosting as _;
 use semihosting::process;
@@ -64,7 +65,10 @@ fn start_up() -> &'static Status {
     let job = job::read();
     let rig = Rig::new(&job.settings, job.start);
     let table = MotorTable::new(&Groups::new(&job.settings.mechanism).coupling());
-    let step_ports = StepPorts { pins: trace::TracePort::new(rig, table, job.trace), clock: time::StepTimer };
+    let step_ports = StepPorts {
+        pins: trace::TracePort::new(rig, BedPlant::of(&job.settings), table, job.trace),
+        clock: time::StepTimer,
+    };
     let groups = Groups::new(&job.settings.mechanism);
     let heat = Heat::new(&job.settings);
     let ports = Ports {

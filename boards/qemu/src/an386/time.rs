@@ -55,7 +55,7 @@ fn since_base() -> u32 {
 }
 
 /// Ticks since start.
-fn ticks() -> u64 {
+pub fn ticks() -> u64 {
     fifth(counts() * COUNTS_PER_TICK.1)
 }
 

@@ -9,6 +9,7 @@ use corehbot::kinematics::{MotorTable, SETS};
 use corehbot::port::{Coupling, EndstopSet, GroupSet, MotorSet, StepPort};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::Rig;
+use corehbot_rig::bed::BedPlant;
 use heapless::Vec;
 use semihosting::fs::File;
 use semihosting::io::Write as _;
@@ -29,6 +30,7 @@ struct Trace {
     unfelt: [i32; SETS],
     table: MotorTable,
     rig: Rig,
+    bed: Option<BedPlant>,
 }
 
 impl Trace {
@@ -77,13 +79,15 @@ pub fn finish() {
 pub struct TracePort {
     table: MotorTable,
     forward: MotorSet,
+    inputs: EndstopSet,
 }
 
 impl TracePort {
-    /// The port of the one machine; `table` groups its motors.
-    pub fn new(rig: Rig, table: MotorTable, file: File) -> Self {
-        TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], table, rig });
-        Self { table, forward: MotorSet::NONE }
+    /// The port of the one machine; `table` groups its motors, and `bed` comes with a probe.
+    pub fn new(rig: Rig, bed: Option<BedPlant>, table: MotorTable, file: File) -> Self {
+        let probe = if bed.is_some() { EndstopSet::PROBE } else { EndstopSet::NONE };
+        TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], table, rig, bed });
+        Self { table, forward: MotorSet::NONE, inputs: EndstopSet::SWITCHES.with(probe) }
     }
 
     /// From now on a step of a group turns these motors. The machine first feels pending steps with the previous
@@ -119,7 +123,14 @@ impl StepPort for TracePort {
     fn endstops(&mut self) -> EndstopSet {
         TRACE.with(|trace| {
             trace.feel(self.forward);
-            trace.rig.endstops()
+            let switches = trace.rig.endstops();
+            let Some(bed) = &mut trace.bed else { return switches };
+            bed.follow(trace.rig.nozzle());
+            switches.with(bed.endstops(time::ticks()))
         })
+    }
+
+    fn inputs(&self) -> EndstopSet {
+        self.inputs
     }
 }

@@ -267,6 +267,13 @@ impl BeltPlant {
         self.in_gcode(self.live.tool())
     }
 
+    /// Where the nozzle is, in mm.
+    #[must_use]
+    pub fn nozzle(&self) -> [f64; 3] {
+        let ([x, y], [_, _, z]) = (self.tool_mm(), self.rig.nozzle());
+        [x, y, z]
+    }
+
     /// Where it would be if it had gone from its start as the steps say.
     #[must_use]
     pub fn stepped_mm(&self) -> [f64; 2] {

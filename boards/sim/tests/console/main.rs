@@ -10,6 +10,7 @@ mod machine_accidents;
 mod machine_record;
 mod parts;
 mod positions;
+mod probe;
 mod refused_settings;
 mod reports;
 mod saving;
