@@ -7,7 +7,7 @@ pub use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Output, OutputSet, S
 pub use crate::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 
 use crate::connectors::BoardConnectors;
-use crate::units::{Instant, Tick};
+use crate::units::{Celsius, Instant, Tick};
 
 /// The time that a step line has to be high, in ns, for every supported driver. TMC2209 datasheet rev 1.09, section
 /// 13.1: t_SH >= max(t_FILTSD, t_CLK + 20 ns). That is 103 ns with the internal clock of 12 MHz and 118 ns at its
@@ -270,6 +270,11 @@ pub trait ThermalPort {
     /// The converter's reading of its internal reference, as a part of the supply in units of 1/65,536; `None` if the
     /// board does not measure it.
     fn reference(&mut self) -> Option<u16> {
+        None
+    }
+
+    /// The processor's own temperature at the last [`reference`](Self::reference); `None` if it is not measured.
+    fn mcu(&mut self) -> Option<Celsius> {
         None
     }
 

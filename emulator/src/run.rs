@@ -1,6 +1,6 @@
 //! One run: an image, a file to print, and everything that was seen.
 
-use crate::board::Emulated;
+use crate::board::{Emulated, FACTORY, FACTORY_WORDS};
 use crate::clock_rules::Breach;
 use crate::clock_tree::Defect;
 use crate::driver_line::DriverLines;
@@ -194,6 +194,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     watch.stack_end = request.firmware.symbol("_stack_end")?;
     watch.heat = HeatWatch::new(request.wiring, request.settings, &request.climate);
     let mut images = request.firmware.images(request.wiring)?;
+    images.push(Image::new(Path::new("factory"), FACTORY.as_flattened().to_vec(), Some(FACTORY_WORDS))?);
     if request.wiring.settings == SettingsMemory::Flash {
         images.push(Image::new(Path::new("settings"), request.flash.cells.clone(), Some(SECTORS.start))?);
     }

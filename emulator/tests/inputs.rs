@@ -1,6 +1,7 @@
 //! The image reads the true levels of its inputs.
 
 use crate::common::{Bench, MS, firmware, plain_firmware, print_on};
+use corehbot_emulator::board::CHIP_CELSIUS;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::{End, Injection};
@@ -89,6 +90,21 @@ fn a_sensor_without_a_heater_is_reported_and_stops_nothing() {
         assert!(words.iter().all(|word| temperatures[1].contains(word)), "{temperatures:?}");
         assert!(seen.line.said.iter().any(|line| line == "echo:fault: none"), "{:?}", seen.line.said);
     }
+}
+
+/// The processor's own sensor: by the converter's injected channel and the factory's words.
+#[test]
+fn the_processors_own_temperature_is_reported() {
+    let mut machine = machine_file::load("[sensors.board]\nis_fitted = true\nsensor = \"mcu\"\n").unwrap();
+    let mut firmware = plain_firmware();
+    firmware.put_machine(&mut machine).unwrap();
+    let seen = talk(&firmware, "G4 P100\nM105\nM122\n", &[], None);
+    let told = seen.line.said.iter().find_map(|line| line.split_once(" M:")?.1.split_once(' '));
+    let (celsius, rest) = told.expect("a temperature of the board");
+    // A step of the sensor is 0.3 K, and the model's voltage is a whole number of mV.
+    assert!((celsius.parse::<f64>().unwrap() - f64::from(CHIP_CELSIUS)).abs() < 0.8, "{celsius}");
+    assert!(rest.starts_with("/0.00"), "{rest}");
+    assert!(seen.line.said.iter().any(|line| line.starts_with("echo:board ") && line.ends_with(" C")));
 }
 
 /// A machine without a probe has no line of it.

@@ -6,11 +6,16 @@ use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::port::ThermalPort;
 use corehbot::settings::{
-    EXTRA_SENSORS, ExtraSensor, FanRole, HeaterSettings, Law, Settings, ThermalSettings, Thermistor as Kind, part_fans,
+    EXTRA_SENSORS, ExtraSensor, FanRole, HeaterSettings, Law, SensorSource, Settings, ThermalSettings,
+    Thermistor as Kind, part_fans,
 };
+use corehbot::units::Celsius;
 
 /// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
 const ROOM: u16 = 62594;
+
+/// The processor of a board in this room.
+const MCU: Celsius = Celsius::const_from_int(40);
 
 /// Cross-section of filament of 1.75 mm, mm2.
 const FILAMENT: f64 = 2.405;
@@ -202,7 +207,7 @@ fn share_at_room(extra: &ExtraSensor) -> u16 {
 impl ThermalPort for Heat {
     fn sample(&mut self, sensor: Sensor) -> Option<u16> {
         let place = self.place(sensor);
-        let is_extra = |extra: &&ExtraSensor| extra.is_fitted && extra.sensor == sensor;
+        let is_extra = |extra: &&ExtraSensor| extra.is_fitted && extra.sensor == SensorSource::At(sensor);
         let extra = self.sensors.iter().find(is_extra).filter(|_| place.is_none() || self.plant.is_none());
         if let Some(extra) = extra {
             return Some(share_at_room(extra));
@@ -215,6 +220,10 @@ impl ThermalPort for Heat {
 
     fn reference(&mut self) -> Option<u16> {
         self.plant.as_mut()?.vref_sample()
+    }
+
+    fn mcu(&mut self) -> Option<Celsius> {
+        Some(MCU)
     }
 
     fn outputs(&self) -> OutputSet {

@@ -47,6 +47,13 @@ impl BoardConnectors {
         is_simulated: true,
     };
 
+    /// Whether its processor measures its own temperature. It does so with the converter that checks the thermistors'
+    /// supply, so every board with thermistors has it.
+    #[must_use]
+    pub const fn has_mcu_sensor(&self) -> bool {
+        !self.sensors.is_empty()
+    }
+
     /// Whether two inputs are one line to the processor.
     #[must_use]
     pub fn is_one_line(&self, a: ConnectorName, b: ConnectorName) -> bool {

@@ -57,7 +57,7 @@ pub use name::MachineName;
 pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
 pub use range::Range;
-pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES};
+pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Law, Pid, Plausible, SHEETS,

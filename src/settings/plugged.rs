@@ -1,7 +1,7 @@
 //! Whether a board has the connectors that a machine uses. Checked for machine files and images, by MACHINE_STORE and
 //! when a board starts. M-codes are not checked, because none of them changes a plug.
 
-use super::{ExtraSensor, PLACES, Settings, Wiring};
+use super::{PLACES, SensorSource, Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
 use crate::motors::MotorName;
 use core::fmt::{self, Display};
@@ -33,7 +33,7 @@ pub enum ConnectorError {
     /// The board has no such input for the temperature sensor of a heater.
     NoSuchSensor(Heater, Sensor, &'static BoardConnectors),
     /// Nor for the sensor without a heater at this place.
-    NoSuchExtraSensor(&'static str, Sensor, &'static BoardConnectors),
+    NoSuchExtraSensor(&'static str, SensorSource, &'static BoardConnectors),
 }
 
 impl Settings {
@@ -64,8 +64,11 @@ impl Settings {
             return Ok(());
         }
         Heater::ALL.into_iter().try_for_each(|heater| self.check_heater(heater, board))?;
-        let missing = |extra: &ExtraSensor| extra.is_fitted && !board.sensors.contains(&extra.sensor);
-        match PLACES.iter().zip(self.sensors).find(|(_, extra)| missing(extra)) {
+        let has = |source| match source {
+            SensorSource::At(sensor) => board.sensors.contains(&sensor),
+            SensorSource::Mcu => board.has_mcu_sensor(),
+        };
+        match PLACES.iter().zip(self.sensors).find(|(_, extra)| extra.is_fitted && !has(extra.sensor)) {
             Some(((place, _), extra)) => Err(ConnectorError::NoSuchExtraSensor(place, extra.sensor, board)),
             None => Ok(()),
         }

@@ -83,6 +83,8 @@ pub struct Heat {
     /// Bits of a [`Celsius`], as far above the smallest number as they are; 0 for none. (A status of zeros costs no
     /// flash.)
     measured: [AtomicI32; HEATERS],
+    /// The processor's temperature in the same form.
+    mcu: AtomicI32,
     targets: [AtomicI32; HEATERS],
     /// Numbers of the causes for which heaters are refused; 0 for none.
     ailments: [AtomicU8; HEATERS],
@@ -108,11 +110,23 @@ pub struct Heat {
     generator_beats: AtomicU8,
 }
 
+/// A stored temperature.
+fn celsius(place: &AtomicI32) -> Option<Celsius> {
+    let above_least = place.load(Relaxed);
+    (above_least != 0).then(|| Celsius::from_bits(above_least.wrapping_add(i32::MIN)))
+}
+
+/// A temperature in its stored form.
+fn above_least(measured: Option<Celsius>) -> i32 {
+    measured.map_or(0, |celsius| celsius.to_bits().wrapping_sub(i32::MIN))
+}
+
 impl Heat {
     pub(super) const fn new() -> Self {
         Self {
             samples: [const { AtomicU32::new(0) }; SENSORS],
             measured: [const { AtomicI32::new(0) }; HEATERS],
+            mcu: AtomicI32::new(0),
             targets: [const { AtomicI32::new(0) }; HEATERS],
             ailments: [const { AtomicU8::new(0) }; HEATERS],
             duties: [const { AtomicU16::new(0) }; HEATERS],
@@ -139,8 +153,13 @@ impl Heat {
     /// The temperature of a heater; `None` without such a heater or a reading.
     #[must_use]
     pub fn measured(&self, heater: Heater) -> Option<Celsius> {
-        let above_least = self.measured[heater as usize].load(Relaxed);
-        (above_least != 0).then(|| Celsius::from_bits(above_least.wrapping_add(i32::MIN)))
+        celsius(&self.measured[heater as usize])
+    }
+
+    /// The processor's own temperature; `None` if it is not measured.
+    #[must_use]
+    pub fn mcu(&self) -> Option<Celsius> {
+        celsius(&self.mcu)
     }
 
     /// Its target; 0 is off.
@@ -215,9 +234,12 @@ impl Heat {
         self.samples[sensor as usize].store(sample.map_or(0, |sample| u32::from(sample) + 1), Relaxed);
     }
 
+    pub(crate) fn set_mcu(&self, measured: Option<Celsius>) {
+        self.mcu.store(above_least(measured), Relaxed);
+    }
+
     pub(crate) fn set_heater(&self, heater: Heater, measured: Option<Celsius>, target: Celsius, duty: u16) {
-        self.measured[heater as usize]
-            .store(measured.map_or(0, |measured| measured.to_bits().wrapping_sub(i32::MIN)), Relaxed);
+        self.measured[heater as usize].store(above_least(measured), Relaxed);
         self.targets[heater as usize].store(target.to_bits(), Relaxed);
         self.duties[heater as usize].store(duty, Relaxed);
     }

@@ -249,6 +249,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         if let Some(alarm) = self.port.reference().and_then(|sample| self.reference.look(sample)) {
             found.add(Heater::Hotend, alarm);
         }
+        self.status.heat().set_mcu(self.port.mcu());
         if let Some((heater, alarm)) = found.0 {
             self.fail(heater as u8, alarm);
         }

@@ -128,7 +128,9 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
                 motors.for_each(|(motor, value)| gather(value, &format!("{}.{motor}", path.replace(".own", "")), into));
             }
             // A connector and which way round it is are one text.
-            Value::Object(fields) if !["bits", "connector", "Sheet"].iter().any(|key| fields.contains_key(*key)) => {
+            Value::Object(fields)
+                if !["bits", "connector", "Sheet", "At"].iter().any(|key| fields.contains_key(*key)) =>
+            {
                 fields.iter().for_each(|(key, value)| gather(value, &format!("{path}.{key}"), into));
             }
             _ => drop(into.insert(path.trim_start_matches('.').to_owned(), value.clone())),

@@ -6,6 +6,7 @@
 //! | `ring`, `receiver_flags` | bytes that DMA takes from a serial line, and the line's errors |
 //! | `exchange` | a request to a motor driver and its reply, bit by bit |
 //! | `usb_pump`, `usb_traffic` | the buffers of a USB serial port, and the tasks that fill them |
+//! | `mcu_temperature` | the processor's own temperature from the readings of its sensor |
 //! | `memory` | memory for settings, whichever a board has |
 //! | `flash_sectors`, `flash_slot`, `flash_pages` | settings in two sectors of flash |
 //!
@@ -17,6 +18,7 @@ pub mod exchange;
 pub mod flash_pages;
 pub mod flash_sectors;
 mod flash_slot;
+pub mod mcu_temperature;
 pub mod memory;
 pub mod receiver_flags;
 pub mod ring;

@@ -1,6 +1,7 @@
 //! Heat: a board's heaters, fans and sensors, as the core's thermal port.
 
 use corehbot::port::{OUTPUTS, OutputSet, Sensor, ThermalPort};
+use corehbot::units::Celsius;
 use cortex_m::peripheral::DWT;
 
 use crate::fans::Fans;
@@ -66,6 +67,10 @@ impl ThermalPort for BoardHeat {
 
     fn reference(&mut self) -> Option<u16> {
         self.reference.as_mut()?.read()
+    }
+
+    fn mcu(&mut self) -> Option<Celsius> {
+        self.reference.as_ref()?.celsius()
     }
 
     fn outputs(&self) -> OutputSet {

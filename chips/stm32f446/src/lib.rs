@@ -18,7 +18,8 @@
 //! names no register). A value that start-up makes and one
 //! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
-//! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
+//! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reference_voltage`,
+//! `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub use corehbot_wiring as wiring;

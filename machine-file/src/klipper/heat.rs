@@ -41,19 +41,48 @@ pub(super) fn heat(work: &mut Work<'_>) {
     fans(work);
 }
 
-/// Sensors without a heater, in the places that there are: by their names, or else in the first that is left. One that
-/// is no thermistor at an input of the board is not reported, which breaks nothing.
+/// Klipper's type of the sensor in a processor.
+const OF_MCU: &str = "temperature_mcu";
+
+/// Sensors without a heater, in the places that there are: by their names, or else in the first that is left; the main
+/// processor's in `board` if no other has that name. One that is neither that nor a thermistor at an input of the board
+/// is not reported, which breaks nothing.
 fn extra_sensors(work: &mut Work<'_>) {
     let config = work.config;
     let names = config.sections.iter().filter_map(|section| section.name.strip_prefix("temperature_sensor "));
     let mut free: Vec<&str> = PLACES.iter().map(|(place, _)| *place).collect();
     // The chamber's heater has a sensor, which is reported.
     free.retain(|place| *place != "chamber" || work.lines.get("heaters.chamber.is_fitted").is_none());
-    let mut named: Vec<(&str, bool)> =
-        names.map(|name| (name, free.iter().any(|place| name.to_lowercase().contains(place)))).collect();
-    named.sort_by_key(|(_, is_named)| !is_named);
-    for (name, _) in named {
+    let by_name = |name: &str, free: &[&str]| free.iter().position(|place| name.to_lowercase().contains(place));
+    let is_mcu = |work: &Work<'_>, section: &str| {
+        let of = |key| work.value(section, key).map(|(_, value)| value);
+        of("sensor_type") == Some(OF_MCU) && of("sensor_mcu").is_none_or(|mcu| mcu == "mcu")
+    };
+    // Those with a name of a place first, then the processor's.
+    let mut named: Vec<(u8, &str)> = names
+        .map(|name| match by_name(name, &free) {
+            Some(_) => (0, name),
+            None => (if is_mcu(work, &format!("temperature_sensor {name}")) { 1 } else { 2 }, name),
+        })
+        .collect();
+    named.sort_by_key(|(order, _)| *order);
+    for (_, name) in named {
         let section = format!("temperature_sensor {name}");
+        if is_mcu(work, &section) {
+            if !work.pins.connectors.has_mcu_sensor() || free.is_empty() {
+                continue;
+            }
+            let board = free.iter().position(|place| *place == "board");
+            let place = free.remove(by_name(name, &free).or(board).unwrap_or(0));
+            if let Some((entry, _)) = work.value(&section, "sensor_type") {
+                work.take(entry, &format!("sensors.{place}.sensor"), "mcu");
+            }
+            if let Some((entry, _)) = work.value(&section, "sensor_mcu") {
+                work.say(entry, Kind::Taken, "the main board");
+            }
+            work.lines.set(&format!("sensors.{place}.is_fitted"), true.into(), &section);
+            continue;
+        }
         let Some((entry, pin)) = work.pin(&section, "sensor_pin") else { continue };
         let known = work.value(&section, "sensor_type").is_some_and(|(_, kind)| {
             SENSORS.iter().any(|(known, _)| *known == kind) || config.section(&format!("thermistor {kind}")).is_some()
@@ -63,11 +92,10 @@ fn extra_sensors(work: &mut Work<'_>) {
             work.say(entry, Kind::NotYet, text);
             continue;
         }
-        let by_name = free.iter().position(|place| name.to_lowercase().contains(place));
         if free.is_empty() {
             continue;
         }
-        let place = free.remove(by_name.unwrap_or(0));
+        let place = free.remove(by_name(name, &free).unwrap_or(0));
         let key = |leaf: &str| format!("sensors.{place}.{leaf}");
         let parts = [
             input(work, &key("sensor"), &section),

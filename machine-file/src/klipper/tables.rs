@@ -101,7 +101,11 @@ pub(super) const REMARKS: &[Remark] = &[
     needless("thermistor *", "", "a sensor that no heater uses"),
     not_yet("adc_temperature *", "", "a sensor by a table of yours"),
     not_yet("heater_generic *", "", "another heater than hotend, bed and chamber: it stays off"),
-    not_yet("temperature_sensor *", "", "M105 reports thermistors at inputs of the board, three at most"),
+    not_yet(
+        "temperature_sensor *",
+        "",
+        "M105 reports thermistors at inputs of the board and its processor, three at most",
+    ),
     not_yet("temperature_fan *", "", "a fan that follows a sensor: it stays off"),
     not_yet("*fan*", "cycle_time", "fans run at 98 Hz"),
     not_yet("*fan*", "hardware_pwm", "fans run at 98 Hz"),

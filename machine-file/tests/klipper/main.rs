@@ -179,6 +179,24 @@ fn sensors_without_a_heater_have_their_places() {
     assert!(report.contains("sensor_pin = EBBCan:PA3 -> no thermistor of a known kind"), "{report}");
 }
 
+/// The sensor of the main board's processor has the place of its name, else the board's; another processor's is not there.
+#[test]
+fn the_processors_own_sensor_has_a_place() {
+    let mcu = |name: &str, more: &str| format!("[temperature_sensor {name}]\nsensor_type: temperature_mcu\n{more}");
+    let other = "[temperature_sensor lid]\nsensor_type: Generic 3950\nsensor_pin: PF5\n";
+    for (text, wanted) in [
+        (mcu("mcu_temp", ""), "[sensors.board]\nsensor = \"mcu\"  # printer.cfg:2\nis_fitted = true"),
+        (mcu("octopus", "sensor_mcu: mcu\n") + other, "[sensors.board]\nsensor = \"mcu\"  # printer.cfg:2"),
+        (other.to_owned() + &mcu("octopus", ""), "[sensors.chamber]\nsensor = \"hotend1\"  # printer.cfg:3"),
+        (mcu("Chamber", ""), "[sensors.chamber]\nsensor = \"mcu\"  # printer.cfg:2"),
+    ] {
+        let done = of_text(&text);
+        assert!(done.text.contains(wanted), "{}", done.text);
+    }
+    let done = of_text(&mcu("tool", "sensor_mcu: EBBCan\n"));
+    assert!(!done.text.contains("[sensors."), "{}", done.text);
+}
+
 #[test]
 fn a_probes_input_has_the_name_of_its_header() {
     for (text, plug) in [

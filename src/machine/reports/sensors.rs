@@ -1,12 +1,12 @@
 //! Temperature sensors: those without a heater in degrees, and raw readings of all.
 //!
-//! A sensor without a heater is read here, from the last sample of its input. No guard looks at it, so a broken one
-//! stops nothing.
+//! A sensor without a heater is read here, from the last sample of its input or of the processor. No guard looks at it,
+//! so a broken one stops nothing.
 
 use super::report::Hundredths;
 use crate::machine::answers::speaker::Speaker;
 use crate::port::Sensor;
-use crate::settings::{EXTRA_SENSORS, PLACES, Settings};
+use crate::settings::{EXTRA_SENSORS, PLACES, SensorSource, Settings};
 use crate::status::Heat;
 use crate::thermal::sensor::{Curve, Reading};
 use core::fmt;
@@ -17,7 +17,10 @@ pub(super) type ExtraReadings = [Option<Reading>; EXTRA_SENSORS];
 /// Their latest readings. The chamber has none here if its heater has a sensor.
 pub(super) fn extra_readings(settings: &Settings, heat: &Heat) -> ExtraReadings {
     let mut readings = settings.sensors.map(|extra| {
-        let read = || Curve::new(extra.thermistor).read(heat.sample(extra.sensor));
+        let read = || match extra.sensor {
+            SensorSource::At(sensor) => Curve::new(extra.thermistor).read(heat.sample(sensor)),
+            SensorSource::Mcu => heat.mcu().map_or(Reading::Silent, Reading::Celsius),
+        };
         extra.is_fitted.then(read)
     });
     let [chamber, ..] = &mut readings;

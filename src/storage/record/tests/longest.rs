@@ -3,12 +3,12 @@
 extern crate std;
 
 use super::spelled_out::heat;
-use crate::connectors::{ConnectorName, Sensor};
+use crate::connectors::ConnectorName;
 use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
 use crate::settings::{
     Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, Cartesian, CornerRule, DriverSettings, Endstop, EndstopPlug,
     ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver,
-    Pause, Pid, Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Pause, Pid, SensorSource, Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::storage::payload::{LONGEST_PAYLOAD, Unknown, write};
 use crate::storage::record::{HEADER, LONGEST, encode};
@@ -93,7 +93,7 @@ fn the_longest_values_fit() {
     (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
     s.thermal = hottest();
     let thermistor = Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX };
-    s.sensors.fill(ExtraSensor { is_fitted: true, sensor: Sensor::Hotend3, thermistor });
+    s.sensors.fill(ExtraSensor { is_fitted: true, sensor: SensorSource::Mcu, thermistor });
     // All names as long as they may be, and each number as great as it may be.
     let name = Value::Text(Text24::try_from("1234").unwrap());
     assert!(s.motor_names.iter_mut().all(|motor| motor.set(&name)));
