@@ -14,7 +14,7 @@
 //! own; `tests/layers.rs` checks every `use`:
 //!
 //! 1. `units`, `text`, `checksum`
-//! 2. `motors`, `connectors`, and `fault`, which uses `connectors`
+//! 2. `surface`, `motors`, `connectors`, and `fault`, which uses `connectors`
 //! 3. `status`, and `port`
 //! 4. `protocol`, `kinematics`, `settings`, which uses `kinematics`, and `gcode`, which uses `settings`
 //! 5. `motion`, `driver`, `storage`, `thermal`
@@ -49,6 +49,7 @@ pub mod protocol;
 pub mod settings;
 pub mod status;
 pub mod storage;
+pub mod surface;
 pub mod text;
 pub mod thermal;
 pub mod units;

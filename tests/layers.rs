@@ -11,10 +11,11 @@ use std::fs;
 use std::path::Path;
 
 /// The rooms that each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 18] = [
+const ARROWS: [(&str, &[&str]); 19] = [
     ("units", &[]),
     ("text", &[]),
     ("checksum", &[]),
+    ("surface", &["units"]),
     ("motors", &["text"]),
     ("connectors", &["text"]),
     ("fault", &["units", "checksum", "connectors"]),

@@ -1,0 +1,138 @@
+//! A mesh: heights with their place on the bed.
+
+use super::cell::Height;
+use super::heights::{Heights, UNITS_PER_MM};
+use crate::units::Mm;
+use core::fmt;
+
+/// The fade height is at least this many times the largest deviation without a warning: layers are then right to a
+/// tenth.
+const LEAST_FADE: f32 = 10.0;
+
+/// The shape of a bed: heights relative to the place where z is 0.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Mesh {
+    heights: Heights,
+    first: [Mm; 2],
+    last: [Mm; 2],
+    fade: Mm,
+}
+
+/// Why something is no mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MeshError {
+    /// It has no points.
+    NoPoints,
+    /// Its last column is not right of its first one, or its last row not behind its first one.
+    NoArea,
+    /// The fade height is not above the deviations: z would not rise with the layers.
+    FadesTooFast,
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoPoints => "the mesh has no points",
+            Self::NoArea => "the mesh has no area",
+            Self::FadesTooFast => "the fade height is less than twice the largest deviation of the mesh",
+        })
+    }
+}
+
+impl core::error::Error for MeshError {}
+
+impl Mesh {
+    /// Heights from the first column and row to the last ones. They fade up to z = `fade`, 0 for no fade.
+    ///
+    /// # Errors
+    ///
+    /// See [`MeshError`].
+    pub fn new(heights: Heights, first: [Mm; 2], last: [Mm; 2], fade: Mm) -> Result<Self, MeshError> {
+        let ([x, y], [to_x, to_y]) = (first, last);
+        // A distance of a millimetre or more, so that one over it is a number.
+        let is_apart = |from: Mm, to: Mm| to.saturating_sub(from) >= Mm::ONE;
+        let mesh = Self { heights, first, last, fade };
+        if heights.is_none() {
+            Err(MeshError::NoPoints)
+        } else if !(is_apart(x, to_x) && is_apart(y, to_y)) {
+            Err(MeshError::NoArea)
+        } else if fade < Mm::ZERO || (fade > Mm::ZERO && mesh.fades_within(2.0)) {
+            Err(MeshError::FadesTooFast)
+        } else {
+            Ok(mesh)
+        }
+    }
+
+    /// Whether the fade height is less than so many largest deviations.
+    fn fades_within(&self, times: f32) -> bool {
+        self.fade.to_num::<f32>() < times * self.deviation()
+    }
+
+    /// The heights.
+    #[must_use]
+    pub const fn heights(&self) -> &Heights {
+        &self.heights
+    }
+
+    /// Place of the first column and row.
+    #[must_use]
+    pub const fn first(&self) -> [Mm; 2] {
+        self.first
+    }
+
+    /// Place of the last column and row.
+    #[must_use]
+    pub const fn last(&self) -> [Mm; 2] {
+        self.last
+    }
+
+    /// The height up to which it fades; 0 if it does not.
+    #[must_use]
+    pub const fn fade(&self) -> Mm {
+        self.fade
+    }
+
+    /// Its mean height in mm, to which it fades.
+    #[must_use]
+    pub fn mean(&self) -> f32 {
+        self.heights.mean() * const { 1.0 / UNITS_PER_MM as f32 }
+    }
+
+    /// Its largest deviation from the mean in mm.
+    #[must_use]
+    pub fn deviation(&self) -> f32 {
+        self.heights.deviation() * const { 1.0 / UNITS_PER_MM as f32 }
+    }
+
+    /// Whether it fades so fast that layers are wrong by more than a tenth.
+    #[must_use]
+    pub fn has_short_fade(&self) -> bool {
+        self.fade > Mm::ZERO && self.fades_within(LEAST_FADE)
+    }
+
+    /// Cells a millimetre along x and y.
+    #[must_use]
+    pub fn cells_per_mm(&self) -> [f32; 2] {
+        let ([x, y], [to_x, to_y]) = (self.first, self.last);
+        let rate = |cells: usize, from: Mm, to: Mm| cells.saturating_sub(1) as f32 / (to - from).to_num::<f32>();
+        [rate(self.heights.columns(), x, to_x), rate(self.heights.rows(), y, to_y)]
+    }
+
+    /// Height at a place, without fade, in mm and mm a mm.
+    #[must_use]
+    pub fn at(&self, x: Mm, y: Mm) -> Height {
+        let ([first_x, first_y], [per_x, per_y]) = (self.first, self.cells_per_mm());
+        let cells = |at: Mm, first: Mm, rate: f32| at.saturating_sub(first).to_num::<f32>() * rate;
+        let Height { z, dx, dy, dxx, dxy, dyy } = self.heights.at(cells(x, first_x, per_x), cells(y, first_y, per_y));
+        let unit = const { 1.0 / UNITS_PER_MM as f32 };
+        let (per_x, per_y) = (per_x * unit, per_y * unit);
+        Height {
+            z: z * unit,
+            dx: dx * per_x,
+            dy: dy * per_y,
+            dxx: dxx * per_x * (per_x * UNITS_PER_MM as f32),
+            dxy: dxy * per_x * (per_y * UNITS_PER_MM as f32),
+            dyy: dyy * per_y * (per_y * UNITS_PER_MM as f32),
+        }
+    }
+}

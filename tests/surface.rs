@@ -1,0 +1,157 @@
+//! The room `surface` against vectors and a bed that were computed by themselves, in double precision.
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+
+use corehbot::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
+use corehbot::units::Mm;
+
+fn mm(value: f64) -> Mm {
+    Mm::from_num(value)
+}
+
+fn units(height: f64) -> i16 {
+    (height * f64::from(UNITS_PER_MM)).round() as i16
+}
+
+/// A mesh with heights in mm by column and row.
+fn mesh(columns: usize, rows: usize, first: [f64; 2], last: [f64; 2], height: impl Fn(usize, usize) -> f64) -> Mesh {
+    let mut heights = Heights::flat(columns, rows).unwrap();
+    for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
+        heights.set(column, row, units(height(column, row)));
+    }
+    Mesh::new(heights, first.map(mm), last.map(mm), Mm::ZERO).unwrap()
+}
+
+/// Four by four points, 60 mm apart.
+fn vectors() -> Mesh {
+    const ROWS: [[f64; 4]; 4] =
+        [[0.10, -0.05, 0.20, 0.05], [0.0, 0.15, -0.10, 0.10], [-0.20, 0.05, 0.30, 0.0], [0.12, -0.08, 0.02, 0.25]];
+    mesh(4, 4, [20.0, 30.0], [200.0, 210.0], |column, row| ROWS[row][column])
+}
+
+#[test]
+fn p7_the_surface_passes_through_its_vectors() {
+    let mesh = vectors();
+    let table = [
+        (50.0, 60.0, 0.067187),
+        (95.0, 75.0, 0.083646),
+        (130.0, 145.0, 0.280721),
+        (170.0, 50.0, 0.076157),
+        (23.5, 31.25, 0.088941),
+        // Outside.
+        (10.0, 20.0, 0.1),
+        (300.0, 300.0, 0.25),
+        // Points.
+        (20.0, 30.0, 0.1),
+        (140.0, 90.0, -0.1),
+        (200.0, 210.0, 0.25),
+        (140.0, 150.0, 0.3),
+    ];
+    for (x, y, z) in table {
+        let found = f64::from(mesh.at(mm(x), mm(y)).z);
+        assert!((found - z).abs() < 1e-6, "{x}, {y}: {found}, not {z}");
+    }
+}
+
+#[test]
+fn derivatives_are_the_differences_of_heights() {
+    let mesh = vectors();
+    let step = 0.25;
+    for (x, y) in [(21.0, 33.0), (50.0, 60.0), (95.0, 75.0), (130.0, 145.0), (198.0, 208.0), (137.0, 92.0)] {
+        let at = |dx: f64, dy: f64| mesh.at(mm(x + dx), mm(y + dy));
+        let slope = |a: f32, b: f32| (a - b) / (2.0 * step as f32);
+        let here = at(0.0, 0.0);
+        let (right, left, behind, before) = (at(step, 0.0), at(-step, 0.0), at(0.0, step), at(0.0, -step));
+        for (found, expected) in [
+            (here.dx, slope(right.z, left.z)),
+            (here.dy, slope(behind.z, before.z)),
+            (here.dxx, slope(right.dx, left.dx)),
+            (here.dxy, slope(behind.dx, before.dx)),
+            (here.dxy, slope(right.dy, left.dy)),
+            (here.dyy, slope(behind.dy, before.dy)),
+        ] {
+            assert!((found - expected).abs() < 2e-6, "{x}, {y}: {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn neither_height_nor_slope_jumps_between_cells() {
+    let mesh = vectors();
+    for i in 0..=180 {
+        for border in [80.0, 140.0] {
+            let along = 20.0 + f64::from(i);
+            let (left, right) = (mesh.at(mm(border - 1e-4), mm(along)), mesh.at(mm(border + 1e-4), mm(along)));
+            assert!((left.z - right.z).abs() < 3e-6 && (left.dx - right.dx).abs() < 3e-6, "{border}, {along}");
+            assert!((left.dy - right.dy).abs() < 3e-6, "{border}, {along}");
+        }
+    }
+}
+
+#[test]
+fn no_place_is_steeper_or_more_bent_than_the_bounds_and_some_place_is_a_quarter_as_much() {
+    let mesh = vectors();
+    let heights = mesh.heights();
+    let (mut greatest, mut bounds_of_all) = ([0f32; 5], [0f32; 5]);
+    for (column, row) in (0..3).flat_map(|column| (0..3).map(move |row| (column, row))) {
+        let corner = [column as f32, row as f32];
+        let bounds = heights.bounds(corner.map(|at| at + 0.01), corner.map(|at| at + 0.99));
+        let mut most = [0f32; 5];
+        for (i, j) in (0..=20).flat_map(|i| (0..=20).map(move |j| (i, j))) {
+            let inside = |corner: f32, i: i32| (corner + i as f32 * 0.05).clamp(corner + 1e-5, corner + 0.9999);
+            let at = heights.at(inside(corner[0], i), inside(corner[1], j));
+            for (most, found) in most.iter_mut().zip([at.dx, at.dy, at.dxx, at.dxy, at.dyy]) {
+                *most = most.max(found.abs());
+            }
+        }
+        let bounds = [bounds.dx, bounds.dy, bounds.dxx, bounds.dxy, bounds.dyy];
+        for ((found, bound), (all, all_bounds)) in
+            most.into_iter().zip(bounds).zip(greatest.iter_mut().zip(&mut bounds_of_all))
+        {
+            assert!(found <= bound * 1.001, "{column}, {row}: {most:?} {bounds:?}");
+            (*all, *all_bounds) = (all.max(found), all_bounds.max(bound));
+        }
+    }
+    assert!(
+        greatest.iter().zip(bounds_of_all).all(|(found, bound)| bound < 4.0 * found),
+        "{greatest:?} {bounds_of_all:?}"
+    );
+}
+
+/// A bowl of 0.25 mm, a tilt of 0.0004, and a wave of 0.05 mm, on 300 by 300 mm.
+fn bed(x: f64, y: f64) -> f64 {
+    use std::f64::consts::PI;
+    0.25 * (PI * x / 300.0).sin() * (PI * y / 300.0).sin() + 0.0004 * x + 0.05 * (2.0 * PI * x / 300.0).sin()
+}
+
+#[test]
+fn p8_five_by_five_points_are_right_to_a_hundredth_of_a_millimetre() {
+    let mut errors = [0f64; 3];
+    for (error, points) in errors.iter_mut().zip([3, 5, 9]) {
+        let spacing = 300.0 / (points - 1) as f64;
+        let mesh = mesh(points, points, [0.0; 2], [300.0; 2], |i, j| bed(i as f64 * spacing, j as f64 * spacing));
+        for (i, j) in (0..=60).flat_map(|i| (0..=60).map(move |j| (i, j))) {
+            let (x, y) = (f64::from(i) * 5.0, f64::from(j) * 5.0);
+            *error = error.max((f64::from(mesh.at(mm(x), mm(y)).z) - bed(x, y)).abs());
+        }
+    }
+    let [three, five, nine] = errors;
+    // Heights are rounded to units, by half of one at most; the weights of heights add up to 1.57 at most.
+    let rounded = 1.57 * 0.5 / f64::from(UNITS_PER_MM);
+    let is_right = |error: f64, law: f64| error <= law + rounded;
+    assert!(is_right(three, 0.0774) && is_right(five, 0.0081) && is_right(nine, 0.0007), "{errors:?}");
+}
+
+#[test]
+fn a_fade_that_is_short_is_told_and_one_that_is_shorter_than_the_bed_is_high_is_refused() {
+    let mesh = vectors();
+    let fading = |fade: f64| Mesh::new(*mesh.heights(), mesh.first(), mesh.last(), mm(fade));
+    assert!((mesh.mean() - 0.056_875).abs() < 1e-6 && (mesh.deviation() - 0.256_875).abs() < 1e-6);
+    for (fade, is_short) in [(0.0, false), (0.6, true), (2.5, true), (2.6, false), (10.0, false)] {
+        assert_eq!(fading(fade).map(|mesh| mesh.has_short_fade()), Ok(is_short), "{fade}");
+    }
+    for fade in [-1.0, 0.1, 0.5] {
+        assert_eq!(fading(fade), Err(MeshError::FadesTooFast));
+    }
+    assert_eq!(Mesh::new(Heights::NONE, mesh.first(), mesh.last(), Mm::ZERO), Err(MeshError::NoPoints));
+    assert_eq!(Mesh::new(*mesh.heights(), mesh.first(), mesh.first(), Mm::ZERO), Err(MeshError::NoArea));
+}
