@@ -153,6 +153,10 @@ pub trait DriverBus {
         Some(Err(BusError::Silent))
     }
 
+    /// Gives the servo of a BLTouch an order: pulses of so many us, every 20 ms, five of them at least. Then its line
+    /// stays low. `None` ends an order at once. A later order replaces an earlier one.
+    fn servo(&mut self, _micros: Option<u16>) {}
+
     /// The board's connectors.
     fn connectors(&self) -> &'static BoardConnectors {
         &BoardConnectors::ANY

@@ -103,7 +103,7 @@ impl Mechanics {
             }
         };
         let Some(bed) = &mut self.bed else { return switches };
-        bed.follow(nozzle);
+        bed.follow(now, nozzle, &self.rig.counts());
         switches.with(bed.endstops(now))
     }
 

@@ -31,6 +31,8 @@ pub struct Drivers {
     lines: MotorSet,
     /// Which motors the step pins are to turn from now on, if that has changed.
     coupling: Cell<Option<Coupling>>,
+    /// The last order to the servo of a probe, with its time in ticks, until the probe takes it.
+    servo: Cell<Option<(u64, Option<u16>)>>,
 }
 
 impl Default for Drivers {
@@ -58,6 +60,7 @@ impl Drivers {
             betrayed: Cell::default(),
             lines,
             coupling: Cell::default(),
+            servo: Cell::default(),
         }
     }
 
@@ -107,6 +110,11 @@ impl Drivers {
         self.coupling.take()
     }
 
+    /// The last order to the servo of a probe and its time in ticks, once.
+    pub(crate) fn take_servo(&self) -> Option<(u64, Option<u16>)> {
+        self.servo.take()
+    }
+
     /// The firmware's end of the wires, with the time in ticks.
     #[must_use]
     pub const fn bus<'d>(&'d self, now: &'d Cell<u64>) -> Bus<'d> {
@@ -138,6 +146,10 @@ impl corehbot::port::DriverBus for Bus<'_> {
 
     fn couple(&mut self, coupling: &Coupling) {
         self.drivers.coupling.set(Some(*coupling));
+    }
+
+    fn servo(&mut self, micros: Option<u16>) {
+        self.drivers.servo.set(Some((self.now.get(), micros)));
     }
 
     fn lines(&self) -> MotorSet {

@@ -7,7 +7,7 @@ use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
 use crate::plugs::Plugs;
 use corehbot::kinematics::MotorTable;
-use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
+use corehbot::motors::{EndstopSet, GroupSet, MOTORS, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
@@ -146,6 +146,14 @@ impl Mechanics<'_> {
             Self::Belt(plant) => plant.nozzle(),
         }
     }
+
+    /// Steps of each motor.
+    const fn counts(&self) -> [i32; MOTORS] {
+        match self {
+            Self::Rigid(rig) => rig.counts(),
+            Self::Belt(plant) => plant.counts(),
+        }
+    }
 }
 
 pub(crate) struct Pins<'w> {
@@ -169,6 +177,15 @@ impl Pins<'_> {
         }
     }
 
+    /// The bed meets the nozzle where it is now, and its probe hears the servo.
+    fn attend_bed(&mut self) {
+        let Some(bed) = &mut self.bed else { return };
+        if let Some((at, micros)) = self.drivers.take_servo() {
+            bed.servo(at, micros);
+        }
+        bed.follow(self.shared.now.get(), self.mechanics.nozzle(), &self.mechanics.counts());
+    }
+
     /// These switches have ended a motion.
     pub(crate) fn meet(&mut self, met: EndstopSet) {
         if let Mechanics::Belt(plant) = &mut self.mechanics {
@@ -189,9 +206,7 @@ impl StepPort for Pins<'_> {
             Mechanics::Rigid(rig) => rig.step(turned, forward),
             Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
         }
-        if let Some(bed) = &mut self.bed {
-            bed.follow(self.mechanics.nozzle());
-        }
+        self.attend_bed();
         self.sink.event(tick, steps, self.forward);
     }
 
@@ -203,10 +218,8 @@ impl StepPort for Pins<'_> {
             Mechanics::Rigid(rig) => rig.endstops(),
             Mechanics::Belt(plant) => plant.endstops(now),
         };
-        let probe = self.bed.as_mut().map_or(EndstopSet::NONE, |bed| {
-            bed.follow(self.mechanics.nozzle());
-            bed.endstops(now)
-        });
+        self.attend_bed();
+        let probe = self.bed.as_mut().map_or(EndstopSet::NONE, |bed| bed.endstops(now));
         let pressed = met.with(probe).with(self.shared.pressed.get()).and(self.inputs());
         self.plugs.map_or(pressed, |plugs| plugs.read(pressed).and(self.inputs()))
     }

@@ -201,7 +201,8 @@ impl<'w> World<'w> {
         };
         let table = MotorTable::new(&groups.coupling());
         *bed = BedPlant::of(settings).map(|flat| bed.take().unwrap_or_else(|| Box::new(flat)));
-        let bed = bed.as_deref_mut();
+        let mut bed = bed.as_deref_mut();
+        bed.iter_mut().for_each(|bed| bed.restart());
         let plugs = plugs.as_ref();
         let pins = Pins { mechanics, bed, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };

@@ -1,32 +1,47 @@
-//! The bed plant: a bed under the nozzle, and the probe that finds it.
+//! The bed plant: a bed on its screws under the nozzle, and the probe that finds it.
 //!
 //! A machine with a probe has it; [`Rig`](crate::Rig) says where the nozzle is. Heights and places are mm of G-code, in
-//! f64 with libm: the host, QEMU and the emulator compute the same bits.
+//! f64 with libm: the host, QEMU and the emulator compute the same bits. The same orders and steps at the same times
+//! give the same touches.
 //!
 //! | file | content |
 //! |---|---|
 //! | [`surface`] | the bed's height, place by place |
+//! | [`screws`] | by how much the motors of z tilt it |
+//! | [`probe`] | when the probe triggers: noise, drift, delay, faults |
+//! | [`bltouch`] | the pin of a BLTouch, its orders and its alarm |
+//! | `noise` | random numbers that repeat |
 
+pub mod bltouch;
+mod noise;
+pub mod probe;
+pub mod screws;
 pub mod surface;
 
-use corehbot::motors::EndstopSet;
+use corehbot::motors::{EndstopSet, MOTORS};
 use corehbot::settings::Settings;
+use probe::{Probe, ProbeFault, ProbeModel, ProbeSetup};
+use screws::{MOST_SCREWS, ScrewSetup, Screws};
 use surface::Surface;
 
 /// The bed and its probe, as a simulation asks for them.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct BedSetup {
     /// The bed.
     pub surface: Surface,
-    /// Where the probe is, seen from the nozzle. It triggers when the nozzle is `-z` over the bed.
-    pub offset: [f64; 3],
+    /// Its screws, in the order of the motors of z; without any it keeps level.
+    pub screws: heapless::Vec<ScrewSetup, MOST_SCREWS>,
+    /// Its probe.
+    pub probe: ProbeSetup,
 }
 
 impl BedSetup {
-    /// A flat bed, and the probe where the settings say.
+    /// A flat bed, and a sound probe where the settings say.
     #[must_use]
     pub fn of(settings: &Settings) -> Self {
-        Self { surface: Surface::flat(settings), offset: [0.0; 3] }
+        let probe =
+            ProbeSetup { model: ProbeModel::Level, offset: [0.0; 3], noise: 0.0, seed: 0, drift: 0.0, delay_ms: 0.0 };
+        Self { surface: Surface::flat(settings), screws: heapless::Vec::new(), probe }
     }
 }
 
@@ -42,41 +57,76 @@ pub struct Depth {
 /// A bed and a probe.
 #[derive(Clone, Debug)]
 pub struct BedPlant {
-    setup: BedSetup,
-    /// Where the nozzle is.
-    nozzle: [f64; 3],
+    surface: Surface,
+    screws: Screws,
+    probe: Probe,
     deepest: Option<Depth>,
 }
 
 impl BedPlant {
     /// The bed and the probe of that setup.
     #[must_use]
-    pub const fn new(setup: BedSetup) -> Self {
-        Self { setup, nozzle: [0.0; 3], deepest: None }
+    pub fn new(settings: &Settings, setup: &BedSetup) -> Self {
+        let screws = Screws::new(settings, &setup.screws);
+        Self { surface: setup.surface, screws, probe: Probe::new(setup.probe), deepest: None }
     }
 
     /// The flat bed of a machine with a probe.
     #[must_use]
     pub fn of(settings: &Settings) -> Option<Self> {
-        (!settings.probe.connector.is_none()).then(|| Self::new(BedSetup::of(settings)))
+        has_probe(settings).then(|| Self::new(settings, &BedSetup::of(settings)))
     }
 
-    /// The nozzle has come to this place.
-    pub fn follow(&mut self, nozzle: [f64; 3]) {
-        self.nozzle = nozzle;
+    /// The motors' steps are counted from 0 again.
+    pub fn restart(&mut self) {
+        self.screws.restart();
+    }
+
+    /// The nozzle has come to this place by `now`, in ticks, and motors have made these steps.
+    pub fn follow(&mut self, now: u64, nozzle: [f64; 3], counts: &[i32; MOTORS]) {
+        self.screws.follow(counts);
         let [x, y, z] = nozzle;
-        let mm = self.setup.surface.at([x, y]) - z;
+        let mm = self.height([x, y]) - z;
         if mm > self.deepest.map_or(0.0, |deepest| deepest.mm) {
             self.deepest = Some(Depth { nozzle, mm });
         }
+        let [dx, dy, _] = self.probe.offset();
+        let height = z - self.height([x + dx, y + dy]);
+        self.probe.follow(now, height);
     }
 
-    /// The probe, if it has triggered by `now`, in ticks.
+    /// From `now` on the servo's line has pulses of so many us, or none.
+    pub fn servo(&mut self, now: u64, micros: Option<u16>) {
+        self.probe.hear(now, micros);
+    }
+
+    /// The probe, if it has triggered by `now`.
     #[must_use]
-    pub fn endstops(&mut self, _now: u64) -> EndstopSet {
-        let ([x, y, z], [dx, dy, dz]) = (self.nozzle, self.setup.offset);
-        let gap = z - self.setup.surface.at([x + dx, y + dy]);
-        if gap <= -dz { EndstopSet::PROBE } else { EndstopSet::NONE }
+    pub fn endstops(&mut self, now: u64) -> EndstopSet {
+        if self.probe.has_triggered(now) { EndstopSet::PROBE } else { EndstopSet::NONE }
+    }
+
+    /// When the probe may change without a step, in ticks.
+    #[must_use]
+    pub fn next(&self) -> Option<u64> {
+        self.probe.next()
+    }
+
+    /// Something breaks, or is mended.
+    pub const fn fail(&mut self, fault: ProbeFault) {
+        self.probe.fail(fault);
+    }
+
+    /// The height of the bed there, as it is now.
+    #[must_use]
+    pub fn height(&self, at: [f64; 2]) -> f64 {
+        self.surface.at(at) + self.screws.at(at)
+    }
+
+    /// Whether the probe's pin is out.
+    #[must_use]
+    pub fn is_out(&self) -> bool {
+        self.probe.is_out()
     }
 
     /// The deepest place of the nozzle in the bed, if it ever was there.
@@ -86,23 +136,29 @@ impl BedPlant {
     }
 }
 
+/// Whether a machine has a probe.
+#[must_use]
+pub fn has_probe(settings: &Settings) -> bool {
+    !settings.probe.connector.is_none()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn plant(offset: [f64; 3]) -> BedPlant {
         let mut setup = BedSetup::of(&Settings::prototype());
-        (setup.surface.tilt, setup.offset) = ([0.01, 0.0], offset);
-        BedPlant::new(setup)
+        (setup.surface.tilt, setup.probe.offset) = ([0.01, 0.0], offset);
+        BedPlant::new(&Settings::prototype(), &setup)
     }
 
     #[test]
     fn the_probe_triggers_where_it_is_and_not_where_the_nozzle_is() {
         let mut plant = plant([-40.0, 10.0, -1.25]);
-        let [x, y] = plant.setup.surface.centre();
+        let [x, y] = plant.surface.centre();
         // The bed is 0.4 mm lower at the probe.
-        for (z, wanted) in [(0.86, EndstopSet::NONE), (0.84, EndstopSet::PROBE), (0.86, EndstopSet::NONE)] {
-            plant.follow([x, y, z]);
+        for (z, wanted) in [(0.86, EndstopSet::NONE), (0.84, EndstopSet::PROBE), (0.96, EndstopSet::NONE)] {
+            plant.follow(0, [x, y, z], &[0; MOTORS]);
             assert_eq!(plant.endstops(0), wanted, "{z}");
         }
         assert_eq!(plant.deepest(), None);
@@ -111,9 +167,9 @@ mod tests {
     #[test]
     fn the_deepest_place_in_the_bed_is_kept() {
         let mut plant = plant([0.0; 3]);
-        let [x, y] = plant.setup.surface.centre();
+        let [x, y] = plant.surface.centre();
         for z in [1.0, -0.5, -2.25, -1.0] {
-            plant.follow([x, y, z]);
+            plant.follow(0, [x, y, z], &[0; MOTORS]);
         }
         assert_eq!(plant.deepest(), Some(Depth { nozzle: [x, y, -2.25], mm: 2.25 }));
     }

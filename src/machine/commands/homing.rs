@@ -8,8 +8,7 @@
 //! and their relatives (`RefusedCommand::Probing`) are answered and not carried out. A command that probes would use
 //! `switch::approach`, which refuses an endstop that the board does not have. It moves towards the end of the axis that
 //! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch.
-//! The
-//! simulated bed presses it (`rig/src/bed`). It also needs:
+//! The simulated bed presses it (`rig/src/bed`). It also needs:
 //!
 //! - `RefusedCommand::Probing` taken apart, and a grammar in its row (`tests/gcode.rs` asks for it);
 //! - every text that says "nothing probes by it": its row in `settings::wiring` (and so the schema), `Settings::probe`,

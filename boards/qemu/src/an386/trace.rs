@@ -125,8 +125,9 @@ impl StepPort for TracePort {
             trace.feel(self.forward);
             let switches = trace.rig.endstops();
             let Some(bed) = &mut trace.bed else { return switches };
-            bed.follow(trace.rig.nozzle());
-            switches.with(bed.endstops(time::ticks()))
+            let now = time::ticks();
+            bed.follow(now, trace.rig.nozzle(), &trace.rig.counts());
+            switches.with(bed.endstops(now))
         })
     }
 

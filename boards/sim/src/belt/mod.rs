@@ -39,7 +39,7 @@ mod timeline;
 use crate::drivers::Drivers;
 use crate::tmc2209::Tmc2209;
 use accident::{AccidentState, Accidents};
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
@@ -272,6 +272,12 @@ impl BeltPlant {
     pub fn nozzle(&self) -> [f64; 3] {
         let ([x, y], [_, _, z]) = (self.tool_mm(), self.rig.nozzle());
         [x, y, z]
+    }
+
+    /// Steps of each motor.
+    #[must_use]
+    pub const fn counts(&self) -> [i32; MOTORS] {
+        self.rig.counts()
     }
 
     /// Where it would be if it had gone from its start as the steps say.
