@@ -69,7 +69,9 @@ impl StepsPerMm {
     }
 
     /// The length of so many parts of a step, cut off towards zero; `parts` of them are a step.
+    // A division of 128 bits takes 700 bytes at each place that it is inlined into.
     #[must_use]
+    #[inline(never)]
     pub fn length_of_parts(self, count: i64, parts: u32) -> Mm {
         let bits = i128::from(count) << (Self::FRAC_NBITS + Mm::FRAC_NBITS);
         Mm::from_bits((bits / (i128::from(self.to_bits().max(1)) * i128::from(parts.max(1)))) as i64)
