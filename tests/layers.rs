@@ -119,7 +119,7 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
 
 /// The parts of the room `machine` that each part may use, only those above it. A command gets the main loop and the
 /// states that it names, and the Console passes them.
-const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
+const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
     ("ports", &[]),
     ("interrupt", &[]),
     ("numbers", &[]),
@@ -130,7 +130,8 @@ const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("reports", &["answers", "numbers", "state"]),
     ("main_loop", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
     ("belt", &["answers", "main_loop", "interrupt", "ports", "state"]),
-    ("commands", &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "state"]),
+    ("probe", &["main_loop", "interrupt", "ports", "state"]),
+    ("commands", &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "state"]),
     ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "state"]),
 ];
 

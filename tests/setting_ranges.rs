@@ -45,7 +45,9 @@ const LEAST: [i64; 3] = [i64::MIN, i32::MIN as i64, 0];
 
 /// Numbers that are legal with any value; and numbers with 0 as a legal value, which usually switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
-const MAY_BE_0: [&str; 23] = [
+const MAY_BE_0: [&str; 25] = [
+    "quiet",
+    "retries",
     "own",
     "Sheet",
     "preload",

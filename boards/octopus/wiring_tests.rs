@@ -78,7 +78,7 @@ fn a_machine_is_plugged_in_where_it_says() {
     machine.wiring.endstops.y.connector = ConnectorName::lit("E3DET");
     assert_eq!(BOARD.plugged(&machine).unwrap().endstops[1].input, Input::plain(Port::G, 15));
     for (name, input) in [("PROBE", Input::optocoupler(Port::B, 7)), ("BLTOUCH", Input::plain(Port::B, 7))] {
-        machine.probe = EndstopPlug { connector: ConnectorName::lit(name), is_normally_open: true };
+        machine.probe_plug = EndstopPlug { connector: ConnectorName::lit(name), is_normally_open: true };
         assert_eq!(BOARD.plugged(&machine).unwrap().probe, Some(input.contact(true)));
     }
     machine.wiring.motors[0].connector = ConnectorName::lit("M8");

@@ -256,7 +256,7 @@ impl Wiring {
     /// The input of the machine's probe, if it has one and the board has a bare input of that name.
     #[must_use]
     pub fn probe(&self, settings: &Settings) -> Option<ProbeInput> {
-        let plug = settings.probe;
+        let plug = settings.probe_plug;
         let input = self.bare_inputs.iter().find(|(name, ..)| *name == plug.connector.as_str());
         input.map(|&(_, pin, circuit)| ProbeInput { pin, circuit, opens: !plug.is_normally_open })
     }

@@ -70,7 +70,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 34] = [
+pub(crate) const TABLES: [(&str, &str); 37] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -94,6 +94,9 @@ pub(crate) const TABLES: [(&str, &str); 34] = [
     ),
     ("belt", "The belt that joins the motors of x and y, and how it circulates."),
     ("pause", "Where the tool waits while a print is paused, and how it gets there and back."),
+    ("probe", "The Z probe: how it touches the bed, and where it sits."),
+    ("probe.offset", "The probe's place minus the nozzle's (M851)."),
+    ("probe.home", "Where the probe touches to home z."),
     ("homing", "How each axis finds its endstop, where that is, and in which order."),
     ("drivers", "The configuration of the motor drivers (TMC2209) where they have a UART."),
     ("drivers.belt", "Drivers of the motors that move x or y."),

@@ -107,8 +107,7 @@ const PEERS: &[Peer] = &[
     Peer("fan", Use("fans", "[fans.fan0] and so on")),
     Peer("idle_timeout", Use("idle_min", "in [thermal], in minutes")),
     // What there is not.
-    Peer("probe", Use("endstops.probe", "its input; so far nothing probes by it")),
-    Peer("bltouch", Use("endstops.probe", "its input; so far nothing probes by it")),
+    Peer("bltouch", Use("probe", "kind = \"bltouch\", with its input in endstops.probe")),
     Peer("bed_mesh", NotYet("an uneven bed is not compensated")),
     Peer("quad_gantry_level", NotYet("all Z motors move alike")),
     Peer("z_tilt*", NotYet("all Z motors move alike")),

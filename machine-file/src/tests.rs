@@ -104,8 +104,8 @@ fn an_axis_may_begin_anywhere_within_five_metres_and_its_switch_sits_at_its_end(
 #[test]
 fn a_probe_is_plugged_in_by_name() {
     let s = load("board = \"octopus\"\n[endstops]\nprobe = \"!BLTOUCH\"").unwrap();
-    assert_eq!((s.probe.connector.to_string(), s.probe.is_normally_open), ("BLTOUCH".to_owned(), true));
-    assert!(load("").unwrap().probe.connector.is_none());
+    assert_eq!((s.probe_plug.connector.to_string(), s.probe_plug.is_normally_open), ("BLTOUCH".to_owned(), true));
+    assert!(load("").unwrap().probe_plug.connector.is_none());
     let wrong = load("board = \"nucleo\"\n[endstops]\nprobe = \"PROBE\"").unwrap_err().to_string();
     assert!(wrong.contains("probe: the CNC shield has no connector PROBE; it has X, Y, Z"), "{wrong}");
 }

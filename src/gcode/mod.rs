@@ -21,8 +21,8 @@ mod parse;
 mod parts;
 
 pub use commands::{
-    Command, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, RefusedCommand, ReportCommand, SettingCommand,
-    ShaperName, Text, Treatment, codes, described, names,
+    Command, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand, RefusedCommand, ReportCommand,
+    SettingCommand, ShaperName, Text, Treatment, codes, described, names,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;

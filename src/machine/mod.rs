@@ -19,6 +19,7 @@
 //! | `console` | the loop: take a line, carry it out, answer it |
 //! | `commands` | the effect of each command |
 //! | `belt` | circulation of a closed belt, and alignment of its motors |
+//! | `probe` | touches of the Z probe |
 //! | `main_loop` | the work during every wait, and the services for commands: plan, finish, power, reply |
 //! | `reports` | the wording of answers |
 //! | `answers` | results of commands, as values |
@@ -49,6 +50,7 @@ mod interrupt;
 mod main_loop;
 mod numbers;
 mod ports;
+mod probe;
 mod release;
 mod reports;
 mod state;

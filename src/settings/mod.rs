@@ -5,7 +5,7 @@
 //! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
 //! rows. Other places that depend on a setting:
 //!
-//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `shaping`, `drivers`, `thermal`,
+//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `probe`, `shaping`, `drivers`, `thermal`,
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
@@ -35,6 +35,7 @@ mod name;
 mod pause;
 pub mod plain;
 mod plugged;
+mod probe;
 mod range;
 pub mod ranges;
 pub mod rows;
@@ -56,6 +57,7 @@ pub use kept::{Kept, sum};
 pub use name::MachineName;
 pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
+pub use probe::{Probe, ProbeKind};
 pub use range::Range;
 pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
@@ -137,8 +139,10 @@ pub struct Settings {
     /// Where it can print. It is reported (M503, `corehbot config`); no move is limited by it.
     pub bed: Bed,
     /// The connector of the Z probe; without a connector there is none. It reads as a switch does: without
-    /// `is_normally_open` it has triggered when it is open. Nothing probes by it.
-    pub probe: EndstopPlug,
+    /// `is_normally_open` it has triggered when it is open.
+    pub probe_plug: EndstopPlug,
+    /// The Z probe; without a kind its connector is only reported.
+    pub probe: Probe,
     /// The connector of the filament sensor: filament presses its switch. M119 reports it, and nothing else asks for
     /// it.
     pub filament: EndstopPlug,
@@ -209,7 +213,8 @@ impl Settings {
             homing_order: HomedAxis::ALL,
             baud: 250_000,
             bed: Bed { width, depth, left: Mm::ZERO, front: Mm::ZERO },
-            probe: EndstopPlug::NONE,
+            probe_plug: EndstopPlug::NONE,
+            probe: Probe::prototype(),
             filament: EndstopPlug::NONE,
             belt: Belt::prototype(),
             name: const { MachineName::lit("CoreH-bot prototype") },
@@ -226,8 +231,24 @@ impl Settings {
             mechanism,
             wiring,
             baud,
-            probe,
+            probe_plug,
             filament,
+            probe:
+                Probe {
+                    kind,
+                    offset: _,
+                    fast: _,
+                    slow: _,
+                    samples: _,
+                    tolerance: _,
+                    retries: _,
+                    clearance: _,
+                    deploy_clearance: _,
+                    travel: _,
+                    homes_z: _,
+                    home: _,
+                    quiet: _,
+                },
             belt:
                 Belt {
                     is_closed,
@@ -275,7 +296,8 @@ impl Settings {
         mechanism == other.mechanism
             && wiring == other.wiring
             && baud == other.baud
-            && probe == other.probe
+            && probe_plug == other.probe_plug
+            && kind == other.probe.kind
             && filament == other.filament
             && is_closed == other.belt.is_closed
     }
@@ -403,15 +425,16 @@ mod tests {
             assert_ne!(other, made);
             made.is_built_as(&other)
         };
-        let building: [fn(&mut Settings); 6] = [
+        let building: [fn(&mut Settings); 7] = [
             |s| s.mechanism.rows.reverse(),
             |s| s.wiring.motors[0].is_reversed ^= true,
             |s| s.baud = 9600,
-            |s| s.probe.is_normally_open ^= true,
+            |s| s.probe_plug.is_normally_open ^= true,
+            |s| s.probe.kind = ProbeKind::Switch,
             |s| s.filament.is_normally_open ^= true,
             |s| s.belt.is_closed ^= true,
         ];
-        assert_eq!(building.map(is_built_alike), [false; 6]);
+        assert_eq!(building.map(is_built_alike), [false; 7]);
         let others: [fn(&mut Settings); 4] = [
             |s| s.axes.x.length = Mm::ZERO,
             |s| s.belt.settling_ms = 200,

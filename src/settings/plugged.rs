@@ -57,7 +57,7 @@ impl Settings {
         let axes = &self.wiring.endstops;
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
         let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
-        let others = [(Plugged::Probe, self.probe.connector), (Plugged::Filament, self.filament.connector)];
+        let others = [(Plugged::Probe, self.probe_plug.connector), (Plugged::Filament, self.filament.connector)];
         let contacts = switches.chain(others.into_iter().filter(|(_, connector)| !connector.is_none()));
         check(contacts, board, BoardConnectors::is_one_line)?;
         if board.is_simulated {

@@ -138,5 +138,22 @@ pub const FILAMENT: Range<WattsPerKelvin> =
     Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::lit("0.05") };
 /// A fan's kick in ms.
 pub const KICK_MS: Range<u16> = Range { least: 0, most: 5000 };
+/// Distance of a probe from the nozzle in x or y: Marlin's limit (M851.cpp).
+pub const PROBE_OFFSET: Range<Mm> = Range { least: Mm::const_from_int(-50), most: Mm::const_from_int(50) };
+/// The same in z.
+pub const PROBE_OFFSET_Z: Range<Mm> = Range { least: Mm::const_from_int(-20), most: Mm::const_from_int(20) };
+/// Speed of a touch. A clone of a BLTouch gives a pulse of 5 ms, and the probe is read at each step event: z at 400
+/// steps/mm makes one each 5 ms at 0.5 mm/s. At 20 mm/s the tool stops hard.
+pub const PROBE_SPEED: Range<MmPerSec> = Range { least: MmPerSec::lit("0.5"), most: MmPerSec::const_from_int(20) };
+/// Touches at a place.
+pub const PROBE_SAMPLES: Range<u8> = Range { least: 1, most: 9 };
+/// Repetitions of them.
+pub const PROBE_RETRIES: Range<u8> = Range { least: 0, most: 9 };
+/// Difference of touches at a place: no step of any screw is smaller than the least.
+pub const PROBE_TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
+/// Distance of a probe from the bed. The pin of a BLTouch is out by 5 mm or more.
+pub const PROBE_CLEARANCE: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(50) };
+/// Rest before a touch, in s.
+pub const PROBE_QUIET: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(2) };
 /// Microsteps: MRES has every power of two in it (section 5.5.1).
 pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };

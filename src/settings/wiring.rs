@@ -186,14 +186,14 @@ pub(super) mod endstops {
 
     fn parts(s: &mut Settings) -> [&mut EndstopPlug; 4] {
         let switches = &mut s.wiring.endstops;
-        [&mut switches.x, &mut switches.y, &mut switches.z, &mut s.probe]
+        [&mut switches.x, &mut switches.y, &mut switches.z, &mut s.probe_plug]
     }
 
     rows! {
         for plug in parts, named &["endstops.x", "endstops.y", "endstops.z", "endstops.probe"];
 
         /// Input of the switch or probe, which opens when it triggers; ! before it: which closes then. The board knows
-        /// the level of an open input. Empty is no probe; so far nothing probes by it, but M119 reports it.
+        /// the level of an open input. Empty is no probe; probe.kind says how one is used, and M119 reports it.
         97 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }

@@ -2,11 +2,11 @@
 //!
 //! | from | bytes | content |
 //! |---|---|---|
-//! | 0 | 1,408 | settings, slot A |
-//! | 1,408 | 160 | reserved: mesh, slot A |
+//! | 0 | 1,440 | settings, slot A |
+//! | 1,440 | 128 | reserved: mesh, slot A |
 //! | 1,568 | 480 | reserved: layers for a power loss, three records of 160 bytes in turn |
-//! | 2,048 | 1,408 | settings, slot B |
-//! | 3,456 | 160 | reserved: mesh, slot B |
+//! | 2,048 | 1,440 | settings, slot B |
+//! | 3,488 | 128 | reserved: mesh, slot B |
 //! | 3,616 | 448 | reserved: positions for a power loss, 14 pages in turn |
 //! | 4,064 | 32 | the note of the last self-test |
 //!
@@ -35,7 +35,7 @@ const fn region(begin: u32, bytes: u32) -> Region {
 const SETTINGS: [Region; 2] = [region(0, SLOT), region(2048, SLOT)];
 
 /// A mesh in slot A and slot B.
-const MESH: [Region; 2] = [region(SLOT, 160), region(2048 + SLOT, 160)];
+const MESH: [Region; 2] = [region(SLOT, 128), region(2048 + SLOT, 128)];
 
 /// Layers of a print that a power loss may end.
 const LAYERS: Region = region(1568, 3 * 160);
@@ -50,7 +50,7 @@ const NOTE: Region = region(4064, PAGE as u32);
 const MAP: [Region; 7] = [SETTINGS[0], MESH[0], LAYERS, SETTINGS[1], MESH[1], POSITIONS, NOTE];
 
 /// Room for the settings in a slot.
-pub(super) const SLOT: u32 = 1408;
+pub(super) const SLOT: u32 = 1440;
 
 /// Distance of the two slots.
 pub const STRIDE: u32 = SETTINGS[1].begin;

@@ -25,7 +25,7 @@ const MAGIC: [u8; 4] = *b"CHBS";
 pub(super) const HEADER: usize = 16;
 
 /// Bytes of the longest record.
-pub const LONGEST: usize = 1408;
+pub const LONGEST: usize = 1440;
 
 const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
 

@@ -7,8 +7,8 @@ use core::fmt::{self, Display, Formatter};
 
 use corehbot::gcode::{
     ArcShape, ArcWords, Audience, Command, Form, HeatCommand, HomeWords, JobCommand, MachineRecord, MotionCommand,
-    MotorCommand, Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, SettingCommand, ShaperWords,
-    TuningWords,
+    MotorCommand, Number, ParkWords, PlainWords, Plane, ProbeCommand, RefusedCommand, ReportCommand, SettingCommand,
+    ShaperWords, TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -30,6 +30,7 @@ impl Display for Printed<'_> {
             Command::Setting(command) => setting(f, command, self.1),
             Command::Heat(command) => heat(f, command, self.1),
             Command::Job(command) => job(f, command, self.1),
+            Command::Probe(command) => probe(f, command, self.1),
             Command::Report(command) => report(f, command, self.1),
             Command::Refused(command) => refused(f, command),
             Command::Malformed(flaw) => malformed(f, flaw),
@@ -285,6 +286,18 @@ fn report(f: &mut Formatter<'_>, command: ReportCommand<'_>, line: &[u8]) -> fmt
                 Form::Action => "A1 ",
             })?;
             write_text(f, text)
+        }
+        _ => reduced(f, line),
+    }
+}
+
+fn probe(f: &mut Formatter<'_>, command: ProbeCommand, line: &[u8]) -> fmt::Result {
+    match command {
+        ProbeCommand::Touch { x, y, stays_out } => {
+            f.write_str("G30")?;
+            word(f, 'X', x)?;
+            word(f, 'Y', y)?;
+            f.write_str(if stays_out { " E0" } else { "" })
         }
         _ => reduced(f, line),
     }

@@ -151,7 +151,7 @@ impl Widening {
             }
         }
         // Commands of many names lower the probe, and it stops Z alone.
-        for s in [Some(s), stored].into_iter().flatten().filter(|s| !s.probe.connector.is_none()) {
+        for s in [Some(s), stored].into_iter().flatten().filter(|s| !s.probe_plug.connector.is_none()) {
             limits.allow_stops(s, [0.0, 0.0, s.homing.z.fast.to_num()], [AxisEnd::Min; 3]);
         }
         Self { settings: [Some(*s), stored.copied()], limits, widest, unit: 1.0 }

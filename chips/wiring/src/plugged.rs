@@ -55,7 +55,7 @@ impl Board {
         for (plug, place) in [switches.x, switches.y, switches.z].into_iter().zip(&mut plugged.endstops) {
             *place = self.contact(plug).unwrap_or(place.input.contact(plug.is_normally_open));
         }
-        plugged.probe = self.contact(machine.probe);
+        plugged.probe = self.contact(machine.probe_plug);
         plugged.filament = self.contact(machine.filament);
         Ok(plugged)
     }

@@ -139,7 +139,7 @@ impl BedPlant {
 /// Whether a machine has a probe.
 #[must_use]
 pub fn has_probe(settings: &Settings) -> bool {
-    !settings.probe.connector.is_none()
+    !settings.probe_plug.connector.is_none()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`reports`] | a family: type, rows and readers |
+//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`probing`], [`reports`] | a family: type, rows and readers |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`row`] | the parts of a row |
 //! | [`grammar`] | the rules for words, and the lines that break them |
@@ -13,6 +13,7 @@ mod heat;
 mod jobs;
 pub(super) mod motion;
 mod motors;
+mod probing;
 mod refused;
 mod reports;
 pub(super) mod row;
@@ -25,6 +26,7 @@ pub use heat::HeatCommand;
 pub use jobs::JobCommand;
 pub use motion::MotionCommand;
 pub use motors::MotorCommand;
+pub use probing::ProbeCommand;
 pub use refused::RefusedCommand;
 pub use reports::ReportCommand;
 pub use row::{Text, Treatment};
@@ -49,6 +51,8 @@ pub enum Command<'a> {
     Setting(SettingCommand<'a>),
     /// Motors, their drivers and belts.
     Motor(MotorCommand),
+    /// The Z probe.
+    Probe(ProbeCommand),
     /// Reports and messages.
     Report(ReportCommand<'a>),
     /// Known, and refused in words.

@@ -7,7 +7,7 @@ use super::row::Described;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum RefusedCommand {
-    /// G29, Prusa's G80 and their relatives: a command for a probe with which nothing is measured.
+    /// G29, Prusa's G80 and their relatives: nothing is measured.
     Probing,
     /// M420: report on bed levelling; there is none.
     ReportLevelling,
@@ -17,8 +17,8 @@ pub enum RefusedCommand {
 
 /// They are answered whatever words they have.
 pub(super) const ROWS: &[Described] = &[
-    Described::g(&[29, 30, 80], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
-    Described::m(&[48, 290, 851], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
+    Described::g(&[29, 80], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
+    Described::m(&[48, 290], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
     Described::m(&[420], |_, _| refused(RefusedCommand::ReportLevelling)).refused("bed levelling is off"),
     Described::m(&[622, 623], |_, _| refused(RefusedCommand::Conditional)).refused(CONDITION),
     // Conditions and loops of RepRapFirmware.

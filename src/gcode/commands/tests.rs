@@ -198,7 +198,7 @@ fn every_code_has_its_command() {
         ("M25", Command::Job(JobCommand::Pause { parks: false, park: ParkWords::default() })),
         ("M48", Command::Refused(RefusedCommand::Probing)),
         ("M290", Command::Refused(RefusedCommand::Probing)),
-        ("M851", Command::Refused(RefusedCommand::Probing)),
+        ("M851 Z1", plain(851, [None, None, one])),
         ("M82", Command::Motion(MotionCommand::AbsoluteExtrusion)),
         ("M83", Command::Motion(MotionCommand::RelativeExtrusion)),
         ("M92", plain(92, [])),

@@ -171,7 +171,6 @@ fn every_g_code_has_its_command() {
         ("G20", Command::Motion(MotionCommand::Inches)),
         ("G21", Command::Motion(MotionCommand::Millimetres)),
         ("G29", Command::Refused(RefusedCommand::Probing)),
-        ("G30", Command::Refused(RefusedCommand::Probing)),
         // Mesh levelling of Prusa's firmware.
         ("G80 N3", Command::Refused(RefusedCommand::Probing)),
         ("G90", Command::Motion(MotionCommand::Absolute)),

@@ -8,6 +8,7 @@ use super::belt_answer::BeltAnswer;
 use super::buzz_answer::BuzzAnswer;
 use super::driver_value::DriverValue;
 use super::machine_answer::MachineAnswer;
+use super::probe_answer::ProbeAnswer;
 use super::setting::HeatSetting;
 use super::setting::Setting;
 use super::storage_news::StorageNews;
@@ -121,6 +122,8 @@ pub(in crate::machine) enum Answer<'a> {
     Belt(BeltAnswer),
     /// STEPPER_BUZZ.
     Buzz(BuzzAnswer),
+    /// The Z probe.
+    Probe(ProbeAnswer),
     Storage(StorageNews),
     /// A machine over the serial line.
     Machine(MachineAnswer<'a>),

@@ -11,6 +11,7 @@
 //! | [`machine_answer`] | answers about a machine record on a serial line |
 //! | [`belt_answer`] | answers about motors that can pull against each other |
 //! | [`buzz_answer`] | answers to STEPPER_BUZZ |
+//! | [`probe_answer`] | answers of the Z probe |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
 //! | [`message`] | a message from one host to others (M118), as they read it |
 //! | [`speaker`] | sends each part once and in order, for any free room |
@@ -26,6 +27,7 @@ pub(in crate::machine) mod buzz_answer;
 pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod message;
+pub(in crate::machine) mod probe_answer;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;
 pub(in crate::machine) mod storage_news;

@@ -15,17 +15,17 @@ use crate::protocol::Action;
 const ENDED: Answer<'static> =
     Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
 
-/// Said when homing fails in a pause: the print can wait for its cure.
+/// Said when homing or probing fails in a pause: the print can wait for its cure.
 const STAYS_PAUSED: &str = "The print stays paused: home again (G28), then continue it";
 
 /// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print. A pause
-/// during which homing fails stays a pause.
+/// during which homing or probing fails stays a pause.
 pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
-    if let (JobEnd::NotHomed { .. }, true) = (why, main_loop.job.is_paused()) {
+    if let (JobEnd::NotHomed { .. } | JobEnd::ProbeFailed { .. }, true) = (why, main_loop.job.is_paused()) {
         main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
         return Ok(Answer::Nothing);
     }

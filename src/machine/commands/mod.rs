@@ -19,6 +19,7 @@
 //! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
 //! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |
+//! | the Z probe | [`probing`] | `machine::probe` |
 //! | reports and messages | [`reports`] | [`messages`] |
 //! | refused | [`refused`] | |
 //! | state kept from line to line | | [`states`] |
@@ -47,6 +48,7 @@ mod motion;
 mod motors;
 mod moves;
 pub(in crate::machine) mod pause;
+mod probing;
 mod proof;
 mod refused;
 mod reports;

@@ -65,6 +65,7 @@ use crate::machine::state::job::Job;
 use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::Homed;
+use crate::machine::state::probing::Probing;
 use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
@@ -94,6 +95,8 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub circulation: Circulation,
     /// Whether the motors of one belt agree.
     pub trimming: Trimming,
+    /// The Z probe.
+    pub probing: Probing,
     pub power: Power<P::Drivers>,
     pub heat: Heaters<'m>,
     /// Memory for settings.
@@ -138,6 +141,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             homed: Homed::new([start.is_some(); 3]),
             circulation: Circulation::new(),
             trimming: Trimming::new(),
+            probing: Probing::new(),
             power: Power::new(bus, &settings, now),
             heat: Heaters::new(status.heat(), orders, &settings.thermal, now),
             storage,

@@ -21,6 +21,7 @@ use crate::machine::reports::driver_report::{report_driver, report_driver_values
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
 use crate::machine::reports::machine_report::report_machine;
+use crate::machine::reports::probe_report::report_probe;
 use crate::machine::reports::report::{
     Position, report_endstops, report_firmware, report_overload, report_soft_endstops,
 };
@@ -198,6 +199,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Driver(motor, reading) => report_driver(to, (motor, reading), power.drivers(), s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
             Answer::Buzz(answer) => report_buzz(to, &answer, s),
+            Answer::Probe(answer) => report_probe(to, &answer),
             Answer::Storage(news) => report_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),

@@ -24,6 +24,7 @@ pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod heat_settings_report;
 pub(in crate::machine) mod machine_report;
 mod plain_setting;
+pub(in crate::machine) mod probe_report;
 pub(in crate::machine) mod report;
 pub(in crate::machine) mod sensors;
 pub(in crate::machine) mod settings_report;

@@ -16,8 +16,8 @@ use core::fmt;
 use fixed::types::I32F32;
 
 /// The capabilities that hosts may rely on: all those of Marlin (M115.cpp), because a screen assumes some that are not
-/// named (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend
-/// on the machine. AUTOREPORT_TEMP means that M155 works, even without heaters. BUILD_PERCENT: M73 is kept. PRINT_JOB:
+/// named (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM, CHAMBER_TEMPERATURE and
+/// Z_PROBE depend on the machine. AUTOREPORT_TEMP means that M155 works, even without heaters. BUILD_PERCENT: M73 is kept. PRINT_JOB:
 /// M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
 const CAPABILITIES: [(&str, bool); 36] = [
     ("PAREN_COMMENTS", true),
@@ -146,7 +146,9 @@ pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: boo
     ));
     let has_chamber = s.thermal.heater(Heater::Chamber).is_fitted;
     let of_machine = [("EEPROM", has_storage), ("CHAMBER_TEMPERATURE", has_chamber)];
+    let has_probe = s.probe.is_fitted();
     for (name, is_there) in of_machine.into_iter().chain(CAPABILITIES) {
+        let is_there = is_there || has_probe && name == "Z_PROBE";
         to.say(format_args!("Cap:{name}:{}", u8::from(is_there)));
     }
 }

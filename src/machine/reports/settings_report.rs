@@ -35,7 +35,8 @@ pub(in crate::machine) fn report_settings(
     report_space(to, s);
     let soft = u8::from(s.soft_endstops);
     to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
-    for setting in Setting::others() {
+    // M851 means nothing without a probe.
+    for setting in Setting::others().filter(|setting| s.probe.is_fitted() || *setting != Setting::Plain(851)) {
         report_setting(to, setting, s);
     }
     let lookahead = shortest(s.lookahead_time);

@@ -247,8 +247,8 @@ impl Clamps {
         };
         let half = if line.is_exact { 0 } else { 1 << shift >> 1 };
         let wanted = value.to_bits().saturating_add(half) >> shift;
-        // A type with a point has no sign, so what is less than a unit below 0 is 0 to it.
-        let wanted = fixed(if line.bits > 0 { wanted.max(0) } else { wanted });
+        // A type with a point and no sign: what is less than a unit below 0 is 0 to it.
+        let wanted = fixed(if line.bits > 0 && legal.least >= 0 { wanted.max(0) } else { wanted });
         let asked = Asked { word: [line.code, word.letter()], number: asked, value, wanted, bits: line.bits };
         let range = Range { least: fixed(legal.least), most: fixed(legal.most) };
         let scale = |told| if line.is_length { modal.in_words(told) } else { told };

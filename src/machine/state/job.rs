@@ -22,6 +22,8 @@
 use super::kept_line::KeptLine;
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
+use crate::gcode::Number;
+use crate::machine::numbers::shortest_with;
 use crate::settings::HomedAxis;
 use crate::units::{Celsius, Mm};
 use core::fmt;
@@ -51,6 +53,56 @@ pub(in crate::machine) enum JobEnd {
     Unread { heater: Heater },
     /// An axis was not homed: a print with a wrong origin would be worse than none.
     NotHomed { axis: HomedAxis, why: HomingFailure },
+    /// The probe did not find the bed.
+    ProbeFailed { why: ProbeFailure },
+}
+
+/// Why the probe did not find the bed. Places are z of the nozzle, heights those of the bed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum ProbeFailure {
+    /// It has triggered before it moved down.
+    Triggered,
+    /// It has not triggered down to the floor.
+    NotMet { floor: Mm, expected: Mm },
+    /// It has triggered twice far above the bed.
+    Early { height: Mm, expected: Mm },
+    /// Its touches at a place differ too much.
+    Spread { spread: Mm, tolerance: Mm },
+}
+
+/// A length to a micrometre.
+fn um(length: Mm) -> Number {
+    shortest_with(length.into(), 10)
+}
+
+impl fmt::Display for ProbeFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Triggered => f.write_str(
+                "the probe reads as triggered above the bed. Check that it is out, its wire, and the ! of \
+                endstops.probe (M119)",
+            ),
+            Self::NotMet { floor, expected } => write!(
+                f,
+                "the probe did not trigger down to Z{}, expected at Z{}. Check its wire, and its offset (M851)",
+                um(floor),
+                um(expected)
+            ),
+            Self::Early { height, expected } => write!(
+                f,
+                "the probe triggered {} mm above the bed, expected at Z{}. Check what it met, its wire, and home Z again",
+                um(height),
+                um(expected)
+            ),
+            Self::Spread { spread, tolerance } => write!(
+                f,
+                "touches of the probe differ by {} mm, allowed are {} mm. Check that probe and bed sit firmly, or raise \
+                probe.tolerance",
+                um(spread),
+                um(tolerance)
+            ),
+        }
+    }
 }
 
 /// Why an axis was not homed; distances in whole mm.
@@ -94,6 +146,7 @@ impl fmt::Display for JobEnd {
                 write!(f, "{} has no reading. Check its sensor, its plug and its wire", heater.name())
             }
             Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
+            Self::ProbeFailed { why } => write!(f, "probing failed: {why}"),
         }
     }
 }

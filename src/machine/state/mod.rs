@@ -16,6 +16,7 @@
 //! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`] |
 //! | a line that is kept without `ok` | [`kept_line`] |
 //! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
+//! | the Z probe | [`probing`] |
 //! | a machine record in transfer | [`machine_pieces`] |
 //! | the pressure advance that the motion follows | [`advance_in_use`] |
 //! | when motors lose their power at rest | [`idle_timeout`] |
@@ -48,6 +49,7 @@ pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
 pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod position;
+pub(in crate::machine) mod probing;
 pub(in crate::machine) mod program;
 pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_tests;

@@ -93,7 +93,7 @@ fn nothing_is_plugged_in_twice() {
 fn a_probe_is_plugged_in_at_any_input_or_not_at_all() {
     let probe = |name| {
         let mut s = Settings::prototype();
-        s.probe.connector = ConnectorName::lit(name);
+        s.probe_plug.connector = ConnectorName::lit(name);
         s
     };
     for name in ["", "PROBE", "BLTOUCH", "E3DET"] {
@@ -111,7 +111,7 @@ fn a_filament_sensor_is_plugged_in_at_an_input_of_its_own() {
     let mut s = Settings::prototype();
     s.filament.connector = ConnectorName::lit("E0DET");
     assert_eq!(s.check_connectors(&PRINTER), Ok(()));
-    s.probe.connector = ConnectorName::lit("E0DET");
+    s.probe_plug.connector = ConnectorName::lit("E0DET");
     assert_eq!(error(&s, &PRINTER), "probe and filament sensor have the same connector, E0DET");
     s.filament.connector = ConnectorName::lit("FIL");
     assert_eq!(error(&s, &PRINTER), format!("filament sensor: the sample has no connector FIL; it has {INPUTS}"));
@@ -123,7 +123,7 @@ fn two_connectors_of_one_line_are_one() {
         let mut s = Settings::prototype();
         s.wiring.endstops.z.connector = ConnectorName::lit(z);
         assert_eq!(s.check_connectors(&PRINTER), Ok(()), "a switch may be at either");
-        s.probe.connector = ConnectorName::lit(probe);
+        s.probe_plug.connector = ConnectorName::lit(probe);
         assert_eq!(
             error(&s, &PRINTER),
             format!("endstop of z and probe cannot both be used: {z} and {probe} are one line to the processor")

@@ -13,6 +13,7 @@ type Row = (&'static str, &'static [&'static str]);
 const SILENCE: &[&str] = &[];
 const HEATERS: &[&str] = &["echo:no heaters configured"];
 const UNTUNED: &[&str] = &["echo:no heaters configured, ignored"];
+const NO_PROBE: &[&str] = &["echo:no probe configured, ignored"];
 const PROBE: &[&str] = &["echo:this firmware has no probing, ignored"];
 const PAUSED: &[&str] = &[
     "//action:paused",
@@ -312,13 +313,12 @@ const ROWS: &[Row] = &[
     ("M141 S40", SILENCE),
     ("M142 S36", SILENCE),
     ("M191 S40", SILENCE),
-    // Probing, which nothing does.
+    // The probe, which this machine lacks.
+    ("G30", NO_PROBE),
     ("G29", PROBE),
-    ("G30", PROBE),
     ("G80 N3", PROBE),
     ("M48", PROBE),
     ("M290 Z0.05", PROBE),
-    ("M851", PROBE),
     ("M420 S1", &["echo:Bed Leveling OFF"]),
     // Storage, which this machine lacks.
     ("M500", &["echo:Settings not stored: no storage on this machine"]),

@@ -11,6 +11,7 @@ mod machine_record;
 mod parts;
 mod positions;
 mod probe;
+mod probing;
 mod refused_settings;
 mod reports;
 mod saving;

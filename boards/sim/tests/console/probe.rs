@@ -7,7 +7,7 @@ use corehbot::settings::Settings;
 /// A prototype with a probe.
 fn probing() -> Settings {
     let mut settings = Settings::prototype();
-    settings.probe.connector = ConnectorName::lit("PROBE");
+    settings.probe_plug.connector = ConnectorName::lit("PROBE");
     settings
 }
 

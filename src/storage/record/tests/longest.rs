@@ -55,7 +55,7 @@ fn the_longest_values_fit() {
     (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
     s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN };
     s.filament = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
-    s.probe = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
+    s.probe_plug = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     s.belt = Belt {
         is_closed: true,
         settling_ms: u16::MAX,

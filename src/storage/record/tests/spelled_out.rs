@@ -70,7 +70,7 @@ pub fn spelled_out() -> Settings {
         homing_order: [HomedAxis::Z, HomedAxis::X, HomedAxis::Y],
         baud: 115_200,
         bed: Bed { width: Mm::from_num(380), depth: Mm::lit("401.5"), left: Mm::lit("-3.5"), front: Mm::from_num(7) },
-        probe: EndstopPlug { connector: ConnectorName::lit("PROBE"), is_normally_open: true },
+        probe_plug: EndstopPlug { connector: ConnectorName::lit("PROBE"), is_normally_open: true },
         belt: Belt {
             is_closed: true,
             settling_ms: 300,

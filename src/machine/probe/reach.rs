@@ -1,0 +1,41 @@
+//! Where the probe can touch the bed.
+
+use crate::settings::{HomedAxis, Range, Settings};
+use crate::units::Mm;
+
+/// The bed's edge is no place to touch: clips, and chamfers (Marlin's `PROBING_MARGIN`, Configuration.h 2.1).
+const MARGIN: Mm = Mm::const_from_int(10);
+
+/// The x and the y where the probe can touch: over the bed, and with the nozzle inside the reachable space.
+pub(in crate::machine) fn reach(s: &Settings) -> [Range<Mm>; 2] {
+    let (bed, offset) = (&s.bed, &s.probe.offset);
+    let of = |axis: HomedAxis, offset: Mm, begin: Mm, length: Mm| {
+        let nozzle = s.reach(axis);
+        let end = begin.saturating_add(length).saturating_sub(MARGIN);
+        Range {
+            least: nozzle.least.saturating_add(offset).max(begin.saturating_add(MARGIN)),
+            most: nozzle.most.saturating_add(offset).min(end),
+        }
+    };
+    [of(HomedAxis::X, offset.x, bed.left, bed.width), of(HomedAxis::Y, offset.y, bed.front, bed.depth)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mm(mm: f64) -> Mm {
+        Mm::from_num(mm)
+    }
+
+    #[test]
+    fn the_probe_reaches_where_the_nozzle_can_take_it_over_the_bed() {
+        let mut s = Settings::prototype();
+        let ends = |s: &Settings| reach(s).map(|Range { least, most }| [least, most]);
+        assert_eq!(ends(&s), [[mm(10.0), mm(380.0)], [mm(10.0), mm(417.6) - mm(10.0)]]);
+        (s.probe.offset.x, s.probe.offset.y) = (mm(-45.0), mm(30.0));
+        assert_eq!(ends(&s), [[mm(10.0), mm(345.0)], [mm(30.0), mm(417.6) - mm(10.0)]]);
+        (s.bed.left, s.bed.width) = (mm(-20.0), mm(430.0));
+        assert_eq!(ends(&s)[0], [mm(-10.0), mm(345.0)]);
+    }
+}
