@@ -109,16 +109,9 @@ impl Row {
         self.legal.get(part).copied().or(of_all).unwrap_or(none)
     }
 
-    /// Bytes of its longest value in a record, one part behind the other.
-    pub(super) const fn longest(&self) -> usize {
-        let mut longest = 0;
-        let mut legal = self.legal;
-        while let [first, others @ ..] = legal {
-            let length = first.longest();
-            longest = if length > longest { length } else { longest };
-            legal = others;
-        }
-        longest * self.tables.len()
+    /// The legal values of all parts: one entry for all, or one for each.
+    pub(crate) const fn legals(&self) -> &'static [Legal] {
+        self.legal
     }
 }
 
@@ -165,7 +158,7 @@ pub trait Visitor {
 }
 
 /// The rows of a file of this room, and the function that shows their fields to a visitor.
-pub(super) struct Rows {
+pub(crate) struct Rows {
     pub rows: &'static [Row],
     pub visit: fn(&mut Settings, &mut dyn Visitor),
 }

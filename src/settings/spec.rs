@@ -52,17 +52,6 @@ impl Legal {
     pub const fn holds(&self, number: i64) -> bool {
         (self.least <= number && number <= self.most) || (self.may_be_zero && number == 0)
     }
-
-    /// Bytes of the longest value in a record: seven bits a byte, and a length before a text.
-    pub(super) const fn longest(&self) -> usize {
-        if self.is_text {
-            return 1 + self.most as usize;
-        }
-        // Greater numbers are longer, and a sign takes a bit.
-        let most = if self.most > -self.least { self.most } else { -self.least };
-        let bits = 65 - most.leading_zeros();
-        bits.div_ceil(7) as usize
-    }
 }
 
 /// The legal values of a setting.

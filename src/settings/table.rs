@@ -24,7 +24,7 @@ pub const NEXT_ID: u16 = {
 macro_rules! files {
     ($($file:ident$(::$inner:ident)*),+ $(,)?) => {
         /// The rows of each file.
-        pub(super) const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
+        pub(crate) const ALL: &[Rows] = &[$(super::$file$(::$inner)*::ROWS),+];
 
         /// The texts of the rows of each file.
         const TEXTS: &[&[Text]] = &[$(super::$file$(::$inner)*::TEXTS),+];
@@ -78,20 +78,3 @@ pub fn described() -> impl Iterator<Item = (&'static Row, &'static Text)> {
     let texts = TEXTS.iter().copied().flatten();
     ALL.iter().flat_map(|file| file.rows).zip(texts)
 }
-
-/// Bytes that all rows take in a record at most.
-pub(crate) const LONGEST: usize = {
-    let mut bytes = 0;
-    let mut files = ALL;
-    while let [file, other_files @ ..] = files {
-        let mut rows = file.rows;
-        while let [row, others @ ..] = rows {
-            // An id of up to 14 bits, and a length.
-            bytes += if row.id < 128 { 2 } else { 3 };
-            bytes += row.longest();
-            rows = others;
-        }
-        files = other_files;
-    }
-    bytes
-};

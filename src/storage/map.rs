@@ -2,17 +2,17 @@
 //!
 //! | from | bytes | content |
 //! |---|---|---|
-//! | 0 | 1,440 | settings, slot A |
-//! | 1,440 | 128 | reserved: mesh, slot A |
-//! | 1,568 | 480 | reserved: layers for a power loss, three records of 160 bytes in turn |
-//! | 2,048 | 1,440 | settings, slot B |
-//! | 3,488 | 128 | reserved: mesh, slot B |
-//! | 3,616 | 448 | reserved: positions for a power loss, 14 pages in turn |
+//! | 0 | 1,280 | settings, slot A |
+//! | 1,280 | 160 | reserved: mesh, slot A |
+//! | 1,440 | 608 | reserved: positions for a power loss, 19 pages in turn |
+//! | 2,048 | 1,280 | settings, slot B |
+//! | 3,328 | 160 | reserved: mesh, slot B |
+//! | 3,488 | 480 | reserved: layers for a power loss, three records of 160 bytes in turn |
+//! | 3,968 | 96 | free |
 //! | 4,064 | 32 | the note of the last self-test |
 //!
-//! A mesh of 7 by 7 heights of 16 bits takes 98 bytes; the rest is its bounds, its reference and a checksum. A page
-//! stands a million writes (AT24C32E datasheet 8905F, 1). A position each second is 36,000 pages in a print of ten
-//! hours, 2,572 writes of each page, so the memory stands 388 such prints.
+//! A page stands a million writes (AT24C32E datasheet 8905F, 1). A position each second is 36,000 pages in a print of
+//! ten hours, 1,895 writes of each page, so the memory stands 527 such prints.
 
 /// Transfers never cross a multiple of this: the page of an AT24C32 (AT24C32E datasheet 8905F, 8.2).
 pub const PAGE: usize = 32;
@@ -35,22 +35,31 @@ const fn region(begin: u32, bytes: u32) -> Region {
 const SETTINGS: [Region; 2] = [region(0, SLOT), region(2048, SLOT)];
 
 /// A mesh in slot A and slot B.
-const MESH: [Region; 2] = [region(SLOT, 128), region(2048 + SLOT, 128)];
+const MESH: [Region; 2] = [region(SLOT, 160), region(2048 + SLOT, 160)];
 
-/// Layers of a print that a power loss may end.
-const LAYERS: Region = region(1568, 3 * 160);
+/// Bytes of a mesh with 7 by 7 points, the largest: its magic and format 4, sequence number 4, points in x and y 2,
+/// bounds 16, the offset of the probe 6, the reference point 8, temperatures of nozzle and bed 4, the mean 2, the sum
+/// of the machine's geometry 4, CRC-32 4, and heights of 16 bits.
+const LARGEST_MESH: u32 = 54 + 2 * 7 * 7;
+const _: () = assert!(LARGEST_MESH <= MESH[0].bytes && LARGEST_MESH <= MESH[1].bytes);
 
-/// Positions of such a print.
-const POSITIONS: Region = region(3616, 14 * PAGE as u32);
+/// Positions of a print that a power loss may end.
+const POSITIONS: Region = region(1440, 19 * PAGE as u32);
+
+/// Layers of such a print.
+const LAYERS: Region = region(3488, 3 * 160);
+
+/// For later.
+const FREE: Region = region(3968, 3 * PAGE as u32);
 
 /// The note of the last self-test.
 const NOTE: Region = region(4064, PAGE as u32);
 
 /// All of it, by address.
-const MAP: [Region; 7] = [SETTINGS[0], MESH[0], LAYERS, SETTINGS[1], MESH[1], POSITIONS, NOTE];
+const MAP: [Region; 8] = [SETTINGS[0], MESH[0], POSITIONS, SETTINGS[1], MESH[1], LAYERS, FREE, NOTE];
 
 /// Room for the settings in a slot.
-pub(super) const SLOT: u32 = 1440;
+pub(super) const SLOT: u32 = 1280;
 
 /// Distance of the two slots.
 pub const STRIDE: u32 = SETTINGS[1].begin;

@@ -2,29 +2,87 @@
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 1 or 2 | the id of the row, seven bits a byte, low ones first; the top bit says that more follow |
-//! | 1 | bytes of the values |
+//! | 1 | the head: 1 bit, whether an id follows; 3 bits, bytes of each value; 4 bits, the number of values |
+//! | 0 to 2 | the id of the row: below 128 in a byte; from there on seven low bits and the top bit, then the others |
+//! | 0 or 1 | bytes of each value, if the head has 0 for them |
 //! | .. | the values of all parts of the machine that have such a setting, in their order |
 //!
-//! A number takes as many bytes as it has sevens of bits, its sign in the lowest bit. A text has its length before it.
+//! Without an id, an element has the id after the one of the element before it; the first has 1. All values of an
+//! element are as wide as its widest: numbers in two's complement, low bytes first, and texts with zeros behind them.
+//!
 //! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse: a missing setting
 //! has its default, and an unknown one is kept for firmware that knows it.
 
 use crate::settings::Settings;
-use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
-use crate::settings::table;
+use crate::settings::rows::{Field, Key, LONGEST_TEXT, Legal, Row, Text24, Value, Visitor};
+use crate::settings::table::{self, ALL};
 
 /// Bytes of unknown elements that are kept, as settings of later firmware may be.
 pub(super) const MOST_UNKNOWN: usize = 64;
 
-/// Bytes of the longest payload.
-pub(super) const LONGEST_PAYLOAD: usize = table::LONGEST + MOST_UNKNOWN;
+/// The bit of a head that says that an id follows.
+const HAS_ID: u8 = 0x80;
+
+/// The widest value that a head has room for.
+const MOST_IN_HEAD: usize = 7;
+
+/// Values of the longest element.
+const MOST_VALUES: usize = 15;
+
+/// Ids from here on do not fit in two bytes.
+const NO_ID: u16 = 1 << 15;
+
+/// Bytes of the longest payload, reckoned from the ranges of all rows.
+pub(super) const LONGEST_PAYLOAD: usize = {
+    let (mut bytes, mut id_before, mut files) = (0, 0, ALL);
+    while let [file, other_files @ ..] = files {
+        let mut rows = file.rows;
+        while let [row, others @ ..] = rows {
+            // If one of two keys of a field is absent, the next element may need an id of two bytes; a head and a value
+            // less make up for it.
+            bytes += longest_head(row, id_before) + widest(row) * row.tables.len();
+            (id_before, rows) = (row.id, others);
+        }
+        files = other_files;
+    }
+    bytes + MOST_UNKNOWN
+};
+
+/// Bytes before the values of a row's longest element.
+const fn longest_head(row: &Row, id_before: u16) -> usize {
+    assert!(row.tables.len() <= MOST_VALUES && row.id < NO_ID);
+    let id = match row.id {
+        id if id == id_before + 1 => 0,
+        ..128 => 1,
+        _ => 2,
+    };
+    1 + id + (widest(row) > MOST_IN_HEAD) as usize
+}
+
+/// Bytes of the widest value of a row.
+const fn widest(row: &Row) -> usize {
+    let (mut widest, mut legal) = (1, row.legals());
+    while let [Legal { least, most, is_text, .. }, others @ ..] = legal {
+        let bytes = if *is_text { [*most as usize; 2] } else { [width_of(*least), width_of(*most)] };
+        let [least, most] = bytes;
+        let bytes = if least > most { least } else { most };
+        widest = if bytes > widest { bytes } else { widest };
+        legal = others;
+    }
+    widest
+}
+
+/// Bytes of a number in two's complement.
+const fn width_of(number: i64) -> usize {
+    let bits = 1 + i64::BITS - (number ^ (number >> 63)).leading_zeros();
+    bits.div_ceil(8) as usize
+}
 
 /// Bytes that are no payload.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Damaged;
 
-/// Elements that this firmware does not know, unchanged.
+/// Elements that this firmware does not know, each with its id in front of its values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Unknown {
     bytes: [u8; MOST_UNKNOWN],
@@ -37,7 +95,7 @@ impl Unknown {
 
     /// Their ids.
     pub fn ids(&self) -> impl Iterator<Item = u16> {
-        Elements(self.as_bytes()).map_while(Result::ok).map(|element| element.id)
+        Elements::of(self.as_bytes()).map_while(Result::ok).map(|element| element.id)
     }
 
     /// The first of their ids, 0 where there are no more.
@@ -52,68 +110,91 @@ impl Unknown {
     }
 
     /// Keeps one more; those that there is no room for are lost.
-    fn keep(&mut self, whole: &[u8]) {
-        let at = usize::from(self.length);
-        if let Some(place) = self.bytes.get_mut(at..at + whole.len()) {
-            place.copy_from_slice(whole);
-            self.length += whole.len() as u8;
+    fn keep(&mut self, element: &Element<'_>) {
+        let mut kept = *self;
+        let mut out = Out { bytes: &mut kept.bytes, at: self.length.into(), is_full: false };
+        out.put_head(element.id, true, element.width, element.count);
+        element.values.iter().for_each(|byte| out.put(*byte));
+        if !out.is_full {
+            kept.length = out.at as u8;
+            *self = kept;
         }
     }
 }
 
 /// An element.
+#[derive(Clone, Copy)]
 struct Element<'a> {
     id: u16,
+    /// Bytes of each value.
+    width: usize,
+    /// The number of values.
+    count: usize,
     values: &'a [u8],
-    /// All of it.
-    whole: &'a [u8],
+}
+
+impl Element<'_> {
+    /// None: ids begin with 1.
+    const NONE: Self = Self { id: 0, width: 0, count: 0, values: &[] };
 }
 
 /// The elements of a payload.
-struct Elements<'a>(&'a [u8]);
+#[derive(Clone, Copy)]
+struct Elements<'a> {
+    bytes: &'a [u8],
+    /// The id of the element before.
+    id: u16,
+}
+
+impl<'a> Elements<'a> {
+    const fn of(bytes: &'a [u8]) -> Self {
+        Self { bytes, id: 0 }
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        let (byte, rest) = self.bytes.split_first()?;
+        self.bytes = rest;
+        Some(*byte)
+    }
+
+    fn take(&mut self) -> Option<Element<'a>> {
+        let head = self.byte()?;
+        self.id = if head & HAS_ID == 0 {
+            self.id.checked_add(1)?
+        } else {
+            match self.byte()? {
+                low @ ..0x80 => low.into(),
+                low => u16::from(low & 0x7F) | u16::from(self.byte()?) << 7,
+            }
+        };
+        let width = match head >> 4 & 7 {
+            0 => self.byte()?,
+            width => width,
+        };
+        let (width, count) = (usize::from(width), usize::from(head & 0xF));
+        let (values, rest) = self.bytes.split_at_checked(width * count)?;
+        self.bytes = rest;
+        Some(Element { id: self.id, width, count, values })
+    }
+}
 
 impl<'a> Iterator for Elements<'a> {
     type Item = Result<Element<'a>, Damaged>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let begin = self.0;
-        (!begin.is_empty()).then(|| {
-            let mut rest = begin;
-            let id = take_number(&mut rest).and_then(|id| u16::try_from(id).ok()).ok_or(Damaged)?;
-            let (length, rest) = rest.split_first().ok_or(Damaged)?;
-            let (values, rest) = rest.split_at_checked(usize::from(*length)).ok_or(Damaged)?;
-            let whole = begin.get(..begin.len() - rest.len()).unwrap_or(begin);
-            self.0 = rest;
-            Ok(Element { id, values, whole })
-        })
+        (!self.bytes.is_empty()).then(|| self.take().ok_or(Damaged))
     }
-}
-
-/// A number of up to 64 bits, seven a byte.
-fn take_number(bytes: &mut &[u8]) -> Option<u64> {
-    let mut number = 0;
-    for shift in (0..u64::BITS).step_by(7) {
-        let (byte, rest) = bytes.split_first()?;
-        *bytes = rest;
-        number |= u64::from(byte & 0x7F).checked_shl(shift)?;
-        if byte & 0x80 == 0 {
-            return Some(number);
-        }
-    }
-    None
 }
 
 /// Bytes that are written one behind the other.
-struct Writer<'a> {
+struct Out<'a> {
     bytes: &'a mut [u8],
     at: usize,
-    /// The place of the length of the element being written, and the id of its row.
-    open: Option<(usize, u16)>,
     /// Something did not fit.
     is_full: bool,
 }
 
-impl Writer<'_> {
+impl Out<'_> {
     fn put(&mut self, byte: u8) {
         match self.bytes.get_mut(self.at) {
             Some(place) => *place = byte,
@@ -122,22 +203,43 @@ impl Writer<'_> {
         self.at += 1;
     }
 
-    fn put_number(&mut self, mut number: u64) {
-        while number >= 0x80 {
-            self.put(number as u8 | 0x80);
-            number >>= 7;
-        }
-        self.put(number as u8);
-    }
-
-    /// Writes the length of the finished element.
-    fn close(&mut self) {
-        if let Some((at, _)) = self.open.take() {
-            let length = self.at - at - 1;
-            match (self.bytes.get_mut(at), u8::try_from(length)) {
-                (Some(place), Ok(length)) => *place = length,
-                _ => self.is_full = true,
+    /// Writes all of an element that comes before its values.
+    fn put_head(&mut self, id: u16, has_id: bool, width: usize, count: usize) {
+        let (in_head, behind) = if (1..=MOST_IN_HEAD).contains(&width) { (width, None) } else { (0, Some(width)) };
+        self.put((in_head << 4 | count) as u8 | if has_id { HAS_ID } else { 0 });
+        if has_id {
+            if id < 128 {
+                self.put(id as u8);
+            } else {
+                self.put(id as u8 | 0x80);
+                self.put((id >> 7) as u8);
             }
+        }
+        behind.into_iter().for_each(|width| self.put(width as u8));
+    }
+}
+
+/// Writes settings as elements.
+struct Writer<'a> {
+    out: Out<'a>,
+    /// The id of the element before.
+    id_before: u16,
+    /// The row of the values that are not written yet, and how wide their widest is.
+    id: u16,
+    width: usize,
+    count: usize,
+    values: [[u8; LONGEST_TEXT]; MOST_VALUES],
+}
+
+impl Writer<'_> {
+    /// Writes the element of the values so far.
+    fn close(&mut self) {
+        if self.count > 0 {
+            self.out.put_head(self.id, self.id != self.id_before + 1, self.width, self.count);
+            for value in self.values.iter().take(self.count) {
+                value.iter().take(self.width).for_each(|byte| self.out.put(*byte));
+            }
+            (self.id_before, self.count, self.width) = (self.id, 0, 1);
         }
     }
 }
@@ -148,89 +250,103 @@ impl Visitor for Writer<'_> {
         if value == Value::Absent {
             return;
         }
-        if self.open.is_none_or(|(_, id)| id != row.id) {
+        if self.id != row.id {
             self.close();
-            self.put_number(row.id.into());
-            self.open = Some((self.at, row.id));
-            self.put(0);
+            self.id = row.id;
         }
-        match value {
-            Value::Absent => {}
-            // The sign in the lowest bit.
-            Value::Number(number) => self.put_number(((number << 1) ^ (number >> 63)).cast_unsigned()),
-            Value::Text(text) => {
-                self.put(text.len() as u8);
-                text.bytes().for_each(|byte| self.put(byte));
+        let Some(place) = self.values.get_mut(self.count) else {
+            self.out.is_full = true;
+            return;
+        };
+        let width = match &value {
+            Value::Absent => 0,
+            Value::Number(number) => {
+                place.iter_mut().zip(number.to_le_bytes()).for_each(|(place, byte)| *place = byte);
+                width_of(*number)
             }
-        }
+            Value::Text(text) => {
+                let bytes = text.bytes().chain(core::iter::repeat(0));
+                place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = byte);
+                text.len()
+            }
+        };
+        self.count += 1;
+        self.width = self.width.max(width);
     }
 }
 
 /// Reads elements into settings.
 struct Reader<'a> {
-    payload: &'a [u8],
+    payload: Elements<'a>,
     /// The next elements: usually the element of the next row.
     next: Elements<'a>,
-    /// The unread part of a row's element.
-    open: Option<(u16, &'a [u8])>,
+    /// A row's element, with the values that are not read yet.
+    open: Element<'a>,
     /// A value does not fit its type.
     is_damaged: bool,
 }
 
 impl<'a> Reader<'a> {
-    /// The values of the element of that row that have not been read. Of two elements with the same id either may
+    /// The element of that row, with the values that are not read yet. Of two elements with the same id either may
     /// count: no firmware writes two.
-    fn values(&mut self, id: u16) -> &'a [u8] {
-        if let Some((open, values)) = self.open
-            && open == id
-        {
-            return values;
+    fn element(&mut self, id: u16) -> Element<'a> {
+        if self.open.id == id {
+            return self.open;
         }
         let is_of_row = |element: &Element<'_>| element.id == id;
-        let mut next = Elements(self.next.0);
+        let mut next = self.next;
         if let Some(Ok(element)) = next.next()
             && is_of_row(&element)
         {
             self.next = next;
-            return element.values;
+            return element;
         }
-        let found = Elements(self.payload).map_while(Result::ok).find(is_of_row);
-        found.map_or(&[], |element| element.values)
+        let found = self.payload.map_while(Result::ok).find(is_of_row);
+        found.unwrap_or(Element { id, ..Element::NONE })
     }
 }
 
 impl Visitor for Reader<'_> {
     fn visit(&mut self, Key { row, .. }: Key, field: &mut dyn Field) {
-        let mut values = self.values(row.id);
-        if !values.is_empty() {
+        self.open = self.element(row.id);
+        let Some((bytes, others)) = self.open.values.split_at_checked(self.open.width) else { return };
+        self.open.values = others;
+        if !bytes.is_empty() {
             // Only the field knows its kind: it is read as a text if it is no number.
             let value = match field.get() {
-                Value::Text(_) => take_text(&mut values),
-                Value::Number(_) | Value::Absent => take_number(&mut values)
-                    .map(|number| Value::Number((number >> 1).cast_signed() ^ -((number & 1).cast_signed()))),
+                Value::Text(_) => text_in(bytes),
+                Value::Number(_) | Value::Absent => number_in(bytes),
             };
             self.is_damaged |= !value.is_some_and(|value| field.set(&value));
         }
-        self.open = Some((row.id, values));
     }
 }
 
-/// A text with its length before it.
-fn take_text(bytes: &mut &[u8]) -> Option<Value> {
-    let (length, rest) = bytes.split_first()?;
-    let (text, rest) = rest.split_at_checked(usize::from(*length))?;
-    *bytes = rest;
+/// A number in two's complement.
+fn number_in(bytes: &[u8]) -> Option<Value> {
+    let is_negative = bytes.last()? & 0x80 != 0;
+    let mut number = [if is_negative { 0xFF } else { 0 }; 8];
+    number.get_mut(..bytes.len())?.copy_from_slice(bytes);
+    Some(Value::Number(i64::from_le_bytes(number)))
+}
+
+/// A text with zeros behind it.
+fn text_in(bytes: &[u8]) -> Option<Value> {
+    let text = bytes.split(|byte| *byte == 0).next()?;
     Some(Value::Text(Text24::try_from(core::str::from_utf8(text).ok()?).ok()?))
 }
 
 /// Writes settings and unknown elements; returns their bytes, or `None` if they do not fit.
 pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> Option<usize> {
-    let mut writer = Writer { bytes: into, at: 0, open: None, is_full: false };
+    let out = Out { bytes: into, at: 0, is_full: false };
+    let values = [[0; LONGEST_TEXT]; MOST_VALUES];
+    let mut writer = Writer { out, id_before: 0, id: 0, width: 1, count: 0, values };
     // Visitors may change values; this one does not.
     settings.clone().visit(&mut writer);
     writer.close();
-    unknown.as_bytes().iter().for_each(|byte| writer.put(*byte));
-    (!writer.is_full).then_some(writer.at)
+    let mut out = writer.out;
+    unknown.as_bytes().iter().for_each(|byte| out.put(*byte));
+    (!out.is_full).then_some(out.at)
 }
 
 /// The settings in a payload, and the elements that are unknown.
@@ -238,15 +354,16 @@ pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> 
 /// # Errors
 /// [`Damaged`] if it is no payload, or if a value does not fit its type.
 pub(super) fn read(payload: &[u8]) -> Result<(Settings, Unknown), Damaged> {
+    let payload = Elements::of(payload);
     let mut unknown = Unknown::NONE;
-    for element in Elements(payload) {
+    for element in payload {
         let element = element?;
         if !table::is_known(element.id) {
-            unknown.keep(element.whole);
+            unknown.keep(&element);
         }
     }
     let mut settings = Settings::prototype();
-    let mut reader = Reader { payload, next: Elements(payload), open: None, is_damaged: false };
+    let mut reader = Reader { payload, next: payload, open: Element::NONE, is_damaged: false };
     settings.visit(&mut reader);
     if reader.is_damaged { Err(Damaged) } else { Ok((settings, unknown)) }
 }

@@ -7,7 +7,7 @@
 //! | 6..8 | length of the payload |
 //! | 8..12 | sequence number |
 //! | 12..16 | CRC-32 of all other bytes |
-//! | 16.. | the settings: elements of an id, a length, and as many bytes of values (`payload`) |
+//! | 16.. | the settings: elements that say their id, width and number of values (`payload`) |
 //!
 //! Numbers are little-endian. CRC-32 finds every burst of up to 32 bits; of anything worse it misses one
 //! in 2^32.
@@ -25,7 +25,7 @@ const MAGIC: [u8; 4] = *b"CHBS";
 pub(super) const HEADER: usize = 16;
 
 /// Bytes of the longest record.
-pub const LONGEST: usize = 1440;
+pub const LONGEST: usize = 1280;
 
 const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
 

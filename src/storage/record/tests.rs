@@ -83,20 +83,34 @@ fn records_of_other_formats_are_refused_by_their_number() {
     }
 }
 
-/// The elements of a payload: their ids, and all of their bytes. Written a second time, as a check.
-fn elements(payload: &[u8]) -> Vec<(u16, &[u8])> {
-    let (mut elements, mut rest) = (Vec::new(), payload);
-    while !rest.is_empty() {
-        let (id, head) = if rest[0] < 128 {
-            (u16::from(rest[0]), 1)
-        } else {
-            (u16::from(rest[0] & 127) | u16::from(rest[1]) << 7, 2)
-        };
-        let length = head + 1 + usize::from(rest[head]);
-        elements.push((id, &rest[..length]));
-        rest = &rest[length..];
+/// The elements of a payload: their ids, and all of their bytes with the id among them. Written a second time, as a
+/// check.
+fn elements(payload: &[u8]) -> Vec<(u16, Vec<u8>)> {
+    let (mut elements, mut rest, mut id) = (Vec::new(), payload, 0);
+    while let [head, after @ ..] = rest {
+        let mut at = 0;
+        id += 1;
+        if head & 128 != 0 {
+            (id, at) = (u16::from(after[0]), 1);
+            if id >= 128 {
+                (id, at) = (id & 127 | u16::from(after[1]) << 7, 2);
+            }
+        }
+        let before_width = at;
+        let mut width = head >> 4 & 7;
+        if width == 0 {
+            (width, at) = (after[at], at + 1);
+        }
+        let end = at + usize::from(width) * usize::from(head & 15);
+        elements.push((id, [&[head | 128][..], &number(id), &after[before_width..end]].concat()));
+        rest = &after[end..];
     }
     elements
+}
+
+/// An id as an element has it.
+fn number(id: u16) -> Vec<u8> {
+    if id < 128 { [id as u8].to_vec() } else { [id as u8 & 127 | 128, (id >> 7) as u8].to_vec() }
 }
 
 #[test]
@@ -107,7 +121,7 @@ fn a_setting_that_a_record_does_not_have_is_at_its_default() {
     let default = Settings::prototype();
     for (left_out, _) in &elements {
         let kept: Vec<u8> =
-            elements.iter().filter(|(id, _)| id != left_out).flat_map(|(_, bytes)| bytes.iter().copied()).collect();
+            elements.iter().filter(|(id, _)| id != left_out).flat_map(|(_, bytes)| bytes.clone()).collect();
         let (settings, unknown) = read(&kept).unwrap();
         assert_eq!(unknown, Unknown::NONE);
         // Only that one, of all parts that have it.
@@ -140,22 +154,23 @@ fn values_of(settings: &Settings, key: Key) -> Value {
 
 #[test]
 fn what_later_firmware_has_stored_is_kept_and_known_by_its_ids() {
-    let mut later = payload(&spelled_out());
-    let (first, second) = ([0xFF, 0x03, 2, 7, 8], [0x80, 0x04, 0]);
-    later.splice(0..0, first);
-    later.extend(second);
+    // One with the width in its head, an empty one without an id, one with its width behind the head.
+    let (first, second, third) = ([0xA1, 0xFF, 0x03, 7, 8], [0x90, 0x80, 0x04], [0x81, 0x81, 0x04, 0]);
+    let settings = elements(&payload(&spelled_out())).into_iter().flat_map(|(_, bytes)| bytes);
+    let mut later: Vec<u8> = first.into_iter().chain([0x10]).chain(settings).collect();
+    later.extend(third);
     let decoded = decode(&forge(FORMAT, &later)).unwrap();
     assert_eq!(decoded.settings, spelled_out());
-    assert_eq!(decoded.unknown.ids().collect::<Vec<_>>(), [511, 512]);
+    assert_eq!(decoded.unknown.ids().collect::<Vec<_>>(), [511, 512, 513]);
     // They are in the next record too, behind all others.
     let again = encode(&Settings::prototype(), &decoded.unknown, 8).unwrap();
     let again = &again.bytes[..again.receipt.bytes];
-    assert!(again.ends_with(&[&first[..], &second].concat()));
+    assert!(again.ends_with(&[&first[..], &second, &third].concat()));
     assert_eq!(decode(again).unwrap().unknown, decoded.unknown);
     // Elements without room are lost, and the rest is kept.
     let mut long = payload(&Settings::prototype());
-    long.extend([0xFF, 0x03, 62]);
-    long.extend([1; 62]);
+    long.extend([0x81, 0xFF, 0x03, 61]);
+    long.extend([1; 61]);
     long.extend(second);
     assert_eq!(decode(&forge(FORMAT, &long)).unwrap().unknown.ids().collect::<Vec<_>>(), [512]);
 }
@@ -166,16 +181,15 @@ fn a_machine_with_more_or_fewer_parts_reads_those_that_it_has() {
     let mut other: Vec<u8> = Vec::new();
     for (id, bytes) in elements(&whole) {
         match id {
-            // One motor more than there is, and one fan less.
+            // One motor more than there is, and one fan less, which take eight bytes and one.
             96 => {
-                other.extend([96, bytes[1] + 3]);
+                other.extend([bytes[0] + 1, 96]);
                 other.extend(&bytes[2..]);
-                other.extend(b"\x02M9");
+                other.extend(b"M9\0\0\0\0\0\0");
             }
             93 => {
-                // Each takes two bytes.
-                other.extend([93, bytes[1] - 2]);
-                other.extend(&bytes[2..bytes.len() - 2]);
+                other.extend([bytes[0] - 1, 93]);
+                other.extend(&bytes[2..bytes.len() - 1]);
             }
             _ => other.extend(bytes),
         }
@@ -214,20 +228,25 @@ fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
     let damaged = |bytes: &[u8]| assert_eq!(decode(&forge(FORMAT, bytes)), Err(Rejected::Damaged), "{bytes:?}");
     damaged(&whole[..whole.len() - 1]);
     damaged(&[whole.clone(), [0xFF].to_vec()].concat());
-    // A switch that is 2, an unknown choice, an illegal name, a speed of 64 bits, and the rows 641 and -641 of motors.
+    // A switch that is 2, an unknown choice, an illegal name, a speed of 48 bits, a speed of nine bytes, and the rows
+    // 641 and -641 of motors.
     for element in [
-        &[11, 1, 4][..],
-        &[58, 1, 40],
-        &[1, 3, 2, b'a', b':'],
-        &[2, 6, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1],
-        &[98, 2, 0x82, 10],
-        &[98, 2, 0x81, 10],
+        &[0x91, 11, 2][..],
+        &[0x91, 58, 20],
+        &[0xA1, 1, b'a', b':'],
+        &[0xF1, 2, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0],
+        &[0x81, 2, 9, 1, 0, 0, 0, 0, 0, 0, 0, 0],
+        &[0xA1, 98, 0x81, 2],
+        &[0xA1, 98, 0x7F, 0xFD],
     ] {
         damaged(element);
     }
     // An empty one has no value.
-    let empty = [&[2, 0][..], &whole].concat();
-    assert!(decode(&forge(FORMAT, &empty)).is_ok());
+    for empty in [&[0x90, 2][..], &[0x81, 2, 0], &[0x80, 2, 4]] {
+        let and_all = elements(&whole).into_iter().flat_map(|(_, bytes)| bytes);
+        let payload: Vec<u8> = empty.iter().copied().chain(and_all).collect();
+        assert!(decode(&forge(FORMAT, &payload)).is_ok(), "{empty:?}");
+    }
 }
 
 proptest! {
