@@ -18,6 +18,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE,
     sensors: &[],
     fans: 0,
+    has_servo: false,
     is_bench: true,
     is_simulated: false,
 };
@@ -44,6 +45,7 @@ pub static BOARD: Board = Board {
     heaters: &[],
     fans: &[],
     supply_switch: None,
+    servo: None,
     // The ST-LINK's virtual serial port.
     serial: &[SerialPort { usart: Usart::Two, tx: Pin::new(Port::A, 2), rx: Pin::new(Port::A, 3), baud: 250_000 }],
     // The processor's USB pins lead to a pin header (UM1724, morpho connector CN10), not to a connector.

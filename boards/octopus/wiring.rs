@@ -26,6 +26,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
     fans: FANS,
+    has_servo: true,
     is_bench: false,
     is_simulated: false,
 };
@@ -92,6 +93,8 @@ pub static BOARD: Board = Board {
     ],
     // PS_ON, with 10 kOhm to 3.3 V: a supply that hangs on it is off while the processor is in reset.
     supply_switch: Some(SupplySwitch { pin: Pin::new(Port::E, 11), is_on_high: false }),
+    // The servo's line of BLTOUCH (J43), straight to the pin (schematic).
+    servo: Some(Pin::new(Port::B, 6)),
     serial: &[
         // The Raspberry Pi header.
         SerialPort { usart: Usart::Two, tx: Pin::new(Port::D, 5), rx: Pin::new(Port::D, 6), baud: 250_000 },

@@ -8,6 +8,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     key: "sim",
     name: "simulator",
     debug_sockets: &[],
+    has_servo: true,
     is_bench: true,
     is_simulated: true,
     ..octopus::CONNECTORS

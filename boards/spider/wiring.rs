@@ -26,6 +26,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
     fans: 3,
+    has_servo: false,
     is_bench: false,
     is_simulated: false,
 };
@@ -84,6 +85,7 @@ pub static BOARD: Board = Board {
         FAN2,
     ],
     supply_switch: None,
+    servo: None,
     serial: &[SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 }],
     has_usb: true,
     eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),

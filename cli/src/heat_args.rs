@@ -3,7 +3,9 @@
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use corehbot::settings::Settings;
+use corehbot_rig::bed::has_probe;
 use corehbot_rig::heat::constants;
+use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::heat_plant::{Accident, HeatSetup, truth};
 use std::path::{Path, PathBuf};
 
@@ -13,8 +15,8 @@ pub struct HeatArgs {
     /// File with the heaters' true values, whatever the machine's settings say (docs/explanation/heat.md).
     #[arg(long, value_name = "H.toml")]
     plant_heat: Option<PathBuf>,
-    /// Breaks something: part, place and time after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or
-    /// `fan-dead:part@2m`. May be repeated. An unknown word gets a list of the known ones.
+    /// Breaks something: part, place and time after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m`,
+    /// `fan-dead:part@2m` or `early:probe@1m`. May be repeated. An unknown word gets a list of the known ones.
     #[arg(long = "break", value_name = "WHAT[:WHERE]@TIME")]
     breaks: Vec<String>,
 }
@@ -25,13 +27,29 @@ impl HeatArgs {
         self.plant_heat.as_deref()
     }
 
+    /// The accidents of the probe, on a machine with these settings.
+    ///
+    /// # Errors
+    /// No such accident, or no probe that could break.
+    pub(crate) fn probe_accidents(&self, settings: &Settings) -> Result<Vec<ProbeAccident>> {
+        let mut accidents = Vec::new();
+        for text in self.breaks.iter().filter(|text| ProbeAccident::is_one(text)) {
+            accidents.push(text.parse::<ProbeAccident>().with_context(|| format!("--break {text}"))?);
+            if !has_probe(settings) {
+                bail!("--break {text}: the machine has no probe; its file plugs one in (endstops.probe)");
+            }
+        }
+        accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+        Ok(accidents)
+    }
+
     /// The setup that the options ask for, on a machine with these settings.
     ///
     /// # Errors
     /// No such accident, a plant that cannot be, or no heater that could break.
     pub fn setup(&self, settings: &Settings) -> Result<HeatSetup> {
         let mut accidents = Vec::new();
-        for text in &self.breaks {
+        for text in self.breaks.iter().filter(|text| !ProbeAccident::is_one(text)) {
             let accident: Accident = text.parse().with_context(|| format!("--break {text}"))?;
             if let Some(missing) = accident.missing(&settings.thermal) {
                 bail!("--break {text}: {missing}");

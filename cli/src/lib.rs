@@ -12,6 +12,7 @@
 //! other in a circle.
 #![forbid(unsafe_code)]
 
+pub mod bed_args;
 #[cfg(unix)]
 mod bringup;
 pub mod cli;

@@ -1,5 +1,6 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
+use crate::bed_args::BedArgs;
 use crate::heat_args::HeatArgs;
 use crate::input::GcodeFile;
 use crate::output::{Outputs, Stream};
@@ -19,6 +20,8 @@ use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;
 use corehbot_report::printable;
 use corehbot_report::summary::{Names, Summary};
+use corehbot_rig::bed::BedPlant;
+use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::check::Checker;
 use corehbot_sim::drivers::Drivers;
@@ -60,6 +63,8 @@ pub(crate) struct Run {
     #[command(flatten)]
     heat: HeatArgs,
     #[command(flatten)]
+    bed: BedArgs,
+    #[command(flatten)]
     printer: Printer,
 }
 
@@ -74,6 +79,8 @@ pub(crate) struct Prepared {
     machine: Machine,
     belt: Option<Box<BeltPlant>>,
     heat: HeatSetup,
+    bed: Option<Box<BedPlant>>,
+    probe_accidents: Vec<ProbeAccident>,
     eeprom: Option<Eeprom>,
     stop: Stop,
     outputs: Outputs,
@@ -88,6 +95,8 @@ impl Prepared {
         let machine = args.printer.machine()?;
         let belt = args.plant.belt(&machine.settings, args.printer.assume_homed)?;
         let heat = args.heat.setup(&machine.settings)?;
+        let bed = args.bed.plant(&machine.settings)?;
+        let probe_accidents = args.heat.probe_accidents(&machine.settings)?;
         // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
         let mut file = GcodeFile::open(&args.file)?;
         let stop = Stop::at_signals()?;
@@ -112,13 +121,29 @@ impl Prepared {
         let name = file.name.clone();
         let host = FileHost::reading(file.into_lines()?, survey);
         let limits = limits.finish();
-        Ok(Self { name, host, limits, machine, belt, heat, eeprom, stop, outputs, trace, vcd, json, report })
+        Ok(Self {
+            name,
+            host,
+            limits,
+            machine,
+            belt,
+            heat,
+            bed,
+            probe_accidents,
+            eeprom,
+            stop,
+            outputs,
+            trace,
+            vcd,
+            json,
+            report,
+        })
     }
 
     /// Prints, and says with which status it ended.
     pub fn run(self, args: &Run) -> Result<u8> {
-        let Self { name, host, limits, machine, belt, heat, mut eeprom, stop, outputs, trace, vcd, json, report } =
-            self;
+        let Self { name, host, limits, machine, belt, heat, bed, probe_accidents, .. } = self;
+        let Self { mut eeprom, stop, outputs, trace, vcd, json, report, .. } = self;
         let settings = &machine.settings;
         let mut host = Watched::new(host, &stop);
         let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
@@ -135,7 +160,7 @@ impl Prepared {
         let start = Instant::now();
         let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
         let mut desk = Desk::new(1);
-        (desk.belt, desk.heat) = (belt, heat);
+        (desk.belt, desk.heat, desk.bed, desk.probe_accidents) = (belt, heat, bed, probe_accidents);
         let outcome = match &mut eeprom {
             Some(eeprom) => world::run_at(&mut desk, settings, homed, eeprom, &drivers, &mut [&mut host], &mut sinks),
             None => world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks),
@@ -154,6 +179,9 @@ impl Prepared {
             plant.ring_out();
             plant.figures()
         });
+        if let Some(depth) = desk.bed.as_deref().and_then(BedPlant::deepest) {
+            summary.note_depth(depth.mm, depth.nozzle);
+        }
         summary.note_asked(host.asked(), settings);
         if !limits.is_judged {
             summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));

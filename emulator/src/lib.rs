@@ -31,6 +31,7 @@ pub mod loads;
 pub mod mechanics;
 pub mod run;
 pub mod safety;
+pub mod servo_line;
 pub mod small_timers;
 pub mod steps;
 pub mod timer;

@@ -94,6 +94,7 @@ impl Mechanics {
     /// The endstops that are pressed at an instant in ns.
     pub fn endstops(&mut self, at: u64) -> EndstopSet {
         let now = at / NS_PER_TICK;
+        self.next = None;
         let (switches, nozzle) = match &mut self.belt {
             None => (self.rig.endstops(), self.rig.nozzle()),
             Some(plant) => {
@@ -104,7 +105,28 @@ impl Mechanics {
         };
         let Some(bed) = &mut self.bed else { return switches };
         bed.follow(now, nozzle, &self.rig.counts());
-        switches.with(bed.endstops(now))
+        let pressed = switches.with(bed.endstops(now));
+        self.next = self.next.into_iter().chain(bed.next().map(|tick| (tick + 1) * NS_PER_TICK)).min();
+        pressed
+    }
+
+    /// The servo of the probe gets its first pulse of so many us at an instant in ns.
+    pub fn servo(&mut self, at: u64, micros: u16) {
+        if let Some(bed) = &mut self.bed {
+            bed.servo(at / NS_PER_TICK, Some(micros));
+            self.next = Some(at);
+        }
+    }
+
+    /// Uses another bed.
+    pub fn lay(&mut self, bed: BedPlant) {
+        self.bed = Some(bed);
+    }
+
+    /// The bed of a machine with a probe.
+    #[must_use]
+    pub const fn bed(&self) -> Option<&BedPlant> {
+        self.bed.as_ref()
     }
 
     /// When to check the switches, if there is no step before, in ns.

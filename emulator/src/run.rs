@@ -13,6 +13,7 @@ use crate::laps::Laps;
 use crate::line::{HostLine, Manner};
 use crate::mechanics::Mechanics;
 use crate::safety::Safety;
+use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
 use crate::wiring::{BRR, HostPort, PORTS, Pin, SettingsMemory, Wiring};
@@ -95,6 +96,8 @@ pub struct Seen {
     pub heat: HeatWatch,
     /// The motor drivers.
     pub drivers: DriverLines,
+    /// The servo's line.
+    pub servo: ServoLine,
     /// The belt's figures.
     pub belt: Option<BeltFigures>,
     /// Requests that the model could not serve.
@@ -232,6 +235,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         laps: watch.laps,
         heat: watch.heat,
         drivers: watch.drivers,
+        servo: watch.servo,
         belt: watch.mechanics.figures(),
         gaps,
         breaches: watch.clock_rules.breaches,

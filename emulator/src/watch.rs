@@ -14,6 +14,7 @@ use crate::heat::{Climate, HeatWatch, fitted};
 use crate::laps::Laps;
 use crate::mechanics::Mechanics;
 use crate::safety::Safety;
+use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
 use crate::wiring::{BRR, Load, PORTS, ProbeInput, SettingsMemory, Wiring};
@@ -63,6 +64,8 @@ pub struct Watch {
     pub laps: Laps,
     /// The motor drivers.
     pub drivers: DriverLines,
+    /// The servo's line.
+    pub servo: ServoLine,
     /// The machine's heat.
     pub heat: HeatWatch,
     /// The clocks.
@@ -121,6 +124,7 @@ impl Watch {
             recorder: Recorder::new(wiring),
             driven: [0; PORTS],
             safety: Safety::new(wiring, fitted(settings)),
+            servo: ServoLine::new(wiring.servo),
             heat: HeatWatch::new(wiring, settings, &Climate::default()),
             laps: Laps::default(),
             clock_rules: ClockRules::new(wiring.hse),
@@ -150,6 +154,10 @@ impl Watch {
         self.mechanics.attend(at.0, self.safety.supplied());
         if let Some(switch) = self.wiring.supply_switch.filter(|switch| switch.port == n) {
             self.heat.switch(at.0, port.low() & switch.mask() != 0);
+        }
+        if let Some((began, micros)) = self.servo.store(at.0, n, port) {
+            self.mechanics.servo(began, micros);
+            self.press(session, at);
         }
         self.drivers.store(at.0, n, port, |pin| session.board_mut().is_pulled_up(pin));
         let (steps, forward) = self.recorder.store(at.0, n, port, self.safety.powered);

@@ -230,6 +230,8 @@ pub struct Wiring {
     pub fans: &'static [Load],
     /// The power supply of heaters, fans and motors is on while this is driven low (PS_ON); without it, always.
     pub supply_switch: Option<Pin>,
+    /// The line of a servo, which only a machine with a BLTouch has driven.
+    pub servo: Option<Pin>,
     /// Levels that resistors on the board give to pins that nothing drives.
     pub resistors: &'static [(Pin, bool)],
     /// Thermistors, and their channels of ADC3.
@@ -320,6 +322,7 @@ pub static OCTOPUS: Wiring = Wiring {
     ],
     // 10 kOhm to 3.3 V.
     supply_switch: Some(Pin::new('E', 11)),
+    servo: Some(Pin::new('B', 6)),
     // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: the check for the right board reads them.
     resistors: &[
         (Pin::new('F', 14), true),
@@ -402,6 +405,7 @@ pub static SPIDER: Wiring = Wiring {
         Load::new('B', 2, Timer::Two, 4),
     ],
     supply_switch: None,
+    servo: None,
     resistors: &[(Pin::new('B', 0), true), (Pin::new('B', 1), true)],
     thermistors: &[(Sensor::Bed, 13), (Sensor::Hotend0, 10), (Sensor::Hotend1, 11), (Sensor::Hotend2, 12)],
     application: 0x0800_8000,
@@ -454,6 +458,7 @@ pub static NUCLEO: Wiring = Wiring {
     heaters: &[],
     fans: &[],
     supply_switch: None,
+    servo: None,
     resistors: &[],
     thermistors: &[],
     application: 0x0800_0000,
@@ -481,6 +486,7 @@ mod tests {
             pins.extend(board.heaters.iter().map(|(_, load)| load.pin));
             pins.extend(board.fans.iter().map(|load| load.pin));
             pins.extend(board.supply_switch);
+            pins.extend(board.servo);
             if let Some(spare) = board.spare {
                 pins.extend(spare.pins);
                 pins.push(spare.input.1);

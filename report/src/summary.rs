@@ -5,6 +5,7 @@ use corehbot::connectors::Heater;
 use corehbot::motors::{MOTORS, MotorName};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
+use corehbot_sim::bed_plant::FLOOR_MM;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::check::Findings;
 use corehbot_sim::host::{Asked, FileHost};
@@ -162,6 +163,15 @@ impl Summary {
             belt: None,
             trace_sha256,
             wall_time_s: 0.0,
+        }
+    }
+
+    /// Notes how deep the nozzle was in the bed, if that is deeper than a bed stands.
+    pub fn note_depth(&mut self, mm: f64, [x, y, z]: [f64; 3]) {
+        if mm > FLOOR_MM {
+            self.ok = false;
+            self.violations_total += 1;
+            self.violations.push(format!("the nozzle was {mm:.3} mm below the bed, at X{x:.2} Y{y:.2} Z{z:.3}"));
         }
     }
 

@@ -25,6 +25,8 @@ pub struct BoardConnectors {
     pub sensors: &'static [Sensor],
     /// Fan outputs, FAN0 and so on.
     pub fans: usize,
+    /// It has the line of a servo, which a BLTouch needs.
+    pub has_servo: bool,
     /// A bench rig: motors that it has no socket for are counted, and do not turn.
     pub is_bench: bool,
     /// There are no real plugs, so every name is legal.
@@ -43,6 +45,7 @@ impl BoardConnectors {
         outputs: OutputSet::NONE,
         sensors: &[],
         fans: 0,
+        has_servo: true,
         is_bench: true,
         is_simulated: true,
     };
@@ -84,6 +87,7 @@ pub(crate) mod samples {
         outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
         sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
         fans: FANS,
+        has_servo: true,
         is_bench: false,
         is_simulated: false,
     };
@@ -96,6 +100,7 @@ pub(crate) mod samples {
         inputs: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX", "Z-MAX"]),
         shared_inputs: &[],
         debug_sockets: &[],
+        has_servo: false,
         ..PRINTER
     };
 

@@ -1,7 +1,7 @@
 //! Whether a board has the connectors that a machine uses. Checked for machine files and images, by MACHINE_STORE and
 //! when a board starts. M-codes are not checked, because none of them changes a plug.
 
-use super::{PLACES, SensorSource, Settings, Wiring};
+use super::{PLACES, ProbeKind, SensorSource, Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
 use crate::motors::MotorName;
 use core::fmt::{self, Display};
@@ -32,6 +32,8 @@ pub enum ConnectorError {
     NoSuchOutput(Heater, Output, &'static BoardConnectors),
     /// The board has no such input for the temperature sensor of a heater.
     NoSuchSensor(Heater, Sensor, &'static BoardConnectors),
+    /// The board has no line for the servo of a BLTouch.
+    NoServo(&'static BoardConnectors),
     /// Nor for the sensor without a heater at this place.
     NoSuchExtraSensor(&'static str, SensorSource, &'static BoardConnectors),
 }
@@ -43,6 +45,12 @@ impl Settings {
         if self.wiring == Wiring::prototype() {
             self.wiring = Wiring::usual(board);
         }
+    }
+
+    /// Whether the machine's probe has a servo.
+    #[must_use]
+    pub const fn has_servo(&self) -> bool {
+        matches!(self.probe.kind, ProbeKind::BlTouch)
     }
 
     /// Checks that a board has every connector that the machine is plugged into, each once. Motors and heaters that are
@@ -58,10 +66,16 @@ impl Settings {
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
         let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
         let others = [(Plugged::Probe, self.probe_plug.connector), (Plugged::Filament, self.filament.connector)];
-        let contacts = switches.chain(others.into_iter().filter(|(_, connector)| !connector.is_none()));
+        let is_used = |(part, connector): &(Plugged, ConnectorName)| {
+            !connector.is_none() || *part == Plugged::Probe && self.probe.is_fitted()
+        };
+        let contacts = switches.chain(others.into_iter().filter(is_used));
         check(contacts, board, BoardConnectors::is_one_line)?;
         if board.is_simulated {
             return Ok(());
+        }
+        if self.has_servo() && !board.has_servo {
+            return Err(ConnectorError::NoServo(board));
         }
         Heater::ALL.into_iter().try_for_each(|heater| self.check_heater(heater, board))?;
         let has = |source| match source {
@@ -154,6 +168,7 @@ impl Display for ConnectorError {
                 write!(f, "heater {}: the {} has no sensor {}; it has ", heater.name(), board.name, sensor.name())?;
                 list(f, board.sensors.iter().map(|sensor| sensor.name()))
             }
+            Self::NoServo(board) => write!(f, "probe: the {} has no servo line for a bltouch", board.name),
             Self::NoSuchExtraSensor(place, sensor, board) => {
                 write!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
                 list(f, board.sensors.iter().map(|sensor| sensor.name()))

@@ -25,6 +25,7 @@ use corehbot::gcode::{Command, MotionCommand, MotorCommand, Number, SettingComma
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use corehbot::units::{Mm, Seconds};
+use corehbot_rig::bed::has_probe;
 use std::f64::consts::SQRT_2;
 
 /// The limits of one coordinate, in mm and s.
@@ -151,8 +152,8 @@ impl Widening {
             }
         }
         // Commands of many names lower the probe, and it stops Z alone.
-        for s in [Some(s), stored].into_iter().flatten().filter(|s| !s.probe_plug.connector.is_none()) {
-            limits.allow_stops(s, [0.0, 0.0, s.homing.z.fast.to_num()], [AxisEnd::Min; 3]);
+        for s in [Some(s), stored].into_iter().flatten().filter(|s| has_probe(s)) {
+            limits.allow_stops(s, [0.0, 0.0, s.probe.fast.to_num()], [AxisEnd::Min; 3]);
         }
         Self { settings: [Some(*s), stored.copied()], limits, widest, unit: 1.0 }
     }

@@ -12,6 +12,7 @@ use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
+use corehbot_rig::bed::probe::ProbeFault;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
@@ -184,6 +185,13 @@ impl Pins<'_> {
             bed.servo(at, micros);
         }
         bed.follow(self.shared.now.get(), self.mechanics.nozzle(), &self.mechanics.counts());
+    }
+
+    /// The probe breaks, or is mended.
+    pub(crate) fn fail(&mut self, fault: ProbeFault) {
+        if let Some(bed) = &mut self.bed {
+            bed.fail(fault);
+        }
     }
 
     /// These switches have ended a motion.

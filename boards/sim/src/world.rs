@@ -6,6 +6,7 @@
 
 mod runs;
 
+use crate::bed_plant::ProbeAccident;
 use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
@@ -27,9 +28,11 @@ use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
+use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
 pub use runs::{WorldError, run, run_at, run_from, run_on, run_with};
+use std::collections::VecDeque;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -69,6 +72,8 @@ pub struct Desk {
     pub endstops: EndstopSet,
     /// The bed of a machine with a probe; without it, a flat one. It keeps its state across a restart.
     pub bed: Option<Box<BedPlant>>,
+    /// The probe's accidents, by time.
+    pub probe_accidents: Vec<ProbeAccident>,
     /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -92,6 +97,7 @@ impl Desk {
             wires,
             endstops: EndstopSet::SWITCHES,
             bed: None,
+            probe_accidents: Vec::new(),
             belt: None,
             plugs: None,
             heat,
@@ -156,6 +162,8 @@ pub struct World<'w> {
     thermal: ThermalControl<'w, Heat, Pends<'w>>,
     /// Accidents still to come, by time.
     accidents: &'w [Accident],
+    /// Faults of the probe still to come, and when, in s.
+    probe_accidents: VecDeque<(f64, ProbeFault)>,
     /// When the next control period is due, in ticks.
     next_period: u64,
     /// Until it asks for a restart.
@@ -189,7 +197,7 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, bed, belt, plugs, heat, plant: left } = desk;
+        let Desk { memory, shared, wires, endstops, bed, probe_accidents, belt, plugs, heat, plant: left } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
@@ -229,6 +237,7 @@ impl<'w> World<'w> {
             generator,
             thermal,
             accidents: &heat.accidents,
+            probe_accidents: probe_accidents.iter().map(|a| (a.at_s, a.fault(settings))).collect(),
             next_period: shared.now.get(),
             console: Some(console),
             met: EndstopSet::NONE,
@@ -303,6 +312,10 @@ impl<'w> World<'w> {
 
     /// Applies the accidents that are due by now.
     fn befall(&mut self) {
+        let seconds = self.shared.now.get() as f64 / f64::from(TICKS_PER_SECOND);
+        while let Some((_, fault)) = self.probe_accidents.pop_front_if(|(at_s, _)| *at_s <= seconds) {
+            self.stepper.port().fail(fault);
+        }
         while let [first, later @ ..] = self.accidents {
             if first.at_s * f64::from(TICKS_PER_SECOND) > self.shared.now.get() as f64 {
                 return;

@@ -8,6 +8,7 @@ use corehbot::port::{BusError, Coupling, DriverBus, Frame, Motor, MotorSet};
 use crate::contexts;
 use crate::driver_uart::DriverUart;
 use crate::ports;
+use crate::servo;
 use crate::step_pins::{Dirs, Steps};
 use crate::supply;
 use crate::wiring::{Plugged, Port};
@@ -71,6 +72,12 @@ impl DriverBus for Drivers {
 
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         self.uart.outcome()
+    }
+
+    fn servo(&mut self, micros: Option<u16>) {
+        if self.plugged.servo.is_some() {
+            servo::order(micros);
+        }
     }
 
     fn connectors(&self) -> &'static BoardConnectors {

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | 0x00 | SysTick | Stepper; nothing masks it |
 //! | 0x00 | PVD | the end, when the supply falls |
+//! | 0x20 | TIM3, during an order to a BLTouch | the edges of its pulses |
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM2 | bytes, USB packets, embassy's time |
 //! | 0x40 | TIM8, during an exchange with a motor driver | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
@@ -84,6 +85,8 @@ mod reference_voltage;
 mod reset_reason;
 #[cfg(target_os = "none")]
 mod safe_levels;
+#[cfg(target_os = "none")]
+mod servo;
 #[cfg(target_os = "none")]
 mod stack_guard;
 #[cfg(target_os = "none")]

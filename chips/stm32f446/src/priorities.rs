@@ -8,9 +8,10 @@ use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
 use crate::resources::SOURCES;
-use crate::{contexts, driver_uart, heater_timer, otg, supply};
+use crate::{contexts, driver_uart, heater_timer, otg, servo, supply};
 
-/// Priority shared by the host lines, the drivers' UART and embassy's time: below the Stepper, above everything else.
+/// Priority shared by the host lines, the drivers' UART and embassy's time: below the Stepper and a servo's edges, above
+/// everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// The step timer's exception, which is always enabled.
@@ -20,6 +21,8 @@ const STEPS: (SystemHandler, u8) = (SystemHandler::SysTick, 0);
 const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     // It never returns, so it delays no step.
     (supply::IRQ, Priority::P0),
+    // The edges of its pulses may wait for a step, and for nothing else.
+    (servo::IRQ, Priority::P2),
     (Interrupt::TIM2, LINK),
     (Interrupt::USART1, LINK),
     (Interrupt::USART2, LINK),

@@ -64,7 +64,7 @@ pub const fn receiver(usart: Usart) -> Channel {
 
 /// Timers, and the bus that each is on: APB1 or APB2.
 pub const TIMERS: [(&str, u8); 8] =
-    [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), ("TIM3", 1), ("TIM4", 1), ("TIM9", 2), ("TIM12", 1)];
+    [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), (SERVO, 1), ("TIM4", 1), ("TIM9", 2), ("TIM12", 1)];
 
 /// embassy's time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no
 /// board here needs a channel of TIM2 for a heater.
@@ -75,6 +75,9 @@ pub const DRIVER_BITS: &str = "TIM8";
 /// The control period, and the pulses of heaters on its pins. Besides TIM2 this is the only timer with 32 bits on the
 /// Octopus's heater pins, and on TIM2 two pairs of heaters would share channels.
 pub const HEAT: &str = "TIM5";
+
+/// The pulses of a servo, on a board without heaters on that timer.
+pub const SERVO: &str = "TIM3";
 
 /// An interrupt in use: its owner, its purpose, and its number in the vector table.
 #[derive(Clone, Copy, Debug)]
@@ -93,8 +96,9 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
 
 /// The interrupts in use besides the core's own timer (SysTick), which triggers steps. The supply's interrupt comes
 /// through line 16 of EXTI, which the chip description leaves out, so it goes by its name.
-pub const SOURCES: [Source; 10] = [
+pub const SOURCES: [Source; 11] = [
     source("PVD", "", 1),
+    source(SERVO, "UP", 29),
     source(TIME, "UP", 28),
     source("USART1", "GLOBAL", 37),
     source("USART2", "GLOBAL", 38),

@@ -27,7 +27,7 @@ use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::wiring::{Board, Image, Input, Mark, OF_144_PINS, SerialPort};
 use crate::{
-    after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
+    after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, servo, stack_guard, supply, watchdog,
 };
 use corehbot_board_support::memory::Memory;
 
@@ -106,6 +106,8 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
     let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
     let heat = BoardHeat::start(plugged, !past.is_supply_off);
+    // After the heaters, which take their timers.
+    plugged.servo.map(servo::start);
     let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &coupling), clock: timer };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }

@@ -58,7 +58,8 @@ pub fn count_call(irq: embassy_stm32::pac::Interrupt, rate: &CallRate) {
     }
 }
 
-/// An interrupt was masked. Handlers that count share a priority, so none of them preempts another.
+/// An interrupt was masked. Handlers that count share a priority, except for the servo's: one that comes in between may
+/// lose its name to the other.
 fn note(irq: u8) {
     if MASKED.load(Ordering::Relaxed) == 0 {
         MASKED.store(irq + 1, Ordering::Relaxed);

@@ -70,6 +70,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         heaters,
         fans,
         supply_switch,
+        servo,
         serial,
         has_usb,
         eeprom,
@@ -99,6 +100,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
     pins.extend(thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(loads.iter().map(|pin| (*pin, "load".into())));
     pins.extend(supply_switch.map(|switch| (switch.pin, "supply switch".into())));
+    pins.extend(servo.map(|pin| (pin, "servo".into())));
     pins.extend(serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));
     pins.extend(eeprom.into_iter().flatten().map(|pin| (pin, "eeprom".into())));
     pins.extend(USB.into_iter().filter(|_| has_usb).map(|pin| (pin, "usb".into())));

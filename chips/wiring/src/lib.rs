@@ -311,6 +311,8 @@ pub struct Board {
     pub fans: &'static [FanPin],
     /// The switch of the power supply.
     pub supply_switch: Option<SupplySwitch>,
+    /// The line of a servo, for a BLTouch. TIM3 makes its pulses, so no heater is on that timer.
+    pub servo: Option<Pin>,
     /// Serial ports on which hosts may be, each USART once.
     pub serial: &'static [SerialPort],
     /// There is a USB connector on PA11 and PA12.

@@ -22,6 +22,8 @@ pub struct Plugged {
     pub probe: Option<Contact>,
     /// The filament sensor, if the machine has one.
     pub filament: Option<Contact>,
+    /// The line of the servo, if the machine has a probe with one.
+    pub servo: Option<Pin>,
 }
 
 impl Board {
@@ -33,7 +35,7 @@ impl Board {
         prototype.zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
         let mut endstops = [Input::plain(Port::A, 0).contact(false); 3];
         endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = input.contact(false));
-        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, filament: None }
+        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, filament: None, servo: None }
     }
 
     /// The board with a machine plugged in.
@@ -57,6 +59,7 @@ impl Board {
         }
         plugged.probe = self.contact(machine.probe_plug);
         plugged.filament = self.contact(machine.filament);
+        plugged.servo = self.servo.filter(|_| machine.has_servo());
         Ok(plugged)
     }
 

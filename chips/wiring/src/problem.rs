@@ -5,7 +5,9 @@ use corehbot::motors::prototype;
 use corehbot::port::{FANS, LINES};
 
 use crate::port_writes::{DirWrites, StepWrites};
-use crate::{Board, FanPin, FanTimer, HEATER_PORTS, HeaterPin, Input, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
+use crate::{
+    Board, FanPin, FanTimer, HEATER_PORTS, HeaterPin, HeaterTimer, Input, MOST_THERMISTORS, Pin, SerialPort, Slot, USB,
+};
 
 impl Board {
     /// The first problem of the table, if any.
@@ -60,6 +62,13 @@ impl Board {
         if self.thermistors.len() > MOST_THERMISTORS {
             return Some("there are too many thermistors");
         }
+        let is_of_servo = |heater: &HeaterPin| heater.timer == HeaterTimer::Three;
+        if self.servo.is_some() && self.heaters.iter().any(is_of_servo) {
+            return Some("a servo and a heater share TIM3");
+        }
+        if self.servo.is_some() != self.connectors.has_servo {
+            return Some("the connectors do not say whether there is a servo");
+        }
         self.load_problem().or_else(|| self.serial.iter().find_map(SerialPort::problem))
     }
 
@@ -85,6 +94,7 @@ impl Board {
             heaters,
             fans,
             supply_switch,
+            servo,
             serial,
             has_usb,
             eeprom,
@@ -105,6 +115,7 @@ impl Board {
             .chain(eeprom.into_iter().flatten())
             .chain(thermistors.iter().map(|thermistor| thermistor.pin))
             .chain(supply_switch.map(|switch| switch.pin))
+            .chain(servo)
     }
 
     /// The first problem of heaters and fans, if any.

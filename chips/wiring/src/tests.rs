@@ -8,6 +8,7 @@ use corehbot::port::MotorSet;
 const NAMES: BoardConnectors = BoardConnectors {
     sockets: &ConnectorName::all(["X"]),
     inputs: &ConnectorName::all(["X", "Y", "Z"]),
+    has_servo: false,
     ..BoardConnectors::ANY
 };
 
@@ -25,6 +26,7 @@ fn board(uart: Option<Pin>) -> Board {
         heaters: &[],
         fans: &[],
         supply_switch: None,
+        servo: None,
         serial: &[],
         has_usb: false,
         eeprom: None,
@@ -52,6 +54,22 @@ fn there_is_a_name_for_every_socket_and_input() {
     let good = board(None);
     assert!(Board { connectors: &BoardConnectors::ANY, ..good }.problem().is_some());
     assert!(Board { inputs: good.inputs.split_at(2).0, ..good }.problem().is_some());
+}
+
+#[test]
+fn a_servo_has_a_pin_and_its_timer_for_itself() {
+    let with = |servo, heaters| {
+        let connectors = &BoardConnectors { has_servo: true, ..NAMES };
+        let loads = const { &[Pin::new(Port::B, 9)] };
+        Board { connectors: Box::leak(Box::new(*connectors)), servo, heaters, loads, ..board(None) }.problem()
+    };
+    let [line, taken] = [10, 5].map(|number| Some(Pin::new(Port::B, number)));
+    assert_eq!(with(line, &[]), None);
+    assert_eq!(with(taken, &[]), Some("a pin has two jobs"));
+    assert_eq!(with(None, &[]), Some("the connectors do not say whether there is a servo"));
+    let heater = |timer| vec![HeaterPin { output: Output::Bed, pin: Pin::new(Port::B, 9), timer, channel: 1 }].leak();
+    assert_eq!(with(line, heater(HeaterTimer::Five)), None);
+    assert_eq!(with(line, heater(HeaterTimer::Three)), Some("a servo and a heater share TIM3"));
 }
 
 /// Two connectors on one pin, by different circuits, are said to be one line.

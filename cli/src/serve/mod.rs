@@ -10,6 +10,7 @@ mod port;
 mod screen;
 mod wire;
 
+use crate::bed_args::BedArgs;
 use crate::heat_args::HeatArgs;
 use crate::output::{Outputs, STANDARD, Stream};
 use crate::plant_args::PlantArgs;
@@ -22,6 +23,8 @@ use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_rig::bed::BedPlant;
+use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
@@ -60,6 +63,8 @@ pub(crate) struct Serve {
     plant: PlantArgs,
     #[command(flatten)]
     heat: HeatArgs,
+    #[command(flatten)]
+    bed: BedArgs,
     /// A mistake in the wiring, such as `swap-motors:m1,m8`, `reverse-motor:m4` or `stuck-endstop:x`. May be repeated.
     /// An unknown word gets a list of the known ones.
     #[arg(long, value_name = "WHAT:NAMES", conflicts_with = "plant")]
@@ -82,6 +87,8 @@ pub(crate) struct Prepared {
     settings: Settings,
     belt: Option<Box<BeltPlant>>,
     heat: HeatSetup,
+    bed: Option<Box<BedPlant>>,
+    probe_accidents: Vec<ProbeAccident>,
     plugs: Option<Plugs>,
     eeprom: Option<Eeprom>,
     trace: TraceWriter<BufWriter<Stream>>,
@@ -95,6 +102,8 @@ impl Prepared {
         let settings = args.printer.machine()?.settings;
         let belt = args.plant.belt(&settings, args.printer.assume_homed)?;
         let heat = args.heat.setup(&settings)?;
+        let bed = args.bed.plant(&settings)?;
+        let probe_accidents = args.heat.probe_accidents(&settings)?;
         let plugs = plugs(&args.fault, &settings)?;
         let eeprom = args.printer.eeprom()?;
         let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
@@ -104,12 +113,13 @@ impl Prepared {
         let stop = Stop::at_signals()?;
         let port = Port::open(args.pty.as_deref())?;
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, belt, heat, plugs, eeprom, trace, outputs, port, stop })
+        Ok(Self { settings, belt, heat, bed, probe_accidents, plugs, eeprom, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
-        let Self { settings, mut belt, heat, plugs, mut eeprom, mut trace, outputs, port, stop } = self;
+        let Self { settings, mut belt, heat, mut bed, mut probe_accidents, plugs, .. } = self;
+        let Self { mut eeprom, mut trace, outputs, port, stop, .. } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
         for motor in plugs.iter().flat_map(|plugs| plugs.silent.iter()) {
@@ -131,6 +141,7 @@ impl Prepared {
         loop {
             let mut desk = Desk::at(1, now);
             (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
+            (desk.bed, desk.probe_accidents) = (bed.take(), std::mem::take(&mut probe_accidents));
             desk.plugs.clone_from(&plugs);
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {
@@ -145,7 +156,10 @@ impl Prepared {
             let (has_ended, ended) = (world.has_ended(), world.now());
             plant = world.take_plant();
             drop(world);
-            belt = desk.belt.take();
+            (belt, bed) = (desk.belt.take(), desk.bed.take());
+            // Those that are over are not repeated.
+            probe_accidents = std::mem::take(&mut desk.probe_accidents);
+            probe_accidents.retain(|accident| accident.at_s * f64::from(TICKS_PER_SECOND) > ended as f64);
             if !has_ended {
                 break;
             }

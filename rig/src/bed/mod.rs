@@ -19,10 +19,14 @@ pub mod screws;
 pub mod surface;
 
 use corehbot::motors::{EndstopSet, MOTORS};
-use corehbot::settings::Settings;
+use corehbot::settings::{Cartesian, ProbeKind, Settings};
+use corehbot::units::Mm;
 use probe::{Probe, ProbeFault, ProbeModel, ProbeSetup};
 use screws::{MOST_SCREWS, ScrewSetup, Screws};
 use surface::Surface;
+
+/// Length of the pulse of a touch of a BLTouch (ANTClabs, BLTouch V3.1), in ms.
+const PULSE_MS: f64 = 10.0;
 
 /// The bed and its probe, as a simulation asks for them.
 #[derive(Clone, PartialEq, Debug)]
@@ -39,8 +43,13 @@ impl BedSetup {
     /// A flat bed, and a sound probe where the settings say.
     #[must_use]
     pub fn of(settings: &Settings) -> Self {
-        let probe =
-            ProbeSetup { model: ProbeModel::Level, offset: [0.0; 3], noise: 0.0, seed: 0, drift: 0.0, delay_ms: 0.0 };
+        let model = match settings.probe.kind {
+            ProbeKind::BlTouch => ProbeModel::BlTouch { pulse_ms: PULSE_MS },
+            ProbeKind::None | ProbeKind::Switch | ProbeKind::Nozzle => ProbeModel::Level,
+        };
+        let Cartesian { x, y, z } = settings.probe.offset;
+        let offset = [x, y, z].map(Mm::to_num);
+        let probe = ProbeSetup { model, offset, noise: 0.0, seed: 0, drift: 0.0, delay_ms: 0.0 };
         Self { surface: Surface::flat(settings), screws: heapless::Vec::new(), probe }
     }
 }
@@ -136,10 +145,16 @@ impl BedPlant {
     }
 }
 
+/// A probe with its wire off, at an input that its machine says how to read.
+#[must_use]
+pub const fn cut_wire(settings: &Settings) -> ProbeFault {
+    if settings.probe_plug.is_normally_open { ProbeFault::Dead } else { ProbeFault::Stuck }
+}
+
 /// Whether a machine has a probe.
 #[must_use]
-pub fn has_probe(settings: &Settings) -> bool {
-    !settings.probe_plug.connector.is_none()
+pub const fn has_probe(settings: &Settings) -> bool {
+    settings.probe.is_fitted() || !settings.probe_plug.connector.is_none()
 }
 
 #[cfg(test)]

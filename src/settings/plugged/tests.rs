@@ -90,6 +90,24 @@ fn nothing_is_plugged_in_twice() {
 }
 
 #[test]
+fn a_probe_with_a_kind_has_an_input_and_a_bltouch_a_servo() {
+    let probe = |kind, name, board| {
+        let mut s = Settings::prototype();
+        s.wiring = Wiring::usual(board);
+        (s.probe.kind, s.probe_plug.connector) = (kind, ConnectorName::lit(name));
+        s
+    };
+    for kind in [ProbeKind::Switch, ProbeKind::BlTouch, ProbeKind::Nozzle] {
+        assert_eq!(probe(kind, "BLTOUCH", &PRINTER).check_connectors(&PRINTER), Ok(()));
+        let told = error(&probe(kind, "", &PRINTER), &PRINTER);
+        assert!(told.starts_with("probe: it has no connector; the sample has BLTOUCH, "), "{told}");
+    }
+    assert_eq!(probe(ProbeKind::Switch, "X-MAX", &OTHER).check_connectors(&OTHER), Ok(()));
+    let told = error(&probe(ProbeKind::BlTouch, "X-MAX", &OTHER), &OTHER);
+    assert_eq!(told, "probe: the other has no servo line for a bltouch");
+}
+
+#[test]
 fn a_probe_is_plugged_in_at_any_input_or_not_at_all() {
     let probe = |name| {
         let mut s = Settings::prototype();

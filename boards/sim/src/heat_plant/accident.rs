@@ -163,7 +163,7 @@ impl Kind {
 }
 
 /// A time such as `60s`, `2.5m`, `1h`, in s.
-fn seconds(text: &str) -> Option<f64> {
+pub(crate) fn seconds(text: &str) -> Option<f64> {
     let (number, unit) = [("s", 1.0), ("m", 60.0), ("h", 3600.0)]
         .into_iter()
         .find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)))?;
