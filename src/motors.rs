@@ -1,8 +1,8 @@
 //! Motors and endstops: their numbers, names of motors, and sets of them as bits.
 //!
-//! The Z probe is an endstop, [`EndstopSet::PROBE`]. A machine may have a plug for it (`Settings::probe`), in any input
-//! of its board. It is read like a switch (`step_pins.rs`), and M119 reports it. A move could watch for it (`watch` of
-//! a `Target`, motion/planner), but none does: no command lowers the tool onto the probe.
+//! The Z probe is an endstop, [`EndstopSet::PROBE`]. A machine may have a plug for it (`Settings::probe_plug`), in any
+//! input of its board. It is read like a switch (`step_pins.rs`), M119 reports it, and `machine::probe` touches the bed
+//! with it.
 
 mod name;
 pub mod prototype;

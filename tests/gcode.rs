@@ -333,7 +333,7 @@ const ANY_TEXT: [&[&str]; 5] = [
     // They take no words, so none can be misread.
     &["M24", "M25", "M75", "M77", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
     // They are answered and not carried out.
-    &["G29", "G80", "M48", "M290", "M420", "M622", "M623"],
+    &["G29", "G80", "M290", "M420", "M622", "M623"],
     // The machine has nothing to do for them (`gcode::commands::silent`).
     &[
         "M2", "M20", "M21", "M74", "M76", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355", "M403",

@@ -130,9 +130,9 @@ const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
     ("reports", &["answers", "numbers", "state"]),
     ("main_loop", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
     ("belt", &["answers", "main_loop", "interrupt", "ports", "state"]),
-    ("probe", &["main_loop", "interrupt", "ports", "state"]),
+    ("probe", &["answers", "main_loop", "interrupt", "ports", "state"]),
     ("commands", &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "state"]),
-    ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "state"]),
+    ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "probe", "state"]),
 ];
 
 /// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the

@@ -226,6 +226,7 @@ impl MachineFileError {
             Self::Settings(SettingsError::SharedHeater(what)) => format!("heaters.bed.{what}"),
             Self::Settings(SettingsError::Mechanism { .. } | SettingsError::Nameless(_)) => "mechanism".to_owned(),
             Self::Settings(SettingsError::Circulation) => "belt.closed".to_owned(),
+            Self::Settings(SettingsError::NoProbe) => "probe.z_home".to_owned(),
             Self::Settings(SettingsError::HomingOrder) => "homing.order".to_owned(),
         };
         Place::of_key(text, &key)

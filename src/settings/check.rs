@@ -56,6 +56,8 @@ pub enum SettingsError {
     SharedHeater(&'static str),
     /// G28 would leave out an axis.
     HomingOrder,
+    /// Z is to be homed by a probe, and there is none.
+    NoProbe,
     /// The belt is set as closed, but its motors cannot circulate it while the tool stands.
     Circulation,
 }
@@ -96,6 +98,7 @@ impl core::fmt::Display for SettingsError {
             Self::Circulation => {
                 f.write_str("belt.closed: turning all motors of x and y alike moves the tool, so no belt runs round")
             }
+            Self::NoProbe => f.write_str("probe.z_home needs a probe: set probe.kind"),
             Self::SharedHeater(what) => write!(f, "two heaters have the same {what}"),
             Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
@@ -228,6 +231,9 @@ impl Settings {
         }
         if !HomedAxis::ALL.iter().all(|axis| self.homing_order.contains(axis)) {
             return Err(SettingsError::HomingOrder);
+        }
+        if self.probe.homes_z && !self.probe.is_fitted() {
+            return Err(SettingsError::NoProbe);
         }
         for (driver, group) in
             [(&self.drivers.belt, "drivers.belt"), (&self.drivers.z, "drivers.z"), (&self.drivers.e, "drivers.e")]

@@ -302,6 +302,12 @@ impl Settings {
             && is_closed == other.belt.is_closed
     }
 
+    /// Whether G28 homes z by the probe.
+    #[must_use]
+    pub const fn homes_z_by_probe(&self) -> bool {
+        self.probe.homes_z && self.probe.is_fitted()
+    }
+
     /// Where an axis can be.
     #[must_use]
     pub fn reach(&self, axis: HomedAxis) -> Range<Mm> {

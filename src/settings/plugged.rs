@@ -66,10 +66,13 @@ impl Settings {
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
         let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
         let others = [(Plugged::Probe, self.probe_plug.connector), (Plugged::Filament, self.filament.connector)];
-        let is_used = |(part, connector): &(Plugged, ConnectorName)| {
-            !connector.is_none() || *part == Plugged::Probe && self.probe.is_fitted()
+        let is_needed = |part: Plugged| match part {
+            Plugged::Probe => self.probe.is_fitted(),
+            Plugged::Endstop("z") => !self.homes_z_by_probe(),
+            Plugged::Filament => false,
+            Plugged::Endstop(_) | Plugged::Motor(_) => true,
         };
-        let contacts = switches.chain(others.into_iter().filter(is_used));
+        let contacts = switches.chain(others).filter(|(part, connector)| !connector.is_none() || is_needed(*part));
         check(contacts, board, BoardConnectors::is_one_line)?;
         if board.is_simulated {
             return Ok(());

@@ -293,12 +293,16 @@ fn report(f: &mut Formatter<'_>, command: ReportCommand<'_>, line: &[u8]) -> fmt
 
 fn probe(f: &mut Formatter<'_>, command: ProbeCommand, line: &[u8]) -> fmt::Result {
     match command {
-        ProbeCommand::Touch { x, y, stays_out } => {
+        ProbeCommand::Touch { at: [x, y], stays_out } => {
             f.write_str("G30")?;
             word(f, 'X', x)?;
             word(f, 'Y', y)?;
             f.write_str(if stays_out { " E0" } else { "" })
         }
+        ProbeCommand::Deploy => f.write_str("M401"),
+        ProbeCommand::Quick(Some(is_quick)) => f.write_str(if is_quick { "M401 S1" } else { "M401 S0" }),
+        ProbeCommand::Quick(None) => f.write_str("M401 H"),
+        ProbeCommand::Stow => f.write_str("M402"),
         _ => reduced(f, line),
     }
 }

@@ -83,7 +83,12 @@ const REMARKS: &[Remark] = &[
     remark_on("M115", "*_URL", NotNeeded, "of the firmware"),
     remark_on("M115", "*_VERSION", NotNeeded, "of the firmware"),
     remark_on("M115", "UUID", NotNeeded, "of the firmware"),
-    remark_on("M119", "*probe", NotYet, "nothing probes: write the probe's connector into endstops.probe to see it"),
+    remark_on(
+        "M119",
+        "*probe",
+        NotYet,
+        "write the probe's connector into endstops.probe, and its kind into probe.kind",
+    ),
     remark_on("M119", "filament*", NotYet, "nothing notices the end of the filament"),
     remark_on("M119", "[xyz][2-9]_*", NotYet, "one switch homes an axis: a second one levels nothing"),
     // Motion.
@@ -105,7 +110,7 @@ const REMARKS: &[Remark] = &[
     remark_on("M422", "", NotYet, "all Z motors move alike"),
     remark_on("M423", "", NotYet, "a twisted axis is not compensated"),
     remark_on("M666", "", NotYet, "one switch homes an axis: the others level nothing"),
-    remark_on("M851", "", NotYet, "nothing probes so far"),
+    remark_on("M851", "", NotYet, "write it into [probe.offset]"),
     remark_on("M281", "", NotYet, "no servo"),
     // The extruder and its filament.
     remark_on("M200", "", NotNeeded, "the slicer knows it; volumes (M200) say it themselves"),

@@ -18,7 +18,7 @@ pub enum RefusedCommand {
 /// They are answered whatever words they have.
 pub(super) const ROWS: &[Described] = &[
     Described::g(&[29, 80], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
-    Described::m(&[48, 290], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
+    Described::m(&[290], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
     Described::m(&[420], |_, _| refused(RefusedCommand::ReportLevelling)).refused("bed levelling is off"),
     Described::m(&[622, 623], |_, _| refused(RefusedCommand::Conditional)).refused(CONDITION),
     // Conditions and loops of RepRapFirmware.

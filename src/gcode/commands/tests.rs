@@ -196,7 +196,6 @@ fn every_code_has_its_command() {
         ("M24", Command::Job(JobCommand::Resume)),
         ("M602", Command::Job(JobCommand::Resume)),
         ("M25", Command::Job(JobCommand::Pause { parks: false, park: ParkWords::default() })),
-        ("M48", Command::Refused(RefusedCommand::Probing)),
         ("M290", Command::Refused(RefusedCommand::Probing)),
         ("M851 Z1", plain(851, [None, None, one])),
         ("M82", Command::Motion(MotionCommand::AbsoluteExtrusion)),

@@ -4,34 +4,18 @@
 //! met. The rig presses them in the same way (`rig/src/lib.rs`). The position of that place is a setting; so is the
 //! order of the axes.
 //!
-//! The Z probe ([`EndstopSet::PROBE`]) takes no part. It is read and reported (M119), but no axis homes by it. G29, G30
-//! and their relatives (`RefusedCommand::Probing`) are answered and not carried out. A command that probes would use
-//! `switch::approach`, which refuses an endstop that the board does not have. It moves towards the end of the axis that
-//! has the switch. So a probe needs an `Axis` with `EndstopSet::PROBE` and `AxisEnd::Min`, independent of z's switch.
-//! The simulated bed presses it (`rig/src/bed`). It also needs:
+//! If the settings say so, the Z probe homes z ([`find_zero`]): after x and y, and only where both are homed, because
+//! elsewhere the bed may not be below. docs/explanation/probing.md has the rules.
 //!
-//! - `RefusedCommand::Probing` taken apart, and a grammar in its row (`tests/gcode.rs` asks for it);
-//! - every text that says "nothing probes by it": its row in `settings::wiring` (and so the schema), `Settings::probe`,
-//!   `examples/machines/prototype.toml`, docs/reference/machines.md;
+//! What a probe still lacks:
+//!
+//! - a mesh: G29 and its relatives (`RefusedCommand::Probing`) are answered and not carried out;
 //! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
-//! - README.md (limits), the row of G29 and G30 in docs/reference/host-protocol.md, the head of `src/motors.rs`;
-//! - after `approach`, the real position for planner and program, as `stand_at_switch` sets it after homing (the
-//!   planner is at the end of the move); and its own reason to end a job (`JobEnd` in `state/job.rs`);
-//! - another word than "Probing" in the list of missing parts in boards/*/README.md.
-//!
-//! To home Z by the probe instead, moreover:
-//!
-//! - a setting that says so, by which `facts` chooses the endstop, and the probe's offset;
-//! - `Settings::check_connectors` must ask for a probe in the file and not for a switch of z (the check against
-//!   `BoardConnectors::inputs` exists). `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs`
-//!   and M119 assume z's switch as well;
-//! - a probe that is low when it triggers reads as not triggered if its wire is cut: before each descent it must be
-//!   seen to work;
-//! - the tool over the bed before Z goes down.
+//! - a probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
 use super::proof::prove;
 use super::shift_z::shift_z;
-use super::switch::home_named;
+use super::switch::{home_named, stand_at};
 use crate::gcode::{AxisFlags, HomeWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
@@ -41,6 +25,8 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::keep_phases;
 use crate::machine::ports::PortSet;
+use crate::machine::probe::touch::find_zero;
+use crate::machine::state::job::{HomingFailure, JobEnd};
 use crate::machine::state::notices::{Notice, Notices};
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{Alignment, AxisEnd, HomedAxis};
@@ -55,12 +41,13 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
     }
 }
 
-/// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print.
+/// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print. If
+/// z is homed by the probe, it rises in any case.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     words: HomeWords,
-    raise: Mm,
+    raise: Option<Mm>,
 ) -> Result<(), Interrupt> {
     let mut flags = words.axes;
     if words.only_lost {
@@ -70,10 +57,27 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
         }
     }
     power_up(main_loop).await?;
+    let raise = raise.unwrap_or_else(|| usual_raise(main_loop, flags));
     raise_z(main_loop, raise).await?;
     // As motors got power they may have been aligned by their phases.
     let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
     home_axes(main_loop, notices, flags, aligns).await
+}
+
+/// How far z rises if no word says it: the probe must clear the bed on its way.
+fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, flags: AxisFlags) -> Mm {
+    let probe = &main_loop.settings.probe;
+    let is_meant = flags.z || !(flags.x || flags.y);
+    if !(is_meant && main_loop.settings.homes_z_by_probe()) {
+        return Mm::ZERO;
+    }
+    match main_loop.homed.axes() {
+        [.., true] => {
+            let [.., z, _] = main_loop.motion.end_mm();
+            probe.nozzle_at(probe.deploy_clearance).saturating_sub(z)
+        }
+        _ => probe.deploy_clearance,
+    }
 }
 
 /// Of the axes that a line means, those that are not homed.
@@ -122,8 +126,9 @@ async fn home_axes<P: PortSet, W: Pend>(
     let all = !(flags.x || flags.y || flags.z);
     let mut is_home = [false; 3];
     let mut aligns = aligns;
+    let by_probe = main_loop.settings.homes_z_by_probe();
     for axis in main_loop.settings.homing_order {
-        if !(all || is_named(flags, axis)) {
+        if !(all || is_named(flags, axis)) || by_probe && axis == HomedAxis::Z {
             continue;
         }
         home_named(main_loop, axis).await?;
@@ -139,8 +144,38 @@ async fn home_axes<P: PortSet, W: Pend>(
     if let [true, true, _] = is_home {
         advance_belt(main_loop).await?;
     }
+    // The probe needs its place over the bed, so z is the last.
+    if by_probe && (all || flags.z) {
+        home_z_by_probe(main_loop).await?;
+    }
     notices.renew(Notice::Edge);
     Ok(())
+}
+
+/// Z is homed by the probe. It does not go down where the bed may not be.
+async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+    if main_loop.homed.lacks_one_of([true, true, false]) {
+        return refuse_z(main_loop, HomingFailure::NeedsOthers);
+    }
+    if !main_loop.status.inputs().has(EndstopSet::PROBE) {
+        return refuse_z(main_loop, HomingFailure::NotConnected);
+    }
+    let z = HomedAxis::Z as usize;
+    main_loop.homed.begin(z);
+    let place = find_zero(main_loop).await;
+    if !matches!(place, Err(interrupt) if interrupt != Interrupt::EndJob) {
+        main_loop.homed.stop();
+    }
+    stand_at(main_loop, z, place?).await?;
+    main_loop.homed.arrive(z);
+    main_loop.commanded.forget_origin(z);
+    Ok(())
+}
+
+/// Z is not homed, for that reason, and the job ends.
+fn refuse_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: HomingFailure) -> Result<(), Interrupt> {
+    main_loop.job.note_end(JobEnd::NotHomed { axis: HomedAxis::Z, why });
+    Err(Interrupt::EndJob)
 }
 
 /// X and y are home: the motors of their belt are aligned, both homed again, and that is proved. The result is

@@ -6,6 +6,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::probe::deploy::take_in_at_once;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::modal::Modal;
 use crate::port::Pend;
@@ -30,6 +31,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
         return Ok(Answer::Nothing);
     }
     main_loop.pauses.end_command();
+    take_in_at_once(main_loop);
     main_loop.heat.switch_off(&main_loop.settings.thermal);
     let is_wanted = why == JobEnd::Cancelled;
     if !is_wanted || main_loop.job.is_under_way() {

@@ -35,7 +35,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::Recover => return Moves { main_loop, modal, clamps, notices, cold }.recover(retraction).await,
         MotionCommand::Home(words) => {
             let raise = words.raise.map(|raise| modal.length(raise));
-            home(main_loop, notices, words, raise.unwrap_or(Mm::ZERO)).await?;
+            home(main_loop, notices, words, raise).await?;
         }
         MotionCommand::Finish => main_loop.finish().await?,
         // The receive path has acted on it.

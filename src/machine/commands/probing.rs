@@ -7,11 +7,32 @@ use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::probe::deploy::set_servo;
 use crate::machine::probe::reach::reach;
-use crate::machine::probe::touch::{AfterTouch, touch_bed};
+use crate::machine::probe::repeatability::Repeatability;
+use crate::machine::probe::touch::{AfterTouch, find_bed, set_out, touch_again, touch_bed};
+use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::port::{EndstopSet, Pend};
+use crate::settings::{ProbeKind, Range};
 use crate::units::Mm;
+
+/// Touches of M48 (Marlin, M48.cpp).
+const TOUCHES: Range<u16> = Range { least: 4, most: 50 };
+
+/// The same without P.
+const USUAL_TOUCHES: u16 = 10;
+
+/// What M48 tells (V).
+const VERBOSITY: Range<u16> = Range { least: 0, most: 4 };
+
+/// The shortest pulse of a servo in us, at 0 degrees, and the length of 180 degrees in addition. From the first on, a
+/// number is a length (Marlin, servo.h).
+const SHORTEST: u16 = 544;
+const HALF_TURN: u16 = 1856;
+
+/// Angles and lengths of a servo.
+const SERVO: Range<u16> = Range { least: 0, most: SHORTEST + HALF_TURN };
 
 /// Carries out a command of the probe.
 pub(super) async fn carry_out<P: PortSet, W: Pend>(
@@ -22,9 +43,10 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     if !main_loop.settings.probe.is_fitted() || !main_loop.status.inputs().has(EndstopSet::PROBE) {
         return Ok(Answer::Probe(ProbeAnswer::None));
     }
+    let States { modal, clamps, .. } = states;
     match *command {
-        ProbeCommand::Touch { x, y, stays_out } => {
-            let at = match place(main_loop, &states.modal, [x, y]) {
+        ProbeCommand::Touch { at, stays_out } => {
+            let at = match place(main_loop, modal, at) {
                 Ok(at) => at,
                 Err(answer) => return Ok(answer),
             };
@@ -33,7 +55,92 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             main_loop.reply(Answer::Probe(ProbeAnswer::Bed { at, height })).await?;
             Ok(Answer::Position { real: false })
         }
+        ProbeCommand::Repeatability { at, touches, verbosity, other } => {
+            let touches = whole(clamps, "P", touches, TOUCHES, USUAL_TOUCHES);
+            let verbosity = whole(clamps, "V", verbosity, VERBOSITY, 1);
+            if clamps.refuses_line() {
+                return Ok(Answer::Nothing);
+            }
+            match place(main_loop, modal, at) {
+                Ok(at) => repeat(main_loop, at, touches, verbosity).await?,
+                Err(answer) => return Ok(answer),
+            }
+            Ok(match other {
+                Some(b'L') => Answer::NotObeyed("M48", b"L"),
+                Some(_) => Answer::NotObeyed("M48", b"S"),
+                None => Answer::Nothing,
+            })
+        }
+        ProbeCommand::Servo { servo, order } => Ok(order_servo(main_loop, clamps, servo, order)),
+        ProbeCommand::Deploy => {
+            main_loop.finish().await?;
+            set_out(main_loop, AfterTouch::Out).await?;
+            Ok(Answer::Nothing)
+        }
+        ProbeCommand::Quick(is_quick) => {
+            main_loop.probing.set_quick(is_quick.unwrap_or(main_loop.probing.is_quick()));
+            Ok(Answer::Probe(ProbeAnswer::Quick(main_loop.probing.is_quick())))
+        }
+        ProbeCommand::Stow => {
+            main_loop.finish().await?;
+            set_out(main_loop, AfterTouch::In).await?;
+            Ok(Answer::Nothing)
+        }
     }
+}
+
+/// A whole number of M48.
+fn whole(clamps: &mut Clamps, letter: &'static str, number: Option<Number>, range: Range<u16>, usual: u16) -> u16 {
+    number.and_then(|number| clamps.whole_of(["M48", letter], number, range, None)).unwrap_or(usual)
+}
+
+/// M48: each touch counts by itself, unlike those of G30. So the deviation is that of the probe.
+async fn repeat<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    at: [Mm; 2],
+    touches: u16,
+    verbosity: u16,
+) -> Result<(), Interrupt> {
+    if verbosity > 0 {
+        main_loop.reply(Answer::Probe(ProbeAnswer::Test)).await?;
+    }
+    find_bed(main_loop, Some(at)).await?;
+    let mut found = Repeatability::default();
+    for number in 1..=touches {
+        let height = touch_again(main_loop).await?;
+        found.add(height);
+        if verbosity > 1 {
+            main_loop.reply(Answer::Probe(ProbeAnswer::Sample { number, of: touches, height })).await?;
+        }
+    }
+    set_out(main_loop, AfterTouch::In).await?;
+    let finished = ProbeAnswer::Finished { spread: found.spread(), is_verbose: verbosity > 0 };
+    main_loop.reply(Answer::Probe(finished)).await
+}
+
+/// M280.
+fn order_servo<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    clamps: &mut Clamps,
+    servo: Option<Number>,
+    order: Option<Number>,
+) -> Answer<'static> {
+    if main_loop.settings.probe.kind != ProbeKind::BlTouch || servo.is_some_and(|servo| servo != Number::ZERO) {
+        return Answer::Line("echo:M280 ignored: the only servo is P0, of a BLTouch");
+    }
+    let Some(order) = order else {
+        let angle = |micros: u16| ((u32::from(micros - SHORTEST) * 180 + 928) / u32::from(HALF_TURN)) as u16;
+        return Answer::Probe(ProbeAnswer::Servo(main_loop.probing.servo().map(angle)));
+    };
+    if order == Number::from(-1) {
+        set_servo(main_loop, None);
+    } else if let Some(order) = clamps.whole_of(["M280", "S"], order, SERVO, None) {
+        let of_angle = |angle: u16| SHORTEST + (u32::from(angle.min(180)) * u32::from(HALF_TURN) / 180) as u16;
+        set_servo(main_loop, Some(if order < SHORTEST { of_angle(order) } else { order }));
+        // Its pin may be out or in now: the next touch puts it out again.
+        main_loop.probing.note_out(false);
+    }
+    Answer::Nothing
 }
 
 /// The place of the probe that the words mean, by default its own, if it can touch there.

@@ -138,7 +138,7 @@ async fn home_axis<P: PortSet, W: Pend>(
         let aside = steps_aside(main_loop, axis);
         main_loop.trimming.note_homed(axis.index, aside);
     }
-    stand_at_switch(main_loop, axis).await?;
+    stand_at(main_loop, axis.index, axis.endstop.position).await?;
     main_loop.homed.arrive(axis.index);
     main_loop.commanded.forget_origin(axis.index);
     Ok(())
@@ -207,25 +207,26 @@ async fn travel<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares
+/// The axis stands at a place, such as its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares
 /// them with this one may lie between two of its own steps. It moves to a whole step, half a step away. Where motors
 /// have pulleys of different sizes the step of an axis is long, and no whole step puts all of them on whole steps.
-async fn stand_at_switch<P: PortSet, W: Pend>(
+pub(super) async fn stand_at<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    axis: &Axis,
+    axis: usize,
+    place: Mm,
 ) -> Result<(), Interrupt> {
     let mechanism = main_loop.motion.groups().mechanism();
     let mut position = main_loop.motion.real_steps();
-    let [x, y, z, _] = main_loop.motion.to_steps([axis.endstop.position; 4]);
+    let [x, y, z, _] = main_loop.motion.to_steps([place; 4]);
     for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
-        if other == axis.index {
+        if other == axis {
             *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
-        } else if !mechanism.has_multiples() && mechanism.share(other, axis.index) {
+        } else if !mechanism.has_multiples() && mechanism.share(other, axis) {
             *at = at.wrapping_round();
         }
     }
     main_loop.adopt_position(position).await?;
-    main_loop.commanded.forget_park(axis.index);
+    main_loop.commanded.forget_park(axis);
     let stands = main_loop.motion.to_mm(position);
     main_loop.commanded.stand_at(stands);
     Ok(())

@@ -125,6 +125,11 @@ impl<D: DriverBus> Power<D> {
         self.bus.couple(coupling);
     }
 
+    /// Gives the servo of the probe an order: pulses of so many us, or no more.
+    pub fn servo(&mut self, micros: Option<u16>) {
+        self.bus.servo(micros);
+    }
+
     /// The first fault of a driver.
     pub(super) const fn fault(&self) -> Option<Fault> {
         self.drivers.fault()

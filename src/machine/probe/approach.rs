@@ -1,6 +1,5 @@
 //! One approach of the probe, and moves up after it.
 
-use super::error::ProbeError;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -70,7 +69,7 @@ async fn shift<P: PortSet, W: Pend>(
 }
 
 /// Whether the probe reads as triggered now.
-pub(super) async fn is_triggered<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<bool, ProbeError> {
+pub(super) async fn is_triggered<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<bool, Interrupt> {
     main_loop.motion.look_at_endstops();
     main_loop.poll().await?;
     Ok(main_loop.status.endstops().has(EndstopSet::PROBE))

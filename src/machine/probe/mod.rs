@@ -14,6 +14,7 @@
 //! | [`touch`] | the height of the bed at a place |
 //! | [`approach`] | one approach, and moves up |
 //! | [`deploy`] | putting the probe out, and taking it in |
+//! | [`repeatability`] | mean and deviation of touches |
 //! | [`reach`] | the places that it reaches |
 //! | [`error`] | why a touch has no result |
 //!
@@ -26,7 +27,8 @@
 //! [`ProbeFailure`]: crate::machine::state::job::ProbeFailure
 
 mod approach;
-mod deploy;
+pub(in crate::machine) mod deploy;
 mod error;
 pub(in crate::machine) mod reach;
+pub(in crate::machine) mod repeatability;
 pub(in crate::machine) mod touch;

@@ -20,6 +20,15 @@ pub(in crate::machine) fn reach(s: &Settings) -> [Range<Mm>; 2] {
     [of(HomedAxis::X, offset.x, bed.left, bed.width), of(HomedAxis::Y, offset.y, bed.front, bed.depth)]
 }
 
+/// The place where the probe touches to home z.
+pub(in crate::machine) fn home_place(s: &Settings) -> [Mm; 2] {
+    let bed = &s.bed;
+    let middle = [bed.left.saturating_add(bed.width / 2), bed.front.saturating_add(bed.depth / 2)];
+    let [x, y] = s.probe.home;
+    let [middle_x, middle_y] = middle;
+    [if x == Mm::ZERO { middle_x } else { x }, if y == Mm::ZERO { middle_y } else { y }]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,5 +46,13 @@ mod tests {
         assert_eq!(ends(&s), [[mm(10.0), mm(345.0)], [mm(30.0), mm(417.6) - mm(10.0)]]);
         (s.bed.left, s.bed.width) = (mm(-20.0), mm(430.0));
         assert_eq!(ends(&s)[0], [mm(-10.0), mm(345.0)]);
+    }
+
+    #[test]
+    fn z_is_homed_in_the_middle_of_the_bed_unless_a_place_is_set() {
+        let mut s = Settings::prototype();
+        assert_eq!(home_place(&s), [mm(195.0), mm(417.6) / 2]);
+        s.probe.home = [mm(50.0), mm(0.0)];
+        assert_eq!(home_place(&s), [mm(50.0), mm(417.6) / 2]);
     }
 }

@@ -1,18 +1,21 @@
-//! A touch: the height of the bed at a place.
+//! Touches: the height of the bed at a place.
 //!
 //! The first approach is fast and only finds the bed. The touches that count are slow, and the height is their mean. The
-//! time from contact to the last step is the same for all of them, so the offset has it in; a fast touch in the mean, as
+//! time from contact to the last step is the same for all of them, so the offset has it in. A fast touch in the mean, as
 //! in Marlin's (3 slow + 2 fast) / 5, would add a share of a longer way.
+//!
+//! Every function that another room calls ends a touch that failed: the probe is taken in, and the job ends.
 
 use super::approach::{approach, is_triggered, raise_by, raise_to, travel};
-use super::deploy::{put_out, take_in};
+use super::deploy::{after_touch, put_out, take_in};
 use super::error::ProbeError;
+use super::reach::home_place;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{JobEnd, ProbeFailure};
 use crate::port::Pend;
-use crate::settings::Probe;
+use crate::settings::{HomedAxis, Probe};
 use crate::units::{Mm, MmPerSec, Seconds};
 
 /// A touch this far above the bed is none: something else has met the probe (Marlin's `Z_PROBE_ERROR_TOLERANCE`,
@@ -23,28 +26,95 @@ const TOO_EARLY: Mm = Mm::const_from_int(3);
 /// 2.1).
 const LOW: Mm = Mm::const_from_int(2);
 
+/// And so much farther if the place of z is not known (Marlin, probe.cpp).
+const BEYOND: Mm = Mm::const_from_int(10);
+
 /// What becomes of the probe after a touch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum AfterTouch {
-    /// It stays out.
+    /// It stays out, as another touch follows.
     Out,
     /// It is taken in.
     In,
 }
 
 /// The height of the bed below the probe, which goes `at` a place first if there is one. All axes are homed, and the
-/// place is within [`reach`](super::reach::reach). If it fails, the tool is raised, the probe taken in, and the job ends.
+/// place is within [`reach`](super::reach::reach). If it fails, the tool is raised, the probe taken in, and the job
+/// ends.
 pub(in crate::machine) async fn touch_bed<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
     end: AfterTouch,
 ) -> Result<Mm, Interrupt> {
-    main_loop.finish().await?;
     let height = height_at(main_loop, at).await;
-    let end = if height.is_err() { AfterTouch::In } else { end };
-    let ended = leave(main_loop, height.err(), end).await;
+    conclude(main_loop, height, end).await
+}
+
+/// Finds the bed at a place by the fast touch alone; the probe stays out.
+pub(in crate::machine) async fn find_bed<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    at: Option<[Mm; 2]>,
+) -> Result<(), Interrupt> {
+    let floor = seek(main_loop, at).await;
+    conclude(main_loop, floor, AfterTouch::Out).await.map(|_| ())
+}
+
+/// The height by one slow touch where the bed was found; the probe stays out.
+pub(in crate::machine) async fn touch_again<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<Mm, Interrupt> {
+    let probe = main_loop.settings.probe;
+    let height = touch_once(main_loop, &probe, floor_of(&probe), probe.slow).await;
+    conclude(main_loop, height, AfterTouch::Out).await
+}
+
+/// Puts the probe out by itself (M401), or takes it in (M402).
+pub(in crate::machine) async fn set_out<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    end: AfterTouch,
+) -> Result<(), Interrupt> {
+    let probe = main_loop.settings.probe;
+    let is_set = async {
+        if let [.., true] = main_loop.homed.axes() {
+            raise_to(main_loop, probe.nozzle_at(probe.deploy_clearance)).await?;
+        }
+        if end == AfterTouch::Out {
+            put_out(main_loop).await?;
+        }
+        Ok(Mm::ZERO)
+    };
+    let is_set = is_set.await;
+    conclude(main_loop, is_set, end).await.map(|_| ())
+}
+
+/// Finds the bed where z is to be homed, and returns z of the nozzle as it is then. X and y are homed; z is not, so
+/// the tool may go down by all of z.
+pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<Mm, Interrupt> {
+    let height = zero(main_loop).await;
+    let height = conclude(main_loop, height, AfterTouch::In).await?;
+    let [.., z, _] = main_loop.motion.end_mm();
+    Ok(z.saturating_sub(height))
+}
+
+/// Ends a touch, with its result or for a reason. An emergency leaves the probe to `take_in_at_once`.
+async fn conclude<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    mut result: Result<Mm, ProbeError>,
+    end: AfterTouch,
+) -> Result<Mm, Interrupt> {
+    if let Err(ProbeError::Interrupted(interrupt)) = result {
+        return Err(interrupt);
+    }
+    let is_over = end == AfterTouch::In || result.is_err();
+    main_loop.probing.note_series(!is_over);
+    if is_over {
+        let taken_in = take_in(main_loop).await;
+        result = result.and_then(|height| taken_in.map(|()| height));
+    }
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
-    match height.and_then(|height| ended.map(|()| height)) {
+    match result {
         Ok(height) => Ok(height),
         Err(ProbeError::Interrupted(interrupt)) => Err(interrupt),
         Err(ProbeError::Failed(why)) => {
@@ -56,24 +126,17 @@ pub(in crate::machine) async fn touch_bed<P: PortSet, W: Pend>(
 
 /// A nozzle that has gone to the floor may have pressed the bed: z may have skipped steps.
 fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFailure) {
-    if let ProbeFailure::NotMet { .. } = why {
+    if let ProbeFailure::NotMet { .. } | ProbeFailure::NotFound { .. } = why {
         let mechanism = main_loop.motion.groups().mechanism();
-        main_loop.homed.fail(2, mechanism.motors_of(2), mechanism);
+        let z = HomedAxis::Z as usize;
+        main_loop.homed.fail(z, mechanism.motors_of(z), mechanism);
     }
     main_loop.job.note_end(JobEnd::ProbeFailed { why });
 }
 
-/// Takes the probe in if it is to be. An emergency has taken over already.
-async fn leave<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    error: Option<ProbeError>,
-    end: AfterTouch,
-) -> Result<(), ProbeError> {
-    match (error, end) {
-        (Some(ProbeError::Interrupted(interrupt)), _) => Err(interrupt.into()),
-        (_, AfterTouch::Out) => Ok(()),
-        (_, AfterTouch::In) => take_in(main_loop).await,
-    }
+/// The lowest place of the nozzle in a touch.
+fn floor_of(probe: &Probe) -> Mm {
+    probe.trigger_height().saturating_sub(LOW)
 }
 
 /// The height at a place, found with the probe out. The tool ends above the bed.
@@ -81,22 +144,43 @@ async fn height_at<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
 ) -> Result<Mm, ProbeError> {
+    seek(main_loop, at).await?;
     let probe = main_loop.settings.probe;
-    let clearance = if main_loop.probing.is_out() { probe.clearance } else { probe.deploy_clearance };
+    mean_of_touches(main_loop, &probe, floor_of(&probe)).await
+}
+
+/// Goes over a place, and touches the bed fast.
+async fn seek<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: Option<[Mm; 2]>) -> Result<Mm, ProbeError> {
+    main_loop.finish().await?;
+    let probe = main_loop.settings.probe;
+    let clearance = if main_loop.probing.is_in_series() { probe.clearance } else { probe.deploy_clearance };
     raise_to(main_loop, probe.nozzle_at(clearance)).await?;
-    put_out(main_loop).await?;
     if let Some([x, y]) = at {
         travel(main_loop, [x.saturating_sub(probe.offset.x), y.saturating_sub(probe.offset.y)]).await?;
     }
-    let floor = probe.trigger_height().saturating_sub(LOW);
-    let mut height = touch_once(main_loop, &probe, floor, probe.fast).await?;
+    let mut height = touch_once(main_loop, &probe, floor_of(&probe), probe.fast).await?;
     if height > TOO_EARLY {
-        height = touch_once(main_loop, &probe, floor, probe.fast).await?;
+        height = touch_once(main_loop, &probe, floor_of(&probe), probe.fast).await?;
     }
     if height > TOO_EARLY {
         return Err(ProbeFailure::Early { height, expected: probe.trigger_height() }.into());
     }
-    mean_of_touches(main_loop, &probe, floor).await
+    Ok(height)
+}
+
+/// The height of the bed at the place where z is homed, in the coordinates that z has before.
+async fn zero<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, ProbeError> {
+    let probe = main_loop.settings.probe;
+    let [x, y] = home_place(&main_loop.settings);
+    travel(main_loop, [x.saturating_sub(probe.offset.x), y.saturating_sub(probe.offset.y)]).await?;
+    let reach = main_loop.settings.reach(HomedAxis::Z);
+    let way = reach.most.saturating_sub(reach.least).saturating_add(LOW).saturating_add(BEYOND);
+    let [.., from, _] = main_loop.motion.end_mm();
+    let height = match touch_once(main_loop, &probe, from.saturating_sub(way), probe.fast).await {
+        Err(ProbeError::Failed(ProbeFailure::NotMet { .. })) => Err(ProbeFailure::NotFound { way }.into()),
+        result => result,
+    }?;
+    mean_of_touches(main_loop, &probe, height.saturating_add(floor_of(&probe))).await
 }
 
 /// The mean of the touches that count.
@@ -130,6 +214,7 @@ async fn touch_once<P: PortSet, W: Pend>(
     floor: Mm,
     speed: MmPerSec,
 ) -> Result<Mm, ProbeError> {
+    put_out(main_loop).await?;
     let rest_ms = (u64::from(probe.quiet.to_bits()) * 1000) >> Seconds::FRAC_NBITS;
     main_loop.settle(main_loop.now().after_ms(rest_ms as u32)).await?;
     if is_triggered(main_loop).await? {
@@ -138,13 +223,10 @@ async fn touch_once<P: PortSet, W: Pend>(
     let [.., from, _] = main_loop.motion.end_mm();
     let has_met = approach(main_loop, from.saturating_sub(floor), speed).await?;
     let [.., to, _] = main_loop.motion.end_mm();
-    if has_met && to == from {
-        return Err(ProbeFailure::Triggered.into());
-    }
     raise_by(main_loop, probe.clearance).await?;
-    if has_met {
-        Ok(to.saturating_add(probe.offset.z))
-    } else {
-        Err(ProbeFailure::NotMet { floor, expected: probe.trigger_height() }.into())
+    if !has_met {
+        return Err(ProbeFailure::NotMet { floor, expected: probe.trigger_height() }.into());
     }
+    after_touch(main_loop).await?;
+    Ok(to.saturating_add(probe.offset.z))
 }

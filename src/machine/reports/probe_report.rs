@@ -1,8 +1,19 @@
 //! The reports of the Z probe.
 
 use super::report::{Hundredths, Thousandths};
-use crate::machine::answers::probe_answer::ProbeAnswer;
+use crate::machine::answers::probe_answer::{ProbeAnswer, Spread};
 use crate::machine::answers::speaker::Speaker;
+use core::fmt;
+
+/// Nanometres as mm with six decimals.
+struct Millionths(i64);
+
+impl fmt::Display for Millionths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (sign, size) = (if self.0 < 0 { "-" } else { "" }, self.0.unsigned_abs());
+        write!(f, "{sign}{}.{:06}", size / 1_000_000, size % 1_000_000)
+    }
+}
 
 /// The line of an answer. Marlin's words for a place of the bed (G30.cpp).
 pub(in crate::machine) fn report_probe(to: &mut Speaker<'_>, answer: &ProbeAnswer) {
@@ -18,6 +29,25 @@ pub(in crate::machine) fn report_probe(to: &mut Speaker<'_>, answer: &ProbeAnswe
         ProbeAnswer::Bed { at, height } => {
             let [x, y] = at.map(Hundredths::of);
             to.say(format_args!("Bed X:{x} Y:{y} Z:{}", Thousandths(height)));
+        }
+        // The words of Marlin's M48.cpp.
+        ProbeAnswer::Test => to.say(format_args!("M48 Z-Probe Repeatability Test")),
+        ProbeAnswer::Sample { number, of, height } => {
+            to.say(format_args!("{number} of {of}: z: {}", Thousandths(height)));
+        }
+        ProbeAnswer::Finished { spread: Spread { mean_nm, least, most, sigma_nm }, is_verbose } => {
+            to.say(format_args!("Finished!"));
+            if is_verbose {
+                let range = Thousandths(most.saturating_sub(least));
+                let [least, most] = [least, most].map(Thousandths);
+                to.say(format_args!("Mean: {} Min: {least} Max: {most} Range: {range}", Millionths(mean_nm)));
+            }
+            to.say(format_args!("Standard Deviation: {}", Millionths(sigma_nm.cast_signed())));
+        }
+        ProbeAnswer::Servo(Some(angle)) => to.say(format_args!("echo: Servo 0: {angle}")),
+        ProbeAnswer::Servo(None) => to.say(format_args!("echo: Servo 0: off")),
+        ProbeAnswer::Quick(is_quick) => {
+            to.say(format_args!("echo:BLTouch HS mode {}", if is_quick { "ON" } else { "OFF" }));
         }
     }
 }

@@ -129,6 +129,10 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
             AxisEnd::Min => "down",
             AxisEnd::Max => "up",
         };
+        if axis == HomedAxis::Z && s.homes_z_by_probe() {
+            to.remark(format_args!("homing Z: by the probe"));
+            continue;
+        }
         let (axis, at) = (axis.letter(), exact(endstop.position));
         to.remark(format_args!("homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
     }

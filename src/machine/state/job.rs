@@ -64,6 +64,10 @@ pub(in crate::machine) enum ProbeFailure {
     Triggered,
     /// It has not triggered down to the floor.
     NotMet { floor: Mm, expected: Mm },
+    /// It has not triggered on this way down, with z not homed.
+    NotFound { way: Mm },
+    /// It still reads as triggered after it was taken in.
+    NotTakenIn,
     /// It has triggered twice far above the bed.
     Early { height: Mm, expected: Mm },
     /// Its touches at a place differ too much.
@@ -88,6 +92,12 @@ impl fmt::Display for ProbeFailure {
                 um(floor),
                 um(expected)
             ),
+            Self::NotFound { way } => {
+                write!(f, "the probe did not trigger within {} mm. Check that it is out, and its wire", um(way))
+            }
+            Self::NotTakenIn => f.write_str(
+                "the probe's pin did not go in, or its alarm does not end. Check the pin, and the servo's wire (M280)",
+            ),
             Self::Early { height, expected } => write!(
                 f,
                 "the probe triggered {} mm above the bed, expected at Z{}. Check what it met, its wire, and home Z again",
@@ -110,6 +120,8 @@ impl fmt::Display for ProbeFailure {
 pub(in crate::machine) enum HomingFailure {
     /// The board has no such input: nothing would end the move.
     NotConnected,
+    /// Z is homed by the probe, and x or y is not homed.
+    NeedsOthers,
     /// The switch was not met on this way, which is longer than the axis.
     NotMet { way: i32 },
     /// The switch was still pressed after backing off so far.
@@ -120,6 +132,7 @@ impl fmt::Display for HomingFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotConnected => f.write_str("has no endstop on this board. Name its connector in the machine file"),
+            Self::NeedsOthers => f.write_str("is homed by the probe, and X or Y is not homed. Home them too (G28)"),
             Self::NotMet { way } => {
                 write!(f, "endstop was not met within {way} mm. Check its switch, its plug and its wire")
             }

@@ -1,15 +1,18 @@
-//! The probe's state: whether it is out.
+//! The probe's state: whether it is out, and its servo.
 
-/// Whether the probe is out, as far as this firmware has put it out.
+/// The probe, as far as the firmware has given it orders.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Probing {
     is_out: bool,
+    is_in_series: bool,
+    is_quick: bool,
+    servo: Option<u16>,
 }
 
 impl Probing {
     /// As after a reset: it is in.
     pub const fn new() -> Self {
-        Self { is_out: false }
+        Self { is_out: false, is_in_series: false, is_quick: false, servo: None }
     }
 
     /// Whether it is out.
@@ -20,5 +23,35 @@ impl Probing {
     /// It was put out, or taken in.
     pub const fn note_out(&mut self, is_out: bool) {
         self.is_out = is_out;
+    }
+
+    /// Whether other touches came before: the tool is above the bed by the clearance between touches.
+    pub const fn is_in_series(&self) -> bool {
+        self.is_in_series
+    }
+
+    /// Another touch follows, or none.
+    pub const fn note_series(&mut self, goes_on: bool) {
+        self.is_in_series = goes_on;
+    }
+
+    /// Whether a BLTouch is not taken in between touches (M401 S1).
+    pub const fn is_quick(&self) -> bool {
+        self.is_quick
+    }
+
+    /// M401 S.
+    pub const fn set_quick(&mut self, is_quick: bool) {
+        self.is_quick = is_quick;
+    }
+
+    /// The servo's last order, in us.
+    pub const fn servo(&self) -> Option<u16> {
+        self.servo
+    }
+
+    /// The servo gets an order.
+    pub const fn note_servo(&mut self, micros: Option<u16>) {
+        self.servo = micros;
     }
 }

@@ -315,9 +315,12 @@ const ROWS: &[Row] = &[
     ("M191 S40", SILENCE),
     // The probe, which this machine lacks.
     ("G30", NO_PROBE),
+    ("M48", NO_PROBE),
+    ("M280 P0 S90", NO_PROBE),
+    ("M401", NO_PROBE),
+    ("M402", NO_PROBE),
     ("G29", PROBE),
     ("G80 N3", PROBE),
-    ("M48", PROBE),
     ("M290 Z0.05", PROBE),
     ("M420 S1", &["echo:Bed Leveling OFF"]),
     // Storage, which this machine lacks.
