@@ -239,6 +239,11 @@ pub trait Storage {
         Ok(true)
     }
 
+    /// Whether each page can be written by itself, without a save of all settings. Memory that is erased first cannot.
+    fn keeps_pages(&self) -> bool {
+        true
+    }
+
     /// The content of the program memory, as a number that differs after an update; `None` for a program that is not
     /// flashed, such as a simulator's.
     fn image(&self) -> Option<u32> {

@@ -27,7 +27,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
     ("gcode", &["units", "text", "connectors", "motors", "settings"]),
     ("motion", &["units", "motors", "fault", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
-    ("storage", &["units", "checksum", "connectors", "port", "kinematics", "settings"]),
+    ("storage", &["units", "checksum", "connectors", "port", "kinematics", "settings", "surface"]),
     ("thermal", &["units", "connectors", "fault", "status", "port", "settings"]),
     (
         "machine",
@@ -39,6 +39,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "protocol",
             "gcode",
             "settings",
+            "surface",
             "kinematics",
             "motion",
             "driver",

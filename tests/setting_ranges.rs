@@ -40,12 +40,13 @@ fn changed(settings: &Settings, path: &str, numbers: &[i64]) -> Settings {
     numbers.iter().find_map(|number| with(settings, path, *number)).unwrap()
 }
 
-const GREATEST: [i64; 5] = [i64::MAX, u32::MAX as i64, i32::MAX as i64, u16::MAX as i64, u8::MAX as i64];
-const LEAST: [i64; 3] = [i64::MIN, i32::MIN as i64, 0];
+const GREATEST: [i64; 6] =
+    [i64::MAX, u32::MAX as i64, i32::MAX as i64, u16::MAX as i64, i16::MAX as i64, u8::MAX as i64];
+const LEAST: [i64; 4] = [i64::MIN, i32::MIN as i64, i16::MIN as i64, 0];
 
 /// Numbers that are legal with any value; and numbers with 0 as a legal value, which usually switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
-const MAY_BE_0: [&str; 25] = [
+const MAY_BE_0: [&str; 26] = [
     "quiet",
     "retries",
     "own",
@@ -71,6 +72,7 @@ const MAY_BE_0: [&str; 25] = [
     "span",
     "damping",
     "motor_frequency",
+    "fade",
 ];
 
 fn is_one_of(path: &str, names: &[&str]) -> bool {

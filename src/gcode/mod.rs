@@ -21,13 +21,14 @@ mod parse;
 mod parts;
 
 pub use commands::{
-    Command, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand, RefusedCommand, ReportCommand,
-    SettingCommand, ShaperName, Text, Treatment, codes, described, names,
+    BedCommand, Command, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand, RefusedCommand,
+    ReportCommand, SettingCommand, ShaperName, Text, Treatment, codes, described, names, places,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;
 pub use parse::parse;
 pub use parts::{
-    ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, HomeWords, MachineRecord, ModelWords, ParkWords,
-    PlainWords, Plane, ShaperWords, TuningWords, VelocityWords,
+    ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
+    MachineRecord, MeshPoint, ModelWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords, ShaperWords,
+    TuningWords, VelocityWords,
 };

@@ -59,6 +59,106 @@ pub struct HomeWords {
     pub raise: Option<Number>,
 }
 
+/// The words of G34.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct LevelWords {
+    /// I: measurements, each followed by a correction unless it is the last one.
+    pub rounds: Option<Number>,
+    /// T: the difference in mm between screws that is level enough.
+    pub within: Option<Number>,
+    /// A: the share of a measured difference that is corrected.
+    pub share: Option<Number>,
+    /// E: the probe stays out between its points.
+    pub keeps_out: bool,
+}
+
+/// The words of M422.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct ScrewWords {
+    /// S: the screw with the point that is set.
+    pub point: Option<Number>,
+    /// W: the screw with the place that is set.
+    pub place: Option<Number>,
+    /// X.
+    pub x: Option<Number>,
+    /// Y.
+    pub y: Option<Number>,
+    /// R: all as the machine was made with.
+    pub resets: bool,
+}
+
+/// The words of G29 and its relatives.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct GridWords {
+    /// The area from and to x, from and to y; all that the probe reaches without them.
+    pub area: [Option<Number>; 4],
+    /// H: the side of a square in the middle of the bed.
+    pub square: Option<Number>,
+    /// O: nothing is measured if a mesh is in use.
+    pub only_without: bool,
+    /// D: the heights are reported and not kept.
+    pub is_dry: bool,
+    /// N: homes all axes first.
+    pub homes: bool,
+    /// E: the probe is taken in between its touches.
+    pub takes_in: bool,
+    /// V: from 1 on each touch is told.
+    pub verbosity: Option<Number>,
+    /// Around the objects of the print.
+    pub is_adaptive: bool,
+    /// The margin around them in mm.
+    pub margin: Option<Number>,
+}
+
+/// The words of M420.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct LevellingWords {
+    /// S: whether the mesh is used.
+    pub on: Option<bool>,
+    /// V: reports the mesh.
+    pub reports: bool,
+    /// T1: as a table for programs.
+    pub form: Option<Number>,
+    /// Z: the height up to which it fades; 0 is no fade.
+    pub fade: Option<Number>,
+    /// C: its mean becomes 0.
+    pub centres: bool,
+    /// L: takes the mesh that was kept.
+    pub loads: bool,
+}
+
+impl LevellingWords {
+    /// Whether it does more than report.
+    #[must_use]
+    pub const fn changes(&self) -> bool {
+        self.on.is_some() || self.fade.is_some() || self.centres || self.loads
+    }
+}
+
+/// A point of the mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MeshPoint {
+    /// Its column and row.
+    Number([Number; 2]),
+    /// The point nearest to a place.
+    Place([Option<Number>; 2]),
+    /// The point nearest to the nozzle.
+    Nearest,
+}
+
+/// The words of M421 and of G29 W.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PointWords {
+    /// The point.
+    pub point: MeshPoint,
+    /// Z: its height.
+    pub height: Option<Number>,
+    /// Q: the change of its height.
+    pub change: Option<Number>,
+    /// N: it counts as not measured.
+    pub forgets: bool,
+}
+
 /// How a message of M118 is dressed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Form {

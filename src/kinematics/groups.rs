@@ -198,7 +198,7 @@ impl Groups {
         Coupling::new(self.groups.map(|group| (group.with, group.against)))
     }
 
-    /// The coupling of [`Grouping::Trim`]: a step of z turns `motor`, and no other motor turns.
+    /// The coupling of [`Grouping::Trim`] and [`Grouping::Screw`]: a step of z turns `motor`, and no other motor turns.
     #[must_use]
     pub fn trim_coupling(&self, motor: Motor) -> Coupling {
         let is_z = |group: &Group| group.axis() == Some(2);
@@ -215,6 +215,8 @@ pub enum Grouping {
     Circulation,
     /// A single motor of the belt in the place of z ([`Mechanism::trimming`]).
     Trim,
+    /// The same for a single motor of z: it has the resolution and the limits of z.
+    Screw,
 }
 
 impl Grouping {
@@ -224,7 +226,7 @@ impl Grouping {
         match self {
             Self::Tool => *mechanism,
             Self::Circulation => mechanism.circulating(),
-            Self::Trim => Mechanism::trimming(),
+            Self::Trim | Self::Screw => Mechanism::trimming(),
         }
     }
 }
@@ -236,7 +238,7 @@ pub struct Groupings {
     pub tool: Groups,
     /// [`Grouping::Circulation`]; unused without a closed belt.
     pub circulation: Groups,
-    /// [`Grouping::Trim`]; unused where motors cannot pull against each other.
+    /// [`Grouping::Trim`] and [`Grouping::Screw`].
     pub trim: Groups,
 }
 
@@ -257,7 +259,7 @@ impl Groupings {
         match grouping {
             Grouping::Tool => &self.tool,
             Grouping::Circulation => &self.circulation,
-            Grouping::Trim => &self.trim,
+            Grouping::Trim | Grouping::Screw => &self.trim,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Numbers of lines: read to the nearest value of a type, and printed so that they read back as the same value.
 
 use crate::gcode::Number;
-use crate::units::{Quantity, Ratio, Seconds, part_of};
+use crate::units::{Mm, Quantity, Ratio, Seconds, part_of};
+use core::fmt;
 use fixed::types::I32F32;
 
 /// The value nearest to a number.
@@ -49,6 +50,18 @@ pub(in crate::machine) fn exact(value: impl Into<I32F32>) -> Number {
 pub(in crate::machine) fn to_thousandth(value: I32F32) -> I32F32 {
     let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
     I32F32::from_bits((doubled + 1) >> 1)
+}
+
+/// A length with three decimals.
+pub(in crate::machine) struct Thousandths(pub Mm);
+
+impl fmt::Display for Thousandths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bits = self.0.to_bits();
+        let thousandths = (bits.unsigned_abs() as u128 * 1000 + (1 << 31)) >> 32;
+        let sign = if bits < 0 && thousandths > 0 { "-" } else { "" };
+        write!(f, "{sign}{}.{:03}", (thousandths / 1000) as u64, (thousandths % 1000) as u64)
+    }
 }
 
 #[cfg(test)]

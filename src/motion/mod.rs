@@ -63,6 +63,7 @@ use core::sync::atomic;
 
 pub use link::Link;
 pub use moves::{Move, WHOLE};
+pub(crate) use number::{from_f32, to_f32};
 pub use planner::{LOOKAHEAD_MOVES, MoveMemory, Planner, Target, WHOLE_SHARE};
 pub use queue::{LONGEST_INTERVAL, StepEvent, StepQueue, StepsIn, StepsOut};
 pub use step_counts::StepCounts;

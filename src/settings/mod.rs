@@ -30,6 +30,7 @@ mod drivers;
 mod endstops;
 mod kept;
 pub mod line;
+mod mesh;
 mod motor_keys;
 mod name;
 mod pause;
@@ -39,6 +40,7 @@ mod probe;
 mod range;
 pub mod ranges;
 pub mod rows;
+mod screws;
 mod sensors;
 mod shaping;
 mod spec;
@@ -54,11 +56,13 @@ pub use corner::CornerRule;
 pub use drivers::{DriverGroups, DriverSettings, OwnDriver};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
+pub use mesh::MeshSettings;
 pub use name::MachineName;
 pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
 pub use probe::{Probe, ProbeKind};
 pub use range::Range;
+pub use screws::{Screw, WholePlace};
 pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
@@ -67,7 +71,7 @@ pub use thermal::{
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
-use crate::kinematics::{Mechanism, multiple};
+use crate::kinematics::{Mechanism, SCREWS, multiple};
 use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
@@ -154,6 +158,10 @@ pub struct Settings {
     pub pause: Pause,
     /// Sensors without a heater, in the order of [`PLACES`].
     pub sensors: [ExtraSensor; EXTRA_SENSORS],
+    /// How the mesh of the bed is measured and used.
+    pub mesh: MeshSettings,
+    /// Screws of z, in the order of the motors that turn them.
+    pub screws: [Screw; SCREWS],
 }
 
 impl Settings {
@@ -220,6 +228,8 @@ impl Settings {
             name: const { MachineName::lit("CoreH-bot prototype") },
             pause: Pause::prototype(),
             sensors: ExtraSensor::prototype(),
+            mesh: MeshSettings::prototype(),
+            screws: Screw::prototype(),
         }
     }
 
@@ -292,6 +302,8 @@ impl Settings {
             name: _,
             pause: _,
             sensors: _,
+            mesh: _,
+            screws: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring
@@ -325,6 +337,13 @@ impl Settings {
     /// Every motor that the machine has a name for, with its name.
     pub fn motors(&self) -> impl Iterator<Item = (Motor, MotorName)> {
         Motor::ALL.into_iter().zip(self.motor_names).take_while(|(_, name)| !name.is_none())
+    }
+
+    /// The motors that turn a screw of z each, in their order: they move z and nothing else.
+    #[must_use]
+    pub fn screw_motors(&self) -> heapless::Vec<Motor, SCREWS> {
+        let is_screw = |row: &[i8; 4]| matches!(row, [0, 0, z, 0] if *z != 0);
+        self.mechanism.motors().filter(|(_, row)| is_screw(row)).map(|(motor, _)| motor).take(SCREWS).collect()
     }
 
     /// Resolution of a motor, in its own steps: the resolution of the axes that it moves, or of the extruder if it

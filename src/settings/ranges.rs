@@ -36,6 +36,14 @@ const _: () = assert!((5000 + 50) * 25_600 * (MOST_MULTIPLE as i64) < 1 << 31);
 /// Where an endstop of any axis may sit.
 pub const ENDSTOP_POSITION: Range<Mm> =
     Range { least: PLACE.least.saturating_sub(ENDSTOP_OUTSIDE), most: PLACE.most.saturating_add(ENDSTOP_OUTSIDE) };
+/// Columns and rows of a mesh: a slope needs three, and the firmware has room for nine.
+pub const MESH_POINTS: Range<u8> = Range { least: 3, most: 9 };
+/// Height up to which a mesh fades: below 1 mm a bed that is out by 0.1 mm would show in each layer.
+pub const MESH_FADE: Range<Mm> = Range { least: Mm::ONE, most: Mm::const_from_int(100) };
+/// Height of a point of a mesh that a line sets: a bed that is farther out is no bed.
+pub const MESH_HEIGHT: Range<Mm> = Range { least: Mm::const_from_int(-10), most: Mm::const_from_int(10) };
+/// Places of screws of z, which may stand outside of what the tool reaches: those of an axis, in whole mm.
+pub const SCREW_PLACE: Range<i16> = Range { least: -5000, most: 5000 };
 /// Milliseconds between two motors of a belt that get power: the longest time is twice the largest age of a driver's
 /// proof.
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };

@@ -257,7 +257,7 @@ macro_rules! whole {
         })+
     };
 }
-whole!(u8, u16, u32);
+whole!(u8, u16, u32, i16);
 
 impl Field for bool {
     fn get(&self) -> Value {

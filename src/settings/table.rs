@@ -47,6 +47,8 @@ files! {
     probe,
     probe::home,
     probe::offset,
+    mesh,
+    screws,
     sensors,
     shaping,
     shaping::advance,

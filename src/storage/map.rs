@@ -3,10 +3,10 @@
 //! | from | bytes | content |
 //! |---|---|---|
 //! | 0 | 1,280 | settings, slot A |
-//! | 1,280 | 160 | reserved: mesh, slot A |
+//! | 1,280 | 160 | mesh, slot A |
 //! | 1,440 | 608 | reserved: positions for a power loss, 19 pages in turn |
 //! | 2,048 | 1,280 | settings, slot B |
-//! | 3,328 | 160 | reserved: mesh, slot B |
+//! | 3,328 | 160 | mesh, slot B |
 //! | 3,488 | 480 | reserved: layers for a power loss, three records of 160 bytes in turn |
 //! | 3,968 | 96 | free |
 //! | 4,064 | 32 | the note of the last self-test |
@@ -22,9 +22,9 @@ pub const NEEDED: u32 = 4096;
 
 /// A part of the memory.
 #[derive(Clone, Copy)]
-struct Region {
-    begin: u32,
-    bytes: u32,
+pub(super) struct Region {
+    pub begin: u32,
+    pub bytes: u32,
 }
 
 const fn region(begin: u32, bytes: u32) -> Region {
@@ -35,7 +35,7 @@ const fn region(begin: u32, bytes: u32) -> Region {
 const SETTINGS: [Region; 2] = [region(0, SLOT), region(2048, SLOT)];
 
 /// A mesh in slot A and slot B.
-const MESH: [Region; 2] = [region(SLOT, 160), region(2048 + SLOT, 160)];
+pub(super) const MESH: [Region; 2] = [region(SLOT, 160), region(2048 + SLOT, 160)];
 
 /// Bytes of a mesh with 7 by 7 points, the largest: its magic and format 4, sequence number 4, points in x and y 2,
 /// bounds 16, the offset of the probe 6, the reference point 8, temperatures of nozzle and bed 4, the mean 2, the sum

@@ -11,6 +11,7 @@
 mod machine;
 mod machine_block;
 mod map;
+mod mesh;
 mod payload;
 mod record;
 mod self_test;
@@ -21,6 +22,9 @@ pub use machine_block::{
     BLOCK, MARK, blank_block, board_of, boards_of, choose_board, clear_machine, machine_of, put_machine,
 };
 pub use map::{NEEDED, PAGE, STRIDE};
+pub use mesh::{
+    MOST_STORED, MeshNotSaved, MeshRejected, StoredMesh, forget_mesh, load_mesh, machine_of as mesh_machine, save_mesh,
+};
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod memories;
+mod meshes;
 
 use corehbot::port::{NoStorage, StorageError};
 use corehbot::settings::Settings;

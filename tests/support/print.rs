@@ -6,9 +6,9 @@ mod words;
 use core::fmt::{self, Display, Formatter};
 
 use corehbot::gcode::{
-    ArcShape, ArcWords, Audience, Command, Form, HeatCommand, HomeWords, JobCommand, MachineRecord, MotionCommand,
-    MotorCommand, Number, ParkWords, PlainWords, Plane, ProbeCommand, RefusedCommand, ReportCommand, SettingCommand,
-    ShaperWords, TuningWords,
+    ArcShape, ArcWords, Audience, BedCommand, Command, Form, GridWords, HeatCommand, HomeWords, JobCommand, LevelWords,
+    MachineRecord, MeshPoint, MotionCommand, MotorCommand, Number, ParkWords, PlainWords, Plane, ProbeCommand,
+    RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -31,6 +31,7 @@ impl Display for Printed<'_> {
             Command::Heat(command) => heat(f, command, self.1),
             Command::Job(command) => job(f, command, self.1),
             Command::Probe(command) => probe(f, command, self.1),
+            Command::Bed(command) => bed(f, command, self.1),
             Command::Report(command) => report(f, command, self.1),
             Command::Refused(command) => refused(f, command),
             Command::Malformed(flaw) => malformed(f, flaw),
@@ -116,6 +117,7 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
 
 fn motor(f: &mut Formatter<'_>, command: MotorCommand, line: &[u8]) -> fmt::Result {
     match command {
+        MotorCommand::LevelScrews(words) => level(f, words),
         MotorCommand::EnableMotors(named) => flags(f, "M17", named),
         MotorCommand::DisableMotors(named) => flags(f, "M84", named),
         MotorCommand::IdleTimeout { seconds } => write!(f, "M84 S{seconds}"),
@@ -307,11 +309,69 @@ fn probe(f: &mut Formatter<'_>, command: ProbeCommand, line: &[u8]) -> fmt::Resu
     }
 }
 
+fn level(f: &mut Formatter<'_>, words: LevelWords) -> fmt::Result {
+    f.write_str("G34")?;
+    word(f, 'I', words.rounds)?;
+    word(f, 'T', words.within)?;
+    word(f, 'A', words.share)?;
+    f.write_str(if words.keeps_out { " E" } else { "" })
+}
+
+fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -> fmt::Result {
+    match command {
+        BedCommand::Measure(GridWords { is_adaptive, margin, .. }) if is_adaptive || margin.is_some() => {
+            write!(f, "BED_MESH_CALIBRATE ADAPTIVE={}", u8::from(is_adaptive))?;
+            margin.map_or(Ok(()), |margin| write!(f, " ADAPTIVE_MARGIN={margin}"))
+        }
+        BedCommand::Measure(words) => {
+            f.write_str("G29")?;
+            for (letter, edge) in ['L', 'R', 'F', 'B'].into_iter().zip(words.area) {
+                word(f, letter, edge)?;
+            }
+            word(f, 'H', words.square)?;
+            word(f, 'V', words.verbosity)?;
+            let all = [(words.only_without, " O"), (words.is_dry, " D"), (words.homes, " N"), (words.takes_in, " E")];
+            all.into_iter().filter(|(is_set, _)| *is_set).try_for_each(|(_, letter)| f.write_str(letter))
+        }
+        BedCommand::Levelling(words) => {
+            switch(f, "M420", words.on.map(|on| Number::from(i32::from(on))))?;
+            word(f, 'T', words.form)?;
+            word(f, 'Z', words.fade)?;
+            let all = [(words.reports, " V"), (words.centres, " C"), (words.loads, " L")];
+            all.into_iter().filter(|(is_set, _)| *is_set).try_for_each(|(_, letter)| f.write_str(letter))
+        }
+        BedCommand::Point(words) => {
+            f.write_str("M421")?;
+            let (letters, numbers) = match words.point {
+                MeshPoint::Number(numbers) => (['I', 'J'], numbers.map(Some)),
+                MeshPoint::Place(numbers) => (['X', 'Y'], numbers),
+                MeshPoint::Nearest => (['C', 'C'], [None; 2]),
+            };
+            if words.point == MeshPoint::Nearest {
+                f.write_str(" C")?;
+            }
+            letters.into_iter().zip(numbers).try_for_each(|(letter, number)| word(f, letter, number))?;
+            word(f, 'Z', words.height)?;
+            word(f, 'Q', words.change)?;
+            f.write_str(if words.forgets { " N" } else { "" })
+        }
+        BedCommand::Object { outline } => {
+            f.write_str("EXCLUDE_OBJECT_DEFINE POLYGON=")?;
+            write_text(f, outline)
+        }
+        BedCommand::Forget => f.write_str("G29 J"),
+        BedCommand::CleanNozzle => f.write_str("G29 P9"),
+        BedCommand::Report => f.write_str("BED_MESH_OUTPUT"),
+        BedCommand::Save => f.write_str("BED_MESH_PROFILE SAVE=1"),
+        BedCommand::NoObjects => f.write_str("EXCLUDE_OBJECT_DEFINE RESET=1"),
+        _ => reduced(f, line),
+    }
+}
+
 fn refused(f: &mut Formatter<'_>, command: RefusedCommand) -> fmt::Result {
     match command {
         RefusedCommand::Conditional => f.write_str("M622"),
-        RefusedCommand::ReportLevelling => f.write_str("M420"),
-        RefusedCommand::Probing => f.write_str("G29"),
+        RefusedCommand::Probing => f.write_str("M48"),
         _ => Err(fmt::Error),
     }
 }

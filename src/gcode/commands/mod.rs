@@ -2,12 +2,13 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`probing`], [`reports`] | a family: type, rows and readers |
+//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`probing`], [`bed`], [`reports`] | a family: type, rows and readers |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`row`] | the parts of a row |
 //! | [`grammar`] | the rules for words, and the lines that break them |
 //! | [`table`] | the rows of all families |
 
+pub(super) mod bed;
 pub(super) mod grammar;
 mod heat;
 mod jobs;
@@ -22,6 +23,7 @@ mod silent;
 pub(super) mod table;
 
 use super::parts::Flaw;
+pub use bed::{BedCommand, places};
 pub use heat::HeatCommand;
 pub use jobs::JobCommand;
 pub use motion::MotionCommand;
@@ -53,6 +55,8 @@ pub enum Command<'a> {
     Motor(MotorCommand),
     /// The Z probe.
     Probe(ProbeCommand),
+    /// The bed's mesh.
+    Bed(BedCommand<'a>),
     /// Reports and messages.
     Report(ReportCommand<'a>),
     /// Known, and refused in words.

@@ -8,7 +8,7 @@ use crate::gcode::axes::{axis_flags, axis_words};
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{AxisFlags, AxisWords, Flaw};
+use crate::gcode::parts::{AxisFlags, AxisWords, Flaw, LevelWords, ScrewWords};
 use crate::motors::MotorName;
 
 /// Motors, their drivers and belts.
@@ -54,6 +54,15 @@ pub enum MotorCommand {
         /// R: the same, and set it right.
         repairs: bool,
     },
+    /// G34: level the screws of z by the probe.
+    LevelScrews(LevelWords),
+    /// G35: how far each hand screw at the corners of the bed is to be turned.
+    HandScrews {
+        /// S: its thread: 30, 40, 50 for M3, M4, M5; one more for a thread that turns the other way.
+        thread: Option<Number>,
+    },
+    /// M422: the place of a screw of z, or the point that is probed for it; or report.
+    ScrewPlace(ScrewWords),
     /// STEPPER_BUZZ: one motor moves alone, a little to and fro.
     Buzz {
         /// STEPPER: the motor; the empty name if it is missing.
@@ -100,17 +109,66 @@ pub(super) const ROWS: &[Described] = &[
         "D, R",
         "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt.md#alignment-m915))",
     ),
+    Described::g(&[34], |_, text| motor(MotorCommand::LevelScrews(level(text))))
+        .grammar(&Grammar::numbers(b"ITA"))
+        .does(
+            "I T A E",
+            "levels the screws of z: rounds, accuracy in mm, share of a correction; E keeps the probe out",
+        ),
+    Described::g(&[35], |_, text| motor(MotorCommand::HandScrews { thread: number(text, b'S') }))
+        .grammar(&Grammar::numbers(b"S").no_axes(NO_AXES))
+        .does(
+            "S",
+            "probes the corners of the bed, and says how far to turn each hand screw; thread: 30, 40, 50 is M3..",
+        ),
+    Described::m(&[422], |_, text| motor(MotorCommand::ScrewPlace(screw(text))))
+        .grammar(&Grammar::numbers(b"SWXY"))
+        .does("S X Y, W X Y, R", "point that is probed for a screw of z (S), its place (W), as made (R); or reports"),
+    Described::name(&LEVEL_NAMES, |_, text| Some(level_by_name(text)))
+        .does("RETRIES= RETRY_TOLERANCE=", "G34 in Klipper's words"),
     Described::name(&[BUZZ], |_, text| Some(buzz(text))).does(
         "STEPPER= FREE=",
         "one motor alone, 1 mm to and fro ([belt](../explanation/belt.md#one-motor-alone-stepper_buzz))",
     ),
 ];
 
+/// Klipper's names for G34.
+const LEVEL_NAMES: [&str; 2] = ["Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"];
+
 /// Klipper's name for a motor that shows itself.
 const BUZZ: &str = "STEPPER_BUZZ";
 
 const fn motor(command: MotorCommand) -> Option<Command<'static>> {
     Some(Command::Motor(command))
+}
+
+/// G34.
+fn level(text: &[u8]) -> LevelWords {
+    let [rounds, within, share] = [b'I', b'T', b'A'].map(|letter| number(text, letter));
+    LevelWords { rounds, within, share, keeps_out: last(text, b'E').is_some() }
+}
+
+/// Klipper's words: RETRIES come after the first round. Its other words are for its own probes.
+fn level_by_name(text: &[u8]) -> Command<'_> {
+    let mut level = LevelWords::default();
+    for word in words(text) {
+        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let Some((number, _)) = Number::read(value) else { return Command::Malformed(Flaw::NoPair(word)) };
+        match name {
+            name if name.eq_ignore_ascii_case(b"RETRIES") => {
+                level.rounds = Some(Number::from(number.to_int().saturating_add(1)));
+            }
+            name if name.eq_ignore_ascii_case(b"RETRY_TOLERANCE") => level.within = Some(number),
+            _ => {}
+        }
+    }
+    Command::Motor(MotorCommand::LevelScrews(level))
+}
+
+/// M422.
+fn screw(text: &[u8]) -> ScrewWords {
+    let [point, place, x, y] = [b'S', b'W', b'X', b'Y'].map(|letter| number(text, letter));
+    ScrewWords { point, place, x, y, resets: last(text, b'R').is_some() }
 }
 
 /// M18 and M84: with S a time, otherwise axes.

@@ -7,19 +7,15 @@ use super::row::Described;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum RefusedCommand {
-    /// G29, Prusa's G80 and their relatives: nothing is measured.
+    /// Commands of a probe that are not carried out.
     Probing,
-    /// M420: report on bed levelling; there is none.
-    ReportLevelling,
     /// M622, M623, `if`, `while` and the like: which lines run depends on it, and this firmware runs them all.
     Conditional,
 }
 
 /// They are answered whatever words they have.
 pub(super) const ROWS: &[Described] = &[
-    Described::g(&[29, 80], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
     Described::m(&[290], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
-    Described::m(&[420], |_, _| refused(RefusedCommand::ReportLevelling)).refused("bed levelling is off"),
     Described::m(&[622, 623], |_, _| refused(RefusedCommand::Conditional)).refused(CONDITION),
     // Conditions and loops of RepRapFirmware.
     Described::name(&["if", "elif", "else", "while", "break", "continue", "abort"], |_, _| {

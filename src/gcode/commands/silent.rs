@@ -31,14 +31,13 @@ pub(super) const ROWS: &[Described] = &[
     Described::silent(&[403], "filament of a multi-material unit: none"),
     Described::silent(&[425], "backlash compensation: none"),
     Described::silent(&[530, 532], "print mode and progress (Repetier): not shown"),
-    Described::silent(&[555], "print area (Prusa): nothing is probed"),
     Described::silent(&[862], "asks whether nozzle, model and firmware fit (PrusaSlicer, with a subcode)")
         .with_subcodes(),
     Described::silent(&[870], "Prusa's own"),
     Described::silent(&[907], "motor current by a potentiometer: M906 sets it"),
     Described::g(&[12], |_, _| SILENT).grammar(WORDS).silently("nozzle wiper: none"),
     // The names of a print's objects, and the begin and end of each. Nothing here depends on it.
-    Described::name(&["EXCLUDE_OBJECT_DEFINE", "EXCLUDE_OBJECT_START", "EXCLUDE_OBJECT_END"], |_, _| SILENT)
+    Described::name(&["EXCLUDE_OBJECT_START", "EXCLUDE_OBJECT_END"], |_, _| SILENT)
         .silently("names of objects: not used"),
     Described::name(&["EXCLUDE_OBJECT"], |_, text| Some(exclude_object(text)))
         .silently("lists skipped objects: none; with NAME= or CURRENT= it is refused"),
@@ -80,7 +79,6 @@ mod tests {
     #[test]
     fn objects_are_announced_and_not_left_out() {
         for line in [
-            "EXCLUDE_OBJECT_DEFINE NAME=cube_id_0_copy_0 CENTER=10,10 POLYGON=[[5,5],[15,5],[15,15]]",
             "exclude_object_start NAME=cube",
             "EXCLUDE_OBJECT_END",
             "EXCLUDE_OBJECT",

@@ -1,17 +1,18 @@
 //! The table of all codes and names: the rows of each family, in one order.
 
 use super::row::{Begin, Described, Row, Text};
-use super::{heat, jobs, motion, motors, probing, refused, reports, settings, silent};
+use super::{bed, heat, jobs, motion, motors, probing, refused, reports, settings, silent};
 use crate::gcode::code::Code;
 
 /// The families with their headings in docs/reference/gcode.md. Arcs are frequent, so their family is the first.
-const FAMILIES: [(&str, &[Described]); 9] = [
+const FAMILIES: [(&str, &[Described]); 10] = [
     ("Motion", motion::ROWS),
     ("Jobs, pauses and waits", jobs::ROWS),
     ("Heat and fans", heat::ROWS),
     ("Settings", settings::ROWS),
     ("Motors and drivers", motors::ROWS),
     ("Z probe", probing::ROWS),
+    ("Bed mesh", bed::ROWS),
     ("Reports and messages", reports::ROWS),
     ("Accepted silently", silent::ROWS),
     ("Refused", refused::ROWS),

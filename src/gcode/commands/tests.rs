@@ -217,7 +217,6 @@ fn every_code_has_its_command() {
         ("M221 S1", Command::Motion(MotionCommand::FlowPercent(one))),
         ("M400", Command::Motion(MotionCommand::Finish)),
         ("M410", Command::Motion(MotionCommand::QuickStop)),
-        ("M420 S1", Command::Refused(RefusedCommand::ReportLevelling)),
         ("M503", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
         ("M503 S", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
         ("M503 S1", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),

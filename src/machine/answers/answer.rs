@@ -8,7 +8,9 @@ use super::belt_answer::BeltAnswer;
 use super::buzz_answer::BuzzAnswer;
 use super::driver_value::DriverValue;
 use super::machine_answer::MachineAnswer;
+use super::mesh_answer::MeshAnswer;
 use super::probe_answer::ProbeAnswer;
+use super::screw_answer::ScrewAnswer;
 use super::setting::HeatSetting;
 use super::setting::Setting;
 use super::storage_news::StorageNews;
@@ -124,6 +126,10 @@ pub(in crate::machine) enum Answer<'a> {
     Buzz(BuzzAnswer),
     /// The Z probe.
     Probe(ProbeAnswer),
+    /// The mesh of the bed.
+    Mesh(MeshAnswer),
+    /// G34 and G35.
+    Screws(ScrewAnswer),
     Storage(StorageNews),
     /// A machine over the serial line.
     Machine(MachineAnswer<'a>),

@@ -11,6 +11,8 @@
 //! | [`machine_answer`] | answers about a machine record on a serial line |
 //! | [`belt_answer`] | answers about motors that can pull against each other |
 //! | [`buzz_answer`] | answers to STEPPER_BUZZ |
+//! | [`mesh_answer`] | answers about the mesh of the bed |
+//! | [`screw_answer`] | answers to G34 and G35 |
 //! | [`probe_answer`] | answers of the Z probe |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
 //! | [`message`] | a message from one host to others (M118), as they read it |
@@ -26,8 +28,10 @@ pub(in crate::machine) mod belt_answer;
 pub(in crate::machine) mod buzz_answer;
 pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod machine_answer;
+pub(in crate::machine) mod mesh_answer;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod probe_answer;
+pub(in crate::machine) mod screw_answer;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;
 pub(in crate::machine) mod storage_news;

@@ -14,6 +14,10 @@ pub(in crate::machine) enum Setting {
     Shapers,
     /// M900 and M572.
     Advance,
+    /// M422.
+    Screws,
+    /// M420.
+    Levelling,
 }
 
 impl Setting {
@@ -39,7 +43,9 @@ impl Setting {
             Self::Plain(_) => Some(Self::VelocityLimit),
             Self::VelocityLimit => Some(Self::Shapers),
             Self::Shapers => Some(Self::Advance),
-            Self::Advance => None,
+            Self::Advance => Some(Self::Screws),
+            Self::Screws => Some(Self::Levelling),
+            Self::Levelling => None,
         }
     }
 }

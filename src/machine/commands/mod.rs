@@ -18,8 +18,9 @@
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
-//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |
+//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`], [`screws`], [`screw_places`] (M422) |
 //! | the Z probe | [`probing`] | `machine::probe` |
+//! | the mesh of the bed | [`bed`] | [`measure`] (G29), [`levelling`] (M420), [`mesh_points`] (M421, G42) |
 //! | reports and messages | [`reports`] | [`messages`] |
 //! | refused | [`refused`] | |
 //! | state kept from line to line | | [`states`] |
@@ -30,6 +31,7 @@
 //! | clamp, away | see `state` |
 
 mod arcs;
+mod bed;
 mod belt;
 mod buzz;
 mod circulate;
@@ -43,6 +45,9 @@ mod heating;
 mod homing;
 pub(in crate::machine) mod job;
 mod jobs;
+mod levelling;
+mod measure;
+mod mesh_points;
 mod messages;
 mod motion;
 mod motors;
@@ -53,6 +58,8 @@ mod proof;
 mod refused;
 mod reports;
 mod retraction;
+mod screw_places;
+mod screws;
 mod self_test;
 pub(in crate::machine) mod settings;
 mod shaping;

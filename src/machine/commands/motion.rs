@@ -21,7 +21,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     states: &mut States,
     command: &MotionCommand,
 ) -> Result<Answer<'static>, Interrupt> {
-    let States { modal, retraction, clamps, notices, pieces: _, cold } = states;
+    let States { modal, retraction, clamps, notices, pieces: _, cold, area: _ } = states;
     match *command {
         MotionCommand::Line { rapid: _, ref to, feed } => {
             return Moves { main_loop, modal, clamps, notices, cold }.line(to, feed).await;

@@ -4,6 +4,8 @@ use super::belt::{align_belt, examine_belt};
 use super::buzz::buzz;
 use super::drivers::{change_mode, set_drivers};
 use super::job::end_by_line;
+use super::screw_places::place_screw;
+use super::screws::{level_screws, tell_hand_screws};
 use super::states::States;
 use crate::driver::Job;
 use crate::gcode::{AxisFlags, MotorCommand};
@@ -48,6 +50,9 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotorCommand::AlignBelt { diagnoses: _, repairs } => {
             return examine_belt(main_loop, &mut states.notices, repairs).await;
         }
+        MotorCommand::LevelScrews(ref words) => return level_screws(main_loop, &mut states.clamps, words).await,
+        MotorCommand::HandScrews { thread } => return tell_hand_screws(main_loop, thread).await,
+        MotorCommand::ScrewPlace(ref words) => place_screw(main_loop, &states.modal, &mut states.clamps, words),
         MotorCommand::Buzz { motor, free } => return buzz(main_loop, &mut states.notices, motor, free).await,
     })
 }

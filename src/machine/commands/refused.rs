@@ -14,7 +14,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(Answer::Line(match command {
         RefusedCommand::Probing => "echo:this firmware has no probing, ignored",
-        RefusedCommand::ReportLevelling => "echo:Bed Leveling OFF",
         RefusedCommand::Conditional => {
             main_loop
                 .reply(Answer::Line("Error:this line decides which lines run, and this firmware cannot skip lines"))

@@ -2,6 +2,7 @@
 
 use super::cold_extrusion::ColdExtrusion;
 use crate::machine::state::clamps::Clamps;
+use crate::machine::state::known_bed::PrintArea;
 use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
@@ -21,6 +22,8 @@ pub(in crate::machine) struct States {
     pub(super) pieces: MachinePieces,
     /// M302.
     pub(super) cold: ColdExtrusion,
+    /// The area that the print needs.
+    pub(super) area: PrintArea,
 }
 
 impl States {
@@ -33,11 +36,14 @@ impl States {
             notices: Notices::new(),
             pieces: MachinePieces::new(),
             cold: ColdExtrusion::new(),
+            area: PrintArea::NONE,
         }
     }
 
     /// Another print begins.
     pub fn begin_print(&mut self) {
         self.notices.renew_for_print();
+        // It was for the print that has begun.
+        self.area = PrintArea::NONE;
     }
 }

@@ -3,7 +3,7 @@
 use super::asked::Asked;
 use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
-use crate::gcode::{self, Command, ReportCommand};
+use crate::gcode::{self, BedCommand, Command, ReportCommand};
 use crate::port::{Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
 use crate::units::Instant;
@@ -128,10 +128,7 @@ impl<S: Serial> Host<S> {
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
             Incoming::Question { last } => Asked::Question(last),
         };
-        // A line without an effect may be too long: the outline of an object, a message.
-        let is_needed =
-            || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Report(ReportCommand::Message));
-        let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
+        let asked = if asked == Asked::TooLong { self.asked_at_length(text) } else { asked };
         let number = self.receiver.last_line();
         self.number = (number != last).then_some(number);
         self.assured = now;
@@ -139,6 +136,21 @@ impl<S: Serial> Host<S> {
         let is_forgotten = asked == Asked::Command && self.forgotten.is_some() && !is_mark(text);
         let asked = if is_forgotten { Asked::Nothing } else { asked };
         Some(if self.upload.takes(asked, text, now) { Asked::Nothing } else { asked })
+    }
+
+    /// The request of a line that is too long: it may be one without an effect, a message, or the outline of an
+    /// object, which may be cut.
+    fn asked_at_length(&self, text: &mut Text) -> Asked {
+        let kept = self.receiver.kept();
+        match gcode::parse(kept) {
+            Command::Silent | Command::Report(ReportCommand::Message) => Asked::Nothing,
+            Command::Bed(BedCommand::Object { .. }) => {
+                text.clear();
+                let _ = text.extend_from_slice(kept.get(..text.capacity()).unwrap_or(kept));
+                Asked::Command
+            }
+            _ => Asked::TooLong,
+        }
     }
 
     pub(super) fn send(&mut self) {

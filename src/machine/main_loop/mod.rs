@@ -46,6 +46,7 @@ mod reply;
 mod scrub;
 pub(in crate::machine) mod settings;
 mod stream;
+pub(in crate::machine) mod surface_stub;
 mod take_over;
 pub(in crate::machine) mod trim;
 
@@ -62,6 +63,7 @@ use crate::machine::ports::{PortSet, Ports};
 use crate::machine::state::circulation::Circulation;
 use crate::machine::state::commanded::Commanded;
 use crate::machine::state::job::Job;
+use crate::machine::state::known_bed::KnownBed;
 use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::Homed;
@@ -97,6 +99,8 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub trimming: Trimming,
     /// The Z probe.
     pub probing: Probing,
+    /// The mesh of the bed.
+    pub bed: KnownBed,
     pub power: Power<P::Drivers>,
     pub heat: Heaters<'m>,
     /// Memory for settings.
@@ -142,6 +146,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             circulation: Circulation::new(),
             trimming: Trimming::new(),
             probing: Probing::new(),
+            bed: KnownBed::new(),
             power: Power::new(bus, &settings, now),
             heat: Heaters::new(status.heat(), orders, &settings.thermal, now),
             storage,

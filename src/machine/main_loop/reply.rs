@@ -21,10 +21,12 @@ use crate::machine::reports::driver_report::{report_driver, report_driver_values
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
 use crate::machine::reports::machine_report::report_machine;
+use crate::machine::reports::mesh_report::report_mesh;
 use crate::machine::reports::probe_report::report_probe;
 use crate::machine::reports::report::{
     Position, report_endstops, report_firmware, report_overload, report_soft_endstops,
 };
+use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
@@ -74,7 +76,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         let at = if real { self.motion.seen(at_motors, z, self.trimming.held()) } else { self.commanded.position() };
         let ran = match (real, self.motion.grouping()) {
             (false, _) => self.circulation.commanded(),
-            (true, Grouping::Tool | Grouping::Trim) => self.circulation.length(self.settings.axes.x.steps_per_mm),
+            (true, Grouping::Tool | Grouping::Trim | Grouping::Screw) => {
+                self.circulation.length(self.settings.axes.x.steps_per_mm)
+            }
             (true, Grouping::Circulation) => {
                 let [_, _, on_the_way, _] = at_motors;
                 self.circulation.length(self.settings.axes.x.steps_per_mm) + on_the_way
@@ -96,7 +100,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
-        let Self { hosts, progress, settings, motion, status, homed, power, storage, trimming, .. } = self;
+        let Self { hosts, progress, settings, motion, status, homed, power, storage, trimming, bed, .. } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -200,6 +204,8 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
             Answer::Buzz(answer) => report_buzz(to, &answer, s),
             Answer::Probe(answer) => report_probe(to, &answer),
+            Answer::Mesh(answer) => report_mesh(to, &answer, bed.mesh(), s),
+            Answer::Screws(answer) => report_screws(to, &answer),
             Answer::Storage(news) => report_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),

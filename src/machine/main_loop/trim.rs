@@ -38,6 +38,26 @@ pub(in crate::machine) async fn turn_alone<P: PortSet, W: Pend>(
     by: i32,
     speed: MmPerSec,
 ) -> Result<(), Interrupt> {
+    turn_in(main_loop, Grouping::Trim, motor, by, speed).await
+}
+
+/// Turns one motor of z alone, within the limits of z: z counts steps as if it had not.
+pub(in crate::machine) async fn turn_screw<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    motor: Motor,
+    by: i32,
+    speed: MmPerSec,
+) -> Result<(), Interrupt> {
+    turn_in(main_loop, Grouping::Screw, motor, by, speed).await
+}
+
+async fn turn_in<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    grouping: Grouping,
+    motor: Motor,
+    by: i32,
+    speed: MmPerSec,
+) -> Result<(), Interrupt> {
     // A stroke may still be moving if its driver did not answer.
     main_loop.finish().await?;
     if by == 0 {
@@ -45,9 +65,9 @@ pub(in crate::machine) async fn turn_alone<P: PortSet, W: Pend>(
     }
     let ([x, y, ..], [.., z, e]) = (main_loop.motion.real_steps(), main_loop.motion.end());
     main_loop.trimming.begin([x, y, z, e]);
-    let coupling = main_loop.motion.groups_in(Grouping::Trim).trim_coupling(motor);
+    let coupling = main_loop.motion.groups_in(grouping).trim_coupling(motor);
     let [x, y] = [x, y].map(Steps::wrapping_round);
-    couple(main_loop, Grouping::Trim, &coupling, [x, y, Steps::ZERO, e]).await?;
+    couple(main_loop, grouping, &coupling, [x, y, Steps::ZERO, e]).await?;
     main_loop.motion.plan_whole([x, y, Steps::wrapping_from_num(i64::from(by)), e], speed, false, &main_loop.settings);
     main_loop.finish().await?;
     end_trim(main_loop).await
@@ -57,7 +77,7 @@ pub(in crate::machine) async fn turn_alone<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn end_trim<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    if main_loop.motion.grouping() != Grouping::Trim {
+    if !matches!(main_loop.motion.grouping(), Grouping::Trim | Grouping::Screw) {
         return Ok(());
     }
     let held = main_loop.trimming.held();

@@ -15,6 +15,7 @@
 //! | [`approach`] | one approach, and moves up |
 //! | [`deploy`] | putting the probe out, and taking it in |
 //! | [`repeatability`] | mean and deviation of touches |
+//! | [`area`] | the points of a mesh |
 //! | [`reach`] | the places that it reaches |
 //! | [`error`] | why a touch has no result |
 //!
@@ -28,6 +29,7 @@
 
 mod approach;
 pub(in crate::machine) mod deploy;
+pub(in crate::machine) mod area;
 mod error;
 pub(in crate::machine) mod reach;
 pub(in crate::machine) mod repeatability;

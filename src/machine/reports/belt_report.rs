@@ -1,10 +1,10 @@
 //! Reports of motors that can pull against each other: whether they are aligned (M122, M915), and the result of a touch
 //! (M915 D, R).
 
-use super::report::Thousandths;
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer, Diagnosis};
 use crate::machine::answers::speaker::Speaker;
+use crate::machine::numbers::Thousandths;
 use crate::machine::state::trimming::{Found, Trimming};
 use crate::port::Motor;
 use crate::settings::Settings;

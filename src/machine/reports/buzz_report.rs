@@ -1,8 +1,8 @@
 //! The reports of STEPPER_BUZZ: which motor moved how far, and which ones were held.
 
-use super::report::Thousandths;
 use crate::machine::answers::buzz_answer::BuzzAnswer;
 use crate::machine::answers::speaker::Speaker;
+use crate::machine::numbers::Thousandths;
 use crate::port::MotorSet;
 use crate::settings::Settings;
 use core::fmt;

@@ -1,8 +1,9 @@
 //! The reports of the Z probe.
 
-use super::report::{Hundredths, Thousandths};
+use super::report::Hundredths;
 use crate::machine::answers::probe_answer::{ProbeAnswer, Spread};
 use crate::machine::answers::speaker::Speaker;
+use crate::machine::numbers::Thousandths;
 use core::fmt;
 
 /// Nanometres as mm with six decimals.

@@ -77,18 +77,6 @@ impl fmt::Display for Hundredths {
     }
 }
 
-/// A length with three decimals.
-pub(in crate::machine) struct Thousandths(pub Mm);
-
-impl fmt::Display for Thousandths {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bits = self.0.to_bits();
-        let thousandths = (bits.unsigned_abs() as u128 * 1000 + (1 << 31)) >> 32;
-        let sign = if bits < 0 && thousandths > 0 { "-" } else { "" };
-        write!(f, "{sign}{}.{:03}", (thousandths / 1000) as u64, (thousandths % 1000) as u64)
-    }
-}
-
 /// A position, and the counts of the motor groups that move the tool.
 pub(in crate::machine) struct Position<'m> {
     at: [Mm; 4],

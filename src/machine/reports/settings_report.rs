@@ -11,7 +11,7 @@ use crate::machine::answers::words::Words;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
-use crate::settings::{AxisEnd, Bed, Belt, HomedAxis, Pause, Range, Settings, Shaper, ShaperKind};
+use crate::settings::{AxisEnd, Bed, Belt, HomedAxis, Pause, Range, Settings, Shaper, ShaperKind, WholePlace};
 use crate::units::Mm;
 use core::fmt::{self, Display, Formatter};
 
@@ -61,6 +61,20 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
                 Some(window) => to.setting(format_args!("M572 W{}", shortest(window))),
                 None => to.setting(format_args!("M572 W0 ; auto: {} s", shortest(advance_window(s)))),
             }
+        }
+        // A single screw needs no place.
+        Setting::Screws if s.screw_motors().len() > 1 => {
+            for (number, screw) in s.screws.iter().take(s.screw_motors().len()).enumerate() {
+                for (letter, WholePlace { x, y }) in [('S', screw.point), ('W', screw.place)] {
+                    to.setting(format_args!("M422 {letter}{} X{x} Y{y}", number + 1));
+                }
+            }
+        }
+        Setting::Screws => {}
+        Setting::Levelling => {
+            let is_on = s.mesh.is_on;
+            let (on, state) = (u8::from(is_on), if is_on { "ON" } else { "OFF" });
+            to.setting(format_args!("M420 S{on} Z{} ; Leveling {state}", exact(s.mesh.fade)));
         }
     }
 }

@@ -20,6 +20,7 @@
 //! host that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
 
 use super::kept_line::KeptLine;
+use super::level::LevelFailure;
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
@@ -55,6 +56,8 @@ pub(in crate::machine) enum JobEnd {
     NotHomed { axis: HomedAxis, why: HomingFailure },
     /// The probe did not find the bed.
     ProbeFailed { why: ProbeFailure },
+    /// The screws of z were not levelled.
+    NotLevel(LevelFailure),
 }
 
 /// Why the probe did not find the bed. Places are z of the nozzle, heights those of the bed.
@@ -160,6 +163,7 @@ impl fmt::Display for JobEnd {
             }
             Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
             Self::ProbeFailed { why } => write!(f, "probing failed: {why}"),
+            Self::NotLevel(why) => write!(f, "{why}"),
         }
     }
 }

@@ -14,6 +14,8 @@
 //! | a belt that has lost a motor | [`limping`] |
 //! | the wait of a command | [`pauses`], [`waiting`] |
 //! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`] |
+//! | the mesh of the bed, the area that a print needs | [`known_bed`] |
+//! | whether the screws of z are level | [`level`] |
 //! | a line that is kept without `ok` | [`kept_line`] |
 //! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | the Z probe | [`probing`] |
@@ -43,6 +45,8 @@ pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod job;
 pub(in crate::machine) mod kept_line;
+pub(in crate::machine) mod known_bed;
+pub(in crate::machine) mod level;
 pub(in crate::machine) mod limping;
 pub(in crate::machine) mod machine_pieces;
 pub(in crate::machine) mod modal;

@@ -3,6 +3,7 @@
 //! Counts of steps begin at 0 with the reset and are never set. So a position is a count and an origin: the steps that
 //! the group's coordinate was at when its count was 0.
 
+use super::level::Level;
 use crate::kinematics::{Grouping, Groupings, Groups, Mechanism, count_at};
 use crate::motors::MOST_GROUPS;
 use crate::port::MotorSet;
@@ -21,12 +22,14 @@ pub(in crate::machine) struct Homed {
     /// The axes with a position that was lost in a search for an endstop. They do not move until they are homed, or
     /// until their motors lose power.
     failed: [bool; 3],
+    /// Whether the screws of z are level.
+    level: Level,
 }
 
 impl Homed {
     /// These of x, y and z are homed.
     pub const fn new(axes: [bool; 3]) -> Self {
-        Self { axes, is_under_way: false, met: [None; 2], ever: axes, failed: [false; 3] }
+        Self { axes, is_under_way: false, met: [None; 2], ever: axes, failed: [false; 3], level: Level::Unknown }
     }
 
     /// Whether x, y and z are homed.
@@ -77,6 +80,16 @@ impl Homed {
         }
     }
 
+    /// The screws of z were levelled, or it was tried in vain.
+    pub const fn note_level(&mut self, is_level: bool) {
+        self.level = if is_level { Level::Kept } else { Level::Unknown };
+    }
+
+    /// What is known of the screws of z.
+    pub const fn level(&self) -> Level {
+        self.level
+    }
+
     /// The axis met its endstop when the path of the tool was so long.
     pub fn note_met(&mut self, axis: usize, path_mm: u32) {
         if let Some(met) = self.met.get_mut(axis) {
@@ -113,6 +126,9 @@ impl Homed {
 
     /// These motors lose their power: the axes that they held are no longer homed.
     pub fn release(&mut self, motors: MotorSet, mechanism: &Mechanism) {
+        if self.level == Level::Kept && mechanism.motors_of(2).intersects(motors) {
+            self.level = Level::Lost;
+        }
         for (axis, (is_homed, failed)) in self.axes.iter_mut().zip(&mut self.failed).enumerate() {
             let own = mechanism.motors_of(axis);
             let are_held = own.without(motors) == own;

@@ -113,7 +113,7 @@ fn what_slicers_and_people_write_is_in_order() {
         "G92",
         "G92 E",
         "G10 S1",
-        "G29 P1 %",
+        "M622 J1 %",
         "G4 P0 S0",
         "M84 S0",
     ] {

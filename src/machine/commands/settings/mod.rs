@@ -6,12 +6,14 @@
 //! | [`rules`] | the rules of some of these commands | M92, M203, M205, M301, M304 |
 //! | [`velocity_limit`] | limits in Klipper's words | SET_VELOCITY_LIMIT |
 //! | [`machine_record`] | exchanges the whole machine with a computer | MACHINE_GET, MACHINE_PUT, MACHINE_STORE |
+//! | [`kept_mesh`] | keeps the mesh of the bed there too | M500, M501, M420 L |
 //! | [`stored`] | keeps all settings in memory that survives without power | M500, M501, M502, M504 |
 //!
 //! `crate::settings` defines a setting and its legal range, `crate::storage` its record. Settings of drivers and
 //! shapers are set in the files of these names, one folder up, and stored here. The values of M207 and M208 are not
 //! stored (`retraction`). `reports::settings_report` writes each setting as the line that sets it.
 
+pub(in crate::machine) mod kept_mesh;
 mod machine_record;
 mod plain;
 mod rules;
@@ -26,6 +28,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use kept_mesh::{keep_mesh, take_kept_mesh};
 use machine_record::exchange_machine;
 use plain::set_plain;
 use stored::{check_storage, load_settings, reset_settings, save_settings};
@@ -57,8 +60,19 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         SettingCommand::Advance { time, window } => {
             return change_advance(main_loop, &mut states.clamps, time, window).await;
         }
-        SettingCommand::SaveSettings => return save_settings(main_loop, &states.pieces).await.map(Answer::Storage),
-        SettingCommand::LoadSettings => return load_settings(main_loop).await.map(Answer::Storage),
+        SettingCommand::SaveSettings => {
+            if let Some(news) = keep_mesh(main_loop).await? {
+                main_loop.reply(Answer::Mesh(news)).await?;
+            }
+            return save_settings(main_loop, &states.pieces).await.map(Answer::Storage);
+        }
+        SettingCommand::LoadSettings => {
+            let news = load_settings(main_loop).await?;
+            if let Some(news) = take_kept_mesh(main_loop).await?.filter(|_| main_loop.settings.mesh.is_on) {
+                main_loop.reply(Answer::Mesh(news)).await?;
+            }
+            Answer::Storage(news)
+        }
         SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
         SettingCommand::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
         SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: states.retraction, for_replay },

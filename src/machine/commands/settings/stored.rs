@@ -12,13 +12,13 @@ use crate::settings::Settings;
 use crate::storage::{self, Receipt, SaveError, Survey};
 
 /// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
-struct Paced<'c, 'm, P: PortSet, W: Pend> {
+pub(super) struct Paced<'c, 'm, P: PortSet, W: Pend> {
     main_loop: &'c mut MainLoop<'m, P, W>,
     interrupt: Option<Interrupt>,
 }
 
 impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
-    const fn new(main_loop: &'c mut MainLoop<'m, P, W>) -> Self {
+    pub(super) const fn new(main_loop: &'c mut MainLoop<'m, P, W>) -> Self {
         Self { main_loop, interrupt: None }
     }
 
@@ -36,7 +36,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
     }
 
     /// The interrupt that ended the transfers early, if there was one.
-    fn into_result(self) -> Result<(), Interrupt> {
+    pub(super) fn into_result(self) -> Result<(), Interrupt> {
         match self.interrupt {
             Some(interrupt) => Err(interrupt),
             None => Ok(()),

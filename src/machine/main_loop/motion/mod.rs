@@ -139,7 +139,7 @@ impl<'m, W: Pend> Motion<'m, W> {
                 let [x, y, _, e] = position;
                 [x, y, z, e]
             }
-            Grouping::Trim => {
+            Grouping::Trim | Grouping::Screw => {
                 let ([.., e], [x, y, z, _]) = (position, self.planner.mm(held));
                 [x, y, z, e]
             }
@@ -269,7 +269,7 @@ impl<'m, W: Pend> Motion<'m, W> {
 /// Calls `work` with the settings that give the planner its resolutions and limits.
 fn of_grouping<R>(grouping: Grouping, settings: &Settings, work: impl FnOnce(&Settings) -> R) -> R {
     match grouping {
-        Grouping::Tool => work(settings),
+        Grouping::Tool | Grouping::Screw => work(settings),
         Grouping::Circulation | Grouping::Trim => work(&circulating(settings)),
     }
 }

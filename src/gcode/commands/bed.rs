@@ -1,0 +1,232 @@
+//! The bed's mesh: measuring it, switching it on and off, changing a point; and the area that a print needs.
+
+use super::Command;
+use super::grammar::{Grammar, WORDS};
+use super::row::Described;
+use super::settings::{named_value, words};
+use crate::gcode::lexer::{last, number, switch};
+use crate::gcode::number::Number;
+use crate::gcode::parts::{Flaw, GridWords, LevellingWords, MeshPoint, PointWords};
+
+/// The bed's mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum BedCommand<'a> {
+    /// G29, G80, BED_MESH_CALIBRATE: measures the bed.
+    Measure(GridWords),
+    /// G29 J, BED_MESH_CLEAR: forgets the mesh.
+    Forget,
+    /// G29 P9: cleans the nozzle, which needs a place for it.
+    CleanNozzle,
+    /// M420, G29 A: uses the mesh or not, or reports.
+    Levelling(LevellingWords),
+    /// BED_MESH_OUTPUT: reports the mesh.
+    Report,
+    /// BED_MESH_PROFILE SAVE=: keeps the mesh.
+    Save,
+    /// M421, G29 W: a point of the mesh.
+    Point(PointWords),
+    /// G42: goes over a point of the mesh.
+    GoTo {
+        /// Its column and row.
+        point: [Option<Number>; 2],
+        /// P: with the probe instead of the nozzle.
+        by_probe: bool,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
+    /// M555: the area that the print needs: x, y, width, height.
+    Area([Option<Number>; 4]),
+    /// EXCLUDE_OBJECT_DEFINE: an object of the print, by its outline.
+    Object {
+        /// The text of POLYGON, or of CENTER without one.
+        outline: &'a [u8],
+    },
+    /// EXCLUDE_OBJECT_DEFINE RESET=1: no object is known.
+    NoObjects,
+}
+
+pub(super) const ROWS: &[Described] = &[
+    Described::g(&[29], |_, text| bed(grid(text))).grammar(&Grammar::numbers(b"FBLRHIZ")).does(
+        "X Y W H, F B L R H, O A D J N E V S, W I J Z",
+        "measures the bed at the points of a mesh, or in an area; O: only if no mesh is on; A: M420 S1; D: only \
+            reports; J: forgets; N: homes first; E: the probe is taken in between; V4: names each point; W: sets one",
+    ),
+    Described::g(&[42], |_, text| {
+        let point = [b'I', b'J'].map(|letter| number(text, letter));
+        bed(BedCommand::GoTo { point, by_probe: last(text, b'P').is_some(), feed: number(text, b'F') })
+    })
+    .grammar(&Grammar::numbers(b"IJF"))
+    .does("I J P F", "goes over a point of the mesh; P: with the probe"),
+    Described::g(&[80], |_, _| bed(BedCommand::Measure(GridWords::default())))
+        .grammar(WORDS)
+        .does("", "measures the bed, as G29 (Prusa)"),
+    Described::m(&[420], |_, text| bed(BedCommand::Levelling(levelling(text)))).grammar(&Grammar::numbers(b"Z")).does(
+        "S, V T, Z, C, L",
+        "uses the mesh (S1) or not (S0); V reports it, T1 as a table; Z: the height up to which it fades; C: \
+            centres it on its mean; L0: takes the kept one",
+    ),
+    Described::m(&[421], |_, text| bed(BedCommand::Point(point(text)))).grammar(&Grammar::numbers(b"IJXYZQ")).does(
+        "I J, X Y, C, Z, Q, N",
+        "sets (Z) or changes (Q) the height of a point by its number or place; C: the nearest to the probe",
+    ),
+    Described::m(&[555], |_, text| bed(BedCommand::Area([b'X', b'Y', b'W', b'H'].map(|letter| number(text, letter)))))
+        .grammar(&Grammar::numbers(b"XYWH"))
+        .does("X Y W H", "area that the print needs (Prusa): the next G29 measures no more"),
+    Described::name(&["BED_MESH_CALIBRATE"], |_, text| Some(calibrate(text)))
+        .does("ADAPTIVE= ADAPTIVE_MARGIN=", "measures the bed; ADAPTIVE=1: around the objects of the print"),
+    Described::name(&["BED_MESH_CLEAR"], |_, _| bed(BedCommand::Forget)).does("", "forgets the mesh, as G29 J"),
+    Described::name(&["BED_MESH_OUTPUT"], |_, _| bed(BedCommand::Report)).does("", "reports the mesh, as M420 V"),
+    Described::name(&["BED_MESH_PROFILE"], |_, text| Some(profile(text)))
+        .does("LOAD= SAVE= REMOVE=", "takes the kept mesh, keeps the present one, forgets it; there is one"),
+    Described::name(&["EXCLUDE_OBJECT_DEFINE"], |_, text| Some(object(text))).does(
+        "NAME= CENTER= POLYGON= RESET=",
+        "an object of the print: a mesh can be measured around them; none is skipped",
+    ),
+];
+
+const fn bed(command: BedCommand<'static>) -> Option<Command<'static>> {
+    Some(Command::Bed(command))
+}
+
+/// G29. Words of a single point come first; then those of other firmware that mean no measurement: `A` and `P3.2`
+/// (Prusa, UBL), `P9`; an area by X, Y, W and H (Prusa's P1) or by its edges (Marlin).
+fn grid(text: &[u8]) -> BedCommand<'static> {
+    let flag = |letter: u8| last(text, letter).is_some();
+    let value = |letter: u8| number(text, letter);
+    let [x, y, width, depth] = [b'X', b'Y', b'W', b'H'].map(value);
+    let phase = value(b'P').map(Number::to_int);
+    if flag(b'W') && (flag(b'I') || width.is_none()) {
+        let point = match [value(b'I'), value(b'J')] {
+            [Some(i), Some(j)] => MeshPoint::Number([i, j]),
+            _ => MeshPoint::Place([x, y]),
+        };
+        return BedCommand::Point(PointWords { point, height: value(b'Z'), change: None, forgets: false });
+    }
+    match phase {
+        // Points without a measurement have been filled in already.
+        Some(3) => return BedCommand::Levelling(LevellingWords { on: Some(true), ..LevellingWords::default() }),
+        Some(9) => return BedCommand::CleanNozzle,
+        _ => {}
+    }
+    if flag(b'J') {
+        return BedCommand::Forget;
+    }
+    if flag(b'A') && phase.is_none() {
+        return BedCommand::Levelling(LevellingWords { on: Some(true), ..LevellingWords::default() });
+    }
+    let edges = [b'L', b'R', b'F', b'B'].map(value);
+    let area = match (x, y, width, depth) {
+        (Some(x), Some(y), Some(width), Some(depth)) => {
+            let sum = |a: Number, b: Number| Some(Number::saturating(a.value().saturating_add(b.value())));
+            [Some(x), sum(x, width), Some(y), sum(y, depth)]
+        }
+        _ => edges,
+    };
+    BedCommand::Measure(GridWords {
+        area,
+        square: if width.is_none() { depth } else { None },
+        only_without: flag(b'O'),
+        is_dry: flag(b'D'),
+        homes: flag(b'N'),
+        takes_in: flag(b'E'),
+        verbosity: value(b'V'),
+        is_adaptive: false,
+        margin: None,
+    })
+}
+
+/// M420. Without words it reports.
+fn levelling(text: &[u8]) -> LevellingWords {
+    LevellingWords {
+        on: switch(text),
+        reports: last(text, b'V').map(|word| word.number != Some(Number::ZERO)).unwrap_or_default(),
+        form: number(text, b'T'),
+        fade: number(text, b'Z'),
+        centres: last(text, b'C').is_some(),
+        loads: last(text, b'L').is_some(),
+    }
+}
+
+/// M421.
+fn point(text: &[u8]) -> PointWords {
+    let [i, j, x, y] = [b'I', b'J', b'X', b'Y'].map(|letter| number(text, letter));
+    let point = match (i, j) {
+        _ if last(text, b'C').is_some() => MeshPoint::Nearest,
+        (Some(i), Some(j)) => MeshPoint::Number([i, j]),
+        _ => MeshPoint::Place([x, y]),
+    };
+    PointWords { point, height: number(text, b'Z'), change: number(text, b'Q'), forgets: last(text, b'N').is_some() }
+}
+
+/// BED_MESH_CALIBRATE. Words that it does not know are for other probes.
+fn calibrate(text: &[u8]) -> Command<'_> {
+    let mut grid = GridWords::default();
+    for word in words(text) {
+        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let number = Number::read(value).map(|(number, _)| number);
+        match name {
+            name if name.eq_ignore_ascii_case(b"ADAPTIVE") => {
+                grid.is_adaptive = number.is_some_and(|n| n != Number::ZERO)
+            }
+            name if name.eq_ignore_ascii_case(b"ADAPTIVE_MARGIN") => grid.margin = number,
+            _ => {}
+        }
+    }
+    Command::Bed(BedCommand::Measure(grid))
+}
+
+/// BED_MESH_PROFILE, with any name: there is one mesh.
+fn profile(text: &[u8]) -> Command<'_> {
+    for word in words(text) {
+        let Some((name, _)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        match name {
+            name if name.eq_ignore_ascii_case(b"LOAD") => {
+                let words = LevellingWords { on: Some(true), loads: true, ..LevellingWords::default() };
+                return Command::Bed(BedCommand::Levelling(words));
+            }
+            name if name.eq_ignore_ascii_case(b"SAVE") => return Command::Bed(BedCommand::Save),
+            name if name.eq_ignore_ascii_case(b"REMOVE") => return Command::Bed(BedCommand::Forget),
+            _ => {}
+        }
+    }
+    Command::Bed(BedCommand::Levelling(LevellingWords::default()))
+}
+
+/// EXCLUDE_OBJECT_DEFINE. A polygon has no blanks, or stands last.
+fn object(text: &[u8]) -> Command<'_> {
+    let behind = |name: &[u8]| {
+        let at = text.windows(name.len()).position(|part| part.eq_ignore_ascii_case(name))?;
+        text.get(at + name.len()..)
+    };
+    match (behind(b"RESET="), behind(b"POLYGON=").or_else(|| behind(b"CENTER="))) {
+        (_, Some(outline)) => Command::Bed(BedCommand::Object { outline }),
+        (Some(_), None) => Command::Bed(BedCommand::NoObjects),
+        (None, None) => Command::Bed(BedCommand::Object { outline: b"" }),
+    }
+}
+
+/// The pairs of numbers in the outline of an object: `[[5,5],[15,5]]`, or `10,10`. It ends at a blank outside of
+/// brackets.
+pub fn places(outline: &[u8]) -> impl Iterator<Item = [Number; 2]> + '_ {
+    let mut left = outline;
+    let mut depth = 0;
+    let mut next = move || {
+        loop {
+            let (&byte, rest) = left.split_first()?;
+            match byte {
+                b'[' => depth += 1,
+                b']' => depth -= 1,
+                b' ' | b'\t' if depth <= 0 => return None,
+                b'-' | b'+' | b'.' | b'0'..=b'9' => {
+                    let (number, behind) = Number::read(left)?;
+                    left = behind;
+                    return Some(number);
+                }
+                _ => {}
+            }
+            left = rest;
+        }
+    };
+    core::iter::from_fn(move || Some([next()?, next()?]))
+}

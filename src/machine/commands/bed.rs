@@ -1,0 +1,56 @@
+//! The mesh of the bed, and the area that a print needs (M555, EXCLUDE_OBJECT_DEFINE).
+
+use super::levelling::{level, report, use_mesh};
+use super::measure::measure;
+use super::mesh_points::{change_point, go_to_point};
+use super::settings::kept_mesh::keep_mesh;
+use super::states::States;
+use crate::gcode::BedCommand;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::machine::state::known_bed::PrintArea;
+use crate::port::Pend;
+
+/// Carries out a command about the bed.
+pub(super) async fn carry_out<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &BedCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    Ok(match *command {
+        BedCommand::Measure(ref words) => return measure(main_loop, states, words).await,
+        BedCommand::Forget => {
+            use_mesh(main_loop, false).await?;
+            main_loop.bed.forget();
+            Answer::Nothing
+        }
+        BedCommand::CleanNozzle => Answer::Line("echo:G29 P9 ignored: this firmware does not clean the nozzle"),
+        BedCommand::Levelling(ref words) => return level(main_loop, states, words).await,
+        BedCommand::Report => report(main_loop, MeshForm::Grid),
+        BedCommand::Save => Answer::Mesh(keep_mesh(main_loop).await?.unwrap_or(MeshAnswer::State)),
+        BedCommand::Point(ref words) => return change_point(main_loop, &states.modal, &mut states.clamps, words).await,
+        BedCommand::GoTo { point, by_probe, feed } => {
+            return go_to_point(main_loop, states, point, by_probe, feed).await;
+        }
+        BedCommand::Area([x, y, width, depth]) => {
+            states.area = PrintArea::NONE;
+            if let (Some(x), Some(y), Some(width), Some(depth)) = (x, y, width, depth) {
+                let [x, y, width, depth] = [x, y, width, depth].map(|number| states.modal.length(number));
+                states.area.add([x, y]);
+                states.area.add([x.saturating_add(width), y.saturating_add(depth)]);
+            }
+            Answer::Nothing
+        }
+        BedCommand::Object { outline } => {
+            states.area.add_object(outline);
+            Answer::Nothing
+        }
+        BedCommand::NoObjects => {
+            states.area = PrintArea::NONE;
+            Answer::Nothing
+        }
+    })
+}

@@ -1,0 +1,130 @@
+//! Levelling: whether z follows the mesh (M420), and how a mesh that was measured or changed comes into use.
+
+use super::settings::kept_mesh::take_kept_mesh;
+use super::states::States;
+use crate::gcode::{LevellingWords, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::surface_stub::use_surface;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::settings::{MeshSettings, Range, Settings, ranges};
+use crate::storage::StoredMesh;
+use crate::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
+use crate::units::Mm;
+
+/// The mesh as a report, if there is one.
+pub(super) fn report<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, form: MeshForm) -> Answer<'static> {
+    match main_loop.bed.mesh() {
+        Some(_) => Answer::Mesh(MeshAnswer::Heights(form)),
+        None => Answer::Mesh(MeshAnswer::None),
+    }
+}
+
+/// Uses the mesh from now on, or not; motion rests before.
+pub(super) async fn use_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    on: bool,
+) -> Result<(), Interrupt> {
+    main_loop.finish().await?;
+    let wanted = Settings { mesh: MeshSettings { is_on: on, ..main_loop.settings.mesh }, ..*main_loop.settings };
+    main_loop.live_settings().set_plain(&wanted);
+    let mesh = main_loop.bed.mesh().map(|stored| stored.mesh).filter(|_| on);
+    use_surface(main_loop, mesh.as_ref()).await
+}
+
+/// M420.
+pub(super) async fn level<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    words: &LevellingWords,
+) -> Result<Answer<'static>, Interrupt> {
+    let LevellingWords { on, reports, form, fade, centres, loads } = *words;
+    if loads && let Some(news) = take_kept_mesh(main_loop).await? {
+        main_loop.reply(Answer::Mesh(news)).await?;
+    }
+    if let Some(fade) = fade {
+        let range = Range { least: Mm::ZERO, ..ranges::MESH_FADE };
+        let old = main_loop.settings.mesh.fade;
+        let Some(fade) = states.clamps.length_of(&states.modal, ["M420", "Z"], fade, range, Some(old)) else {
+            return Ok(Answer::Nothing);
+        };
+        let mut wanted = *main_loop.settings;
+        wanted.mesh.fade = fade;
+        main_loop.live_settings().set_plain(&wanted);
+    }
+    if let Some(known) = main_loop.bed.mesh().copied()
+        && (centres || known.mesh.fade() != main_loop.settings.mesh.fade)
+    {
+        let heights = if centres { centred(known.mesh.heights()) } else { *known.mesh.heights() };
+        let mesh = with_heights(main_loop, &known.mesh, heights).await?;
+        know(main_loop, StoredMesh { mesh, ..known });
+    }
+    if reports {
+        let form = if form == Some(Number::from(1)) { MeshForm::Table } else { MeshForm::Grid };
+        let answer = report(main_loop, form);
+        main_loop.reply(answer).await?;
+    } else if on == Some(true) && main_loop.bed.mesh().is_none() {
+        main_loop.reply(Answer::Mesh(MeshAnswer::None)).await?;
+    }
+    let on = on.unwrap_or(main_loop.settings.mesh.is_on) && main_loop.bed.mesh().is_some();
+    if words.changes() {
+        use_mesh(main_loop, on).await?;
+    }
+    Ok(Answer::Mesh(MeshAnswer::State))
+}
+
+/// The present mesh is another one, as far as it reaches.
+pub(super) fn know<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, mesh: StoredMesh) {
+    let is_part = main_loop.bed.is_part();
+    main_loop.bed.know(mesh, is_part);
+}
+
+/// The heights less their mean.
+fn centred(heights: &Heights) -> Heights {
+    let mean = heights.mean();
+    let mean = if mean < 0.0 { mean - 0.5 } else { mean + 0.5 } as i16;
+    let mut centred = *heights;
+    for row in 0..heights.rows() {
+        for column in 0..heights.columns() {
+            centred.set(column, row, heights.get(column, row).saturating_sub(mean));
+        }
+    }
+    centred
+}
+
+/// A mesh with other heights, and the fade of the settings. If that is too short for it, it does not fade, and the host
+/// gets to know.
+pub(super) async fn with_heights<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    mesh: &Mesh,
+    heights: Heights,
+) -> Result<Mesh, Interrupt> {
+    let (first, last, fade) = (mesh.first(), mesh.last(), main_loop.settings.mesh.fade);
+    match Mesh::new(heights, first, last, fade) {
+        Ok(mesh) => {
+            if mesh.has_short_fade() {
+                main_loop.reply(Answer::Mesh(MeshAnswer::ShortFade(deviation(&mesh)))).await?;
+            }
+            Ok(mesh)
+        }
+        Err(MeshError::FadesTooFast) => {
+            let flat = Mesh::new(heights, first, last, Mm::ZERO).unwrap_or(*mesh);
+            main_loop.reply(Answer::Mesh(MeshAnswer::NoFade(deviation(&flat)))).await?;
+            Ok(flat)
+        }
+        Err(_) => Ok(*mesh),
+    }
+}
+
+fn deviation(mesh: &Mesh) -> Mm {
+    Mm::saturating_from_num(mesh.deviation())
+}
+
+/// A height in the units of a mesh.
+pub(super) fn units(height: Mm) -> i16 {
+    let bits = i64::from(UNITS_PER_MM) * (height.to_bits() >> 8);
+    ((bits + (1 << 23)) >> 24).clamp(i16::MIN.into(), i16::MAX.into()) as i16
+}

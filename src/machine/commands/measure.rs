@@ -1,0 +1,159 @@
+//! G29: the bed is measured at the points of a grid, and from then on z follows it.
+//!
+//! Heights are relative to the place where z is 0 ([`reference`]), which is touched first. So a mesh changes nothing
+//! there, and the height of the first layer stays right.
+
+use super::homing::home;
+use super::levelling::{units, use_mesh, with_heights};
+use super::states::States;
+use crate::gcode::{GridWords, HomeWords, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
+use crate::machine::answers::probe_answer::ProbeAnswer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::surface_stub::use_surface;
+use crate::machine::ports::PortSet;
+use crate::machine::probe::area::Area;
+use crate::machine::probe::reach::{home_place, reach};
+use crate::machine::probe::touch::{AfterTouch, touch_bed};
+use crate::machine::state::level::Level;
+use crate::machine::state::modal::Modal;
+use crate::port::{EndstopSet, Pend};
+use crate::settings::{Range, Settings};
+use crate::storage::StoredMesh;
+use crate::surface::{Heights, Mesh};
+use crate::units::{Celsius, Mm};
+
+/// Distance of an adaptive mesh's border from the objects, in mm: Klipper's documentation has 5 in its examples.
+const MARGIN: Mm = Mm::const_from_int(5);
+
+/// Sides below this have no slope that a probe could find.
+const LEAST_SIDE: Mm = Mm::const_from_int(10);
+
+/// G29.
+pub(super) async fn measure<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    words: &GridWords,
+) -> Result<Answer<'static>, Interrupt> {
+    if !main_loop.settings.probe.is_fitted() || !main_loop.status.inputs().has(EndstopSet::PROBE) {
+        return Ok(Answer::Probe(ProbeAnswer::None));
+    }
+    if words.only_without && main_loop.settings.mesh.is_on && main_loop.bed.mesh().is_some() {
+        return Ok(Answer::Line("echo:G29 O: a mesh is in use, nothing is measured"));
+    }
+    main_loop.finish().await?;
+    if words.homes {
+        home(main_loop, &mut states.notices, HomeWords::default(), Mm::ZERO).await?;
+    }
+    if main_loop.homed.lacks_one_of([true; 3]) {
+        return Ok(Answer::NotHomed);
+    }
+    if main_loop.homed.level() == Level::Lost {
+        // Screws that turn easily may have turned.
+        main_loop
+            .reply(Answer::Line("echo:the motors of z had no power since G34. G34 levels the screws again"))
+            .await?;
+    }
+    let whole = whole_area(&main_loop.settings);
+    let Some(area) = area(whole, states, words) else {
+        return Ok(Answer::Probe(ProbeAnswer::OutOfReach { at: whole.at(0, 0), reaches: [whole.x, whole.y] }));
+    };
+    // Heights are those of the bed itself.
+    use_surface(main_loop, None).await?;
+    let measured = touch_grid(main_loop, &area, words).await;
+    let heights = match measured {
+        Ok(heights) => heights,
+        Err(Interrupt::EndJob) => {
+            let on = main_loop.settings.mesh.is_on;
+            use_mesh(main_loop, on).await?;
+            return Err(Interrupt::EndJob);
+        }
+        Err(interrupt) => return Err(interrupt),
+    };
+    let flat = Mesh::new(heights, [area.x.least, area.y.least], [area.x.most, area.y.most], Mm::ZERO);
+    let Ok(flat) = flat else { return Ok(Answer::Nothing) };
+    let mesh = with_heights(main_loop, &flat, heights).await?;
+    let reference = home_place(&main_loop.settings);
+    let temperatures = [crate::connectors::Heater::Bed, crate::connectors::Heater::Hotend].map(|heater| {
+        let read = main_loop.status.heat().measured(heater).unwrap_or(Celsius::ZERO);
+        read.to_num::<i32>().clamp(-99, 999) as i16
+    });
+    let before = main_loop.bed;
+    main_loop.bed.know(StoredMesh { mesh, reference, temperatures }, area != whole);
+    main_loop.reply(Answer::Mesh(MeshAnswer::Heights(MeshForm::Grid))).await?;
+    let on = if words.is_dry {
+        main_loop.bed = before;
+        main_loop.settings.mesh.is_on
+    } else {
+        true
+    };
+    use_mesh(main_loop, on).await?;
+    Ok(Answer::Nothing)
+}
+
+/// All that the probe reaches.
+fn whole_area(s: &Settings) -> Area {
+    let [x, y] = reach(s);
+    Area { x, y, points: [s.mesh.columns, s.mesh.rows].map(usize::from) }
+}
+
+/// The part of it that the line means; `None` if it is too small, or nothing of it can be reached.
+fn area(whole: Area, states: &States, words: &GridWords) -> Option<Area> {
+    let margin = words.margin.map_or(MARGIN, |margin| Mm::saturating_from_num(margin.value()).max(Mm::ZERO));
+    let wanted = wanted_area(whole, &states.modal, words);
+    let area = match (wanted, states.area.bounds()) {
+        (Some(objects), _) => whole.around(objects, Mm::ZERO),
+        (None, Some(objects)) if words.is_adaptive => whole.around(objects, margin),
+        _ => whole,
+    };
+    let is_wide = |side: Range<Mm>| side.most.saturating_sub(side.least) >= LEAST_SIDE;
+    (is_wide(area.x) && is_wide(area.y)).then_some(area)
+}
+
+/// The area of the words, if there is one. Its missing edges are those of the whole.
+fn wanted_area(whole: Area, modal: &Modal, words: &GridWords) -> Option<[Range<Mm>; 2]> {
+    if let Some(square) = words.square {
+        let half = modal.length(square) / 2;
+        return Some([whole.x, whole.y].map(|side| {
+            let middle = side.least.saturating_add(side.most) / 2;
+            Range { least: middle.saturating_sub(half), most: middle.saturating_add(half) }
+        }));
+    }
+    let [left, right, front, back] = words.area;
+    let side = |least: Option<Number>, most: Option<Number>, whole: Range<Mm>| Range {
+        least: least.map_or(whole.least, |number| modal.length(number)),
+        most: most.map_or(whole.most, |number| modal.length(number)),
+    };
+    let has_edge = words.area.iter().any(Option::is_some);
+    has_edge.then(|| [side(left, right, whole.x), side(front, back, whole.y)])
+}
+
+/// The heights of all points, relative to the reference. Rows go to and fro.
+async fn touch_grid<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    area: &Area,
+    words: &GridWords,
+) -> Result<Heights, Interrupt> {
+    let between = if words.takes_in { AfterTouch::In } else { AfterTouch::Out };
+    let place = home_place(&main_loop.settings);
+    let zero = touch_bed(main_loop, Some(place), between).await?;
+    let [columns, rows] = area.points;
+    let mut heights = Heights::flat(columns, rows).unwrap_or(Heights::NONE);
+    let (all, is_told) = (columns * rows, words.verbosity.is_some_and(|verbosity| verbosity > Number::ZERO));
+    for number in 0..all {
+        let row = number / columns.max(1);
+        let along = number % columns.max(1);
+        let column = if row % 2 == 0 { along } else { columns - 1 - along };
+        let at = area.at(column, row);
+        let end = if number + 1 == all { AfterTouch::In } else { between };
+        let height = touch_bed(main_loop, Some(at), end).await?.saturating_sub(zero);
+        heights.set(column, row, units(height));
+        if is_told {
+            let number = number as u16 + 1;
+            main_loop.reply(Answer::Mesh(MeshAnswer::Point { number, all: all as u16, at, height })).await?;
+        }
+    }
+    Ok(heights)
+}

@@ -1,0 +1,57 @@
+//! The mesh in storage: M500 keeps it beside the settings, M501 and a start take it.
+
+use super::stored::Paced;
+use crate::machine::answers::mesh_answer::MeshAnswer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::surface_stub::use_surface;
+use crate::machine::ports::PortSet;
+use crate::port::{Pend, StorageError};
+use crate::storage::{self, MeshRejected};
+
+/// Keeps the mesh if there is one that is not kept yet. Motion rests.
+pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<Option<MeshAnswer>, Interrupt> {
+    if main_loop.bed.is_part() {
+        return Ok(Some(MeshAnswer::Part));
+    }
+    let Some(mesh) = main_loop.bed.to_keep().copied() else { return Ok(None) };
+    main_loop.finish().await?;
+    let settings = *main_loop.settings;
+    let mut paced = Paced::new(main_loop);
+    let kept = storage::save_mesh(&mut paced, &mesh, &settings).await;
+    paced.into_result()?;
+    Ok(Some(match kept {
+        Ok(()) => {
+            main_loop.bed.note_kept();
+            MeshAnswer::Kept
+        }
+        Err(why) => MeshAnswer::NotKept(why),
+    }))
+}
+
+/// Takes the kept mesh; or why there is none. What the settings say of its use comes into force.
+pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<Option<MeshAnswer>, Interrupt> {
+    let settings = *main_loop.settings;
+    let mut paced = Paced::new(main_loop);
+    let found = storage::load_mesh(&mut paced, &settings).await;
+    paced.into_result()?;
+    let rejected = match found {
+        Ok(Ok(mesh)) => {
+            main_loop.bed.take_kept(mesh);
+            None
+        }
+        Ok(Err(why)) => Some(why),
+        Err(StorageError::Absent) => Some(MeshRejected::Blank),
+        Err(StorageError::Failed) => Some(MeshRejected::Damaged),
+    };
+    if rejected.is_some() {
+        main_loop.bed.forget();
+    }
+    let mesh = main_loop.bed.mesh().map(|known| known.mesh).filter(|_| settings.mesh.is_on);
+    use_surface(main_loop, mesh.as_ref()).await?;
+    Ok(rejected.map(MeshAnswer::Rejected))
+}

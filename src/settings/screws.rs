@@ -1,0 +1,54 @@
+//! Screws of z: where each of several z motors carries the bed or the gantry, and where the bed is probed for it (G34).
+
+use super::rows::rows;
+use super::{Range, Settings, ranges};
+use crate::kinematics::SCREWS;
+use serde::{Deserialize, Serialize};
+
+/// A place in whole mm: a screw's place may be wrong by 1 mm, which leaves less than a percent of a tilt in a round.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct WholePlace {
+    /// Its x.
+    pub x: i16,
+    /// Its y.
+    pub y: i16,
+}
+
+/// A screw, or the belt of a gantry's corner.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct Screw {
+    /// Its own place.
+    pub place: WholePlace,
+    /// The point of the bed that is probed for it.
+    pub point: WholePlace,
+}
+
+impl Screw {
+    /// Two ball screws 25 mm beside the bed at half its depth, and two points of the bed; the others are not used.
+    #[must_use]
+    pub const fn prototype() -> [Self; SCREWS] {
+        const fn at(x: i16, point_x: i16) -> Screw {
+            Screw { place: WholePlace { x, y: 200 }, point: WholePlace { x: point_x, y: 200 } }
+        }
+        [at(-25, 40), at(415, 350), at(0, 0), at(0, 0)]
+    }
+}
+
+fn parts(s: &mut Settings) -> [&mut Screw; SCREWS] {
+    s.screws.each_mut()
+}
+
+const PLACE: Range<i16> = ranges::SCREW_PLACE;
+
+rows! {
+    for screw in parts, named &["screws.1", "screws.2", "screws.3", "screws.4"];
+
+    /// x of the screw that the first, second.. motor of z turns (M422 W).
+    140 "x" = screw.place.x, "mm", [PLACE.spec()];
+    /// y of the screw.
+    141 "y" = screw.place.y, "mm", [PLACE.spec()];
+    /// x of the point that is probed for the screw (M422 S).
+    142 "point_x" = screw.point.x, "mm", [PLACE.spec()];
+    /// y of the point.
+    143 "point_y" = screw.point.y, "mm", [PLACE.spec()];
+}

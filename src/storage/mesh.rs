@@ -1,0 +1,266 @@
+//! The mesh of the bed in memory: two places, and a save writes the older one.
+//!
+//! | bytes | content |
+//! |---|---|
+//! | 0..4 | `CHBM` |
+//! | 4..8 | CRC-32 of all other bytes |
+//! | 8..12 | sequence number |
+//! | 12..16 | the machine: CRC-32 of what the mesh depends on ([`machine_of`]) |
+//! | 16..32 | x and y of the first point, x and y of the last one, in um |
+//! | 32..40 | x and y of the place where the height is 0, in um |
+//! | 40..44 | the fade height in um |
+//! | 44..48 | temperatures of bed and hotend at the measurement, in C |
+//! | 48..50 | columns, rows |
+//! | 50.. | heights of 2 bytes, row by row |
+//!
+//! Numbers are little-endian. The page with the beginning is written last, so a mesh that is not whole is none, and the
+//! one before it counts.
+
+use super::map::{MESH, NEEDED, PAGE};
+use crate::checksum::crc32;
+use crate::port::{Storage, StorageError};
+use crate::settings::Settings;
+use crate::surface::{Heights, Mesh};
+use crate::units::Mm;
+
+const MAGIC: [u8; 4] = *b"CHBM";
+
+/// Bytes before the heights.
+const HEAD: usize = 50;
+
+/// Points that a place has room for: 7 by 7 of them, or 9 by 6.
+pub const MOST_STORED: usize = (ROOM - HEAD) / 2;
+
+/// Bytes of a place.
+const ROOM: usize = MESH[0].bytes as usize;
+const _: () = assert!(MOST_STORED >= 49 && ROOM.is_multiple_of(PAGE));
+
+/// A mesh, and where it comes from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct StoredMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Where the height is 0.
+    pub reference: [Mm; 2],
+    /// Temperatures of bed and hotend when it was measured, in C.
+    pub temperatures: [i16; 2],
+}
+
+/// Why there is no mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MeshRejected {
+    /// None was saved, or the last one was forgotten.
+    Blank,
+    /// It is not whole: a save was cut, or the memory fails.
+    Damaged,
+    /// It was measured on a machine with other axes, motors or another probe.
+    Machine,
+}
+
+/// Why a mesh was not saved.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MeshNotSaved {
+    /// The storage's reason.
+    Storage(StorageError),
+    /// It has more points than [`MOST_STORED`].
+    TooLarge,
+    /// The storage took the bytes but does not give them back.
+    NotKept,
+}
+
+impl From<StorageError> for MeshNotSaved {
+    fn from(error: StorageError) -> Self {
+        Self::Storage(error)
+    }
+}
+
+/// What a mesh depends on, as a number: what each motor does, the axes and the probe.
+#[must_use]
+pub fn machine_of(s: &Settings) -> u32 {
+    let rows = s.mechanism.rows.iter().flatten().map(|times| times.cast_unsigned());
+    let axes = s.axes.to_array().into_iter().flat_map(|axis| {
+        axis.steps_per_mm.to_bits().to_le_bytes().into_iter().chain(axis.length.to_bits().to_le_bytes())
+    });
+    let offset = [s.probe.offset.x, s.probe.offset.y].into_iter().flat_map(|mm| mm.to_bits().to_le_bytes());
+    crc32(rows.chain(axes).chain(offset))
+}
+
+/// Micrometres.
+fn um(mm: Mm) -> i32 {
+    let (whole, part) = (mm.to_bits() >> 32, mm.to_bits() & 0xFFFF_FFFF);
+    (whole * 1000 + ((part * 1000 + (1 << 31)) >> 32)) as i32
+}
+
+/// A length of so many micrometres: the nearest one, so that it is the same after each save.
+fn of_um(um: i32) -> Mm {
+    let bits = (i64::from(um) << 32).saturating_add(500).div_euclid(1000);
+    Mm::from_bits(bits)
+}
+
+/// The record of a mesh; `None` if it has too many points.
+fn encode(stored: &StoredMesh, machine: u32, sequence: u32) -> Option<([u8; ROOM], usize)> {
+    let StoredMesh { mesh, reference, temperatures } = stored;
+    let heights = mesh.heights();
+    let length = HEAD + 2 * heights.points().count();
+    let mut bytes = [0; ROOM];
+    let head = [sequence, machine].into_iter().chain(
+        mesh.first().into_iter().chain(mesh.last()).chain(*reference).chain([mesh.fade()]).map(|mm| um(mm) as u32),
+    );
+    let all = head
+        .flat_map(u32::to_le_bytes)
+        .chain(temperatures.iter().flat_map(|celsius| celsius.to_le_bytes()))
+        .chain([heights.columns() as u8, heights.rows() as u8])
+        .chain(heights.points().flat_map(i16::to_le_bytes));
+    let payload = bytes.get_mut(8..length)?;
+    for (slot, byte) in payload.iter_mut().zip(all) {
+        *slot = byte;
+    }
+    let crc = check(payload);
+    for (slot, byte) in bytes.iter_mut().zip(MAGIC.into_iter().chain(crc.to_le_bytes())) {
+        *slot = byte;
+    }
+    Some((bytes, length))
+}
+
+fn check(payload: &[u8]) -> u32 {
+    crc32(MAGIC.into_iter().chain(payload.iter().copied()))
+}
+
+/// A record as it was read.
+struct Decoded {
+    stored: StoredMesh,
+    machine: u32,
+    sequence: u32,
+}
+
+fn decode(bytes: &[u8; ROOM]) -> Result<Decoded, MeshRejected> {
+    let (head, payload) = bytes.split_at(8);
+    let (magic, crc) = head.split_at(4);
+    if magic != MAGIC {
+        return Err(MeshRejected::Blank);
+    }
+    let word = |number: usize| payload.get(4 * number..4 * number + 4).and_then(|word| word.first_chunk::<4>());
+    let number = |place: usize| word(place).map_or(0, |word| u32::from_le_bytes(*word));
+    let [.., columns, rows] = *payload.first_chunk::<{ HEAD - 8 }>().ok_or(MeshRejected::Damaged)?;
+    let length = 2 * usize::from(columns) * usize::from(rows);
+    let payload_used = payload.get(..HEAD - 8 + length).ok_or(MeshRejected::Damaged)?;
+    if crc != check(payload_used).to_le_bytes() {
+        return Err(MeshRejected::Damaged);
+    }
+    let mut heights = Heights::flat(columns.into(), rows.into()).ok_or(MeshRejected::Damaged)?;
+    let points = payload_used.get(HEAD - 8..).unwrap_or_default();
+    for (place, height) in points.as_chunks::<2>().0.iter().enumerate() {
+        let (column, row) = (place % usize::from(columns), place / usize::from(columns));
+        heights.set(column, row, i16::from_le_bytes(*height));
+    }
+    let mm = |place: usize| of_um(number(place) as i32);
+    let mesh = Mesh::new(heights, [mm(2), mm(3)], [mm(4), mm(5)], mm(8)).map_err(|_| MeshRejected::Damaged)?;
+    let warm = number(9);
+    let temperatures = [warm as i16, (warm >> 16) as i16];
+    let stored = StoredMesh { mesh, reference: [mm(6), mm(7)], temperatures };
+    Ok(Decoded { stored, machine: number(1), sequence: number(0) })
+}
+
+/// Whether a record says the same as the record of a mesh would: places count in um.
+fn is_alike(found: &Decoded, mesh: &StoredMesh, machine: u32) -> bool {
+    let Decoded { stored, machine: own, sequence } = found;
+    encode(stored, *own, *sequence).is_some_and(|bytes| encode(mesh, machine, *sequence) == Some(bytes))
+}
+
+/// The two places, read.
+async fn look(storage: &mut impl Storage) -> Result<[Result<Decoded, MeshRejected>; 2], StorageError> {
+    let [a, b] = [read(storage, 0).await?, read(storage, 1).await?];
+    Ok([a, b])
+}
+
+async fn read(storage: &mut impl Storage, place: usize) -> Result<Result<Decoded, MeshRejected>, StorageError> {
+    let mut bytes = [0; ROOM];
+    for (number, page) in bytes.chunks_mut(PAGE).enumerate() {
+        storage.read(address(place, number), page).await?;
+    }
+    Ok(decode(&bytes))
+}
+
+fn address(place: usize, page: usize) -> u32 {
+    MESH.get(place).map_or(0, |region| region.begin) + (page * PAGE) as u32
+}
+
+/// The place of the newest mesh.
+fn newest(found: &[Result<Decoded, MeshRejected>; 2]) -> Option<usize> {
+    match found {
+        [Ok(a), Ok(b)] => Some(usize::from((a.sequence.wrapping_sub(b.sequence) as i32) < 0)),
+        [Ok(_), Err(_)] => Some(0),
+        [Err(_), Ok(_)] => Some(1),
+        [Err(_), Err(_)] => None,
+    }
+}
+
+/// Whether there is memory for a mesh beside the settings.
+fn can_keep(storage: &impl Storage) -> bool {
+    storage.keeps_pages() && storage.capacity() >= NEEDED
+}
+
+/// The newest mesh of the machine with these settings.
+///
+/// # Errors
+/// The storage's.
+pub async fn load_mesh(
+    storage: &mut impl Storage,
+    s: &Settings,
+) -> Result<Result<StoredMesh, MeshRejected>, StorageError> {
+    if !can_keep(storage) {
+        return Ok(Err(MeshRejected::Blank));
+    }
+    let found = look(storage).await?;
+    let damaged = found.iter().any(|found| matches!(found, Err(MeshRejected::Damaged)));
+    let place = newest(&found);
+    let newest = place.and_then(|place| found.into_iter().nth(place)).and_then(Result::ok);
+    Ok(match newest {
+        Some(found) if found.machine == machine_of(s) => Ok(found.stored),
+        Some(_) => Err(MeshRejected::Machine),
+        None if damaged => Err(MeshRejected::Damaged),
+        None => Err(MeshRejected::Blank),
+    })
+}
+
+/// Saves a mesh, and reads it back. Writes nothing if it is the newest one already.
+///
+/// # Errors
+/// If it is not safely stored; then the one before still is.
+pub async fn save_mesh(storage: &mut impl Storage, mesh: &StoredMesh, s: &Settings) -> Result<(), MeshNotSaved> {
+    if !can_keep(storage) {
+        return Err(StorageError::Absent.into());
+    }
+    let found = look(storage).await?;
+    let newest = newest(&found);
+    let (place, sequence) = match (newest, newest.and_then(|place| found.into_iter().nth(place))) {
+        (Some(_), Some(Ok(found))) if is_alike(&found, mesh, machine_of(s)) => return Ok(()),
+        (Some(place), Some(Ok(found))) => (1 - place, found.sequence.wrapping_add(1)),
+        _ => (0, 1),
+    };
+    let (bytes, length) = encode(mesh, machine_of(s), sequence).ok_or(MeshNotSaved::TooLarge)?;
+    let used = bytes.get(..length).unwrap_or_default();
+    for (number, page) in used.chunks(PAGE).enumerate().rev() {
+        storage.write(address(place, number), page).await?;
+    }
+    match read(storage, place).await? {
+        Ok(kept) if kept.sequence == sequence && is_alike(&kept, mesh, machine_of(s)) => Ok(()),
+        _ => Err(MeshNotSaved::NotKept),
+    }
+}
+
+/// Forgets all meshes: their beginnings are written over.
+///
+/// # Errors
+/// The storage's.
+pub async fn forget_mesh(storage: &mut impl Storage) -> Result<(), StorageError> {
+    if !can_keep(storage) {
+        return Ok(());
+    }
+    for place in 0..MESH.len() {
+        if read(storage, place).await?.is_ok() {
+            storage.write(address(place, 0), &[0xFF; MAGIC.len()]).await?;
+        }
+    }
+    Ok(())
+}
