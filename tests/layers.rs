@@ -25,7 +25,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
     ("kinematics", &["units", "motors"]),
     ("settings", &["units", "motors", "connectors", "kinematics"]),
     ("gcode", &["units", "text", "connectors", "motors", "settings"]),
-    ("motion", &["units", "motors", "fault", "status", "port", "settings", "kinematics"]),
+    ("motion", &["units", "surface", "motors", "fault", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
     ("storage", &["units", "checksum", "connectors", "port", "kinematics", "settings", "surface"]),
     ("thermal", &["units", "connectors", "fault", "status", "port", "settings"]),
@@ -138,15 +138,16 @@ const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
 
 /// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the
 /// Stepper share formulas, entries and queues, but none of the three uses another one: each has a context of its own.
-const WITHIN_MOTION: [(&str, &[&str]); 12] = [
+const WITHIN_MOTION: [(&str, &[&str]); 13] = [
     ("number", &[]),
     ("ticks", &[]),
     ("moves", &[]),
     ("ramps", &["moves", "number"]),
+    ("surface", &["number"]),
     ("queue", &["ticks"]),
     ("step_counts", &["queue"]),
-    ("trajectory", &["moves", "number", "ramps", "ticks"]),
-    ("work", &["moves", "trajectory"]),
+    ("trajectory", &["moves", "number", "ramps", "surface", "ticks"]),
+    ("work", &["moves", "surface", "trajectory"]),
     ("planner", &["moves", "number", "ramps", "trajectory"]),
     ("link", &["step_counts", "work"]),
     ("stepgen", &["moves", "number", "queue", "ramps", "ticks", "trajectory", "work"]),

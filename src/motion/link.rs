@@ -88,7 +88,12 @@ impl<'m, W: Pend> Link<'m, W> {
         let time = match &work {
             Work::Move(m) => m.time(),
             Work::Dwell(time) => *time,
-            Work::Regroup(_) | Work::Position(_) | Work::Follow(..) | Work::Stiffen(..) => SubTicks::ZERO,
+            Work::Regroup(_)
+            | Work::Position(_)
+            | Work::Follow(..)
+            | Work::Stiffen(..)
+            | Work::Surface(_)
+            | Work::Heights(..) => SubTicks::ZERO,
         };
         if self.queue.enqueue(Entry { epoch: self.epoch, work }).is_ok() {
             self.entries = self.entries.wrapping_add(1);

@@ -23,6 +23,7 @@
 //! | `stepper` | step events to pins | Stepper |
 //! | `step_counts` | steps that each group has made | Console |
 //! | `moves`, `work` | entries of the MoveQueue | Console writes, generator reads |
+//! | `surface` | the shape of the bed, in steps | any |
 //! | `ramps`, `ticks`, `number` | formulas, comparisons, numbers | any |
 //!
 //! # Words
@@ -54,6 +55,7 @@ mod ramps;
 mod step_counts;
 mod stepgen;
 mod stepper;
+mod surface;
 mod ticks;
 mod trajectory;
 mod work;
@@ -69,9 +71,10 @@ pub use queue::{LONGEST_INTERVAL, StepEvent, StepQueue, StepsIn, StepsOut};
 pub use step_counts::StepCounts;
 pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
+pub use surface::SurfaceFrame;
 pub use ticks::MIN_STEP_INTERVAL;
 pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
-pub use work::{Entry, Work};
+pub use work::{Entry, Work, surface_work};
 
 /// Released moves between Console and StepGenerator. Full: the Console waits. Empty: the generator waits, and motion
 /// comes to rest.

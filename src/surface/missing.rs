@@ -43,7 +43,7 @@ impl Heights {
     /// Heights of all points from those that have one; a height belongs to a column and a row. `None` if no point has
     /// one, or the grid is none.
     #[must_use]
-    pub fn filled(columns: usize, rows: usize, measured: impl Fn(usize, usize) -> Option<i16>) -> Option<Self> {
+    pub fn filled(columns: usize, rows: usize, mut measured: impl FnMut(usize, usize) -> Option<i16>) -> Option<Self> {
         let mut heights = Self::flat(columns, rows)?;
         let all = || (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
         let mut points: Points = [[None; MOST_POINTS]; MOST_POINTS];

@@ -2,13 +2,14 @@
 
 use corehbot::kinematics::{Groupings, MotorTable};
 use corehbot::motion::{
-    Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,
-    advance_window, stiffenings, taps,
+    Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, SurfaceFrame, Target,
+    Work, advance_window, stiffenings, surface_work, taps,
 };
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::units::{Mm, MmPerSec, Seconds, Tick};
+use corehbot::surface::Mesh;
+use corehbot::units::{Mm, MmPerSec, Seconds, Steps, Tick};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
@@ -143,10 +144,16 @@ pub fn shaping(settings: &Settings) -> impl Iterator<Item = Work> {
     stiffen.chain(follow)
 }
 
+/// The work that makes z follow a mesh, on which the machine stands at the origin.
+pub fn on_mesh(mesh: &Mesh, s: &Settings) -> impl Iterator<Item = Work> {
+    let resolutions = [s.axes.x, s.axes.y, s.axes.z].map(|axis| axis.steps_per_mm);
+    surface_work(SurfaceFrame::new(mesh, resolutions), mesh.heights()).chain([Work::Position([Steps::ZERO; 4])])
+}
+
 /// The largest number of Stepper calls without a step.
 const MOST_CALLS: usize = 100_000;
 
-fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {
+pub fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {
     let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();

@@ -18,6 +18,7 @@ mod properties;
 mod shaped;
 mod shapers;
 mod speeds;
+mod surface;
 mod timing;
 mod velocity;
 mod ways;

@@ -3,6 +3,7 @@
 use super::line::{self, generate_shaped, plan};
 use super::model::{Trapezoid, trapezoids};
 use super::timing::{groups, steps_of, wander};
+use corehbot::motion::Move;
 use corehbot::settings::{HomedAxis, Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Ratio, Seconds};
 use std::f64::consts::{PI, SQRT_2};
@@ -113,9 +114,8 @@ impl Follow {
     }
 }
 
-/// The number of steps, and the largest error, in ticks.
-fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
-    let moves = plan(targets, s);
+/// Where the axes x, y, z and e are at a time in s, given the moves that targets became.
+pub fn positions(targets: &[([f64; 4], f64)], moves: &[Move], s: &Settings) -> impl Fn(f64) -> [f64; 4] {
     let model = trapezoids(targets, s);
     assert_eq!(moves.len(), model.len());
     let mut begins = vec![0.0];
@@ -131,13 +131,19 @@ fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
         let way = t.to[3] - t.from[3];
         pressure.push(pressure[pressure.len() - 1] + if moves_tool && way > 0.0 { way * advance } else { 0.0 });
     }
-    let motion = Motion { moves: model, begins, pressure, advance };
-    let follow = Follow::new(s);
+    let (motion, follow) = (Motion { moves: model, begins, pressure, advance }, Follow::new(s));
+    move |t| follow.at(&motion, t)
+}
+
+/// The number of steps, and the largest error, in ticks.
+fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
+    let moves = plan(targets, s);
+    let positions = positions(targets, &moves, s);
     let steps = generate_shaped(&moves, s);
     let (mut count, mut worst) = (0, 0f64);
     for (g, group) in groups().iter().enumerate() {
         let row = group.row.map(f64::from);
-        let value = |t: f64| -> f64 { follow.at(&motion, t).iter().zip(row).map(|(p, r)| p * r).sum() };
+        let value = |t: f64| -> f64 { positions(t).iter().zip(row).map(|(p, r)| p * r).sum() };
         let mut at = 0i64;
         for (tick, way) in steps_of(&steps, g) {
             let edge = at as f64 + 0.5 * f64::from(way);

@@ -27,6 +27,9 @@ const LONG: Length = Length((1 << 32) - 8);
 /// Fraction of a position between two counts.
 const HALF: u32 = 1 << 31;
 
+/// The axis that a surface raises.
+const Z: usize = 2;
+
 /// The axes x, y and z.
 type Tool = [Steps; 3];
 
@@ -55,13 +58,14 @@ impl Alignment {
     }
 
     /// The positions between which a move is laid, given the end of the last one, and the motors' counts there if they
-    /// have reached it. A step that is due within the last tick may not be made yet.
+    /// have reached it. A step that is due within the last tick may not be made yet. Whether z follows no surface.
     pub fn ends(
         &mut self,
         m: &Move,
         position: &Position,
         counts: Option<[i32; MOST_GROUPS]>,
         groups: &Groups,
+        is_flat: bool,
     ) -> (Position, Position) {
         let [x, y, z, e] = m.end;
         let before = core::mem::replace(&mut self.planned, [x, y, z]);
@@ -85,6 +89,10 @@ impl Alignment {
         }
         for (axis, sharing) in self.sharing.iter().enumerate() {
             if moving >> axis & 1 == 0 || *sharing == 0 || moving & sharing != 0 {
+                continue;
+            }
+            // On a surface z moves all the time, and its motors stand on no line.
+            if !is_flat && (axis == Z || sharing >> Z & 1 == 1) {
                 continue;
             }
             if is_long {

@@ -83,7 +83,8 @@ impl StepGenerator<'_> {
                 self.watch = m.watch;
                 let counts =
                     (self.trajectory.is_prompt()).then(|| self.group_steppers.each_ref().map(GroupStepper::count));
-                let ends = self.alignment.ends(m, &self.position, counts, self.mechanism);
+                let ends =
+                    self.alignment.ends(m, &self.position, counts, self.mechanism, !self.trajectory.has_surface());
                 if ends.0 != self.position {
                     self.position = ends.0;
                     self.trajectory.shift(&self.position);
@@ -108,6 +109,14 @@ impl StepGenerator<'_> {
                 self.trajectory.stiffen(usize::from(*axis), *stiffening);
                 true
             }
+            Work::Surface(frame) => {
+                self.trajectory.follow_surface(*frame);
+                true
+            }
+            Work::Heights(row, heights) => {
+                self.trajectory.set_heights(usize::from(*row), *heights);
+                true
+            }
             Work::Regroup(grouping) => {
                 let grouping = *grouping;
                 self.regroup(grouping);
@@ -116,10 +125,11 @@ impl StepGenerator<'_> {
             Work::Position([x, y, z, e]) => {
                 self.position = [*x, *y, *z, *e, Steps::ZERO];
                 self.alignment.stand_at([*x, *y, *z]);
+                let real = self.trajectory.to_real([*x, *y, *z, *e]);
                 let steppers = self.group_steppers.iter_mut().zip(&mut self.published);
                 for ((stepper, published), group) in steppers.zip(self.mechanism.iter()) {
                     let before = stepper.count();
-                    stepper.stand_at(group.coordinate([*x, *y, *z, *e]), self.last_tick as u32);
+                    stepper.stand_at(group.coordinate(real), self.last_tick as u32);
                     // A new name for a position is not a step.
                     *published = published.wrapping_add(stepper.count().wrapping_sub(before));
                 }

@@ -141,25 +141,43 @@ impl Axis {
 
     /// Advances to `time`; false if a tap needs a span that is not laid yet.
     pub fn advance(&mut self, spans: &impl Spans, time: SubTicks) -> bool {
-        let late = self.lateness;
-        for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
-            while cursor.span != spans.laid() {
-                let (span, end) = spans.get(cursor.span);
-                if !cursor.is_inside {
-                    if time < span.begin.time + late.of(tap, &span.begin) {
-                        break;
-                    }
-                    cursor.is_inside = true;
-                }
-                if time < end.time + late.of(tap, end) {
-                    break;
-                }
-                cursor.span = cursor.span.wrapping_add(1);
-                // Spans follow each other without a gap, or there was a rest.
-                cursor.is_inside = false;
-            }
-        }
+        advance(&self.taps, self.lateness, &mut self.cursors, spans, time);
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
+    }
+
+    /// Time at which the first of its taps that is not at rest runs out of spans; `SubTicks::MAX` if all are at rest.
+    pub fn runs_out(&self, spans: &impl Spans) -> SubTicks {
+        let end = spans.end();
+        let cursors = self.taps.iter().zip(&self.cursors).filter(|(_, cursor)| cursor.span != spans.laid());
+        cursors.map(|(tap, _)| end.time + self.lateness.of(tap, end)).min().unwrap_or(SubTicks::MAX)
+    }
+
+    /// Next change of its motion up to `until`, or that time: spans in which it stands still are no change.
+    pub fn next_motion(&self, spans: &impl Spans, until: SubTicks) -> SubTicks {
+        let ([tap], [cursor, ..]) = (self.taps.as_slice(), &self.cursors) else {
+            return self.next_change(spans).min(until);
+        };
+        let mut number = cursor.span;
+        while number != spans.laid() {
+            let (span, end) = spans.get(number);
+            if span.begin.at(self.index) != end.at(self.index) {
+                let is_inside = number == cursor.span && cursor.is_inside;
+                let bound = if is_inside { end } else { &span.begin };
+                return (bound.time + self.lateness.of(tap, bound)).min(until);
+            }
+            if end.time + self.lateness.of(tap, end) >= until {
+                return until;
+            }
+            number = number.wrapping_add(1);
+        }
+        self.runs_out(spans).min(until)
+    }
+
+    /// Its state at a time that may be beyond its next changes, as it is seen from before that time.
+    pub fn state_ahead(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
+        let mut cursors = self.cursors;
+        advance(&self.taps, self.lateness, &mut cursors, spans, SubTicks(time.0.saturating_sub(1)));
+        self.state_of(&cursors, spans, time)
     }
 
     /// Next time at which one of its taps begins or ends a span; `SubTicks::MAX` if there is none.
@@ -193,6 +211,11 @@ impl Axis {
 
     /// Its state at a time up to the next change.
     pub fn state(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
+        self.state_of(&self.cursors, spans, time)
+    }
+
+    #[inline]
+    fn state_of(&self, cursors: &[Cursor; TAPS], spans: &impl Spans, time: SubTicks) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {
             if cursor.span == spans.laid() {
                 return AxisState::at_rest(spans.end().at(self.index));
@@ -208,7 +231,7 @@ impl Axis {
                 AxisState::at_rest(span.begin.at(self.index))
             }
         };
-        let mut copies = self.taps.iter().zip(&self.cursors);
+        let mut copies = self.taps.iter().zip(cursors);
         let Some((tap, cursor)) = copies.next() else {
             return AxisState::at_rest(Steps::ZERO);
         };
@@ -225,5 +248,27 @@ impl Axis {
         }
         let common = if self.is_position { first.position } else { Steps::ZERO };
         AxisState { position: common.wrapping_add(from_f32(way)), speed }
+    }
+}
+
+/// Advances the progress of taps to `time`, as far as spans are laid.
+#[inline(always)]
+fn advance(taps: &[Tap], late: Lateness, cursors: &mut [Cursor; TAPS], spans: &impl Spans, time: SubTicks) {
+    for (tap, cursor) in taps.iter().zip(cursors) {
+        while cursor.span != spans.laid() {
+            let (span, end) = spans.get(cursor.span);
+            if !cursor.is_inside {
+                if time < span.begin.time + late.of(tap, &span.begin) {
+                    break;
+                }
+                cursor.is_inside = true;
+            }
+            if time < end.time + late.of(tap, end) {
+                break;
+            }
+            cursor.span = cursor.span.wrapping_add(1);
+            // Spans follow each other without a gap, or there was a rest.
+            cursor.is_inside = false;
+        }
     }
 }

@@ -11,6 +11,10 @@
 //! output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d. One of all taps
 //! has no delay ([`taps`] ensures this), so a motion laid after a rest begins at once.
 //!
+//! On a surface, z is the spans' z and the surface's height where x and y are, shaped ([`surface`](super::surface)).
+//! Its state can be asked beyond its next change, as far as spans are laid: so its pieces need not end with each change
+//! of x and y.
+//!
 //! A new shaper is an arm of `impulses` in `shaper.rs`. It may have up to `MOST_IMPULSES` (there), and an axis up to
 //! [`TAPS`] (`taps.rs`), which cost every axis memory and time. Where a shaper is longer than [`SPANS`] of short moves,
 //! short moves take longer.
@@ -38,6 +42,9 @@ pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
 use crate::motion::moves::WHOLE;
+use crate::motion::surface::SurfaceFrame;
+use crate::settings::Kept;
+use crate::surface::{Heights, MOST_POINTS};
 use crate::units::{Steps, SubTicks};
 use axis::{Axis, Spans};
 use phase::{Curve, Phase, point};
@@ -47,6 +54,9 @@ use span::ONE;
 /// shaper of 60 Hz with two humps takes 25. A longer shaper makes such short moves take longer.
 const SPANS: usize = 128;
 const _: () = assert!(SPANS.is_power_of_two());
+
+/// The axis that a surface raises.
+const Z: usize = 2;
 
 /// Memory for the spans.
 pub struct SpanMemory([Span; SPANS]);
@@ -106,6 +116,8 @@ pub(crate) struct Trajectory<'m> {
     /// The last span was taken back and is laid again as far as it has passed: the taps' scale at its end, and its
     /// duration.
     cut: Option<([u32; 2], SubTicks)>,
+    surface: SurfaceFrame,
+    heights: Kept<Heights>,
 }
 
 impl<'m> Trajectory<'m> {
@@ -117,7 +129,7 @@ impl<'m> Trajectory<'m> {
         for axis in axes.iter_mut().take(ADVANCE) {
             axis.follow(&[Tap::IDENTITY], true);
         }
-        Self { ring, axes, cut: None }
+        Self { ring, axes, cut: None, surface: SurfaceFrame::NONE, heights: Kept::new(Heights::NONE) }
     }
 
     /// Makes an axis follow other taps; all axes are at rest. The advance is only the difference of its taps.
@@ -129,9 +141,32 @@ impl<'m> Trajectory<'m> {
         }
     }
 
-    /// Whether the taps of an axis are unchanged in memory.
+    /// Z follows another surface, or none; all axes are at rest. Its heights come afterwards.
+    pub fn follow_surface(&mut self, surface: SurfaceFrame) {
+        self.surface = surface;
+        *self.heights = surface.flat();
+        self.heights.settle();
+    }
+
+    /// Heights of a row of the surface.
+    pub fn set_heights(&mut self, row: usize, heights: [i16; MOST_POINTS]) {
+        self.heights.set_row(row, heights);
+        self.heights.settle();
+    }
+
+    /// Whether z follows a surface.
+    pub const fn has_surface(&self) -> bool {
+        !self.surface.is_none()
+    }
+
+    /// The motors' position at rest for a position of the spans.
+    pub fn to_real(&self, position: [Steps; 4]) -> [Steps; 4] {
+        self.surface.to_real(&self.heights, position)
+    }
+
+    /// Whether the taps of an axis, and the surface if it follows one, are unchanged in memory.
     pub fn is_whole(&self, axis: usize) -> bool {
-        self.axes.get(axis).is_none_or(Axis::is_whole)
+        self.axes.get(axis).is_none_or(Axis::is_whole) && (axis != Z || !self.has_surface() || self.heights.is_whole())
     }
 
     /// A tap of an axis, which must not be changed.
@@ -222,19 +257,35 @@ impl<'m> Trajectory<'m> {
 
     /// Advances an axis to `time`; false if it needs a span that is not laid yet.
     pub fn advance(&mut self, axis: usize, time: SubTicks) -> bool {
+        let has_surface = axis == Z && self.has_surface();
         let Self { ring, axes, .. } = self;
+        if has_surface {
+            return axes.iter_mut().take(Z + 1).fold(true, |is_laid, axis| axis.advance(ring, time) && is_laid);
+        }
         axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
     }
 
-    /// Next change of an axis's motion; `SubTicks::MAX` if that is not known.
+    /// Next change of an axis's motion; `SubTicks::MAX` if that is not known. On a surface this is the next time at
+    /// which z itself changes, or up to which x and y are known.
     pub fn next_change(&self, axis: usize) -> SubTicks {
+        if axis == Z && self.has_surface() {
+            let [x, y, z, ..] = &self.axes;
+            return z.next_motion(&self.ring, x.runs_out(&self.ring).min(y.runs_out(&self.ring)));
+        }
         self.axes.get(axis).map_or(SubTicks::MAX, |axis| axis.next_change(&self.ring))
     }
 
     /// The span that all of some axes follow unchanged from `time` on, if there is one.
     pub fn follows(&self, axes: impl Iterator<Item = usize>, time: SubTicks) -> Option<&Span> {
         let mut common = None;
-        for axis in axes.filter_map(|axis| self.axes.get(axis)).filter(|axis| !axis.is_still()) {
+        let bends = self.has_surface();
+        for (number, axis) in axes.filter_map(|axis| Some((axis, self.axes.get(axis)?))) {
+            if bends && number == Z {
+                return None;
+            }
+            if axis.is_still() {
+                continue;
+            }
             let (number, span) = axis.follows(&self.ring, time)?;
             if common.is_some_and(|(other, _)| other != number) {
                 return None;
@@ -246,7 +297,22 @@ impl<'m> Trajectory<'m> {
 
     /// The state of an axis at a time up to its next change.
     pub fn state(&self, axis: usize, time: SubTicks) -> AxisState {
+        if axis == Z && self.has_surface() {
+            return self.state_on_surface(time);
+        }
         self.axes.get(axis).map_or(AxisState::at_rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+    }
+
+    /// The state of z on the surface, as far as spans are laid.
+    #[inline(never)]
+    fn state_on_surface(&self, time: SubTicks) -> AxisState {
+        let [x, y, z, ..] = &self.axes;
+        let moving = [x, y, z].map(|axis| {
+            let state = axis.state_ahead(&self.ring, time);
+            (state.position, state.speed)
+        });
+        let (position, speed) = self.surface.raised(&self.heights, moving);
+        AxisState { position, speed }
     }
 
     /// Takes back the last span, which is laid again up to the first tap's position in it at `time`. `None` if it has
