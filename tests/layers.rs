@@ -33,6 +33,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
         "machine",
         &[
             "units",
+            "surface",
             "motors",
             "status",
             "port",
@@ -148,7 +149,7 @@ const WITHIN_MOTION: [(&str, &[&str]); 13] = [
     ("step_counts", &["queue"]),
     ("trajectory", &["moves", "number", "ramps", "surface", "ticks"]),
     ("work", &["moves", "surface", "trajectory"]),
-    ("planner", &["moves", "number", "ramps", "trajectory"]),
+    ("planner", &["moves", "number", "ramps", "surface", "trajectory"]),
     ("link", &["step_counts", "work"]),
     ("stepgen", &["moves", "number", "queue", "ramps", "ticks", "trajectory", "work"]),
     ("stepper", &["queue"]),

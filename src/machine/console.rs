@@ -26,6 +26,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::halted::stay_halted;
 use crate::machine::main_loop::hear::{self, end_line, set_aside, take_answer};
 use crate::machine::main_loop::limp::limp;
+use crate::machine::main_loop::surface::{lay_mesh, return_to_surface};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::probe::deploy::take_in_at_once;
@@ -35,6 +36,7 @@ use crate::motion::{Link, MoveMemory};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Action;
 use crate::settings::Settings;
+use crate::surface::Mesh;
 use crate::thermal::Orders;
 use crate::units::Mm;
 use core::convert::Infallible;
@@ -67,6 +69,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The settings as they are now.
     pub fn settings(&self) -> &Settings {
         &self.main_loop.settings
+    }
+
+    /// The bed has this mesh, and z follows it as soon as the Console [runs](Self::run).
+    pub fn lay_mesh(&mut self, mesh: &Mesh) {
+        lay_mesh(&mut self.main_loop, mesh);
     }
 
     /// Serves the hosts. Poll it when bytes arrived, when a queue moved, and every millisecond. It ends when the
@@ -124,6 +131,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if main_loop.heat.has_passed_test() && !main_loop.motion.has_motion() {
                 note_self_test(main_loop).await?;
             }
+            return_to_surface(main_loop).await?;
             if main_loop.job.take_cancel() {
                 end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
             }

@@ -22,6 +22,8 @@ pub struct SurfaceFrame {
     unit: f32,
     /// The mean height, in steps of z.
     mean: f32,
+    /// The largest distance of a height from it.
+    deviation: f32,
     fade: Fade,
 }
 
@@ -30,8 +32,16 @@ pub(in crate::motion) type Moving = (Steps, f32);
 
 impl SurfaceFrame {
     /// No surface.
-    pub const NONE: Self =
-        Self { columns: 0, rows: 0, first: [Steps::ZERO; 2], rate: [0.0; 2], unit: 0.0, mean: 0.0, fade: Fade::NONE };
+    pub const NONE: Self = Self {
+        columns: 0,
+        rows: 0,
+        first: [Steps::ZERO; 2],
+        rate: [0.0; 2],
+        unit: 0.0,
+        mean: 0.0,
+        deviation: 0.0,
+        fade: Fade::NONE,
+    };
 
     /// The frame of a mesh for axes with these resolutions.
     #[must_use]
@@ -47,6 +57,7 @@ impl SurfaceFrame {
             rate: [per_x / per_mm(x), per_y / per_mm(y)],
             unit,
             mean: heights.mean() * unit,
+            deviation: heights.deviation() * unit,
             fade: Fade::up_to(mesh.fade().to_num::<f32>() * per_mm(z)),
         }
     }
@@ -82,6 +93,14 @@ impl SurfaceFrame {
         let [share, change] = self.fade.share(to_f32(z.0));
         let position = z.0.wrapping_add(from_f32(self.mean + share * deviation));
         (position, z.1 + share * climb + (change * deviation) * z.1)
+    }
+
+    /// The share of the deviations that counts at a height of z in steps, and the most by which another step of z
+    /// changes them, in steps.
+    pub(in crate::motion) fn fade_from(&self, z: Steps) -> [f32; 2] {
+        let [share, _] = self.fade.share(to_f32(z));
+        let is_within = share > 0.0 && !self.fade.is_none();
+        [share, if is_within { self.deviation / self.fade.height() } else { 0.0 }]
     }
 
     /// The real position of motors for a position of the planner.
@@ -143,7 +162,7 @@ mod tests {
                     let real = [x * 80.0, y * 80.0, (z * f64::from(z_steps)).round(), 7.0].map(Steps::from_num);
                     let seen = frame.from_real(mesh.heights(), real);
                     let back = frame.to_real(mesh.heights(), seen);
-                    let [.., error, _] = core::array::from_fn(|i| back[i].wrapping_sub(real[i]).wrapping_abs());
+                    let error = back[2].wrapping_sub(real[2]).wrapping_abs();
                     // A motor's count is the nearest step.
                     assert!(error < Steps::lit("0.01"), "{x}, {y}, {z}: {error}");
                 }

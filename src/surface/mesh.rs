@@ -1,6 +1,6 @@
 //! A mesh: heights with their place on the bed.
 
-use super::cell::Height;
+use super::cell::{Bounds, Height};
 use super::heights::{Heights, UNITS_PER_MM};
 use crate::units::Mm;
 use core::fmt;
@@ -118,21 +118,28 @@ impl Mesh {
         [rate(self.heights.columns(), x, to_x), rate(self.heights.rows(), y, to_y)]
     }
 
+    /// Bounds in units and cells as bounds in mm.
+    #[must_use]
+    pub fn in_mm(&self, bounds: &Bounds) -> Bounds {
+        let unit = const { 1.0 / UNITS_PER_MM as f32 };
+        let [per_x, per_y] = self.cells_per_mm();
+        Bounds {
+            dx: bounds.dx * unit * per_x,
+            dy: bounds.dy * unit * per_y,
+            dxx: bounds.dxx * unit * per_x * per_x,
+            dxy: bounds.dxy * unit * per_x * per_y,
+            dyy: bounds.dyy * unit * per_y * per_y,
+        }
+    }
+
     /// Height at a place, without fade, in mm and mm a mm.
     #[must_use]
     pub fn at(&self, x: Mm, y: Mm) -> Height {
         let ([first_x, first_y], [per_x, per_y]) = (self.first, self.cells_per_mm());
         let cells = |at: Mm, first: Mm, rate: f32| at.saturating_sub(first).to_num::<f32>() * rate;
         let Height { z, dx, dy, dxx, dxy, dyy } = self.heights.at(cells(x, first_x, per_x), cells(y, first_y, per_y));
-        let unit = const { 1.0 / UNITS_PER_MM as f32 };
-        let (per_x, per_y) = (per_x * unit, per_y * unit);
-        Height {
-            z: z * unit,
-            dx: dx * per_x,
-            dy: dy * per_y,
-            dxx: dxx * per_x * (per_x * UNITS_PER_MM as f32),
-            dxy: dxy * per_x * (per_y * UNITS_PER_MM as f32),
-            dyy: dyy * per_y * (per_y * UNITS_PER_MM as f32),
-        }
+        // Sizes and derivatives have the same units.
+        let Bounds { dx, dy, dxx, dxy, dyy } = self.in_mm(&Bounds { dx, dy, dxx, dxy, dyy });
+        Height { z: z * const { 1.0 / UNITS_PER_MM as f32 }, dx, dy, dxx, dxy, dyy }
     }
 }

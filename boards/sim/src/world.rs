@@ -24,6 +24,7 @@ use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSe
 use corehbot::port::Storage;
 use corehbot::settings::Settings;
 use corehbot::status::Status;
+use corehbot::surface::Mesh;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
@@ -74,6 +75,8 @@ pub struct Desk {
     pub bed: Option<Box<BedPlant>>,
     /// The probe's accidents, by time.
     pub probe_accidents: Vec<ProbeAccident>,
+    /// The mesh that the firmware has of it, which z follows.
+    pub mesh: Option<Mesh>,
     /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -98,6 +101,7 @@ impl Desk {
             endstops: EndstopSet::SWITCHES,
             bed: None,
             probe_accidents: Vec::new(),
+            mesh: None,
             belt: None,
             plugs: None,
             heat,
@@ -197,7 +201,7 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, bed, probe_accidents, belt, plugs, heat, plant: left } = desk;
+        let Desk { memory, shared, wires, endstops, bed, probe_accidents, mesh, belt, plugs, heat, plant: left } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
@@ -224,6 +228,9 @@ impl<'w> World<'w> {
         let plant = plant.standing_on(left.take().map(|plant| *plant));
         let Parts { stepper, generator, thermal, mut console, status, counts } =
             assemble(memory, *settings, start, step_ports, plant, ports, Pends(shared));
+        if let Some(mesh) = mesh {
+            console.lay_mesh(mesh);
+        }
         let console = Box::pin(async move { console.run().await });
         Self {
             shared,

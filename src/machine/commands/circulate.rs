@@ -5,6 +5,7 @@ use crate::gcode::{AxisWords, Flaw, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::belt::circulate::run_round;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::machine::state::soft_endstops::clamp;
@@ -24,6 +25,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if to.z.is_some() || to.e.is_some() {
             return Ok(Answer::Line("echo:line ignored: C goes with X, Y and F alone"));
         }
+        // Z stands still meanwhile, at whatever height.
+        leave_surface(self.main_loop).await?;
         let speed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
         let wanted = self.target(to).await?.position;
         let at = self.main_loop.commanded.position();

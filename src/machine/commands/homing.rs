@@ -24,6 +24,7 @@ use crate::machine::belt::circulate::advance_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::keep_phases;
+use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::touch::find_zero;
 use crate::machine::state::job::{HomingFailure, JobEnd};
@@ -111,6 +112,8 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
 /// Power first: without it, nothing is homed and the axes stay homed.
 async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.finish().await?;
+    // Switches and the probe are met at real places.
+    leave_surface(main_loop).await?;
     main_loop.power_up(main_loop.motion.groups().fitted()).await?;
     // A retraction left over from one print does not apply to the next.
     main_loop.commanded.forget_retraction();

@@ -21,6 +21,7 @@
 //! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
+//! | [`surface`] | the mesh of the bed, and whether z follows it |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
 //! | [`power`], [`powering`] | power for the motors, and exchanges with their drivers; the waits for it |
 //! | [`heat`], [`heat_turn`] | orders for heaters and fans; their part of a turn |
@@ -46,7 +47,7 @@ mod reply;
 mod scrub;
 pub(in crate::machine) mod settings;
 mod stream;
-pub(in crate::machine) mod surface_stub;
+pub(in crate::machine) mod surface;
 mod take_over;
 pub(in crate::machine) mod trim;
 

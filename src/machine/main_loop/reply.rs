@@ -71,7 +71,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// Where the program is, or with `real` where the tool is.
     fn position(&self, real: bool) -> Position<'m> {
         let counts = self.motion.counts();
-        let at_motors = self.motion.to_mm(self.motion.real().of_axes(counts));
+        let at_motors = self.motion.to_mm(self.motion.real_steps());
         let (_, z) = self.circulation.z();
         let at = if real { self.motion.seen(at_motors, z, self.trimming.held()) } else { self.commanded.position() };
         let ran = match (real, self.motion.grouping()) {

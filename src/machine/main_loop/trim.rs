@@ -63,7 +63,9 @@ async fn turn_in<P: PortSet, W: Pend>(
     if by == 0 {
         return Ok(());
     }
-    let ([x, y, ..], [.., z, e]) = (main_loop.motion.real_steps(), main_loop.motion.end());
+    let ([x, y, real_z, _], [.., z, e]) = (main_loop.motion.real_steps(), main_loop.motion.end());
+    // On a surface, where the motors of x and y stand is at another height than the end of the last move.
+    let z = if main_loop.motion.is_on_surface() { real_z } else { z };
     main_loop.trimming.begin([x, y, z, e]);
     let coupling = main_loop.motion.groups_in(grouping).trim_coupling(motor);
     let [x, y] = [x, y].map(Steps::wrapping_round);

@@ -3,6 +3,7 @@
 //! Length and direction have 30 bits, because times and corners are computed from them. Limits and ratios are in single
 //! precision (see [`number`](crate::motion::number)).
 
+use super::bed::Demand;
 use crate::kinematics::{Groups, direction};
 use crate::motion::number::{acceleration, large_root, mm, speed};
 use crate::motors::MOST_GROUPS;
@@ -43,10 +44,13 @@ pub(in crate::motion) struct Limits {
 }
 
 impl Shares {
-    /// The limits for a path of the length 1 in that direction, with this much filament.
+    /// The limits for a path of the length 1 in that direction, with this much filament, on a surface that demands more
+    /// of z.
     #[inline(always)]
-    pub fn new([x, y, z]: [f32; 3], extrusion: f32, belts: &Belts) -> Self {
-        Self { axes: [x.abs(), y.abs(), z.abs(), extrusion.abs()], belt: belts.most_of([x, y, z]) }
+    pub fn new([x, y, z]: [f32; 3], extrusion: f32, belts: &Belts, demand: &Demand) -> Self {
+        let of_z = demand.of_z([x, y, z]);
+        let belt = belts.most_of([x, y, z], of_z - z.abs());
+        Self { axes: [x.abs(), y.abs(), of_z, extrusion.abs()], belt }
     }
 
     /// The greatest value along the move that neither axes nor motors forbid, at most `wanted`.
@@ -103,12 +107,12 @@ impl Belts {
         )
     }
 
-    /// The distance of the motor that goes farthest.
+    /// The distance of the motor that goes farthest, where z goes farther by up to `more`.
     #[inline(always)]
-    fn most_of(&self, [x, y, z]: [f32; 3]) -> f32 {
+    fn most_of(&self, [x, y, z]: [f32; 3], more: f32) -> f32 {
         let mut most = 0.0;
         for [a, b, c] in &self.0 {
-            let way = (a * x + b * y + c * z).abs();
+            let way = (a * x + b * y + c * z).abs() + c.abs() * more;
             if way > most {
                 most = way;
             }
@@ -245,7 +249,7 @@ mod tests {
     }
 
     fn speed_limit(g: &Geometry, wanted: f32, s: &Settings) -> f32 {
-        Shares::new(g.direction, g.extrusion, &belts(s)).bound(wanted, &Limits::of_speed(s))
+        Shares::new(g.direction, g.extrusion, &belts(s), &Demand::FLAT).bound(wanted, &Limits::of_speed(s))
     }
 
     #[test]

@@ -31,6 +31,7 @@
 //! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number,
 //! as a jerk of each axis, needs its own `corner` and laws for bends.
 
+use super::bed::Demand;
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
 use crate::motion::number::{mm, root, speed, speed_sq};
@@ -67,13 +68,15 @@ pub(in crate::motion) struct AccelLimits<'a> {
     pub limits: &'a Limits,
     /// The belt motors.
     pub belts: &'a Belts,
+    /// The surface.
+    pub demand: &'a Demand,
 }
 
 impl AccelLimits<'_> {
     /// The limits of axes and motors along a change of direction of that length.
     fn along(&self, [x, y, z]: [f32; 3], length: f32) -> f32 {
         let part = 1.0 / length;
-        Shares::new([x * part, y * part, z * part], 0.0, self.belts).bound(self.acceleration, self.limits)
+        Shares::new([x * part, y * part, z * part], 0.0, self.belts, self.demand).bound(self.acceleration, self.limits)
     }
 }
 
@@ -214,7 +217,8 @@ mod tests {
         s: &Settings,
     ) -> u64 {
         let limits = &Limits::of_acceleration(s);
-        let accel_limits = AccelLimits { acceleration: acceleration(a), max_speed: 300.0, limits, belts: &belts(s) };
+        let (belts, demand) = (&belts(s), &Demand::FLAT);
+        let accel_limits = AccelLimits { acceleration: acceleration(a), max_speed: 300.0, limits, belts, demand };
         let jump = (before.extrusion - after.extrusion).abs();
         junction_speed_sq(before, after, curvature, jump, &accel_limits, s).0
     }

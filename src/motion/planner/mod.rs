@@ -29,6 +29,7 @@
 //!   [`pressure`]. **lead**: see [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed
 //!   changes, and holds.
 
+mod bed;
 mod filament;
 mod geometry;
 mod joining;
@@ -47,9 +48,12 @@ pub use overrides::WHOLE_SHARE;
 use crate::kinematics::Groups;
 use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::number::{acceleration, speed};
+use crate::motion::surface::SurfaceFrame;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
+use crate::surface::Mesh;
 use crate::units::{Length, Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
+use bed::{Bed, Demand, bent_limits};
 use geometry::{Belts, Geometry, Limits, Shares};
 use joining::OpenLine;
 use junction::{AccelLimits, junction_speed_sq};
@@ -92,6 +96,7 @@ pub struct Planner<'m> {
     pub(in crate::motion) window: Window<'m>,
     pub(in crate::motion) step_scale: [StepScale; 4],
     pub(in crate::motion) belts: Belts,
+    bed: Bed,
     /// Where the last move ends.
     pub(in crate::motion) end: [Steps; 4],
     /// The last target: an axis with the same target again stays where it is.
@@ -130,6 +135,7 @@ impl<'m> Planner<'m> {
             window: Window::new(memory),
             step_scale: step_scales(settings),
             belts: Belts::new(&Groups::new(&settings.mechanism)),
+            bed: Bed::new(),
             end: [Steps::ZERO; 4],
             asked: position,
             vector: Geometry::NONE,
@@ -153,6 +159,43 @@ impl<'m> Planner<'m> {
     /// Takes over new resolutions (M92) at rest.
     pub fn set_resolution(&mut self, settings: &Settings) {
         self.step_scale = step_scales(settings);
+        if self.bed.is_in_use() {
+            self.bed.use_it(true, settings);
+        }
+    }
+
+    /// Has another mesh of the bed, or none. It is not in use; the caller gives the planner its position.
+    pub fn set_mesh(&mut self, mesh: Option<Mesh>) {
+        self.bed.set(mesh);
+    }
+
+    /// Counts z from the mesh, or from the machine's zero; the machine is at rest, and its position follows.
+    pub fn use_mesh(&mut self, is_in_use: bool, settings: &Settings) {
+        self.bed.use_it(is_in_use, settings);
+    }
+
+    /// The mesh of the bed, in use or not.
+    #[must_use]
+    pub fn mesh(&self) -> Option<&Mesh> {
+        self.bed.mesh()
+    }
+
+    /// Where the mesh lies, for the generator; none if it is not in use.
+    #[must_use]
+    pub const fn surface(&self) -> &SurfaceFrame {
+        self.bed.frame()
+    }
+
+    /// The motors' position for a position of the planner.
+    #[must_use]
+    pub fn to_real(&self, position: [Steps; 4]) -> [Steps; 4] {
+        self.bed.to_real(position)
+    }
+
+    /// The planner's position for a position of the motors.
+    #[must_use]
+    pub fn from_real(&self, position: [Steps; 4]) -> [Steps; 4] {
+        self.bed.from_real(position)
     }
 
     /// Takes over another grouping of motors with its settings; the machine is at rest, and its position follows.
@@ -172,11 +215,11 @@ impl<'m> Planner<'m> {
         self.pressure.is_for(window)
     }
 
-    /// Whether the values derived from the settings are unchanged in memory: resolutions, and the rows of the belt
-    /// motors.
+    /// Whether the values derived from the settings are unchanged in memory: resolutions, the rows of the belt
+    /// motors, and the mesh with its place.
     #[must_use]
     pub fn is_whole(&self, settings: &Settings, groups: &Groups) -> bool {
-        self.step_scale == step_scales(settings) && self.belts == Belts::new(groups)
+        self.step_scale == step_scales(settings) && self.belts == Belts::new(groups) && self.bed.is_whole(settings)
     }
 
     /// A position in steps.
@@ -271,10 +314,20 @@ impl<'m> Planner<'m> {
         let is_extruder_only = vector.is_extruder_only();
         let (least, most) = purpose(vector, settings);
         let feed = target.speed.max(least);
-        let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
-        let limits = Limits::of_acceleration(settings);
-        let wanted_accel = shares.bound(acceleration(most), &limits);
+        let demand = if self.bed.is_in_use() {
+            let [_, _, last_up] = self.last.direction;
+            let ends = [&begin, &self.end];
+            self.bed.demand(ends, vector.direction, last_up == 0.0, acceleration(most), settings)
+        } else {
+            Demand::FLAT
+        };
+        let shares = Shares::new(vector.direction, vector.extrusion, &self.belts, &demand);
+        let mut limits = Limits::of_acceleration(settings);
         let max_speed = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
+        let [_, _, of_z, _] = &mut limits.axes;
+        let [max_speed, left] = bent_limits(&demand, max_speed, *of_z);
+        *of_z = left;
+        let wanted_accel = shares.bound(acceleration(most), &limits);
         let mut most = Most { acceleration: wanted_accel, speed: max_speed };
         let advance = if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO };
         let jump = if self.pressure.is_in_use() {
@@ -283,8 +336,13 @@ impl<'m> Planner<'m> {
         } else {
             (self.last.extrusion - vector.extrusion).abs()
         };
-        let accel_limits =
-            AccelLimits { acceleration: wanted_accel, max_speed: most.speed, limits: &limits, belts: &self.belts };
+        let accel_limits = AccelLimits {
+            acceleration: wanted_accel,
+            max_speed: most.speed,
+            limits: &limits,
+            belts: &self.belts,
+            demand: &demand,
+        };
         let junction_sq =
             junction_speed_sq(&self.last, vector, &mut self.path_curvature, jump, &accel_limits, settings);
         let (has_overrides, [x, y, z, e]) = (target.has_overrides, self.end);

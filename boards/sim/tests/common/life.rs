@@ -1,8 +1,9 @@
 //! The life of a machine: lines are said one after the other, time passes, and moving and warm parts are checked.
 
-use corehbot::motors::MotorSet;
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
+use corehbot::surface::Mesh;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::plant::SensorFault;
 use corehbot_sim::drivers::Drivers;
@@ -54,7 +55,19 @@ pub fn live(settings: &Settings, hosts: usize, body: impl FnOnce(&mut Life<'_>))
 
 /// The same of one that stands there, or somewhere.
 pub fn live_at(settings: &Settings, start: Option<[Mm; 3]>, hosts: usize, body: impl FnOnce(&mut Life<'_>)) {
+    live_on(settings, start, None, hosts, body);
+}
+
+/// The same on a mesh that z follows.
+pub fn live_on(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    mesh: Option<Mesh>,
+    hosts: usize,
+    body: impl FnOnce(&mut Life<'_>),
+) {
     let (drivers, mut desk, seen) = (Drivers::new(), Desk::new(hosts), RefCell::new(Seen::default()));
+    desk.mesh = mesh;
     let mut sink = Recorder(&seen);
     let world = World::new(&mut desk, settings, start, NoStorage, &drivers, &mut sink);
     let mut life = Life {
@@ -158,6 +171,11 @@ impl Life<'_> {
     /// Steps that the extruder has made.
     pub fn extruder_steps(&self) -> i32 {
         self.world.outcome().counts[6]
+    }
+
+    /// Steps that the motors have made.
+    pub fn counts(&self) -> [i32; MOTORS] {
+        self.world.outcome().counts
     }
 
     /// From here on, steps are checked.

@@ -28,10 +28,11 @@ use crate::kinematics::{Grouping, Groupings, Groups};
 use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::advance_in_use::AdvanceInUse;
 use crate::machine::state::position::RealPosition;
-use crate::motion::{Link, MoveMemory, Planner, Work};
+use crate::motion::{Link, MoveMemory, Planner, SurfaceFrame, Work, surface_work};
 use crate::motors::MOST_GROUPS;
 use crate::port::Pend;
 use crate::settings::{AxisSettings, Settings};
+use crate::surface::{Heights, Mesh};
 use crate::units::{Instant, Mm, Seconds, Steps, SubTicks, TICKS_PER_MS};
 
 /// The motion, from the look-ahead to the counts of steps.
@@ -41,6 +42,10 @@ pub(in crate::machine) struct Motion<'m, W: Pend> {
     policy: ReleasePolicy,
     real: RealPosition<'m>,
     advance_in_use: AdvanceInUse,
+    /// Z is to follow the mesh.
+    wants_surface: bool,
+    /// It has ever followed one, so that the generator has to get it.
+    has_followed: bool,
 }
 
 impl<'m, W: Pend> Motion<'m, W> {
@@ -57,6 +62,8 @@ impl<'m, W: Pend> Motion<'m, W> {
             policy: ReleasePolicy::new(),
             real: RealPosition::new(groupings),
             advance_in_use: AdvanceInUse::new(),
+            wants_surface: false,
+            has_followed: false,
         }
     }
 
@@ -110,9 +117,66 @@ impl<'m, W: Pend> Motion<'m, W> {
         self.planner.mm(position)
     }
 
-    /// Where the machine really is, in steps of x, y, z and e.
+    /// Where the machine really is, in steps of x, y, z and e; on a surface, z is counted from there.
     pub fn real_steps(&self) -> [Steps; 4] {
-        self.real.of_axes(self.link.counts())
+        self.from_real(self.real.of_axes(self.link.counts()))
+    }
+
+    /// The mesh of the bed, whether z follows it or not.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        self.planner.mesh()
+    }
+
+    /// Whether z is to follow the mesh, as soon as there is one.
+    #[allow(dead_code, reason = "for the commands of the mesh")]
+    pub const fn wants_surface(&self) -> bool {
+        self.wants_surface
+    }
+
+    /// Whether z follows the mesh now.
+    pub const fn is_on_surface(&self) -> bool {
+        !self.planner.surface().is_none()
+    }
+
+    /// Whether z should follow the mesh and does not.
+    pub(in crate::machine) fn misses_surface(&self) -> bool {
+        self.wants_surface && !self.is_on_surface() && self.mesh().is_some()
+    }
+
+    /// Has another mesh, or none; z follows none now.
+    pub(super) fn set_mesh(&mut self, mesh: Option<&Mesh>) {
+        self.planner.set_mesh(mesh.copied());
+    }
+
+    /// From now on z is to follow the mesh, or not.
+    pub(super) const fn want_surface(&mut self, is_wanted: bool) {
+        self.wants_surface = is_wanted;
+    }
+
+    /// Follows the surface or not, at rest. Returns the position that the machine has then, which has to be adopted.
+    pub(super) fn use_surface(&mut self, is_on: bool, settings: &Settings) -> [Steps; 4] {
+        let real = self.planner.to_real(self.planner.end());
+        self.planner.use_mesh(is_on, settings);
+        self.has_followed |= is_on;
+        self.planner.from_real(real)
+    }
+
+    /// The parts of the work by which the generator gets the surface; none if there never was one.
+    pub(super) fn surface_work(&self, part: usize) -> Option<Work> {
+        let is_of_tool = self.real.grouping() == Grouping::Tool;
+        let frame = if is_of_tool { *self.planner.surface() } else { SurfaceFrame::NONE };
+        let heights = self.mesh().filter(|_| !frame.is_none()).map_or(&Heights::NONE, Mesh::heights);
+        surface_work(frame, heights).nth(part).filter(|_| self.has_followed)
+    }
+
+    /// The motors' position for a position of the planner. While something else has the place of z, z is no height.
+    fn to_real(&self, position: [Steps; 4]) -> [Steps; 4] {
+        if self.real.grouping() == Grouping::Tool { self.planner.to_real(position) } else { position }
+    }
+
+    /// The planner's position for a position of the motors.
+    fn from_real(&self, position: [Steps; 4]) -> [Steps; 4] {
+        if self.real.grouping() == Grouping::Tool { self.planner.from_real(position) } else { position }
     }
 
     /// The steps that each group of motors has made.
@@ -254,14 +318,17 @@ impl<'m, W: Pend> Motion<'m, W> {
 
     /// The position nearest to `position` that is whole steps from where the machine really is.
     pub(super) fn whole_steps_away(&self, position: [Steps; 4]) -> [Steps; 4] {
-        self.real.whole_steps_away(position, self.link.counts())
+        if !self.real.groups().is_redundant() {
+            return position;
+        }
+        self.from_real(self.real.whole_steps_away(self.to_real(position), self.link.counts()))
     }
 
     /// The machine, which is at rest, stands at a position that rounds to where every motor stands. Returns the
     /// grouping of motors if the generator has to get it.
     pub(super) fn adopt(&mut self, position: [Steps; 4]) -> Option<Grouping> {
         self.planner.stand_at(position);
-        self.real.adopt(position, self.link.counts());
+        self.real.adopt(self.to_real(position), self.link.counts());
         self.real.has_regrouped().then_some(self.real.grouping())
     }
 }

@@ -81,6 +81,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.motion.send(Work::Regroup(grouping));
             self.until(|c| c.motion.has_room_for_work()).await?;
         }
+        let mut part = 0;
+        while let Some(work) = self.motion.surface_work(part) {
+            self.motion.send(work);
+            self.until(|c| c.motion.has_room_for_work()).await?;
+            part += 1;
+        }
         self.motion.send(Work::Position(position));
         self.follow().await
     }

@@ -1,0 +1,74 @@
+//! The surface of the bed under the machine: which mesh it has, and whether z follows it.
+//!
+//! Positions of planner and program count z from the surface; motors stand at real z. A change is made at rest, and
+//! nothing moves: the present position gets another z (as Marlin's M420 does), and the next move goes by it.
+//!
+//! | | |
+//! |---|---|
+//! | [`set_mesh`], [`follow_mesh`] | for commands: another mesh; on and off |
+//! | [`leave_surface`] | at the begin of a command that goes in real z, as homing and probing do |
+//! | [`return_to_surface`] | after that command, however it ended: the Console calls it |
+//!
+//! While the belt or a motor has the place of z ([`regroup`](super::regroup)), z stands still at its real place.
+
+use super::MainLoop;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::surface::Mesh;
+
+/// Before the first turn: the bed has this mesh, and z is to follow it.
+pub(in crate::machine) fn lay_mesh<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, mesh: &Mesh) {
+    main_loop.motion.set_mesh(Some(mesh));
+    main_loop.motion.want_surface(true);
+}
+
+/// Has another mesh of the bed, or none. Whether z follows it stays as it was.
+#[allow(dead_code, reason = "for the commands of the mesh")]
+pub(in crate::machine) async fn set_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    mesh: Option<&Mesh>,
+) -> Result<(), Interrupt> {
+    leave_surface(main_loop).await?;
+    main_loop.motion.set_mesh(mesh);
+    return_to_surface(main_loop).await
+}
+
+/// Lets z follow the mesh from now on, or not.
+#[allow(dead_code, reason = "for the commands of the mesh")]
+pub(in crate::machine) async fn follow_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    is_wanted: bool,
+) -> Result<(), Interrupt> {
+    leave_surface(main_loop).await?;
+    main_loop.motion.want_surface(is_wanted);
+    return_to_surface(main_loop).await
+}
+
+/// Until the end of the command, positions are real ones.
+pub(in crate::machine) async fn leave_surface<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    if main_loop.motion.is_on_surface() { stand_on_surface(main_loop, false).await } else { Ok(()) }
+}
+
+/// Z follows the mesh again, if it should and does not.
+pub(in crate::machine) async fn return_to_surface<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    if main_loop.motion.misses_surface() { stand_on_surface(main_loop, true).await } else { Ok(()) }
+}
+
+#[inline(never)]
+async fn stand_on_surface<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    is_on: bool,
+) -> Result<(), Interrupt> {
+    main_loop.finish().await?;
+    let stands = main_loop.motion.use_surface(is_on, &main_loop.settings);
+    main_loop.adopt_position(stands).await?;
+    let commanded = &mut main_loop.commanded;
+    let ([x, y, _, e], [_, _, z, _]) = (commanded.of_machine(commanded.position()), main_loop.motion.end_mm());
+    commanded.stand_at([x, y, z, e]);
+    Ok(())
+}
