@@ -17,6 +17,7 @@ use crate::machine::belt::align::end_measuring;
 use crate::machine::belt::circulate::end_circulation;
 use crate::machine::commands::dispatch::{carry_out, go_on_with};
 use crate::machine::commands::job::{begin_another, end_job};
+use crate::machine::commands::settings::kept_mesh::take_mesh_to_use;
 use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
 use crate::machine::commands::states::States;
 use crate::machine::hosts::asked::Asked;
@@ -102,6 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if main_loop.motion.is_fresh() {
             let found = load_at_start(main_loop).await?;
             main_loop.adopt_position(main_loop.motion.end()).await?;
+            let mesh = take_mesh_to_use(main_loop).await?;
             for host in 0..main_loop.hosts.len() {
                 main_loop.hosts.switch_to(host);
                 main_loop.reply(Answer::Start).await?;
@@ -109,6 +111,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                     main_loop.reply(Answer::NoMachine(why)).await?;
                 }
                 main_loop.reply(found).await?;
+                main_loop.reply(mesh).await?;
             }
         }
         // A command that an emergency ended is answered all the same, and so is a line that was kept.

@@ -7,7 +7,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface_stub::use_surface;
+use crate::machine::main_loop::surface::{follow_mesh, set_mesh};
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::{MeshSettings, Range, Settings, ranges};
@@ -31,8 +31,9 @@ pub(super) async fn use_mesh<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     let wanted = Settings { mesh: MeshSettings { is_on: on, ..main_loop.settings.mesh }, ..*main_loop.settings };
     main_loop.live_settings().set_plain(&wanted);
-    let mesh = main_loop.bed.mesh().map(|stored| stored.mesh).filter(|_| on);
-    use_surface(main_loop, mesh.as_ref()).await
+    let mesh = main_loop.bed.mesh().map(|stored| stored.mesh);
+    set_mesh(main_loop, mesh.as_ref()).await?;
+    follow_mesh(main_loop, on).await
 }
 
 /// M420.

@@ -12,7 +12,7 @@ use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface_stub::use_surface;
+use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::area::Area;
 use crate::machine::probe::reach::{home_place, reach};
@@ -61,17 +61,8 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
         return Ok(Answer::Probe(ProbeAnswer::OutOfReach { at: whole.at(0, 0), reaches: [whole.x, whole.y] }));
     };
     // Heights are those of the bed itself.
-    use_surface(main_loop, None).await?;
-    let measured = touch_grid(main_loop, &area, words).await;
-    let heights = match measured {
-        Ok(heights) => heights,
-        Err(Interrupt::EndJob) => {
-            let on = main_loop.settings.mesh.is_on;
-            use_mesh(main_loop, on).await?;
-            return Err(Interrupt::EndJob);
-        }
-        Err(interrupt) => return Err(interrupt),
-    };
+    leave_surface(main_loop).await?;
+    let heights = touch_grid(main_loop, &area, words).await?;
     let flat = Mesh::new(heights, [area.x.least, area.y.least], [area.x.most, area.y.most], Mm::ZERO);
     let Ok(flat) = flat else { return Ok(Answer::Nothing) };
     let mesh = with_heights(main_loop, &flat, heights).await?;

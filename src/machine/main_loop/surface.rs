@@ -24,7 +24,6 @@ pub(in crate::machine) fn lay_mesh<P: PortSet, W: Pend>(main_loop: &mut MainLoop
 }
 
 /// Has another mesh of the bed, or none. Whether z follows it stays as it was.
-#[allow(dead_code, reason = "for the commands of the mesh")]
 pub(in crate::machine) async fn set_mesh<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     mesh: Option<&Mesh>,
@@ -35,7 +34,6 @@ pub(in crate::machine) async fn set_mesh<P: PortSet, W: Pend>(
 }
 
 /// Lets z follow the mesh from now on, or not.
-#[allow(dead_code, reason = "for the commands of the mesh")]
 pub(in crate::machine) async fn follow_mesh<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     is_wanted: bool,

@@ -28,8 +28,8 @@
 //! [`ProbeFailure`]: crate::machine::state::job::ProbeFailure
 
 mod approach;
-pub(in crate::machine) mod deploy;
 pub(in crate::machine) mod area;
+pub(in crate::machine) mod deploy;
 mod error;
 pub(in crate::machine) mod reach;
 pub(in crate::machine) mod repeatability;

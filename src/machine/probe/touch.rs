@@ -12,6 +12,7 @@ use super::error::ProbeError;
 use super::reach::home_place;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{JobEnd, ProbeFailure};
 use crate::port::Pend;
@@ -152,6 +153,7 @@ async fn height_at<P: PortSet, W: Pend>(
 /// Goes over a place, and touches the bed fast.
 async fn seek<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: Option<[Mm; 2]>) -> Result<Mm, ProbeError> {
     main_loop.finish().await?;
+    leave_surface(main_loop).await?;
     let probe = main_loop.settings.probe;
     let clearance = if main_loop.probing.is_in_series() { probe.clearance } else { probe.deploy_clearance };
     raise_to(main_loop, probe.nozzle_at(clearance)).await?;

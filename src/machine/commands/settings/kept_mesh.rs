@@ -1,10 +1,11 @@
 //! The mesh in storage: M500 keeps it beside the settings, M501 and a start take it.
 
 use super::stored::Paced;
+use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface_stub::use_surface;
+use crate::machine::main_loop::surface::{follow_mesh, set_mesh};
 use crate::machine::ports::PortSet;
 use crate::port::{Pend, StorageError};
 use crate::storage::{self, MeshRejected};
@@ -31,7 +32,8 @@ pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
     }))
 }
 
-/// Takes the kept mesh; or why there is none. What the settings say of its use comes into force.
+/// Takes the kept mesh; or why there is none, and then the present one stays. What the settings say of its use comes
+/// into force.
 pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Option<MeshAnswer>, Interrupt> {
@@ -48,10 +50,17 @@ pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
         Err(StorageError::Absent) => Some(MeshRejected::Blank),
         Err(StorageError::Failed) => Some(MeshRejected::Damaged),
     };
-    if rejected.is_some() {
-        main_loop.bed.forget();
+    if let Some(known) = main_loop.bed.mesh().copied() {
+        set_mesh(main_loop, Some(&known.mesh)).await?;
+        follow_mesh(main_loop, settings.mesh.is_on).await?;
     }
-    let mesh = main_loop.bed.mesh().map(|known| known.mesh).filter(|_| settings.mesh.is_on);
-    use_surface(main_loop, mesh.as_ref()).await?;
     Ok(rejected.map(MeshAnswer::Rejected))
+}
+
+/// The same; no news is worth a line if no mesh is to be used.
+pub(in crate::machine) async fn take_mesh_to_use<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<Answer<'static>, Interrupt> {
+    let news = take_kept_mesh(main_loop).await?.filter(|_| main_loop.settings.mesh.is_on);
+    Ok(news.map_or(Answer::Nothing, Answer::Mesh))
 }

@@ -28,7 +28,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use kept_mesh::{keep_mesh, take_kept_mesh};
+use kept_mesh::{keep_mesh, take_mesh_to_use};
 use machine_record::exchange_machine;
 use plain::set_plain;
 use stored::{check_storage, load_settings, reset_settings, save_settings};
@@ -68,9 +68,8 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         }
         SettingCommand::LoadSettings => {
             let news = load_settings(main_loop).await?;
-            if let Some(news) = take_kept_mesh(main_loop).await?.filter(|_| main_loop.settings.mesh.is_on) {
-                main_loop.reply(Answer::Mesh(news)).await?;
-            }
+            let mesh = take_mesh_to_use(main_loop).await?;
+            main_loop.reply(mesh).await?;
             Answer::Storage(news)
         }
         SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
