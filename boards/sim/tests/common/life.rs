@@ -1,7 +1,7 @@
 //! The life of a machine: lines are said one after the other, time passes, and moving and warm parts are checked.
 
 use corehbot::motors::{MOTORS, MotorSet};
-use corehbot::port::NoStorage;
+use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::surface::Mesh;
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -66,10 +66,22 @@ pub fn live_on(
     hosts: usize,
     body: impl FnOnce(&mut Life<'_>),
 ) {
-    let (drivers, mut desk, seen) = (Drivers::new(), Desk::new(hosts), RefCell::new(Seen::default()));
+    let mut desk = Desk::new(hosts);
     desk.mesh = mesh;
+    live_with(settings, start, (&mut desk, hosts), NoStorage, body);
+}
+
+/// The same of one with these surroundings, which outlive it.
+pub fn live_with(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    (desk, hosts): (&mut Desk, usize),
+    storage: impl Storage,
+    body: impl FnOnce(&mut Life<'_>),
+) {
+    let (drivers, seen) = (Drivers::new(), RefCell::new(Seen::default()));
     let mut sink = Recorder(&seen);
-    let world = World::new(&mut desk, settings, start, NoStorage, &drivers, &mut sink);
+    let world = World::new(desk, settings, start, storage, &drivers, &mut sink);
     let mut life = Life {
         world,
         drivers: &drivers,

@@ -1,0 +1,217 @@
+//! The bed: a mesh that is measured, kept and followed, and screws that are levelled, on simulated beds.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+#[path = "common/life.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
+mod life;
+
+use corehbot::connectors::ConnectorName;
+use corehbot::settings::{ProbeKind, Settings};
+use corehbot::units::Mm;
+use corehbot_rig::bed::{BedPlant, BedSetup};
+use corehbot_sim::bed_plant;
+use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::world::Desk;
+use life::{Life, live_with};
+
+/// The motors of the Z screws.
+const SCREWS: [usize; 2] = [4, 5];
+const START: [i32; 3] = [100, 100, 50];
+
+/// The prototype with a switch as its probe.
+fn probed() -> Settings {
+    let mut s = Settings::prototype();
+    s.probe_plug.connector = ConnectorName::lit("PROBE");
+    s.probe.kind = ProbeKind::Switch;
+    s.probe.samples = 1;
+    s
+}
+
+fn over(s: &Settings, bed: &BedSetup, storage: &mut Eeprom, body: impl FnOnce(&mut Life<'_>)) {
+    let mut desk = Desk::new(1);
+    desk.bed = Some(Box::new(BedPlant::new(s, bed)));
+    live_with(s, Some(START.map(Mm::from_num)), (&mut desk, 1), storage, body);
+}
+
+/// z of the nozzle, by the steps since the start.
+fn real_z(life: &Life<'_>, s: &Settings) -> f64 {
+    f64::from(START[2]) + f64::from(life.counts()[SCREWS[0]]) / s.axes.z.steps_per_mm.to_num::<f64>()
+}
+
+/// The rows of a grid in the answer to a line.
+fn grid(life: &mut Life<'_>, line: &str) -> Vec<Vec<f64>> {
+    let before = life.heard.len();
+    life.say(line);
+    let answer = &life.heard[before..];
+    let begin = answer.iter().position(|line| line == "Bilinear Leveling Grid:").unwrap();
+    assert!(answer[..answer.len() - 1].iter().all(|line| !line.contains("ok")), "{answer:?}");
+    let rows = answer[begin + 2..].iter().take_while(|line| !line.is_empty());
+    rows.map(|row| row.split_whitespace().skip(1).map(|height| height.parse().unwrap()).collect()).collect()
+}
+
+/// Lines in the answer to a line.
+fn said(life: &mut Life<'_>, line: &str) -> Vec<String> {
+    let before = life.heard.len();
+    life.say(line);
+    let mut answer = life.heard[before..].to_vec();
+    answer.retain(|line| !line.starts_with("echo:busy"));
+    answer
+}
+
+#[test]
+fn p8_z_follows_a_bed_that_was_measured_and_p11_goes_on_after_homing_and_a_start() {
+    let s = probed();
+    let bed = bed_plant::read("tilt.x=0.0004,bowl=0.1,wave=0.02", &s).unwrap();
+    let (plant, mut memory) = (BedPlant::new(&s, &bed), Eeprom::blank());
+    // The middle of what the probe reaches.
+    let zero = plant.height([195.0, 208.8]);
+    let follows = |life: &mut Life<'_>| {
+        for (x, y) in [(195.0, 208.8), (60.0, 60.0), (111.1, 222.2), (300.0, 90.5), (350.0, 380.0), (20.0, 400.0)] {
+            life.say(&format!("G1 X{x} Y{y} Z0.2 F12000"));
+            life.say("M400");
+            let off = real_z(life, &s) - 0.2 - (plant.height([x, y]) - zero);
+            // 5 by 5 points leave so much of this bed, at most in the outer cells, and the probe a micrometre or two.
+            assert!(off.abs() < 0.0081 + 0.002, "{x} {y}: {off}");
+        }
+    };
+    over(&s, &bed, &mut memory, |life| {
+        let heights = grid(life, "G29");
+        assert_eq!(heights.iter().map(Vec::len).collect::<Vec<_>>(), [5; 5]);
+        let corner = plant.height([10.0, 10.0]) - zero;
+        assert!((heights[0][0] - corner).abs() < 0.002, "{} {corner}", heights[0][0]);
+        assert_eq!(grid(life, "M420 V"), heights);
+        follows(life);
+        // Homing finds z by its switch, at the same place; the mesh stays on.
+        life.say("G28");
+        assert!(said(life, "M420").contains(&"echo:Bed Leveling ON".to_owned()));
+        follows(life);
+        assert!(said(life, "M500").contains(&"echo:Mesh stored".to_owned()));
+        life.say("M420 S0");
+        life.say("G1 X300 Y90 Z5");
+        life.say("M400");
+        assert!((real_z(life, &s) - 5.0).abs() < 0.002, "{}", real_z(life, &s));
+        life.say("M420 S1");
+        follows(life);
+    });
+    over(&s, &bed, &mut memory, |life| {
+        assert!(said(life, "M420").contains(&"echo:Bed Leveling ON".to_owned()), "{:?}", life.heard);
+        follows(life);
+    });
+    // Another probe: the mesh is refused, and that is said.
+    let mut other = s;
+    other.probe.offset.x = Mm::from_num(-20);
+    memory.save(&Settings { mesh: corehbot::settings::MeshSettings { is_on: true, ..other.mesh }, ..other }).unwrap();
+    over(&other, &BedSetup::of(&other), &mut memory, |life| {
+        assert_eq!(life.count("echo:No stored mesh: it is of a machine with"), 1, "{:?}", life.heard);
+        assert!(said(life, "M420").contains(&"echo:Bed Leveling OFF".to_owned()));
+    });
+}
+
+#[test]
+fn a_part_of_the_bed_is_measured_around_objects_and_not_kept() {
+    let s = probed();
+    let bed = bed_plant::read("bowl=0.3", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        life.say("EXCLUDE_OBJECT_DEFINE NAME=a POLYGON=[[150,180],[230,180],[230,215],[150,215]]");
+        let heights = grid(life, "BED_MESH_CALIBRATE ADAPTIVE=1");
+        assert_eq!(heights.iter().map(Vec::len).collect::<Vec<_>>(), [3; 3]);
+        assert!(said(life, "M500").iter().any(|line| line.starts_with("echo:Mesh not stored: it covers a part")));
+        assert_eq!(grid(life, "G29 L50 R250 F100 B300").len(), 3);
+        assert!(said(life, "G29 O").contains(&"echo:G29 O: a mesh is in use, nothing is measured".to_owned()));
+        assert_eq!(grid(life, "G29 P1 X50 Y60 W200 H100 C").len(), 3);
+        life.say("G29 J");
+        assert!(said(life, "M420 V").contains(&"echo:Invalid mesh. G29 measures one".to_owned()));
+        life.say("EXCLUDE_OBJECT_DEFINE RESET=1");
+        assert_eq!(grid(life, "BED_MESH_CALIBRATE ADAPTIVE=1").len(), 5);
+    });
+}
+
+#[test]
+fn a_point_of_the_mesh_is_changed_and_gone_to() {
+    let s = probed();
+    over(&s, &BedSetup::of(&s), &mut Eeprom::blank(), |life| {
+        let flat = grid(life, "G29");
+        assert!(flat.iter().flatten().all(|height| height.abs() < 0.0015), "{flat:?}");
+        assert_eq!(said(life, "M421 I1 J2 Z0.1"), ["ok"]);
+        life.say("M421 I1 J2 Q0.05");
+        assert!((grid(life, "M420 V")[2][1] - 0.15).abs() < 0.0015);
+        assert_eq!(
+            said(life, "M421 I9 J0 Z0.1")[0],
+            "echo:ignored: points are I0 to I4, J0 to J4, and X Y inside of them"
+        );
+        life.say("G42 I1 J2 F6000");
+        assert!(life.ask("M114", "X:").starts_with("X:102.50 Y:208.80"), "{:?}", life.heard.last());
+        life.say("G1 Z0.2");
+        life.say("M400");
+        assert!((real_z(life, &s) - 0.35).abs() < 0.003, "{}", real_z(life, &s));
+    });
+}
+
+/// z of both screws since the start, in steps.
+fn screws(life: &Life<'_>) -> [i32; 2] {
+    SCREWS.map(|screw| life.counts()[screw])
+}
+
+#[test]
+fn p15_two_screws_are_levelled_and_the_middle_stays() {
+    let mut s = probed();
+    (s.screws[0].place.x, s.screws[1].place.x) = (-25, 415);
+    let bed = bed_plant::read("screw=-25/200/0.33,screw=415/200/-0.33", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        let answer = said(life, "G34");
+        assert!(answer.contains(&"Target accuracy achieved.".to_owned()), "{answer:?}");
+        assert!(answer.contains(&"Did 2 of 5".to_owned()), "{answer:?}");
+        let [left, right] = screws(life);
+        // 0.66 mm apart are 528 steps; the bed's middle is at rest.
+        assert!((left - right - 528).abs() <= 4, "{left} {right}");
+        let flat = grid(life, "G29");
+        assert!(flat.iter().flatten().all(|height| height.abs() < 0.004), "{flat:?}");
+        // Level already: nothing turns.
+        let before = screws(life);
+        assert!(said(life, "Z_TILT_ADJUST").contains(&"Did 1 of 5".to_owned()));
+        assert_eq!(screws(life)[0] - screws(life)[1], before[0] - before[1]);
+        life.say("M84");
+        life.say("G28");
+        assert!(said(life, "G29").iter().any(|line| line.starts_with("echo:the motors of z had no power since G34")));
+    });
+}
+
+#[test]
+fn p16_swapped_motors_end_the_job_and_their_turns_are_taken_back() {
+    let s = probed();
+    // The machine has them the other way round.
+    let bed = bed_plant::read("screw=415/200/0.33,screw=-25/200/-0.33", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        let before = screws(life);
+        let answer = said(life, "G34");
+        assert!(answer.iter().any(|line| line.contains("Decreasing accuracy: 0.658")), "{answer:?}");
+        assert!(answer.iter().all(|line| !line.starts_with("Error")), "{answer:?}");
+        assert!(answer.iter().any(|line| line.starts_with("//action:cancel")), "{answer:?}");
+        assert_eq!(screws(life)[0] - screws(life)[1], before[0] - before[1], "taken back");
+        life.say("G28");
+        assert!(said(life, "M114")[0].starts_with("X:0.00"));
+    });
+}
+
+#[test]
+fn screws_that_are_far_off_are_not_turned() {
+    let s = probed();
+    let bed = bed_plant::read("screw=-25/200/1.5,screw=415/200/-1.5", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        let answer = said(life, "G34");
+        assert!(answer.iter().any(|line| line.contains("is too much to turn")), "{answer:?}");
+        assert_eq!(screws(life)[0], screws(life)[1]);
+    });
+}
+
+#[test]
+fn hand_screws_are_told_how_far_they_turn() {
+    let s = probed();
+    let bed = bed_plant::read("tilt.x=0.001", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        let answer = said(life, "G35 S40");
+        // 330 mm of 0.001: 0.33 mm of a thread of 0.7 mm, higher at the right.
+        assert_eq!(answer[0], "Turn Front-Right CCW by 0 turns and 28 minutes (0.330mm)", "{answer:?}");
+        assert!(answer[2].starts_with("Turn Back-Left") && answer[2].contains("0 turns and 0 minutes"), "{answer:?}");
+    });
+}
