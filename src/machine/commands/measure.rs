@@ -45,7 +45,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     }
     main_loop.finish().await?;
     if words.homes {
-        home(main_loop, &mut states.notices, HomeWords::default(), Mm::ZERO).await?;
+        home(main_loop, &mut states.notices, HomeWords::default(), None).await?;
     }
     if main_loop.homed.lacks_one_of([true; 3]) {
         return Ok(Answer::NotHomed);
