@@ -170,7 +170,6 @@ fn every_g_code_has_its_command() {
         ("G19", Command::Motion(MotionCommand::Plane(Plane::Yz))),
         ("G20", Command::Motion(MotionCommand::Inches)),
         ("G21", Command::Motion(MotionCommand::Millimetres)),
-        ("M48", Command::Refused(RefusedCommand::Probing)),
         ("G90", Command::Motion(MotionCommand::Absolute)),
         ("G91", Command::Motion(MotionCommand::Relative)),
         ("T0", Command::Motion(MotionCommand::Tool)),
