@@ -182,7 +182,7 @@ impl Life<'_> {
 
     /// Steps that the extruder has made.
     pub fn extruder_steps(&self) -> i32 {
-        self.world.outcome().counts[6]
+        self.counts()[6]
     }
 
     /// Steps that the motors have made.
