@@ -371,7 +371,7 @@ fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -> fmt::Resu
 fn refused(f: &mut Formatter<'_>, command: RefusedCommand) -> fmt::Result {
     match command {
         RefusedCommand::Conditional => f.write_str("M622"),
-        RefusedCommand::Probing => f.write_str("M48"),
+        RefusedCommand::Probing => f.write_str("M290"),
         _ => Err(fmt::Error),
     }
 }
