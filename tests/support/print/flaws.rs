@@ -13,7 +13,11 @@ pub fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
             write_text(f, text)
         }
         Flaw::OutOfRange(text) => {
-            f.write_str(if matches!(text, [b'f' | b'F', ..]) { "M593 " } else { "G4 " })?;
+            f.write_str(match text {
+                [b'f' | b'F', ..] => "M593 ",
+                [b'r' | b'R', ..] => "G28 ",
+                _ => "G4 ",
+            })?;
             write_text(f, text)
         }
         Flaw::NoPair(_) => f.write_str("SET_VELOCITY_LIMIT ACCEL="),
