@@ -30,6 +30,13 @@ pub fn trim_end(mut text: &[u8], is_blank: impl Fn(u8) -> bool) -> &[u8] {
     text
 }
 
+/// Whether `text` is this word, in large or small letters. Inlined, it would be repeated for every name of a value.
+#[must_use]
+#[inline(never)]
+pub fn is_word(text: &[u8], word: &[u8]) -> bool {
+    text.eq_ignore_ascii_case(word)
+}
+
 /// The number of the digits that `text` begins with, and the text after them. It saturates, and is 0 without a digit.
 #[must_use]
 pub fn read_digits(mut text: &[u8]) -> (u16, &[u8]) {

@@ -14,6 +14,7 @@
 //! - M104 T0, M106 P0, M200 D0, `G10 P0`, M141: slicers write them for machines with one extruder and no chamber.
 
 use super::number::Number;
+use crate::text::is_word;
 
 /// The part that a word addresses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -117,7 +118,7 @@ pub(super) fn absent(words: &[(u8, Part)], letter: u8, number: Option<Number>) -
 
 /// The extruder of a named command, if it is one that is not there. Klipper calls the first one `extruder`.
 pub(super) fn absent_extruder<'a>(command: &'static str, name: &'a [u8]) -> Option<Absent<'a>> {
-    let is_there = name.eq_ignore_ascii_case(b"extruder");
+    let is_there = is_word(name, b"extruder");
     (!is_there).then_some(Absent { command: Named::Name(command), part: Part::Extruder, which: name })
 }
 

@@ -20,8 +20,9 @@ impl Number {
     /// Zero.
     pub const ZERO: Self = Self(I32F32::ZERO);
 
-    /// The number nearest to `value`.
+    /// The number nearest to `value`. Inlined, it would be repeated at every value that is shown.
     #[must_use]
+    #[inline(never)]
     pub const fn saturating(value: I32F32) -> Self {
         const LIMIT_BITS: i64 = (Number::LIMIT as i64) << 32;
         let bits = value.to_bits();

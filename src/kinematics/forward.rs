@@ -5,7 +5,7 @@
 //! counts divided by one small number. Counts that belong to a position give exactly that position.
 
 use super::row::Row;
-use crate::units::Steps;
+use crate::units::{Steps, part_of};
 
 /// The inverse of `R^T R`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -65,8 +65,7 @@ fn sum([a, b, c, d]: [i32; 4], rows: &[Row], counts: &[i64]) -> i64 {
 #[inline(never)]
 fn steps((sum, over): (i64, i64)) -> Steps {
     let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
-    // Rows of ones divide by less than 2^31. The longer division takes a thousand instructions.
-    let part = if over < 1 << 31 { (rest << 32) / over } else { ((i128::from(rest) << 32) / i128::from(over)) as i64 };
+    let part = part_of(rest, 1 << 32, over.unsigned_abs());
     Steps::from_bits((whole << 32).wrapping_add(part))
 }
 

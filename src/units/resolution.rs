@@ -1,6 +1,6 @@
 //! Between millimetres and steps, by the resolution of a motor: lengths, and speeds.
 
-use super::{Mm, MmPerSec, Steps, StepsPerMm, mul_div};
+use super::{Mm, MmPerSec, Steps, StepsPerMm, mul_div, part_of};
 use core::ops::{Div, Mul};
 
 /// Steps a second, times 2^32: all bits of a speed times a resolution.
@@ -69,12 +69,10 @@ impl StepsPerMm {
     }
 
     /// The length of so many parts of a step, cut off towards zero; `parts` of them are a step.
-    // A division of 128 bits takes 700 bytes at each place that it is inlined into.
     #[must_use]
-    #[inline(never)]
     pub fn length_of_parts(self, count: i64, parts: u32) -> Mm {
-        let bits = i128::from(count) << (Self::FRAC_NBITS + Mm::FRAC_NBITS);
-        Mm::from_bits((bits / (i128::from(self.to_bits().max(1)) * i128::from(parts.max(1)))) as i64)
+        let of = u64::from(self.to_bits().max(1)) * u64::from(parts.max(1));
+        Mm::from_bits(part_of(count, 1 << (Self::FRAC_NBITS + Mm::FRAC_NBITS), of))
     }
 }
 

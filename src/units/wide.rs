@@ -60,6 +60,23 @@ pub const fn root(square: u64) -> u64 {
     if square - root * root > root { root + 1 } else { root }
 }
 
+/// The square root of a square of 128 bits, cut off. Bit by bit, because the standard library's takes 1,400 bytes.
+#[must_use]
+#[inline(never)]
+pub const fn wide_root(square: u128) -> u64 {
+    let (mut rest, mut root, mut bit) = (square, 0, 1u128 << 126);
+    while bit != 0 {
+        let tried = root + bit;
+        root >>= 1;
+        if rest >= tried {
+            rest -= tried;
+            root += bit;
+        }
+        bit >>= 2;
+    }
+    root as u64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,6 +86,17 @@ mod tests {
         for (square, expected) in [(0, 0), (2, 1), (3, 2), (6, 2), (7, 3), (u64::MAX, 1 << 32)] {
             assert_eq!(root(square), expected);
         }
+    }
+
+    #[test]
+    fn wide_roots_are_cut_off() {
+        let edges = [0, 1, 2, 3, 4, 99, u64::MAX / 3, 1 << 32, (1 << 32) - 1, 1 << 63, u64::MAX - 1, u64::MAX];
+        for root in edges.map(u128::from) {
+            for square in [root * root, (root * root).saturating_sub(1), (root * root).saturating_add(2 * root)] {
+                assert_eq!(u128::from(wide_root(square)), square.isqrt(), "{square}");
+            }
+        }
+        assert_eq!(wide_root(u128::MAX), u64::MAX);
     }
 
     #[test]

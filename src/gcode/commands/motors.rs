@@ -10,6 +10,7 @@ use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, AxisWords, Flaw, LevelWords, ScrewWords};
 use crate::motors::MotorName;
+use crate::text::is_word;
 
 /// Motors, their drivers and belts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -195,8 +196,8 @@ fn buzz(text: &[u8]) -> Command<'_> {
             return Command::Malformed(Flaw::Absent(absent));
         };
         match name {
-            name if name.eq_ignore_ascii_case(b"STEPPER") => motor = known,
-            name if name.eq_ignore_ascii_case(b"FREE") => free = Some(known),
+            name if is_word(name, b"STEPPER") => motor = known,
+            name if is_word(name, b"FREE") => free = Some(known),
             _ => return Command::Malformed(Flaw::NoPair(word)),
         }
     }

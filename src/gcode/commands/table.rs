@@ -3,6 +3,7 @@
 use super::row::{Begin, Described, Row, Text};
 use super::{bed, heat, jobs, motion, motors, probing, refused, reports, settings, silent};
 use crate::gcode::code::Code;
+use crate::text::is_word;
 
 /// The families with their headings in docs/reference/gcode.md. Arcs are frequent, so their family is the first.
 const FAMILIES: [(&str, &[Described]); 10] = [
@@ -57,7 +58,7 @@ pub(in crate::gcode) fn row_of(code: Code) -> Option<&'static Row> {
 /// The row of a name.
 pub(in crate::gcode) fn row_of_name(name: &[u8]) -> Option<&'static Row> {
     ROWS.iter().find(|row| match row.begin {
-        Begin::Name(names) => names.iter().any(|known| name.eq_ignore_ascii_case(known.as_bytes())),
+        Begin::Name(names) => names.iter().any(|known| is_word(name, known.as_bytes())),
         Begin::Code(..) => false,
     })
 }

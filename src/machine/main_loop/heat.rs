@@ -13,7 +13,7 @@ use crate::machine::state::self_tests::SelfTests;
 use crate::settings::ThermalSettings;
 use crate::status::{Heat, SelfTest};
 use crate::thermal::{Orders, test_subject};
-use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
+use crate::units::{Celsius, Instant, TICKS_PER_SECOND, part_of};
 
 /// Interval of the heat work, in ms: a quarter of a control period.
 const TURN_MS: u32 = 5;
@@ -237,7 +237,7 @@ impl<'m> Heaters<'m> {
     /// Reports the heat that the filament to come takes from the hotend.
     pub(super) fn note_ahead(&self, um: [i64; 2], thermal: &ThermalSettings) {
         let heat_of = |um: i64| {
-            let bits = i128::from(um.max(0)) * i128::from(thermal.filament.to_bits()) / 1000;
+            let bits = part_of(um.max(0), thermal.filament.to_bits().into(), 1000);
             u32::try_from(bits).unwrap_or(u32::MAX)
         };
         self.status.set_filament_ahead(um.map(heat_of));

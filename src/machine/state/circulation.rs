@@ -1,6 +1,6 @@
 //! Circulation: the distance by which a closed belt has circulated, and the place of z during it.
 
-use crate::units::{Mm, Steps, StepsPerMm};
+use crate::units::{Mm, Steps, StepsPerMm, part_of};
 
 /// The belt's third degree of freedom, besides the two that move the tool.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,7 @@ impl Circulation {
 
     /// A step is of another length from now on.
     pub fn rescale(&mut self, before: StepsPerMm, now: StepsPerMm) {
-        let product = i128::from(self.steps) * i128::from(now.to_bits());
-        self.steps = (product / i128::from(before.to_bits().max(1))) as i64;
+        self.steps = part_of(self.steps, now.to_bits().into(), before.to_bits().max(1).into());
     }
 
     /// Where z stands, in steps and in mm.

@@ -186,6 +186,7 @@ impl Clamps {
 
     /// The value if it is legal, or its fate. If the type holds a value far from the number, the type has cut it off.
     /// Messages show all values as `scale` converts them; `old` is the present one.
+    #[inline(never)]
     fn judge(
         &mut self,
         asked: &Asked,

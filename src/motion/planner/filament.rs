@@ -1,7 +1,7 @@
 //! Filament ahead: the amount that the planned moves push within a given time, for the heater control.
 
 use super::Planner;
-use crate::units::{Steps, TICKS_PER_SECOND};
+use crate::units::{Steps, TICKS_PER_SECOND, part_of};
 
 impl Planner<'_> {
     /// A position or length of filament in um.
@@ -35,10 +35,7 @@ fn flow(pieces: impl Iterator<Item = (i64, u64)>, ticks: u64) -> [i64; 2] {
     let (mut sum, mut missing) = (0, ticks);
     for (um, takes) in pieces {
         if takes >= missing && takes > 0 {
-            let wide = i128::from(um);
-            let part = wide * i128::from(missing) / i128::from(takes);
-            let rate = wide * i128::from(TICKS_PER_SECOND) / i128::from(takes);
-            return [sum + part as i64, rate as i64];
+            return [sum + part_of(um, missing, takes), part_of(um, TICKS_PER_SECOND.into(), takes)];
         }
         (sum, missing) = (sum + um, missing - takes);
     }

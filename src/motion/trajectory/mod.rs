@@ -45,7 +45,7 @@ use crate::motion::moves::WHOLE;
 use crate::motion::surface::SurfaceFrame;
 use crate::settings::Kept;
 use crate::surface::{Heights, MOST_POINTS};
-use crate::units::{Steps, SubTicks};
+use crate::units::{Steps, SubTicks, part_of};
 use axis::{Axis, Spans};
 use phase::{Curve, Phase, point};
 use span::ONE;
@@ -105,8 +105,8 @@ impl Spans for Ring<'_> {
 
 /// Linear interpolation from `from` to `to` over `whole`, after `part` of it.
 fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTicks) -> u32 {
-    let way = i128::from(i64::from(to) - i64::from(from)) * i128::from(part.min(whole)) / i128::from(whole.max(1));
-    (i64::from(from) + way as i64) as u32
+    let way = part_of(i64::from(to) - i64::from(from), part.min(whole), whole.max(1));
+    (i64::from(from) + way) as u32
 }
 
 /// The spans, and the progress of each axis in them.

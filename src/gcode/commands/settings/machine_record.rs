@@ -5,20 +5,20 @@ use super::super::Command;
 use super::SettingCommand;
 use super::shaping::{named_value, words};
 use crate::gcode::parts::{Flaw, MachineRecord};
-use crate::text::read_digits;
+use crate::text::{is_word, read_digits};
 
 pub(super) fn put(text: &[u8]) -> Command<'_> {
     let (mut at, mut hex) = (None, None);
     for word in words(text) {
         match named_value(word) {
-            Some((name, value)) if name.eq_ignore_ascii_case(b"AT") => {
+            Some((name, value)) if is_word(name, b"AT") => {
                 let (number, after) = read_digits(value);
                 if value.is_empty() || !after.is_empty() {
                     return Command::Malformed(Flaw::NoPair(word));
                 }
                 at = Some(number);
             }
-            Some((name, value)) if name.eq_ignore_ascii_case(b"HEX") => hex = Some(value),
+            Some((name, value)) if is_word(name, b"HEX") => hex = Some(value),
             _ => return Command::Malformed(Flaw::NoPair(word)),
         }
     }

@@ -7,6 +7,7 @@ use crate::gcode::index::absent_extruder;
 use crate::gcode::lexer::{Words, is_blank};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, Flaw, ShaperWords, VelocityWords};
+use crate::text::is_word;
 use fixed::types::I32F32;
 
 /// The shapers of M593; the value of each is its number in M593 T (Prusa-Firmware-Buddy).
@@ -56,10 +57,10 @@ pub(super) fn shaper(text: &[u8]) -> Command<'static> {
         }
     }
     if let Some(name) = name {
-        let known = NAMES.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
+        let known = NAMES.iter().find(|(other, _)| is_word(name, other));
         // No shaper has the number -1.
         kind = Some(Number::from(known.map_or(-1, |(_, shaper)| *shaper as i32)));
-        if name.eq_ignore_ascii_case(b"none") {
+        if is_word(name, b"none") {
             (frequency, kind) = (Some(Number::ZERO), None);
         }
     }
@@ -105,12 +106,12 @@ pub(super) fn set_pressure_advance(text: &[u8]) -> Command<'_> {
     for word in words(text) {
         let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
         let place = match name {
-            name if name.eq_ignore_ascii_case(b"EXTRUDER") => match absent_extruder("SET_PRESSURE_ADVANCE", value) {
+            name if is_word(name, b"EXTRUDER") => match absent_extruder("SET_PRESSURE_ADVANCE", value) {
                 Some(absent) => return Command::Malformed(Flaw::Absent(absent)),
                 None => continue,
             },
-            name if name.eq_ignore_ascii_case(b"ADVANCE") => &mut time,
-            name if name.eq_ignore_ascii_case(b"SMOOTH_TIME") => &mut window,
+            name if is_word(name, b"ADVANCE") => &mut time,
+            name if is_word(name, b"SMOOTH_TIME") => &mut window,
             _ => continue,
         };
         let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
@@ -125,12 +126,12 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
     for word in words(text) {
         let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
         let place = match name {
-            name if name.eq_ignore_ascii_case(b"ACCEL") => &mut limit.acceleration,
-            name if name.eq_ignore_ascii_case(b"ACCEL_TO_DECEL") => &mut limit.to_deceleration,
-            name if name.eq_ignore_ascii_case(b"MINIMUM_CRUISE_RATIO") => &mut limit.cruise_ratio,
-            name if name.eq_ignore_ascii_case(b"SQUARE_CORNER_VELOCITY") => &mut limit.square_corner,
+            name if is_word(name, b"ACCEL") => &mut limit.acceleration,
+            name if is_word(name, b"ACCEL_TO_DECEL") => &mut limit.to_deceleration,
+            name if is_word(name, b"MINIMUM_CRUISE_RATIO") => &mut limit.cruise_ratio,
+            name if is_word(name, b"SQUARE_CORNER_VELOCITY") => &mut limit.square_corner,
             // Klipper's own word before an unknown one.
-            name if limit.other.is_none() || name.eq_ignore_ascii_case(b"VELOCITY") => {
+            name if limit.other.is_none() || is_word(name, b"VELOCITY") => {
                 limit.other = Some(name);
                 continue;
             }

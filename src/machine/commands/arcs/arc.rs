@@ -10,7 +10,7 @@
 
 use super::angle::{TURN, cos_sin, direction};
 use crate::gcode::{ArcShape, Plane};
-use crate::units::{Mm, mul_div, part_of};
+use crate::units::{Mm, mul_div, part_of, wide_root};
 
 /// Why there is no such arc.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -216,7 +216,7 @@ fn centre_from_radius(
     }
     let square = |length: u64| u128::from(length) * u128::from(length);
     let is_half_circle = most <= half + slack;
-    let height = if is_half_circle { 0 } else { square(most).saturating_sub(square(half)).isqrt() as i64 };
+    let height = if is_half_circle { 0 } else { wide_root(square(most).saturating_sub(square(half))).cast_signed() };
     // To the left of the line from start to end, unless exactly one of these holds.
     let height = if clockwise == (radius > 0) { -height } else { height };
     let share = |leg: i64| leg.signum() * part_of(height, leg.unsigned_abs(), chord);
@@ -226,7 +226,7 @@ fn centre_from_radius(
 #[inline(never)]
 fn hypotenuse(x: i64, y: i64) -> u64 {
     let square = |v: i64| u128::from(v.unsigned_abs()) * u128::from(v.unsigned_abs());
-    (square(x) + square(y)).isqrt() as u64
+    wide_root(square(x) + square(y))
 }
 
 #[cfg(test)]
