@@ -40,5 +40,5 @@ rows! {
     /// Height of z up to which the mesh fades to its mean; 0 is no fade (M420 Z).
     146 "fade" = mesh.fade, "mm", [ranges::MESH_FADE.spec().or_zero()];
     /// Whether the kept mesh is used from the start (M420 S).
-    147 "use" = mesh.is_on, "", [Spec::SWITCH];
+    147 "is_on" = mesh.is_on, "", [Spec::SWITCH];
 }

@@ -90,6 +90,9 @@ fn file(rule: CornerRule) -> Table {
     for axis in ["x", "y"] {
         file["shaper"][axis]["kind"] = "zv".into();
     }
+    // A probe, by which z may be homed.
+    file["endstops"]["probe"] = "PROBE".into();
+    file["probe"]["kind"] = "switch".into();
     // One that follows the shapers would change with them.
     file["advance"]["window"] = 0.03.into();
     // A driver with values of its own for each motor.
@@ -119,6 +122,13 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
                 let places = PLACES.iter().zip(items);
                 places.for_each(|((place, _), value)| gather(value, &format!("{path}.{place}"), into));
             }
+            Value::Array(items) if path.ends_with(".home") => {
+                let axes = ["x", "y"].into_iter().zip(items);
+                axes.for_each(|(axis, value)| gather(value, &format!("{path}.{axis}"), into));
+            }
+            Value::Array(items) if path.ends_with(".screws") => {
+                items.iter().enumerate().for_each(|(n, value)| gather(value, &format!("{path}.{}", n + 1), into));
+            }
             Value::Array(items) if path.ends_with(".motors") => {
                 let motors = prototype::NAMES.into_iter().zip(items).take(prototype::COUNT);
                 motors.for_each(|(motor, value)| gather(value, &format!("{path}.{motor}"), into));
@@ -147,7 +157,13 @@ fn key_of(path: &str) -> String {
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.strip_prefix("axis_min.").map_or(path.clone(), |axis| format!("axes.{axis}.min"));
     let path = path.replace("homing_order", "homing.order");
-    let path = if ["probe", "filament"].contains(&path.as_str()) { format!("endstops.{path}") } else { path };
+    let path = match path.as_str() {
+        "probe_plug" => "endstops.probe".to_owned(),
+        "filament" => "endstops.filament".to_owned(),
+        "probe.homes_z" => "probe.z_home".to_owned(),
+        _ => path,
+    };
+    let path = path.replace(".place.", ".").replace(".point.x", ".point_x").replace(".point.y", ".point_y");
     let path = path.replace("belt.is_closed", "belt.closed").replace("settling_ms", "settling");
     let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
     CornerRule::all().map(corner).fold(path, |path, [of_rule, key, _]| path.replace(of_rule, &format!("corner.{key}")))
@@ -173,14 +189,15 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
         load(&file).ok().filter(|settings| *settings != before)
     };
     let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0, 115_200.0].into_iter().map(toml::Value::Float);
-    let names = ["mzv", "he2", "hotend2", "hotend3", "pt1000", "pid", "hotend", "controller", "max", "warning"]
-        .map(toml::Value::from);
+    let names =
+        ["nozzle", "mzv", "he2", "hotend2", "hotend3", "pt1000", "pid", "hotend", "controller", "max", "warning"]
+            .map(toml::Value::from);
     let (order, phases) = (toml::Value::from(["z", "x", "y"].to_vec()), toml::Value::from([517, 3].to_vec()));
     [true.into(), false.into(), order, phases].into_iter().chain(names).chain(numbers).find_map(legal)
 }
 
 /// Settings that M503 says as a comment, and only a machine file sets. It says no other without a line that sets it.
-const FILE_ONLY: [&str; 36] = [
+const FILE_ONLY: [&str; 37] = [
     "name",
     "axis_min.x",
     "axis_min.y",
@@ -212,6 +229,7 @@ const FILE_ONLY: [&str; 36] = [
     "left",
     "length",
     "lookahead_time",
+    "mesh.is_on",
     "position",
     "require_homing",
     "settling_ms",
@@ -232,11 +250,13 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 fn is_of_all_machines(path: &str) -> bool {
     let is_of_closed_belt = path.starts_with("belt.")
         && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases", "belt.limp_lift"].contains(&path);
-    !["probe", "filament"].contains(&path)
+    !["probe_plug", "filament"].contains(&path)
         && !OF_MOTORS.contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")
         && !path.starts_with("sensors.")
+        && !path.starts_with("probe.")
+        && !path.starts_with("screws.")
         && !path.starts_with("wiring.")
 }
 

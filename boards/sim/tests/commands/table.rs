@@ -320,8 +320,6 @@ const ROWS: &[Row] = &[
     ("M280 P0 S90", NO_PROBE),
     ("M401", NO_PROBE),
     ("M402", NO_PROBE),
-    ("G29", PROBE),
-    ("G80 N3", PROBE),
     ("G29", NO_PROBE),
     ("G29 J", SILENCE),
     ("G29 P9", &["echo:G29 P9 ignored: this firmware does not clean the nozzle"]),
