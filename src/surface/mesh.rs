@@ -104,6 +104,14 @@ impl Mesh {
         self.heights.deviation() * const { 1.0 / UNITS_PER_MM as f32 }
     }
 
+    /// By how much the highest real z may lie above z: where it fades the mean alone counts at the top of the machine.
+    #[must_use]
+    pub fn above_top(&self) -> Mm {
+        let mean = self.heights.mean() as i32;
+        let highest = if self.fade > Mm::ZERO { mean } else { self.heights.points().max().unwrap_or_default().into() };
+        Mm::const_from_int(highest.max(0).into()) / i64::from(UNITS_PER_MM)
+    }
+
     /// Whether it fades so fast that layers are wrong by more than a tenth.
     #[must_use]
     pub fn has_short_fade(&self) -> bool {

@@ -1,10 +1,11 @@
 //! Life on a mesh: z follows it, real places stay true through stops, homing and power, and nothing jumps.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/life.rs"]
 #[allow(dead_code, reason = "other tests need all of it")]
 mod life;
 
-use corehbot::settings::Settings;
+use corehbot::settings::{HomedAxis, Settings};
 use corehbot::surface::{Heights, Mesh, UNITS_PER_MM};
 use corehbot::units::Mm;
 use life::{Life, live_on};
@@ -118,4 +119,20 @@ fn z_is_found_at_its_real_place_and_counts_from_the_mesh_afterwards() {
         assert!((z - (stands - f64::from(mesh.at(x, y).z))).abs() < 0.01, "{z}: {:?}", life.heard);
         assert_eq!(real_z(life, &s), before, "nothing jumps");
     });
+}
+
+#[test]
+fn at_the_top_real_z_stays_within_the_machine() {
+    let s = Settings::prototype();
+    let most: f64 = s.reach(HomedAxis::Z).most.to_num();
+    let (first, last) = ([Mm::from_num(20); 2], [Mm::from_num(370); 2]);
+    for fade in [0, 10] {
+        let raised = Heights::filled(3, 3, |_, _| Some(UNITS_PER_MM as i16 / 5)).unwrap();
+        on_mesh(Mesh::new(raised, first, last, Mm::from_num(fade)).unwrap(), |life| {
+            life.say("G1 X200 Y200 Z9999 F1200");
+            life.say("M400");
+            let real = 50.0 + real_z(life, &s);
+            assert!((real - most).abs() < 0.002, "{real}, not {most}");
+        });
+    }
 }

@@ -22,7 +22,7 @@ use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
 use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::Alignment;
+use crate::settings::{Alignment, HomedAxis};
 use crate::units::{Mm, MmPerSec, part_of};
 
 /// Keeps the tool within the reach of any machine; a point of an arc may lie beyond.
@@ -30,6 +30,14 @@ fn bounded(position: [Mm; 4]) -> [Mm; 4] {
     let [x, y, z, e] = position;
     let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
     [x, y, z, e]
+}
+
+/// A target of z so far below the top that real z is within the machine on the bed's surface, too.
+fn below_top<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, z: Mm, [_, _, from, _]: [Mm; 4]) -> Mm {
+    let (s, motion) = (&*main_loop.settings, &main_loop.motion);
+    let ([.., is_homed], is_on_surface) = (main_loop.homed.axes(), motion.is_on_surface());
+    let Some(mesh) = motion.mesh().filter(|_| is_on_surface && is_homed && s.soft_endstops) else { return z };
+    z.min(from.max(s.reach(HomedAxis::Z).most.saturating_sub(mesh.above_top())))
 }
 
 /// The axes that move between two positions.
@@ -209,6 +217,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
             let (to, from) = (parked(bounded(position)), parked(main_loop.commanded.position()));
             let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed, &main_loop.settings);
+            let z = below_top(main_loop, z, from);
             ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };
         if moved {
