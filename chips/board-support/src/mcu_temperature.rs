@@ -36,7 +36,7 @@ impl Calibration {
         let span = Some(at_110 - at_30).filter(|span| *span > 0 && reading < 1 << 20)?;
         // 80 K in hundredths, over 16.
         let centi = 3000 + (reading - 16 * at_30) * 500 / span;
-        Some(Celsius::from_bits((centi.clamp(-10_000, 20_000) << 8) / 100 << (Celsius::FRAC_NBITS - 8)))
+        Some(Celsius::from_bits(((centi.clamp(-10_000, 20_000) << 8) / 100) << (Celsius::FRAC_NBITS - 8)))
     }
 }
 
