@@ -108,10 +108,10 @@ const PEERS: &[Peer] = &[
     Peer("idle_timeout", Use("idle_min", "in [thermal], in minutes")),
     // What there is not.
     Peer("bltouch", Use("probe", "kind = \"bltouch\", with its input in endstops.probe")),
-    Peer("bed_mesh", NotYet("an uneven bed is not compensated")),
-    Peer("quad_gantry_level", NotYet("all Z motors move alike")),
-    Peer("z_tilt*", NotYet("all Z motors move alike")),
-    Peer("safe_z_home", NotYet("Z homes where the tool stands")),
+    Peer("bed_mesh", Use("mesh", "its points and its fade; G29 has the rest")),
+    Peer("quad_gantry_level", Use("screws", "[screws.1] and so on: place and probed point of each belt (G34)")),
+    Peer("z_tilt*", Use("screws", "[screws.1] and so on: place and probed point of each screw (G34)")),
+    Peer("safe_z_home", Use("probe.home", "with probe.z_home = true")),
     Peer(
         "filament_switch_sensor",
         Use("endstops.filament", "its input; M119 reports it, and nothing stops at the end of the filament"),

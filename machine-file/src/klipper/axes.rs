@@ -1,5 +1,6 @@
 //! Axes: their reach, their limits, their switches, and how they home.
 
+use super::probe::has_probe;
 use super::work::{Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
@@ -173,8 +174,13 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
     // The usual input must not count for a switch that is elsewhere.
     work.lines.set(&path, "".into(), "to decide");
     match (pin.chip.as_str(), pin.name.as_str()) {
+        ("probe", _) if axis == "z" && has_probe(work) => {
+            work.lines.set(&path, "".into(), "Z is homed by the probe");
+            return work.take(entry, "probe.z_home", true);
+        }
         ("probe", _) => {
-            let text = format!("homing by a probe is not there yet: plug in a switch and write its input into {path}");
+            let text =
+                format!("there is no probe at an input of the board: plug in a switch and write its input into {path}");
             return work.say(entry, Kind::Decide, text);
         }
         (chip, "virtual_endstop") if chip.starts_with("tmc") => {

@@ -7,13 +7,14 @@
 //! | `config` | texts to sections and keys |
 //! | `pin`, `board` | pins to connectors |
 //! | `work` | the translation so far |
-//! | `motors`, `axes`, `heat`, `probe` | one part of a machine each |
+//! | `motors`, `axes`, `heat`, `probe`, `bed` | one part of a machine each |
 //! | `tables` | keys that are one number, and remarks on the rest |
 //! | `report` | what became of every key |
 //!
 //! The report goes through all keys of the configuration. So a key that no part knows has a verdict too.
 
 mod axes;
+mod bed;
 mod board;
 mod config;
 mod heat;
@@ -51,6 +52,7 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     axes::axes(&mut work);
     heat::heat(&mut work);
     probe::probe(&mut work);
+    bed::bed(&mut work);
     probe::filament(&mut work);
     probe::shapers(&mut work);
     numbers(&mut work);

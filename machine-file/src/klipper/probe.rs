@@ -1,4 +1,4 @@
-//! Inputs of probe and filament sensor, and input shapers.
+//! The probe, the input of a filament sensor, and input shapers.
 
 use super::work::Work;
 use crate::translation::Kind;
@@ -7,7 +7,27 @@ use corehbot_wiring::Circuit;
 /// Sections of probes with an input, and its key.
 const PROBES: [(&str, &str); 3] = [("probe", "pin"), ("bltouch", "sensor_pin"), ("smart_effector", "pin")];
 
-/// Translates the probe: so far its input is reported, and nothing more.
+/// Numbers of a probe, ours, and how ours counts.
+const NUMBERS: [(&str, &str, f64); 8] = [
+    ("x_offset", "probe.offset.x", 1.0),
+    ("y_offset", "probe.offset.y", 1.0),
+    ("z_offset", "probe.offset.z", -1.0),
+    ("speed", "probe.slow", 1.0),
+    ("samples", "probe.samples", 1.0),
+    ("sample_retract_dist", "probe.clearance", 1.0),
+    ("samples_tolerance", "probe.tolerance", 1.0),
+    ("samples_tolerance_retries", "probe.retries", 1.0),
+];
+
+/// Whether the configuration has a probe at an input of the board.
+pub(super) fn has_probe(work: &Work<'_>) -> bool {
+    PROBES.into_iter().filter_map(|(section, key)| work.pin(section, key)).any(|(_, pin)| {
+        pin.is_on_board()
+            && work.pins.input(&pin, Circuit::Plain).or_else(|| work.pins.input(&pin, Circuit::Optocoupler)).is_some()
+    })
+}
+
+/// Translates the probe.
 pub(super) fn probe(work: &mut Work<'_>) {
     for (section, key) in PROBES {
         let Some((entry, pin)) = work.pin(section, key) else { continue };
@@ -20,7 +40,17 @@ pub(super) fn probe(work: &mut Work<'_>) {
         match work.pins.input(&pin, usual) {
             Some(input) => {
                 work.take(entry, "endstops.probe", input.plug(&pin));
-                work.say(entry, Kind::Approximated, "M119 reports it, and nothing probes so far");
+                let kind = match section {
+                    "bltouch" => "bltouch",
+                    "smart_effector" => "nozzle",
+                    _ => "switch",
+                };
+                work.take(entry, "probe.kind", kind);
+                for (key, to, times) in NUMBERS {
+                    if let Some((entry, number)) = work.number(section, key) {
+                        work.take_number(entry, to, number * times);
+                    }
+                }
                 if let Some((kind, text)) = input.of_pull(&pin) {
                     work.say(entry, kind, text);
                 }

@@ -4,7 +4,7 @@
 
 use super::{read, verdict};
 use corehbot_boards::entries;
-use corehbot_machine_file::klipper::Kind::{self, Approximated, Decide, NotYet, Taken};
+use corehbot_machine_file::klipper::Kind::{self, Approximated, Decide, NotNeeded, NotYet, Taken};
 use corehbot_machine_file::klipper::{Report, translate};
 use std::fmt::Write as _;
 
@@ -129,9 +129,9 @@ home_xy_position: 206,350
             ("stepper_z", "position_min", Taken, "axes.z.min = -5"),
             ("stepper_z", "position_endstop", Taken, "homing.z.position = -0.5"),
             ("stepper_z3", "step_pin", Taken, "motors.z3 = \"M5\""),
-            ("probe", "pin", Approximated, "endstops.probe = \"E3DET\""),
-            ("quad_gantry_level", "points", NotYet, "all Z motors move alike"),
-            ("safe_z_home", "home_xy_position", NotYet, "Z homes where the tool stands"),
+            ("probe", "pin", Taken, "endstops.probe = \"E3DET\"; probe.kind = \"switch\""),
+            ("quad_gantry_level", "points", Taken, "screws.1.point_x = 50"),
+            ("safe_z_home", "home_xy_position", Taken, "probe.home.x = 206; probe.home.y = 350"),
         ],
         is_machine: true,
         decisions: 0,
@@ -202,7 +202,7 @@ z_positions: -50,18
 ",
         needs: &[
             ("stepper_z2", "step_pin", Taken, "motors.z2 = \"M4\""),
-            ("z_tilt", "z_positions", NotYet, "they move alike"),
+            ("z_tilt", "z_positions", Taken, "screws.1.x = -50; screws.1.y = 18"),
         ],
         is_machine: true,
         decisions: 0,
@@ -312,9 +312,9 @@ z_positions: -50,18
 ",
         needs: &[
             ("beacon", "serial", NotYet, "a scanner"),
-            ("stepper_z", "endstop_pin", Decide, "homing by a probe"),
+            ("stepper_z", "endstop_pin", Decide, "there is no probe at an input"),
             ("stepper_z", "homing_retract_dist", Approximated, "meets its switch twice"),
-            ("z_tilt", "z_positions", NotYet, "they move alike"),
+            ("z_tilt", "z_positions", Taken, "screws.1.x = -50; screws.1.y = 18"),
         ],
         is_machine: false,
         decisions: 1,
@@ -407,13 +407,13 @@ control_pin: PB6
 home_xy_position: 150,150
 ",
         needs: &[
-            ("bltouch", "sensor_pin", Approximated, "endstops.probe = \"BLTOUCH\""),
-            ("bltouch", "control_pin", NotYet, "nothing probes"),
-            ("stepper_z", "endstop_pin", Decide, "homing by a probe"),
-            ("safe_z_home", "home_xy_position", NotYet, "Z homes where the tool stands"),
+            ("bltouch", "sensor_pin", Taken, "endstops.probe = \"BLTOUCH\"; probe.kind = \"bltouch\""),
+            ("bltouch", "control_pin", NotNeeded, "the header BLTOUCH"),
+            ("stepper_z", "endstop_pin", Taken, "probe.z_home = true"),
+            ("safe_z_home", "home_xy_position", Taken, "probe.home.x = 150"),
         ],
-        is_machine: false,
-        decisions: 1,
+        is_machine: true,
+        decisions: 0,
     },
     Printer {
         name: "Annex K3: a switch on Z-MAX, seven of eight motors",
@@ -481,7 +481,7 @@ pin: EBBCan:PB8
         needs: &[
             ("stepper_z2", "step_pin", Taken, "motors.z2 = \"M6\""),
             ("stepper_x", "endstop_pin", Decide, "EBBCan is another board"),
-            ("stepper_z", "endstop_pin", Decide, "homing by a probe"),
+            ("stepper_z", "endstop_pin", Decide, "there is no probe at an input"),
             ("extruder", "step_pin", Decide, "EBBCan is another board"),
             ("probe", "pin", NotYet, "EBBCan is another board"),
         ],
