@@ -116,7 +116,7 @@ impl SurfaceFrame {
 
     /// The position of the planner for a real one: the inverse.
     #[must_use]
-    pub fn from_real(&self, heights: &Heights, position: [Steps; 4]) -> [Steps; 4] {
+    pub fn to_planned(&self, heights: &Heights, position: [Steps; 4]) -> [Steps; 4] {
         if self.is_none() {
             return position;
         }
@@ -160,7 +160,7 @@ mod tests {
             for (x, y) in places.iter().flat_map(|x| places.iter().map(move |y| (x, y))) {
                 for z in [-1.0, 0.0, 0.01, 0.3, 0.99, 1.1, 5.0, 9.97, 10.2, 300.0] {
                     let real = [x * 80.0, y * 80.0, (z * f64::from(z_steps)).round(), 7.0].map(Steps::from_num);
-                    let seen = frame.from_real(mesh.heights(), real);
+                    let seen = frame.to_planned(mesh.heights(), real);
                     let back = frame.to_real(mesh.heights(), seen);
                     let error = back[2].wrapping_sub(real[2]).wrapping_abs();
                     // A motor's count is the nearest step.

@@ -146,8 +146,7 @@ impl Heights {
     fn place(at: f32, points: u8) -> (u8, f32, bool) {
         let last = points.saturating_sub(2);
         let end = f32::from(points.saturating_sub(1));
-        // A number that is none is nowhere above 0.
-        if !(at > 0.0) {
+        if at <= 0.0 || at.is_nan() {
             (0, 0.0, at == 0.0)
         } else if at >= end {
             (last, 1.0, at == end)

@@ -96,8 +96,8 @@ impl Bed {
     }
 
     /// The planner's position for a position of the motors.
-    pub fn from_real(&self, position: [Steps; 4]) -> [Steps; 4] {
-        self.mesh().map_or(position, |mesh| self.frame.from_real(mesh.heights(), position))
+    pub fn to_planned(&self, position: [Steps; 4]) -> [Steps; 4] {
+        self.mesh().map_or(position, |mesh| self.frame.to_planned(mesh.heights(), position))
     }
 
     /// The demands along a move, which accelerates by `wanted_accel` at most. `turns_flat` says that the move before it

@@ -194,8 +194,8 @@ impl<'m> Planner<'m> {
 
     /// The planner's position for a position of the motors.
     #[must_use]
-    pub fn from_real(&self, position: [Steps; 4]) -> [Steps; 4] {
-        self.bed.from_real(position)
+    pub fn to_planned(&self, position: [Steps; 4]) -> [Steps; 4] {
+        self.bed.to_planned(position)
     }
 
     /// Takes over another grouping of motors with its settings; the machine is at rest, and its position follows.

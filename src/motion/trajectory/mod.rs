@@ -260,7 +260,11 @@ impl<'m> Trajectory<'m> {
         let has_surface = axis == Z && self.has_surface();
         let Self { ring, axes, .. } = self;
         if has_surface {
-            return axes.iter_mut().take(Z + 1).fold(true, |is_laid, axis| axis.advance(ring, time) && is_laid);
+            let mut is_laid = true;
+            for axis in axes.iter_mut().take(Z + 1) {
+                is_laid &= axis.advance(ring, time);
+            }
+            return is_laid;
         }
         axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
     }

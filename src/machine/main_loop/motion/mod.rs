@@ -119,7 +119,7 @@ impl<'m, W: Pend> Motion<'m, W> {
 
     /// Where the machine really is, in steps of x, y, z and e; on a surface, z is counted from there.
     pub fn real_steps(&self) -> [Steps; 4] {
-        self.from_real(self.real.of_axes(self.link.counts()))
+        self.to_planned(self.real.of_axes(self.link.counts()))
     }
 
     /// The mesh of the bed, whether z follows it or not.
@@ -158,7 +158,7 @@ impl<'m, W: Pend> Motion<'m, W> {
         let real = self.planner.to_real(self.planner.end());
         self.planner.use_mesh(is_on, settings);
         self.has_followed |= is_on;
-        self.planner.from_real(real)
+        self.planner.to_planned(real)
     }
 
     /// The parts of the work by which the generator gets the surface; none if there never was one.
@@ -175,8 +175,8 @@ impl<'m, W: Pend> Motion<'m, W> {
     }
 
     /// The planner's position for a position of the motors.
-    fn from_real(&self, position: [Steps; 4]) -> [Steps; 4] {
-        if self.real.grouping() == Grouping::Tool { self.planner.from_real(position) } else { position }
+    fn to_planned(&self, position: [Steps; 4]) -> [Steps; 4] {
+        if self.real.grouping() == Grouping::Tool { self.planner.to_planned(position) } else { position }
     }
 
     /// The steps that each group of motors has made.
@@ -321,7 +321,7 @@ impl<'m, W: Pend> Motion<'m, W> {
         if !self.real.groups().is_redundant() {
             return position;
         }
-        self.from_real(self.real.whole_steps_away(self.to_real(position), self.link.counts()))
+        self.to_planned(self.real.whole_steps_away(self.to_real(position), self.link.counts()))
     }
 
     /// The machine, which is at rest, stands at a position that rounds to where every motor stands. Returns the
