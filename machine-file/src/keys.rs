@@ -70,7 +70,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 37] = [
+pub(crate) const TABLES: [(&str, &str); 38] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -94,6 +94,7 @@ pub(crate) const TABLES: [(&str, &str); 37] = [
     ),
     ("belt", "The belt that joins the motors of x and y, and how it circulates."),
     ("pause", "Where the tool waits while a print is paused, and how it gets there and back."),
+    ("job", "What a print does if homing or probing fails."),
     ("probe", "The Z probe: how it touches the bed, and where it sits."),
     ("probe.offset", "The probe's place minus the nozzle's (M851)."),
     ("probe.home", "Where the probe touches to home z."),

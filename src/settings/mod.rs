@@ -28,6 +28,7 @@ mod check;
 mod corner;
 mod drivers;
 mod endstops;
+mod job;
 mod kept;
 pub mod line;
 mod mesh;
@@ -55,6 +56,7 @@ pub use check::SettingsError;
 pub use corner::CornerRule;
 pub use drivers::{DriverGroups, DriverSettings, OwnDriver};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
+pub use job::{JobSettings, OnFailure};
 pub use kept::{Kept, sum};
 pub use mesh::MeshSettings;
 pub use name::MachineName;
@@ -147,6 +149,8 @@ pub struct Settings {
     pub probe_plug: EndstopPlug,
     /// The Z probe; without a kind its connector is only reported.
     pub probe: Probe,
+    /// What a print does if an axis is not homed, or the probe does not find the bed.
+    pub job: JobSettings,
     /// The connector of the filament sensor: filament presses its switch. M119 reports it, and nothing else asks for
     /// it.
     pub filament: EndstopPlug,
@@ -223,6 +227,7 @@ impl Settings {
             bed: Bed { width, depth, left: Mm::ZERO, front: Mm::ZERO },
             probe_plug: EndstopPlug::NONE,
             probe: Probe::prototype(),
+            job: JobSettings::prototype(),
             filament: EndstopPlug::NONE,
             belt: Belt::prototype(),
             name: const { MachineName::lit("CoreH-bot prototype") },
@@ -301,6 +306,7 @@ impl Settings {
             motor_names: _,
             name: _,
             pause: _,
+            job: _,
             sensors: _,
             mesh: _,
             screws: _,

@@ -43,6 +43,7 @@ files! {
     drivers::own,
     endstops,
     endstops::order,
+    job,
     pause,
     probe,
     probe::home,

@@ -1,16 +1,18 @@
 //! The end of a job by the firmware or by M524: the one place for every end of a print that leaves the machine usable.
 
-use super::pause::announce;
-use crate::gcode::{Command, HeatCommand, JobCommand, MotionCommand, Number};
+use super::pause::{announce, hold};
+use crate::gcode::{Command, HeatCommand, JobCommand, MotionCommand, Number, ProbeCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::deploy::take_in_at_once;
 use crate::machine::state::job::JobEnd;
+use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::protocol::Action;
+use crate::settings::OnFailure;
 
 /// Sent once to the host of a print that the firmware ended.
 const ENDED: Answer<'static> =
@@ -26,13 +28,22 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     modal: &mut Modal,
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
-    if let (JobEnd::NotHomed { .. } | JobEnd::ProbeFailed { .. }, true) = (why, main_loop.job.is_paused()) {
+    let can_be_mended = matches!(why, JobEnd::NotHomed { .. } | JobEnd::ProbeFailed { .. });
+    if can_be_mended && main_loop.job.is_paused() {
         main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
         return Ok(Answer::Nothing);
     }
+    let settings = main_loop.settings.job;
+    if can_be_mended && settings.on_failure == OnFailure::Pause && main_loop.job.is_printing() {
+        main_loop.hosts.notify_all(format_args!("echo:{why}"));
+        return hold(main_loop, modal, Kept::Failed).await;
+    }
     main_loop.pauses.end_command();
     take_in_at_once(main_loop);
-    main_loop.heat.switch_off(&main_loop.settings.thermal);
+    let keeps_heat = can_be_mended && settings.keeps_heat;
+    if !keeps_heat {
+        main_loop.heat.switch_off(&main_loop.settings.thermal);
+    }
     let is_wanted = why == JobEnd::Cancelled;
     if !is_wanted || main_loop.job.is_under_way() {
         main_loop.job.end_early();
@@ -40,7 +51,8 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
             main_loop.hosts.notify_all(format_args!("echo:print cancelled, heaters are off"));
         } else {
             // The start of a print is not known from lines at the console.
-            main_loop.hosts.notify_all(format_args!("echo:print ended, heaters are off: {why}"));
+            let heat = if keeps_heat { "stay on" } else { "are off" };
+            main_loop.hosts.notify_all(format_args!("echo:print ended, heaters {heat}: {why}"));
         }
         announce(main_loop, &[Action::Cancel]).await?;
     }
@@ -112,6 +124,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
             use MotionCommand::{Arc, Circulate, Dwell, Line, Recover, Retract};
             matches!(command, Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. })
         }
+        Command::Probe(ProbeCommand::Touch { .. } | ProbeCommand::Repeatability { .. } | ProbeCommand::Deploy) => true,
         Command::Job(JobCommand::AwaitUser { .. } | JobCommand::Pause { .. }) => true,
         Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_)) => true,
         Command::Heat(HeatCommand::HeaterTarget { target, .. } | HeatCommand::HeaterWait { target, .. }) => {

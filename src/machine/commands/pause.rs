@@ -45,6 +45,7 @@ const LOAD_SPEED: MmPerSec = MmPerSec::const_from_int(6);
 const PAUSED: &str = "Paused";
 const FILAMENT: &str = "Change the filament";
 const COLD: &str = "Hotend is too cold to print";
+const FAILED: &str = "Mend what failed to go on";
 const LOST: &str = "Home the axes to go on";
 
 /// The result of continuing a print.
@@ -155,6 +156,7 @@ async fn report_reason<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     let (line, question) = match why {
         Kept::Lost(_) => ("echo:print held: axes are no longer homed. Home them (G28), then send M24", LOST),
+        Kept::Failed => ("echo:print held: mend what failed, then send M24 to try the line again", FAILED),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
     };
     main_loop.hosts.notify_others(format_args!("{line}"));
@@ -330,7 +332,7 @@ async fn go_on<P: PortSet, W: Pend>(
     let Some(Break { program, homed, .. }) = main_loop.job.paused() else { return Ok(Going::On) };
     let wanted = match kept {
         Some(Kept::Lost(axes)) => axes,
-        Some(Kept::User(_) | Kept::Cold) | None => [false; 3],
+        Some(Kept::User(_) | Kept::Cold | Kept::Failed) | None => [false; 3],
     };
     let [x, y, z] = homed;
     let [of_x, of_y, of_z] = wanted;

@@ -10,6 +10,8 @@ pub(in crate::machine) enum Kept {
     User(Option<Instant>),
     /// Carry it out when the hotend is warm enough.
     Cold,
+    /// It has failed. Carry it out again when the user goes on.
+    Failed,
     /// Carry it out when these axes are homed again.
     Lost([bool; 3]),
 }

@@ -4,7 +4,7 @@ use super::talk::{Steps, Talk};
 use corehbot::connectors::ConnectorName;
 use corehbot::port::NoStorage;
 use corehbot::protocol::BUSY;
-use corehbot::settings::{ProbeKind, Settings};
+use corehbot::settings::{OnFailure, ProbeKind, Settings};
 use corehbot::units::Mm;
 use corehbot_rig::bed::probe::{ProbeFault, ProbeModel};
 use corehbot_rig::bed::{BedPlant, BedSetup};
@@ -286,4 +286,19 @@ fn the_servo_gets_orders_by_angle_or_by_length() {
     let other = "echo:M280 ignored: the only servo is P0, of a BLTouch";
     let servo = ["echo: Servo 0: off", "echo: Servo 0: 10", "echo: Servo 0: 90"];
     assert_eq!(told, [servo[0], servo[1], servo[2], other, refused]);
+}
+
+#[test]
+fn a_print_may_be_paused_instead_and_its_line_is_kept() {
+    let mut s = with_probe();
+    s.job.on_failure = OnFailure::Pause;
+    let (heard, outcome) = talk(&s, ProbeFault::Stuck, &["M75", "G30", "~M524", "G28 X", "M114"]);
+    assert!(!outcome.halted);
+    assert!(heard.contains(&format!("echo:probing failed: {TRIGGERED}")), "{heard:?}");
+    assert_eq!(count(&heard, "echo:print held: mend what failed, then send M24 to try the line again"), 1, "{heard:?}");
+    assert_eq!([count(&heard, "//action:pause"), count(&heard, "Error:"), count(&heard, "!!")], [1, 0, 0], "{heard:?}");
+    // Without a print there is nothing to pause.
+    let (heard, _) = talk(&s, ProbeFault::Stuck, &["G30", "G30", "M114"]);
+    assert_eq!(count(&heard, "echo:print ended, heaters are off: probing failed"), 1, "{heard:?}");
+    assert_eq!(count(&heard, "echo:the print was ended"), 1, "{heard:?}");
 }
