@@ -14,6 +14,7 @@ mod nucleo;
 mod nucleo_flash;
 mod plant;
 mod restart;
+mod servo;
 mod spider;
 mod steps;
 mod storage;

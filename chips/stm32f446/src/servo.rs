@@ -10,7 +10,7 @@
 //!
 //! So a late begin makes no pulse shorter. A late end makes one longer: by the steps that are due in that instant, or
 //! by a critical section, because the handler is above all others but the Stepper. `emulator/tests/servo.rs` measures
-//! them.
+//! pulses at rest; under load they are not measured yet.
 //!
 //! The line is driven only on a machine with a BLTouch, and stays low between orders.
 
