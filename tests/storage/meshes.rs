@@ -105,7 +105,7 @@ fn p12_a_flipped_bit_is_found() {
 fn what_does_not_fit_or_is_not_kept_is_told() {
     let s = Settings::prototype();
     let mut eeprom = Eeprom::blank();
-    assert!(MOST_STORED >= 49);
+    const { assert!(MOST_STORED >= 49) };
     assert_eq!(now(storage::save_mesh(&mut eeprom, &mesh(9, 9, 0), &s)), Err(MeshNotSaved::TooLarge));
     assert!(eeprom.writes.is_empty());
     let absent = Err(MeshNotSaved::Storage(StorageError::Absent));

@@ -48,7 +48,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         ProbeCommand::Touch { at, stays_out } => {
             let at = match place(main_loop, modal, at) {
                 Ok(at) => at,
-                Err(answer) => return Ok(answer),
+                Err(none) => return Ok(none.into()),
             };
             let end = if stays_out { AfterTouch::Out } else { AfterTouch::In };
             let height = touch_bed(main_loop, Some(at), end).await?;
@@ -63,7 +63,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             }
             match place(main_loop, modal, at) {
                 Ok(at) => repeat(main_loop, at, touches, verbosity).await?,
-                Err(answer) => return Ok(answer),
+                Err(none) => return Ok(none.into()),
             }
             Ok(match other {
                 Some(b'L') => Answer::NotObeyed("M48", b"L"),
@@ -143,14 +143,31 @@ fn order_servo<P: PortSet, W: Pend>(
     Answer::Nothing
 }
 
+/// Why a place is not touched.
+enum NoPlace {
+    /// An axis is not homed.
+    NotHomed,
+    /// It is out of reach; the answer says what is not.
+    OutOfReach(ProbeAnswer),
+}
+
+impl From<NoPlace> for Answer<'static> {
+    fn from(none: NoPlace) -> Self {
+        match none {
+            NoPlace::NotHomed => Self::NotHomed,
+            NoPlace::OutOfReach(answer) => Self::Probe(answer),
+        }
+    }
+}
+
 /// The place of the probe that the words mean, by default its own, if it can touch there.
 fn place<P: PortSet, W: Pend>(
     main_loop: &MainLoop<'_, P, W>,
     modal: &Modal,
     words: [Option<Number>; 2],
-) -> Result<[Mm; 2], Answer<'static>> {
+) -> Result<[Mm; 2], NoPlace> {
     if main_loop.homed.lacks_one_of([true; 3]) {
-        return Err(Answer::NotHomed);
+        return Err(NoPlace::NotHomed);
     }
     let s = &*main_loop.settings;
     let ([x, y, ..], offset, [wanted_x, wanted_y]) = (main_loop.motion.end_mm(), s.probe.offset, words);
@@ -162,6 +179,6 @@ fn place<P: PortSet, W: Pend>(
     if at.iter().zip(reaches).all(|(at, reach)| reach.holds(*at)) {
         Ok(at)
     } else {
-        Err(Answer::Probe(ProbeAnswer::OutOfReach { at, reaches }))
+        Err(NoPlace::OutOfReach(ProbeAnswer::OutOfReach { at, reaches }))
     }
 }

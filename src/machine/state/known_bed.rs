@@ -42,7 +42,7 @@ impl KnownBed {
     }
 
     /// The mesh to keep, if there is one that is not kept yet and covers the bed.
-    pub const fn to_keep(&self) -> Option<&StoredMesh> {
+    pub const fn unsaved(&self) -> Option<&StoredMesh> {
         if self.is_kept || self.is_part { None } else { self.mesh.as_ref() }
     }
 

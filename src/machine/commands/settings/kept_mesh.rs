@@ -17,7 +17,7 @@ pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
     if main_loop.bed.is_part() {
         return Ok(Some(MeshAnswer::Part));
     }
-    let Some(mesh) = main_loop.bed.to_keep().copied() else { return Ok(None) };
+    let Some(mesh) = main_loop.bed.unsaved().copied() else { return Ok(None) };
     main_loop.finish().await?;
     let settings = *main_loop.settings;
     let mut paced = Paced::new(main_loop);
