@@ -1,4 +1,5 @@
 //! Motion against an independent model: steps on time, limits kept, every move able to stop.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod alignment;
 #[path = "../support/belt_equations.rs"]

@@ -19,7 +19,7 @@ fn mesh(points: usize, most: f64, fade: f64, seed: u64) -> Mesh {
         Some(((2.0 * dice.roll() - 1.0) * most * f64::from(UNITS_PER_MM)).round() as i16)
     });
     let (first, last) = ([Mm::from_num(30); 2], [Mm::from_num(350), Mm::from_num(360)]);
-    Mesh::new(filled.unwrap_or(Heights::NONE), first, last, Mm::from_num(fade)).expect("a mesh")
+    Mesh::new(filled.unwrap_or(Heights::NONE), first, last, Mm::from_num(fade)).unwrap()
 }
 
 /// The law by itself: Catmull-Rom by differences, in double precision.
@@ -187,9 +187,12 @@ fn plan_on(mesh: &Mesh, targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Move> 
     moves
 }
 
+/// Its time, its end and the share of its slow end, see [`phases`].
+type Phase = (f64, f64, Option<(f64, bool)>);
+
 /// The phases of a move: their time in s, the fraction of the path at their end, and the shares of the times at their
 /// slower speed; `None` at constant speed, and whether they slow down.
-fn phases(m: &Move) -> [(f64, f64, Option<(f64, bool)>); 3] {
+fn phases(m: &Move) -> [Phase; 3] {
     let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
     let time = |time: SubTicks| time.0 as f64 / 65536.0 / 1e7;
     let is_last = |phase: usize| [m.cruise, m.decelerate][phase..].iter().all(|time| *time == SubTicks::ZERO);

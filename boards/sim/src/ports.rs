@@ -134,7 +134,7 @@ impl Serial for Line<'_> {
 /// The mechanics on the step pins.
 pub(crate) enum Mechanics<'w> {
     /// Steps are ways.
-    Rigid(Rig),
+    Rigid(Box<Rig>),
     /// Belts stretch and rotors skip.
     Belt(&'w mut BeltPlant),
 }

@@ -209,7 +209,7 @@ impl<'w> World<'w> {
                 plant.connect(*endstops);
                 Mechanics::Belt(plant)
             }
-            None => Mechanics::Rigid(Rig::new(settings, place).with_inputs(*endstops)),
+            None => Mechanics::Rigid(Box::new(Rig::new(settings, place).with_inputs(*endstops))),
         };
         let table = MotorTable::new(&groups.coupling());
         *bed = BedPlant::of(settings).map(|flat| bed.take().unwrap_or_else(|| Box::new(flat)));

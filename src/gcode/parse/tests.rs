@@ -2,7 +2,7 @@
 
 extern crate std;
 
-use super::super::commands::{MotionCommand, MotorCommand, RefusedCommand, SettingCommand};
+use super::super::commands::{MotionCommand, MotorCommand, SettingCommand};
 use super::super::number::Number;
 use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, PlainWords, Plane};
 use super::*;
