@@ -15,7 +15,7 @@ pub enum RefusedCommand {
 
 /// They are answered whatever words they have.
 pub(super) const ROWS: &[Described] = &[
-    Described::m(&[290], |_, _| refused(RefusedCommand::Probing)).refused(NOT_PROBED),
+    Described::m(&[290], |_, _| refused(RefusedCommand::Probing)).refused(NO_OFFSET),
     Described::m(&[622, 623], |_, _| refused(RefusedCommand::Conditional)).refused(CONDITION),
     // Conditions and loops of RepRapFirmware.
     Described::name(&["if", "elif", "else", "while", "break", "continue", "abort"], |_, _| {
@@ -24,7 +24,7 @@ pub(super) const ROWS: &[Described] = &[
     .refused("the same"),
 ];
 
-const NOT_PROBED: &str = "this firmware has no probing";
+const NO_OFFSET: &str = "this firmware does not change Z under way";
 const CONDITION: &str = "a condition: the print is halted, because the firmware cannot skip lines";
 
 const fn refused(command: RefusedCommand) -> Option<Command<'static>> {

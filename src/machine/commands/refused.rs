@@ -13,7 +13,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     command: RefusedCommand,
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(Answer::Line(match command {
-        RefusedCommand::Probing => "echo:this firmware has no probing, ignored",
+        RefusedCommand::Probing => "echo:M290 ignored: this firmware does not change Z under way",
         RefusedCommand::Conditional => {
             main_loop
                 .reply(Answer::Line("Error:this line decides which lines run, and this firmware cannot skip lines"))

@@ -15,7 +15,7 @@ const HEATERS: &[&str] = &["echo:no heaters configured"];
 const UNTUNED: &[&str] = &["echo:no heaters configured, ignored"];
 const NO_PROBE: &[&str] = &["echo:no probe configured, ignored"];
 const NO_MESH: &[&str] = &["echo:Invalid mesh. G29 measures one"];
-const PROBE: &[&str] = &["echo:this firmware has no probing, ignored"];
+const NO_OFFSET: &[&str] = &["echo:M290 ignored: this firmware does not change Z under way"];
 const PAUSED: &[&str] = &[
     "//action:paused",
     "//action:prompt_begin Paused",
@@ -341,7 +341,7 @@ const ROWS: &[Row] = &[
     ("BED_MESH_PROFILE SAVE=default", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M555 X10 Y10 W100 H80", SILENCE),
     ("EXCLUDE_OBJECT_DEFINE NAME=cube CENTER=10,10 POLYGON=[[5,5],[15,5],[15,15]]", SILENCE),
-    ("M290 Z0.05", PROBE),
+    ("M290 Z0.05", NO_OFFSET),
     ("M420", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M420 S1", &["echo:Invalid mesh. G29 measures one", "echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M420 Z0", &["echo:Bed Leveling OFF", "echo:Fade Height OFF"]),
