@@ -10,7 +10,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::{follow_mesh, set_mesh};
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use crate::settings::{MeshSettings, Range, Settings, ranges};
+use crate::settings::{MeshSettings, Settings, ranges};
 use crate::storage::StoredMesh;
 use crate::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
 use crate::units::Mm;
@@ -47,11 +47,13 @@ pub(super) async fn level<P: PortSet, W: Pend>(
         main_loop.reply(Answer::Mesh(news)).await?;
     }
     if let Some(fade) = fade {
-        let range = Range { least: Mm::ZERO, ..ranges::MESH_FADE };
-        let old = main_loop.settings.mesh.fade;
-        let Some(fade) = states.clamps.length_of(&states.modal, ["M420", "Z"], fade, range, Some(old)) else {
-            return Ok(Answer::Nothing);
+        let (old, clamps) = (main_loop.settings.mesh.fade, &mut states.clamps);
+        // 0 is no fade.
+        let fade = match fade {
+            Number::ZERO => Some(Mm::ZERO),
+            fade => clamps.length_of(&states.modal, ["M420", "Z"], fade, ranges::MESH_FADE, Some(old)),
         };
+        let Some(fade) = fade else { return Ok(Answer::Nothing) };
         let mut wanted = *main_loop.settings;
         wanted.mesh.fade = fade;
         main_loop.live_settings().set_plain(&wanted);

@@ -345,7 +345,7 @@ const ROWS: &[Row] = &[
     ("M420", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M420 S1", &["echo:Invalid mesh. G29 measures one", "echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M420 Z0", &["echo:Bed Leveling OFF", "echo:Fade Height OFF"]),
-    ("M420 Z200", &["echo:M420 ignored: Z200 is out of range (0 to 100), stays 10"]),
+    ("M420 Z200", &["echo:M420 ignored: Z200 is out of range (1 to 100), stays 10"]),
     // Storage, which this machine lacks.
     ("M500", &["echo:Settings not stored: no storage on this machine"]),
     ("M501", &["echo:Settings unchanged: *"]),
