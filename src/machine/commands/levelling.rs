@@ -49,9 +49,10 @@ pub(super) async fn level<P: PortSet, W: Pend>(
     if let Some(fade) = fade {
         let (old, clamps) = (main_loop.settings.mesh.fade, &mut states.clamps);
         // 0 is no fade.
-        let fade = match fade {
-            Number::ZERO => Some(Mm::ZERO),
-            fade => clamps.length_of(&states.modal, ["M420", "Z"], fade, ranges::MESH_FADE, Some(old)),
+        let fade = if fade == Number::ZERO {
+            Some(Mm::ZERO)
+        } else {
+            clamps.length_of(&states.modal, ["M420", "Z"], fade, ranges::MESH_FADE, Some(old))
         };
         let Some(fade) = fade else { return Ok(Answer::Nothing) };
         let mut wanted = *main_loop.settings;
