@@ -161,6 +161,7 @@ fn key_of(path: &str) -> String {
         "probe_plug" => "endstops.probe".to_owned(),
         "filament" => "endstops.filament".to_owned(),
         "probe.homes_z" => "probe.z_home".to_owned(),
+        "job.keeps_heat" => "job.keep_heat".to_owned(),
         _ => path,
     };
     let path = path.replace(".place.", ".").replace(".point.x", ".point_x").replace(".point.y", ".point_y");
@@ -189,9 +190,21 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
         load(&file).ok().filter(|settings| *settings != before)
     };
     let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0, 115_200.0].into_iter().map(toml::Value::Float);
-    let names =
-        ["nozzle", "mzv", "he2", "hotend2", "hotend3", "pt1000", "pid", "hotend", "controller", "max", "warning"]
-            .map(toml::Value::from);
+    let names = [
+        "nozzle",
+        "pause",
+        "mzv",
+        "he2",
+        "hotend2",
+        "hotend3",
+        "pt1000",
+        "pid",
+        "hotend",
+        "controller",
+        "max",
+        "warning",
+    ]
+    .map(toml::Value::from);
     let (order, phases) = (toml::Value::from(["z", "x", "y"].to_vec()), toml::Value::from([517, 3].to_vec()));
     [true.into(), false.into(), order, phases].into_iter().chain(names).chain(numbers).find_map(legal)
 }
@@ -255,6 +268,7 @@ fn is_of_all_machines(path: &str) -> bool {
         && !is_of_closed_belt
         && !path.starts_with("thermal.")
         && !path.starts_with("sensors.")
+        && !path.starts_with("job.")
         && !path.starts_with("probe.")
         && !path.starts_with("screws.")
         && !path.starts_with("wiring.")
