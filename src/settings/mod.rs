@@ -5,7 +5,8 @@
 //! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
 //! rows. Other places that depend on a setting:
 //!
-//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `probe`, `shaping`, `drivers`, `thermal`,
+//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `probe`, `shaping`, `drivers`,
+//!   `thermal`,
 //!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.

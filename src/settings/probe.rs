@@ -55,8 +55,9 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// No probe. The speeds, clearances and the rest are Marlin's and Klipper's (Configuration.h 2.1: `Z_PROBE_FEEDRATE_FAST`,
-    /// `Z_CLEARANCE_*`, `XY_PROBE_FEEDRATE`; Klipper: `samples_tolerance`); a fast touch at 4 mm/s stops within a step.
+    /// No probe. The speeds, clearances and the rest are Marlin's and Klipper's (Configuration.h 2.1:
+    /// `Z_PROBE_FEEDRATE_FAST`, `Z_CLEARANCE_*`, `XY_PROBE_FEEDRATE`; Klipper: `samples_tolerance`); a fast touch at 4
+    /// mm/s stops within a step.
     pub(super) const fn prototype() -> Self {
         Self {
             kind: ProbeKind::None,
@@ -101,8 +102,8 @@ fn parts(s: &mut Settings) -> [&mut Probe; 1] {
 rows! {
     for probe in parts, named &["probe"];
 
-    /// The Z probe at the connector endstops.probe: "none"; "switch", any switch or inductive sensor; "bltouch", whose pin a servo
-    /// puts out; "nozzle", which touches the bed itself.
+    /// The Z probe at the connector endstops.probe: "none"; "switch", any switch or inductive sensor; "bltouch", whose
+    /// pin a servo puts out; "nozzle", which touches the bed itself.
     110 "kind" = Chosen(&mut probe.kind), "", [Spec::choice::<ProbeKind>()];
     /// Speed of the first touch at a place, which only finds the bed.
     112 "fast" = probe.fast, "mm/s", [ranges::PROBE_SPEED.spec()];

@@ -34,14 +34,8 @@ const fn region(begin: u32, bytes: u32) -> Region {
 /// Settings in slot A and slot B.
 const SETTINGS: [Region; 2] = [region(0, SLOT), region(2048, SLOT)];
 
-/// A mesh in slot A and slot B.
+/// A mesh in slot A and slot B: `mesh` has its layout, and asserts that 7 by 7 points fit.
 pub(super) const MESH: [Region; 2] = [region(SLOT, 160), region(2048 + SLOT, 160)];
-
-/// Bytes of a mesh with 7 by 7 points, the largest: its magic and format 4, sequence number 4, points in x and y 2,
-/// bounds 16, the offset of the probe 6, the reference point 8, temperatures of nozzle and bed 4, the mean 2, the sum
-/// of the machine's geometry 4, CRC-32 4, and heights of 16 bits.
-const LARGEST_MESH: u32 = 54 + 2 * 7 * 7;
-const _: () = assert!(LARGEST_MESH <= MESH[0].bytes && LARGEST_MESH <= MESH[1].bytes);
 
 /// Positions of a print that a power loss may end.
 const POSITIONS: Region = region(1440, 19 * PAGE as u32);

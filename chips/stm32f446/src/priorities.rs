@@ -10,8 +10,8 @@ use embassy_stm32::pac::Interrupt;
 use crate::resources::SOURCES;
 use crate::{contexts, driver_uart, heater_timer, otg, servo, supply};
 
-/// Priority shared by the host lines, the drivers' UART and embassy's time: below the Stepper and a servo's edges, above
-/// everything else.
+/// Priority shared by the host lines, the drivers' UART and embassy's time: below the Stepper and a servo's edges,
+/// above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// The step timer's exception, which is always enabled.

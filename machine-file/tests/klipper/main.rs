@@ -179,7 +179,8 @@ fn sensors_without_a_heater_have_their_places() {
     assert!(report.contains("sensor_pin = EBBCan:PA3 -> no thermistor of a known kind"), "{report}");
 }
 
-/// The sensor of the main board's processor has the place of its name, else the board's; another processor's is not there.
+/// The sensor of the main board's processor has the place of its name, else the board's; another processor's is not
+/// there.
 #[test]
 fn the_processors_own_sensor_has_a_place() {
     let mcu = |name: &str, more: &str| format!("[temperature_sensor {name}]\nsensor_type: temperature_mcu\n{more}");

@@ -2,7 +2,8 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`], [`probing`], [`bed`], [`reports`] | a family: type, rows and readers |
+//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`] | a family: type, rows and readers |
+//! | [`probing`], [`bed`], [`reports`] | the same |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`row`] | the parts of a row |
 //! | [`grammar`] | the rules for words, and the lines that break them |

@@ -42,8 +42,8 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
     }
 }
 
-/// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print. If
-/// z is homed by the probe, it rises in any case.
+/// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print.
+/// If z is homed by the probe, it rises in any case.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
@@ -98,7 +98,8 @@ async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise:
     shift_z(main_loop, raise.min(room).max(Mm::ZERO), watch).await
 }
 
-/// Homes the named axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
+/// Homes the named axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed
+/// again then.
 pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,

@@ -18,7 +18,8 @@
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
-//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`], [`screws`], [`screw_places`] (M422) |
+//! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |
+//! | screws of z | [`motors`] | [`screws`] (G34, G35), [`screw_places`] (M422) |
 //! | the Z probe | [`probing`] | `machine::probe` |
 //! | the mesh of the bed | [`bed`] | [`measure`] (G29), [`levelling`] (M420), [`mesh_points`] (M421, G42) |
 //! | reports and messages | [`reports`] | [`messages`] |

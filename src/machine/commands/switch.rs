@@ -207,9 +207,10 @@ async fn travel<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// The axis stands at a place, such as its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares
-/// them with this one may lie between two of its own steps. It moves to a whole step, half a step away. Where motors
-/// have pulleys of different sizes the step of an axis is long, and no whole step puts all of them on whole steps.
+/// The axis stands at a place, such as its switch, or at the whole step next to it. Motors stand on whole steps, so an
+/// axis that shares them with this one may lie between two of its own steps. It moves to a whole step, half a step
+/// away. Where motors have pulleys of different sizes the step of an axis is long, and no whole step puts all of them
+/// on whole steps.
 pub(super) async fn stand_at<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: usize,

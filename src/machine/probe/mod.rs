@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The Stepper reads the probe at every step event of a move that watches it, and no step follows the event at which it
-//! has triggered. So a pulse counts that is longer than the time between two steps. A touch has a floor: where the probe
-//! should have triggered, and a little more. If anything is not as it should be, the tool is raised, the probe taken in,
-//! and the job ends ([`ProbeFailure`]).
+//! has triggered. So a pulse counts that is longer than the time between two steps. A touch has a floor: where the
+//! probe should have triggered, and a little more. If anything is not as it should be, the tool is raised, the probe
+//! taken in, and the job ends ([`ProbeFailure`]).
 //!
 //! | file | for |
 //! |---|---|

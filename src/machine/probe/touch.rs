@@ -1,8 +1,8 @@
 //! Touches: the height of the bed at a place.
 //!
-//! The first approach is fast and only finds the bed. The touches that count are slow, and the height is their mean. The
-//! time from contact to the last step is the same for all of them, so the offset has it in. A fast touch in the mean, as
-//! in Marlin's (3 slow + 2 fast) / 5, would add a share of a longer way.
+//! The first approach is fast and only finds the bed. The touches that count are slow, and the height is their mean.
+//! The time from contact to the last step is the same for all of them, so the offset has it in. A fast touch in the
+//! mean, as in Marlin's (3 slow + 2 fast) / 5, would add a share of a longer way.
 //!
 //! Every function that another room calls ends a touch that failed: the probe is taken in, and the job ends.
 

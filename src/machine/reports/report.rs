@@ -17,8 +17,8 @@ use fixed::types::I32F32;
 
 /// The capabilities that hosts may rely on: all those of Marlin (M115.cpp), because a screen assumes some that are not
 /// named (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM, CHAMBER_TEMPERATURE and
-/// Z_PROBE depend on the machine. AUTOREPORT_TEMP means that M155 works, even without heaters. BUILD_PERCENT: M73 is kept. PRINT_JOB:
-/// M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
+/// Z_PROBE depend on the machine. AUTOREPORT_TEMP means that M155 works, even without heaters. BUILD_PERCENT: M73 is
+/// kept. PRINT_JOB: M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
 const CAPABILITIES: [(&str, bool); 36] = [
     ("PAREN_COMMENTS", true),
     ("QUOTED_STRINGS", false),
