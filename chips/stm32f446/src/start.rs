@@ -107,7 +107,9 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
     let heat = BoardHeat::start(plugged, !past.is_supply_off);
     // After the heaters, which take their timers.
-    plugged.servo.map(servo::start);
+    if let Some(servo) = plugged.servo {
+        servo::start(servo);
+    }
     let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &coupling), clock: timer };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }

@@ -14,8 +14,9 @@ struct Budget {
     of: &'static str,
 }
 
-/// Code, constants and initial values. It was 440 KiB until probe, mesh and screws came, which take some 60 KiB.
-const FLASH: Budget = Budget { name: "flash", bytes: 472 * 1024, of: "480 KiB after the bootloader" };
+/// Code, constants and initial values. It was 440 KiB until probe, mesh and screws came, which take some 60 KiB. The
+/// largest image is QEMU's, which has the plants of bed and heaters in it.
+const FLASH: Budget = Budget { name: "flash", bytes: 476 * 1024, of: "480 KiB after the bootloader" };
 
 /// Variables without the stack, which takes the 32 KiB that are left (memory.x).
 const RAM: Budget = Budget { name: "static RAM", bytes: 96 * 1024, of: "128 KiB with the stack" };
