@@ -57,6 +57,8 @@ pub struct HomeWords {
     pub only_lost: bool,
     /// R: the distance that z rises by before an axis is homed.
     pub raise: Option<Number>,
+    /// W, L0: the mesh is not used any more.
+    pub drops_mesh: bool,
 }
 
 /// The words of G34.

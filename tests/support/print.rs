@@ -94,9 +94,10 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         MotionCommand::Plane(Plane::Yz) => f.write_str("G19"),
         MotionCommand::Inches => f.write_str("G20"),
         MotionCommand::Millimetres => f.write_str("G21"),
-        MotionCommand::Home(HomeWords { axes, only_lost, raise }) => {
+        MotionCommand::Home(HomeWords { axes, only_lost, raise, drops_mesh }) => {
             flags(f, "G28", axes)?;
             f.write_str(if only_lost { " O" } else { "" })?;
+            f.write_str(if drops_mesh { " W" } else { "" })?;
             word(f, 'R', raise)
         }
         MotionCommand::Absolute => f.write_str("G90"),

@@ -92,6 +92,13 @@ fn p8_z_follows_a_bed_that_was_measured_and_p11_goes_on_after_homing_and_a_start
         assert!((real_z(life, &s) - 5.0).abs() < 0.002, "{}", real_z(life, &s));
         life.say("M420 S1");
         follows(life);
+        // These words of G28 leave the mesh, and say so.
+        for line in ["G28 W", "G28 L0"] {
+            assert!(said(life, line).contains(&"echo:Bed Leveling OFF".to_owned()), "{line}");
+            assert_eq!(said(life, line), ["ok"], "{line} again");
+            life.say("M420 S1");
+        }
+        assert!(said(life, "M500").iter().all(|line| !line.contains("Mesh")), "kept already");
     });
     over(&s, &bed, &mut memory, |life| {
         assert!(said(life, "M420").contains(&"echo:Bed Leveling ON".to_owned()), "{:?}", life.heard);

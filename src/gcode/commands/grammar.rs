@@ -1,6 +1,6 @@
 //! Grammar: the lines that are valid. An invalid line does nothing, instead of half of its intent.
 //!
-//! Letters that a command does not know are ignored, as slicers rely on (`G28 W`, `M400 U1`). Four things make the line
+//! Letters that a command does not know are ignored, as slicers rely on (`G28 Q`, `M400 U1`). Four things make the line
 //! invalid: text that is no word, a letter without its number, the letter of another axis, and a second command.
 
 use super::Command;

@@ -130,10 +130,13 @@ pub(super) const ROWS: &[Described] = &[
     })
     .grammar(WORDS)
     .does("", "inches, millimetres"),
-    // With W, Prusa's G28 does not probe the bed; L keeps or drops Marlin's mesh.
+    // With W, Prusa's G28 leaves the mesh; L0 is Marlin's word for it.
     Described::g(&[28], |_, text| motion(MotionCommand::Home(home_words(text))))
         .grammar(&Grammar::numbers(b"R").no_axes(b"ABCUV").not_negative(b"R"))
-        .does("X Y Z O R", "homes the named axes, all without words; O: those that are not homed; R raises Z first"),
+        .does(
+            "X Y Z O R W L",
+            "homes the named axes, all without words; O: those that are not homed; R raises Z first; W, L0: no mesh",
+        ),
     Described::g(&[90, 91], |number, _| {
         motion(if number == 90 { MotionCommand::Absolute } else { MotionCommand::Relative })
     })
@@ -280,7 +283,8 @@ fn decimals_of(written: &[u8]) -> u8 {
 
 fn home_words(text: &[u8]) -> HomeWords {
     let axes = AxisFlags { e: false, ..axis_flags(text) };
-    HomeWords { axes, only_lost: last(text, b'O').is_some(), raise: number(text, b'R') }
+    let drops_mesh = last(text, b'W').is_some() || number(text, b'L') == Some(Number::ZERO);
+    HomeWords { axes, only_lost: last(text, b'O').is_some(), raise: number(text, b'R'), drops_mesh }
 }
 
 /// G4. The sum stays below the largest number, so that it can be printed and read again.

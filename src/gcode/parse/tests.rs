@@ -74,7 +74,8 @@ fn homing_knows_flags_and_ignores_the_rest() {
     assert_eq!(parse(b"G28"), home(false, false, false));
     assert_eq!(parse(b"G28 X Y"), home(true, true, false));
     assert_eq!(parse(b"G28 X0 Y0"), home(true, true, false));
-    assert_eq!(parse(b"G28 W"), home(false, false, false));
+    let dropped = HomeWords { drops_mesh: true, ..words(false, false, false) };
+    assert_eq!(parse(b"G28 W"), Command::Motion(MotionCommand::Home(dropped)));
     let raised = HomeWords { raise: number("5"), ..words(true, false, false) };
     assert_eq!(parse(b"G28 X R5"), Command::Motion(MotionCommand::Home(raised)));
     let lost = HomeWords { only_lost: true, ..words(false, false, false) };

@@ -1,12 +1,14 @@
 //! Motion: moves, modes for later lines, overrides, retraction.
 
 use super::homing::home;
+use super::levelling::use_mesh;
 use super::moves::Moves;
 use super::retraction::{set_recovery, set_retraction};
 use super::states::States;
 use super::waits::dwell;
 use crate::gcode::{AxisWords, MotionCommand};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -36,6 +38,10 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::Home(words) => {
             let raise = words.raise.map(|raise| modal.length(raise));
             home(main_loop, notices, words, raise).await?;
+            if words.drops_mesh && main_loop.settings.mesh.is_on {
+                use_mesh(main_loop, false).await?;
+                return Ok(Answer::Mesh(MeshAnswer::State));
+            }
         }
         MotionCommand::Finish => main_loop.finish().await?,
         // The receive path has acted on it.
