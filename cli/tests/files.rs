@@ -253,3 +253,16 @@ fn a_file_larger_than_the_memory_is_printed() {
     assert!(text(&output.stdout).contains("8000 commands"), "{}", text(&output.stdout));
     std::fs::remove_file(file).unwrap();
 }
+
+/// Its screws turn alone, and z follows the bed: the checker knows both, and nothing that was asked for is a warning.
+#[test]
+fn a_bed_is_levelled_and_measured_without_a_violation_or_a_warning() {
+    let machine = scratch("bed").join("probed.toml");
+    std::fs::write(&machine, "[endstops]\nprobe = \"PROBE\"\n[probe]\nkind = \"switch\"\n").unwrap();
+    let gcode = b"G28\nG34\nG29 V4\nG1 X60 Y60 Z0.3 F9000\nG1 X300 Y350\nM420 S0\n";
+    let bed = "bowl=0.2,screw=-25/200/0.2,screw=415/200/-0.2";
+    let run = print(gcode, &["--settings", machine.to_str().unwrap(), "--bed", bed]);
+    let said = text(&run.stdout);
+    assert!(run.status.success(), "{said}{}", text(&run.stderr));
+    assert!(!said.contains("warnings") && !said.contains("violations"), "{said}");
+}

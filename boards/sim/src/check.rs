@@ -60,6 +60,13 @@ pub struct Violation {
     pub text: String,
 }
 
+/// Motors that may turn alone.
+fn trims(s: &Settings, limits: &Limits) -> MotorSet {
+    let belt = if limits.trims { Residuals::new(&s.mechanism, s.belt.is_closed).motors() } else { MotorSet::NONE };
+    let screws = s.screw_motors().into_iter().filter(|_| limits.levels);
+    screws.fold(belt, |motors, screw| motors.with(MotorSet::of(screw)))
+}
+
 impl std::fmt::Display for Violation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "at {:.4} s (tick {}): {}", self.tick as f64 / f64::from(TICKS_PER_SECOND), self.tick, self.text)
@@ -120,7 +127,7 @@ impl Checker {
             last_tick: 0,
             last_pulse: [None; MOTORS],
             residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
-            trims: if limits.trims { Residuals::new(&s.mechanism, s.belt.is_closed).motors() } else { MotorSet::NONE },
+            trims: trims(s, limits),
             trimmed: [0; MOTORS],
             is_consistent: true,
             findings: Findings::default(),

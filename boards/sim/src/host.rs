@@ -441,7 +441,7 @@ impl Host for FileHost {
 }
 
 /// First words of echoes that answer a question, show life or report no trouble.
-const EXPECTED: [&str; 11] = [
+const EXPECTED: [&str; 15] = [
     "  G",
     "  M",
     ";",
@@ -453,6 +453,10 @@ const EXPECTED: [&str; 11] = [
     "Settings Stored",
     "stored settings",
     "Hardcoded Default",
+    "probe ",
+    "Bed Leveling ",
+    "Fade Height ",
+    "Mesh stored",
 ];
 
 /// Whether a reply is a warning for the author of the file.

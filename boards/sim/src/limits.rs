@@ -58,6 +58,8 @@ pub struct Limits {
     pub circulates: bool,
     /// Whether motors of one belt may be turned against each other, one at a time.
     pub trims: bool,
+    /// Motors of z turn alone.
+    pub levels: bool,
 }
 
 /// Settings of corners and of the advance, the widest that were in force.
@@ -139,7 +141,8 @@ impl Widening {
     /// The limits of a machine that was made with settings `s` and has others `stored`.
     #[must_use]
     pub fn new(s: &Settings, stored: Option<&Settings>) -> Self {
-        let mut limits = Limits { of: limits_of(s), is_judged: true, circulates: false, trims: has_phases(s) };
+        let mut limits =
+            Limits { of: limits_of(s), is_judged: true, circulates: false, trims: has_phases(s), levels: false };
         let mut widest = Widest::NONE;
         widest.widen(s);
         if let Some(stored) = stored {
@@ -202,8 +205,10 @@ impl Limits {
             widest.square = widest.square.max(number.value().to_num());
             return;
         }
-        if let Command::Motor(MotorCommand::Buzz { .. }) = parse(command.as_bytes()) {
-            self.trims = true;
+        match parse(command.as_bytes()) {
+            Command::Motor(MotorCommand::Buzz { .. }) => self.trims = true,
+            Command::Motor(MotorCommand::LevelScrews(_)) => self.levels = true,
+            _ => {}
         }
         if let Command::Motion(MotionCommand::Circulate { .. }) = parse(command.as_bytes()) {
             self.circulates |= s.belt.is_closed;
