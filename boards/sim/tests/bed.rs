@@ -195,6 +195,12 @@ fn p16_swapped_motors_end_the_job_and_their_turns_are_taken_back() {
         assert!(answer.iter().all(|line| !line.starts_with("Error")), "{answer:?}");
         assert!(answer.iter().any(|line| line.starts_with("//action:cancel")), "{answer:?}");
         assert_eq!(screws(life)[0] - screws(life)[1], before[0] - before[1], "taken back");
+        // The job has ended: nothing probes until its host knows.
+        let counts = life.counts();
+        for line in ["G34", "G29", "G35"] {
+            life.say(line);
+        }
+        assert_eq!(life.counts(), counts, "{:?}", life.heard);
         life.say("G28");
         assert!(said(life, "M114")[0].starts_with("X:0.00"));
     });

@@ -9,7 +9,6 @@
 //!
 //! What a probe still lacks:
 //!
-//! - a mesh: G29 and its relatives (`RefusedCommand::Probing`) are answered and not carried out;
 //! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
 //! - a probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 

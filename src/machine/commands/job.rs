@@ -1,7 +1,7 @@
 //! The end of a job by the firmware or by M524: the one place for every end of a print that leaves the machine usable.
 
 use super::pause::{announce, hold};
-use crate::gcode::{Command, HeatCommand, JobCommand, MotionCommand, Number, ProbeCommand};
+use crate::gcode::{BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, ProbeCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -28,7 +28,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     modal: &mut Modal,
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
-    let can_be_mended = matches!(why, JobEnd::NotHomed { .. } | JobEnd::ProbeFailed { .. });
+    let can_be_mended = matches!(why, JobEnd::NotHomed { .. } | JobEnd::ProbeFailed { .. } | JobEnd::NotLevel(_));
     if can_be_mended && main_loop.job.is_paused() {
         main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
         return Ok(Answer::Nothing);
@@ -124,6 +124,8 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
             use MotionCommand::{Arc, Circulate, Dwell, Line, Recover, Retract};
             matches!(command, Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. })
         }
+        Command::Bed(BedCommand::Measure(_) | BedCommand::GoTo { .. })
+        | Command::Motor(MotorCommand::LevelScrews(_) | MotorCommand::HandScrews { .. }) => true,
         Command::Probe(ProbeCommand::Touch { .. } | ProbeCommand::Repeatability { .. } | ProbeCommand::Deploy) => true,
         Command::Job(JobCommand::AwaitUser { .. } | JobCommand::Pause { .. }) => true,
         Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_)) => true,

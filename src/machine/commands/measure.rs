@@ -1,6 +1,6 @@
 //! G29: the bed is measured at the points of a grid, and from then on z follows it.
 //!
-//! Heights are relative to the place where z is 0 ([`reference`]), which is touched first. So a mesh changes nothing
+//! Heights are relative to the place where z is 0 ([`home_place`]), which is touched first. So a mesh changes nothing
 //! there, and the height of the first layer stays right.
 
 use super::homing::home;
@@ -12,14 +12,13 @@ use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::area::Area;
-use crate::machine::probe::reach::{home_place, reach};
+use crate::machine::probe::reach::{has_probe, home_place, reach};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::level::Level;
 use crate::machine::state::modal::Modal;
-use crate::port::{EndstopSet, Pend};
+use crate::port::Pend;
 use crate::settings::{Range, Settings};
 use crate::storage::StoredMesh;
 use crate::surface::{Heights, Mesh};
@@ -37,7 +36,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     states: &mut States,
     words: &GridWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    if !main_loop.settings.probe.is_fitted() || !main_loop.status.inputs().has(EndstopSet::PROBE) {
+    if !has_probe(main_loop) {
         return Ok(Answer::Probe(ProbeAnswer::None));
     }
     if words.only_without && main_loop.settings.mesh.is_on && main_loop.bed.mesh().is_some() {
@@ -60,8 +59,6 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     let Some(area) = area(whole, states, words) else {
         return Ok(Answer::Probe(ProbeAnswer::OutOfReach { at: whole.at(0, 0), reaches: [whole.x, whole.y] }));
     };
-    // Heights are those of the bed itself.
-    leave_surface(main_loop).await?;
     let heights = touch_grid(main_loop, &area, words).await?;
     let flat = Mesh::new(heights, [area.x.least, area.y.least], [area.x.most, area.y.most], Mm::ZERO);
     let Ok(flat) = flat else { return Ok(Answer::Nothing) };

@@ -8,12 +8,12 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::deploy::set_servo;
-use crate::machine::probe::reach::reach;
+use crate::machine::probe::reach::{has_probe, reach};
 use crate::machine::probe::repeatability::Repeatability;
 use crate::machine::probe::touch::{AfterTouch, find_bed, set_out, touch_again, touch_bed};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::port::{EndstopSet, Pend};
+use crate::port::Pend;
 use crate::settings::{ProbeKind, Range};
 use crate::units::Mm;
 
@@ -40,7 +40,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     states: &mut States,
     command: &ProbeCommand,
 ) -> Result<Answer<'static>, Interrupt> {
-    if !main_loop.settings.probe.is_fitted() || !main_loop.status.inputs().has(EndstopSet::PROBE) {
+    if !has_probe(main_loop) {
         return Ok(Answer::Probe(ProbeAnswer::None));
     }
     let States { modal, clamps, .. } = states;

@@ -16,14 +16,14 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::turn_screw;
 use crate::machine::ports::PortSet;
-use crate::machine::probe::reach::{home_place, reach};
+use crate::machine::probe::reach::{has_probe, home_place, reach};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::level::LevelFailure;
 use crate::motion::{from_f32, to_f32};
 use crate::motors::Motor;
-use crate::port::{EndstopSet, Pend};
+use crate::port::Pend;
 use crate::settings::{Range, Settings, WholePlace};
 use crate::units::{Mm, Ratio, Steps};
 use fixed::types::I32F32;
@@ -108,11 +108,6 @@ fn mm_to_f32(mm: Mm) -> f32 {
 
 fn f32_to_mm(mm: f32) -> Mm {
     Mm::from_bits(from_f32(mm).to_bits())
-}
-
-/// Whether the machine has a probe.
-fn has_probe<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
-    main_loop.settings.probe.is_fitted() && main_loop.status.inputs().has(EndstopSet::PROBE)
 }
 
 /// G34.

@@ -1,7 +1,15 @@
 //! Where the probe can touch the bed.
 
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::port::{EndstopSet, Pend};
 use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::Mm;
+
+/// Whether the machine has a probe, at an input of its board.
+pub(in crate::machine) fn has_probe<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
+    main_loop.settings.probe.is_fitted() && main_loop.status.inputs().has(EndstopSet::PROBE)
+}
 
 /// The bed's edge is no place to touch: clips, and chamfers (Marlin's `PROBING_MARGIN`, Configuration.h 2.1).
 const MARGIN: Mm = Mm::const_from_int(10);
