@@ -3,12 +3,12 @@
 
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::shift_axis::shift_axis;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{HomingFailure, JobEnd};
-use crate::motion::Target;
 use crate::port::{EndstopSet, MotorSet, Pend};
 use crate::settings::{Endstop, HomedAxis, Homing, Range};
-use crate::units::{Mm, MmPerSec, Steps};
+use crate::units::{Mm, MmPerSec};
 
 /// Search distance beyond an axis' length: the machine may stand a little outside.
 const BEYOND: Mm = Mm::const_from_int(10);
@@ -104,7 +104,7 @@ pub(super) async fn touch<P: PortSet, W: Pend>(
 async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
     let back_off = find_switch(main_loop, axis).await?;
     let aside = steps_aside(main_loop, axis);
-    travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    shift_axis(main_loop, axis.index, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(aside)
 }
@@ -154,7 +154,7 @@ async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, ax
     // If the axis did not move, it was at the switch already, or anywhere behind it.
     let depth = if main_loop.motion.real_steps() == start { axis.endstop.depth(axis.reach) } else { Mm::ZERO };
     let back_off = axis.homing.back_off + depth;
-    travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    shift_axis(main_loop, axis.index, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     // Twice the distance backed off finds any switch that is still there.
     let sought = back_off * 2;
     let before = main_loop.motion.real_steps();
@@ -179,32 +179,10 @@ async fn approach<P: PortSet, W: Pend>(
     if !main_loop.status.inputs().has(axis.switch) {
         return Err(HomingFailure::NotConnected.into());
     }
-    travel(main_loop, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
+    shift_axis(main_loop, axis.index, axis.endstop.towards(distance), speed, axis.switch).await?;
     let met = !main_loop.status.triggered().is_empty();
     main_loop.drop_motion().await?;
     Ok(met)
-}
-
-/// Moves one axis, and waits until it arrives or triggers the watched endstop. Where four coordinates hold three axes,
-/// the move takes them to whole steps, where all counts agree. From there an axis alone moves all its motors at once,
-/// and the counts agree wherever a switch ends the move.
-async fn travel<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    axis: &Axis,
-    distance: Mm,
-    speed: MmPerSec,
-    watch: EndstopSet,
-) -> Result<(), Interrupt> {
-    let mut steps = main_loop.motion.end();
-    if main_loop.motion.groups().is_redundant() {
-        steps = steps.map(Steps::wrapping_round);
-    }
-    let mut position = main_loop.motion.to_mm(steps);
-    if let Some(at) = position.get_mut(axis.index) {
-        *at = at.saturating_add(distance);
-    }
-    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
-    main_loop.finish().await
 }
 
 /// The axis stands at a place, such as its switch, or at the whole step next to it. Motors stand on whole steps, so an

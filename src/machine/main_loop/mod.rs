@@ -18,6 +18,7 @@
 //! | [`reply`] | output of answers, as soon as there is room for them |
 //! | [`motion`] | the look-ahead, the queue to the step generator, and where the machine stands |
 //! | [`stream`] | the waits for room in the look-ahead and for the machine to rest |
+//! | [`shift_axis`] | a move of one axis that a switch or the probe may end |
 //! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
@@ -46,6 +47,7 @@ pub(in crate::machine) mod regroup;
 mod reply;
 mod scrub;
 pub(in crate::machine) mod settings;
+pub(in crate::machine) mod shift_axis;
 mod stream;
 pub(in crate::machine) mod surface;
 mod take_over;

@@ -2,11 +2,12 @@
 
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::shift_axis::shift_axis;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::HomedAxis;
-use crate::units::{Mm, MmPerSec, Steps};
+use crate::units::{Mm, MmPerSec};
 
 /// Moves down by at most `way`; true if the probe has triggered, and then the tool stands where it did.
 pub(super) async fn approach<P: PortSet, W: Pend>(
@@ -14,7 +15,7 @@ pub(super) async fn approach<P: PortSet, W: Pend>(
     way: Mm,
     speed: MmPerSec,
 ) -> Result<bool, Interrupt> {
-    shift(main_loop, -way, speed, EndstopSet::PROBE).await?;
+    shift_axis(main_loop, HomedAxis::Z as usize, -way, speed, EndstopSet::PROBE).await?;
     let has_met = !main_loop.status.triggered().is_empty();
     main_loop.drop_motion().await?;
     Ok(has_met)
@@ -33,7 +34,7 @@ pub(super) async fn raise_by<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P
         return Ok(());
     }
     let speed = main_loop.settings.axes.z.max_speed;
-    shift(main_loop, by, speed, EndstopSet::NONE).await
+    shift_axis(main_loop, HomedAxis::Z as usize, by, speed, EndstopSet::NONE).await
 }
 
 /// Takes the nozzle over a place.
@@ -46,25 +47,6 @@ pub(super) async fn travel<P: PortSet, W: Pend>(
     (*x, *y) = (to_x, to_y);
     let speed = main_loop.settings.probe.travel;
     main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
-    main_loop.finish().await
-}
-
-/// Moves z alone, and waits until it stands or a switch in `watch` has triggered. Where four coordinates hold three
-/// axes it begins at whole steps, as homing does.
-async fn shift<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    by: Mm,
-    speed: MmPerSec,
-    watch: EndstopSet,
-) -> Result<(), Interrupt> {
-    let mut steps = main_loop.motion.end();
-    if main_loop.motion.groups().is_redundant() {
-        steps = steps.map(Steps::wrapping_round);
-    }
-    let mut position = main_loop.motion.to_mm(steps);
-    let [_, _, z, _] = &mut position;
-    *z = z.saturating_add(by);
-    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
     main_loop.finish().await
 }
 
