@@ -141,7 +141,7 @@ pub(crate) enum Mechanics<'w> {
 
 impl Mechanics<'_> {
     /// Where the nozzle is, in mm.
-    fn nozzle(&self) -> [f64; 3] {
+    pub fn nozzle(&self) -> [f64; 3] {
         match self {
             Self::Rigid(rig) => rig.nozzle(),
             Self::Belt(plant) => plant.nozzle(),

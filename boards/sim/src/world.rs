@@ -383,6 +383,16 @@ impl<'w> World<'w> {
         self.shared.pressed.set(switches);
     }
 
+    /// Where the nozzle is, in mm.
+    pub fn nozzle(&mut self) -> [f64; 3] {
+        self.stepper.port().mechanics.nozzle()
+    }
+
+    /// The bed, if it has a probe.
+    pub fn bed(&mut self) -> Option<&mut BedPlant> {
+        self.stepper.port().bed.as_deref_mut()
+    }
+
     /// Its heat.
     pub const fn heat(&mut self) -> &mut Heat {
         self.thermal.port()

@@ -206,6 +206,32 @@ fn p16_swapped_motors_end_the_job_and_their_turns_are_taken_back() {
     });
 }
 
+/// Reproducer: z was still taken for homed, with the bed 0.15 mm from where the first layer expected it.
+#[test]
+fn a_stop_while_a_screw_turns_has_z_homed_again() {
+    let s = probed();
+    let bed = bed_plant::read("screw=-25/200/0.33,screw=415/200/-0.33", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        life.put(0, "G34");
+        while screws(life)[0] - screws(life)[1] < 100 {
+            life.rest(1);
+        }
+        life.say("M410");
+        life.await_ok();
+        assert_eq!(life.count("echo:homing was interrupted, the position of the axis is unknown"), 1);
+        let before = screws(life);
+        assert!(before[0] - before[1] < 300, "{before:?}");
+        for line in ["G30", "G34", "G29"] {
+            assert_eq!(said(life, line)[0], "echo:move ignored: home its axes first (G28)", "{line}");
+        }
+        assert_eq!(screws(life), before);
+        life.say("G28");
+        assert!(said(life, "G34").contains(&"Target accuracy achieved.".to_owned()));
+        let flat = grid(life, "G29");
+        assert!(flat.iter().flatten().all(|height| height.abs() < 0.004), "{flat:?}");
+    });
+}
+
 #[test]
 fn screws_that_are_far_off_are_not_turned() {
     let s = probed();

@@ -24,7 +24,7 @@ use crate::machine::state::level::LevelFailure;
 use crate::motion::{from_f32, to_f32};
 use crate::motors::Motor;
 use crate::port::Pend;
-use crate::settings::{Range, Settings, WholePlace};
+use crate::settings::{HomedAxis, Range, Settings, WholePlace};
 use crate::units::{Mm, Ratio, Steps};
 use fixed::types::I32F32;
 use heapless::Vec;
@@ -191,16 +191,21 @@ fn turns(s: &Settings, screws: &Screws, found: &Finding, share: f32) -> [i32; SC
     turns
 }
 
-/// Turns each motor alone.
+/// Turns each motor alone. Until all have turned, the reference is not at its height: whoever stops them has to home z.
 async fn turn<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     screws: &Screws,
     turns: [i32; SCREWS],
 ) -> Result<(), Interrupt> {
+    let z = HomedAxis::Z as usize;
+    main_loop.homed.begin(z);
+    main_loop.homed.note_level(false);
     for (motor, by) in screws.motors.iter().zip(turns) {
         let speed = main_loop.settings.homing.z.fast;
         turn_screw(main_loop, *motor, by, speed).await?;
     }
+    main_loop.homed.stop();
+    main_loop.homed.arrive(z);
     Ok(())
 }
 
