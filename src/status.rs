@@ -63,6 +63,8 @@ pub struct Status {
     moves: AtomicU32,
     /// Length of the path planned, in um, wrapping.
     path_um: AtomicU32,
+    /// Moves planned that are slower than they would be on a flat bed.
+    slowed_moves: AtomicU32,
     /// How often a slow host made the look-ahead release unfinished moves.
     underruns: AtomicU32,
     /// Moves planned and not begun, at the Console's last turn.
@@ -114,6 +116,7 @@ impl Status {
             awaiting_user: AtomicBool::new(false),
             moves: AtomicU32::new(0),
             path_um: AtomicU32::new(0),
+            slowed_moves: AtomicU32::new(0),
             underruns: AtomicU32::new(0),
             level: AtomicU32::new(0),
             low_water: AtomicU32::new(0),

@@ -151,7 +151,7 @@ const WITHIN_MOTION: [(&str, &[&str]); 13] = [
     ("work", &["moves", "surface", "trajectory"]),
     ("planner", &["moves", "number", "ramps", "surface", "trajectory"]),
     ("link", &["step_counts", "work"]),
-    ("stepgen", &["moves", "number", "queue", "ramps", "ticks", "trajectory", "work"]),
+    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "ticks", "trajectory", "work"]),
     ("stepper", &["queue"]),
 ];
 

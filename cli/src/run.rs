@@ -16,6 +16,7 @@ use corehbot::port::NoStorage;
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
 use corehbot_report::heat_log::HeatLog;
+use corehbot_report::mesh::MeshSummary;
 use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;
 use corehbot_report::printable;
@@ -29,6 +30,7 @@ use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::{Limits, Widening};
+use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::tally::{Figures, Tally};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
@@ -160,6 +162,7 @@ impl Prepared {
         let start = Instant::now();
         let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
         let mut desk = Desk::new(1);
+        desk.mesh_log = Some(Box::new(MeshLog::new(settings)));
         (desk.belt, desk.heat, desk.bed, desk.probe_accidents) = (belt, heat, bed, probe_accidents);
         let outcome = match &mut eeprom {
             Some(eeprom) => world::run_at(&mut desk, settings, homed, eeprom, &drivers, &mut [&mut host], &mut sinks),
@@ -179,6 +182,8 @@ impl Prepared {
             plant.ring_out();
             plant.figures()
         });
+        let effect = desk.mesh_log.as_ref().and_then(|log| log.effect(desk.bed.as_deref()));
+        summary.mesh = effect.map(|effect| MeshSummary::new(effect, outcome.slowed_moves));
         if let Some(depth) = desk.bed.as_deref().and_then(BedPlant::deepest) {
             summary.note_depth(depth.mm, depth.nozzle);
         }
@@ -251,6 +256,12 @@ impl Sink for Sinks {
         }
         if let Some(path) = &mut self.path {
             path.event(tick, steps, forward);
+        }
+    }
+
+    fn stand_on_mesh(&mut self, z: Option<f64>) {
+        if let Some(path) = &mut self.path {
+            path.stand_on_mesh(z);
         }
     }
 

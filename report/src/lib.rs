@@ -8,12 +8,14 @@
 //! | [`printable`] | texts of others that must not command a terminal |
 //! | [`summary`] | the result of a print, in words and as JSON |
 //! | [`heat_log`] | temperatures and duties over a print |
+//! | [`mesh`] | the mesh of the bed, and its effect |
 //! | [`path`] | the way of the tool, exact to a step |
 //! | [`mod@print`] | the page of a print |
 //! | [`twin`] | the pages of the twin |
 #![forbid(unsafe_code)]
 
 pub mod heat_log;
+pub mod mesh;
 pub mod path;
 pub mod print;
 pub mod printable;

@@ -63,6 +63,8 @@ pub struct ToolPath<F: Write> {
     /// How far a place may be from its line, in mm.
     tolerance: f64,
     counts: Counts,
+    /// The program's z, if z follows a mesh. Real z would show the bed instead of layers.
+    on_mesh: Option<f64>,
     filament: Filament,
     /// Places since the last vertex; the first is the vertex.
     places: Vec<Place>,
@@ -83,10 +85,16 @@ impl<F: Write> ToolPath<F> {
             origin,
             tolerance: step[0].max(step[1]),
             counts: [0; MOTORS],
+            on_mesh: None,
             filament: Filament::new(origin),
             places: vec![begin],
             store,
         }
+    }
+
+    /// From the next event on the path shows this z, or real z.
+    pub const fn stand_on_mesh(&mut self, z: Option<f64>) {
+        self.on_mesh = z;
     }
 
     /// One instant in which `steps` move, each forward or backward.
@@ -96,10 +104,13 @@ impl<F: Write> ToolPath<F> {
             *count += step * (2 * i64::from(forward.0 >> i & 1) - 1);
         }
         let way = self.back.fractions(&self.counts);
-        let at = std::array::from_fn(|i| {
+        let mut at = std::array::from_fn(|i| {
             let (sum, over) = way[i];
             self.origin[i] + sum as f64 * (self.step[i] / over as f64)
         });
+        if let Some(z) = self.on_mesh {
+            at[2] = z;
+        }
         let Self { filament, places, .. } = self;
         filament.event(at, tick, way[3].0, |place| places.push(place));
         if self.places.len() >= BLOCK {

@@ -30,6 +30,9 @@ const HEAT: &str = include_str!("print/heat.js");
 /// Its script that draws the belt plant.
 const BELT: &str = include_str!("print/belt.js");
 
+/// Its script that draws the mesh.
+const MESH: &str = include_str!("print/mesh.js");
+
 /// The head of every page.
 pub(crate) const HEAD: &str = include_str!("print/head.html");
 
@@ -37,7 +40,7 @@ pub(crate) const HEAD: &str = include_str!("print/head.html");
 pub(crate) const STYLE: &str = include_str!("print/page.css");
 
 /// Where the style goes, the path, the data and these scripts.
-const MARKS: [&str; 5] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*BELT*/", "/*HEAT*/"];
+const MARKS: [&str; 6] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*BELT*/", "/*HEAT*/", "/*MESH*/"];
 
 /// The content of a page.
 #[derive(Clone, Copy, Debug)]
@@ -116,14 +119,15 @@ impl Page<'_> {
         let (head, rest) = cut(rest, MARKS[1])?;
         let (middle, rest) = cut(rest, MARKS[2])?;
         let (curves, rest) = cut(rest, MARKS[3])?;
-        let (setting, end) = cut(rest, MARKS[4])?;
+        let (setting, rest) = cut(rest, MARKS[4])?;
+        let (bed, end) = cut(rest, MARKS[5])?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
         for text in [HEAD, begin, STYLE, head] {
             out.write_all(text.as_bytes())?;
         }
         write_path(stored, out)?;
-        for text in [middle, &json, curves, BELT, setting, HEAT, end] {
+        for text in [middle, &json, curves, BELT, setting, HEAT, bed, MESH, end] {
             out.write_all(text.as_bytes())?;
         }
         out.flush()
@@ -235,7 +239,9 @@ mod tests {
     fn the_template_has_places_for_path_and_data_and_needs_no_network() {
         assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
         assert!(MARKS.map(|mark| TEMPLATE.find(mark)).is_sorted());
-        assert!([TEMPLATE, HEAT, BELT].iter().all(|text| !text.contains("http://") && !text.contains("https://")));
+        assert!(
+            [TEMPLATE, HEAT, BELT, MESH].iter().all(|text| !text.contains("http://") && !text.contains("https://"))
+        );
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Summary: the result of a run, for a person and for a program.
 
+use crate::mesh::MeshSummary;
 use crate::printable::line;
 use corehbot::connectors::Heater;
 use corehbot::motors::{MOTORS, MotorName};
@@ -93,6 +94,9 @@ pub struct Summary {
     /// The figures of the belt plant, if there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub belt: Option<BeltFigures>,
+    /// The mesh that z followed, if it ever did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshSummary>,
     /// SHA-256 of the step trace.
     pub trace_sha256: String,
     /// How long the simulation took.
@@ -161,6 +165,7 @@ impl Summary {
             violations: findings.first.iter().map(ToString::to_string).collect(),
             violations_total: findings.total,
             belt: None,
+            mesh: None,
             trace_sha256,
             wall_time_s: 0.0,
         }
@@ -235,6 +240,9 @@ impl fmt::Display for Summary {
         }
         if let Some(belt) = &self.belt {
             write!(f, "\n{belt}")?;
+        }
+        if let Some(mesh) = &self.mesh {
+            write!(f, "\n{mesh}")?;
         }
         self.write_troubles(f)
     }

@@ -74,6 +74,20 @@ impl SurfaceFrame {
         Heights::flat(self.columns.into(), self.rows.into()).unwrap_or(Heights::NONE)
     }
 
+    /// Places of the first column and row, and of the last ones, in steps of x and y.
+    #[must_use]
+    pub fn corners(&self) -> [[f32; 2]; 2] {
+        let ([x, y], [rate_x, rate_y]) = (self.first.map(to_f32), self.rate);
+        let cells = |points: u8| f32::from(points.saturating_sub(1));
+        [[x, y], [x + cells(self.columns) / rate_x, y + cells(self.rows) / rate_y]]
+    }
+
+    /// The height up to which it fades, in steps of z; 0 if it does not.
+    #[must_use]
+    pub const fn fade_height(&self) -> f32 {
+        self.fade.height()
+    }
+
     /// Place on the grid.
     pub(in crate::motion) fn place(&self, x: Steps, y: Steps) -> [f32; 2] {
         let ([first_x, first_y], [rate_x, rate_y]) = (self.first, self.rate);

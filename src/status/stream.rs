@@ -36,6 +36,16 @@ impl Status {
         self.path_um.store(path_um, Relaxed);
     }
 
+    /// Moves planned with a lower speed than on a flat bed, because of z's limits.
+    #[must_use]
+    pub fn slowed_moves(&self) -> u32 {
+        self.slowed_moves.load(Relaxed)
+    }
+
+    pub(crate) fn set_slowed_moves(&self, moves: u32) {
+        self.slowed_moves.store(moves, Relaxed);
+    }
+
     pub(crate) fn count_underrun(&self) {
         self.underruns.store(self.underruns.load(Relaxed).wrapping_add(1), Relaxed);
     }

@@ -8,6 +8,8 @@ use corehbot::units::Celsius;
 pub trait Sink {
     /// The motors of `steps` step at `tick`, each forward if it is in `forward`.
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
+    /// z follows a mesh, and the next event leads to this z of the program, in mm; or z follows none.
+    fn stand_on_mesh(&mut self, _z: Option<f64>) {}
     /// A control period has passed on a machine with heaters.
     fn heat(&mut self, _period: &HeatPeriod) {}
 }

@@ -17,6 +17,7 @@ pub mod heat_plant;
 pub mod host;
 pub mod limits;
 pub mod lines;
+pub mod mesh_log;
 mod odometer;
 pub mod plugs;
 mod ports;

@@ -5,10 +5,13 @@
 use crate::belt::{BeltPlant, Chips};
 use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
+use crate::mesh_log::MeshLog;
 use crate::plugs::Plugs;
 use corehbot::kinematics::MotorTable;
+use corehbot::motion::SurfaceFrame;
 use corehbot::motors::{EndstopSet, GroupSet, MOTORS, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
+use corehbot::surface::Heights;
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
@@ -161,6 +164,8 @@ pub(crate) struct Pins<'w> {
     pub mechanics: Mechanics<'w>,
     /// The bed under the nozzle, on a machine with a probe.
     pub bed: Option<&'w mut BedPlant>,
+    /// What a mesh does, if that is asked for.
+    pub mesh_log: Option<&'w mut MeshLog>,
     pub shared: &'w Shared,
     pub drivers: &'w Drivers,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -175,6 +180,14 @@ impl Pins<'_> {
     pub(crate) fn attend(&mut self) {
         if let Mechanics::Belt(plant) = &mut self.mechanics {
             plant.attend(self.shared.now.get(), self.drivers.powered());
+        }
+    }
+
+    /// The log learns where the nozzle is as the firmware counts it, and which surface z follows.
+    pub(crate) fn note_surface(&mut self, counts: &[i32; MOTORS], surface: Option<(&SurfaceFrame, &Heights)>) {
+        if let Some(log) = &mut self.mesh_log {
+            log.stand(self.mechanics.nozzle(), counts);
+            log.follow(surface);
         }
     }
 
@@ -215,6 +228,12 @@ impl StepPort for Pins<'_> {
             Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
         }
         self.attend_bed();
+        if let Some(log) = &mut self.mesh_log {
+            if log.is_on() {
+                log.event(self.mechanics.nozzle(), &self.mechanics.counts(), self.bed.as_deref());
+            }
+            self.sink.stand_on_mesh(log.z());
+        }
         self.sink.event(tick, steps, self.forward);
     }
 

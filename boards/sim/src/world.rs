@@ -11,6 +11,7 @@ use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
 use crate::heat_plant::{Accident, HeatSetup};
+use crate::mesh_log::MeshLog;
 use crate::odometer::Odometer;
 use crate::plugs::Plugs;
 pub use crate::ports::Wire;
@@ -46,6 +47,8 @@ pub struct Outcome {
     pub ticks: u64,
     /// Moves planned.
     pub moves: u32,
+    /// Moves that a mesh has made slower.
+    pub slowed_moves: u32,
     /// Path of the tool, in um.
     pub path_um: u64,
     /// How often the host was too slow for the look-ahead.
@@ -77,6 +80,8 @@ pub struct Desk {
     pub probe_accidents: Vec<ProbeAccident>,
     /// The mesh that the firmware has of it, which z follows.
     pub mesh: Option<Mesh>,
+    /// What a mesh does, if that is asked for.
+    pub mesh_log: Option<Box<MeshLog>>,
     /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -102,6 +107,7 @@ impl Desk {
             bed: None,
             probe_accidents: Vec::new(),
             mesh: None,
+            mesh_log: None,
             belt: None,
             plugs: None,
             heat,
@@ -176,6 +182,8 @@ pub struct World<'w> {
     met: EndstopSet,
     wakes: Arc<Wakes>,
     odometer: Odometer,
+    /// The firmware's position of each group, less its steps.
+    origin: [i32; MOST_GROUPS],
 }
 
 impl<'w> World<'w> {
@@ -201,7 +209,20 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, bed, probe_accidents, mesh, belt, plugs, heat, plant: left } = desk;
+        let Desk {
+            memory,
+            shared,
+            wires,
+            endstops,
+            bed,
+            probe_accidents,
+            mesh,
+            mesh_log,
+            belt,
+            plugs,
+            heat,
+            plant: left,
+        } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
@@ -216,7 +237,8 @@ impl<'w> World<'w> {
         let mut bed = bed.as_deref_mut();
         bed.iter_mut().for_each(|bed| bed.restart());
         let plugs = plugs.as_ref();
-        let pins = Pins { mechanics, bed, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
+        let mesh_log = mesh_log.as_deref_mut();
+        let pins = Pins { mechanics, bed, mesh_log, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),
@@ -250,6 +272,7 @@ impl<'w> World<'w> {
             met: EndstopSet::NONE,
             wakes: Arc::default(),
             odometer: Odometer::default(),
+            origin: [0; MOST_GROUPS],
         }
     }
 
@@ -281,6 +304,7 @@ impl<'w> World<'w> {
         for _ in 0..EVENTS_A_TURN {
             while shared.generator.replace(false) {
                 self.generator.run(&Pends(shared));
+                self.note_surface();
             }
             if !shared.stepper.replace(false) {
                 let Some(alarm) = shared.alarm.get() else {
@@ -332,6 +356,22 @@ impl<'w> World<'w> {
                 first.happen(plant.faults());
             }
         }
+    }
+
+    /// Tells the log of a mesh, if there is one, that z follows another surface, or that the firmware has given another
+    /// name to a place.
+    fn note_surface(&mut self) {
+        let origin = self.generator.origin();
+        let pins = self.stepper.port();
+        let Some(log) = &pins.mesh_log else { return };
+        let surface = self.generator.surface();
+        if origin == self.origin && !log.is_news(surface) {
+            return;
+        }
+        self.origin = origin;
+        let made = self.counts.read();
+        let counts = std::array::from_fn(|group| made[group].wrapping_add(origin[group]));
+        pins.note_surface(&self.turned.coupling.motor_counts(counts), surface);
     }
 
     /// Reports to the pins which switches have ended a motion since the last time.
@@ -422,6 +462,7 @@ impl<'w> World<'w> {
         Outcome {
             ticks: self.stepper.tick(),
             moves: status.planned().0,
+            slowed_moves: status.slowed_moves(),
             path_um: self.odometer.um(),
             underruns: status.overload().underruns + status.overload().starved,
             low_water: status.low_water(),

@@ -3,6 +3,7 @@
 
 mod belt;
 mod heat;
+mod mesh;
 
 use serde_json::Value;
 use std::fmt::Write as _;

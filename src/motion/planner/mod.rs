@@ -121,6 +121,8 @@ pub struct Planner<'m> {
     /// Filament where the last move ends that has left.
     pub(in crate::motion) released_filament: Steps,
     moves: u32,
+    /// Moves that the mesh has made slower, wrapping.
+    slowed_moves: u32,
     /// Moves that wait: the moves of the window, and the open line. Each turn of the Console reads it.
     count: usize,
     /// Path of the tool; wraps.
@@ -148,6 +150,7 @@ impl<'m> Planner<'m> {
             wanted: Override::NONE,
             released_filament: Steps::ZERO,
             moves: 0,
+            slowed_moves: 0,
             count: 0,
             path: Length::ZERO,
         };
@@ -178,6 +181,12 @@ impl<'m> Planner<'m> {
     #[must_use]
     pub fn mesh(&self) -> Option<&Mesh> {
         self.bed.mesh()
+    }
+
+    /// Moves that are slower on the mesh than on a flat bed, wrapping.
+    #[must_use]
+    pub const fn slowed_moves(&self) -> u32 {
+        self.slowed_moves
     }
 
     /// Where the mesh lies, for the generator; none if it is not in use.
@@ -314,7 +323,8 @@ impl<'m> Planner<'m> {
         let is_extruder_only = vector.is_extruder_only();
         let (least, most) = purpose(vector, settings);
         let feed = target.speed.max(least);
-        let demand = if self.bed.is_in_use() {
+        let is_on_bed = self.bed.is_in_use();
+        let demand = if is_on_bed {
             let [_, _, last_up] = self.last.direction;
             let ends = [&begin, &self.end];
             self.bed.demand(ends, vector.direction, last_up == 0.0, acceleration(most), settings)
@@ -327,6 +337,9 @@ impl<'m> Planner<'m> {
         let [_, _, of_z, _] = &mut limits.axes;
         let [max_speed, left] = bent_limits(&demand, max_speed, *of_z);
         *of_z = left;
+        if is_on_bed && is_faster_on_flat(vector, &self.belts, [max_speed, speed(feed)], settings) {
+            self.slowed_moves = self.slowed_moves.wrapping_add(1);
+        }
         let wanted_accel = shares.bound(acceleration(most), &limits);
         let mut most = Most { acceleration: wanted_accel, speed: max_speed };
         let advance = if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO };
@@ -534,6 +547,13 @@ fn max_ramps(vector: &Geometry, settings: &Settings) -> Length {
     } else {
         max_ramp_length(vector.length, settings.minimum_cruise_ratio)
     }
+}
+
+/// Whether a move that may go at `most` instead of `feed` may go faster on a flat bed.
+#[inline(never)]
+fn is_faster_on_flat(vector: &Geometry, belts: &Belts, [most, feed]: [f32; 2], s: &Settings) -> bool {
+    let flat = Shares::new(vector.direction, vector.extrusion, belts, &Demand::FLAT);
+    most < feed && most < flat.bound(feed, &Limits::of_speed(s))
 }
 
 /// Least speed and acceleration of a move, by its purpose: print, travel, or retract.

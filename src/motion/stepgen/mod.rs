@@ -43,12 +43,14 @@ mod step_time_solver;
 use crate::fault::{Cause, Fault};
 use crate::kinematics::{Groupings, Groups};
 use crate::motion::queue::{LONGEST_INTERVAL, PackedEvent, SLOTS, StepsIn};
+use crate::motion::surface::SurfaceFrame;
 use crate::motion::ticks::{NEAR, earlier};
 use crate::motion::trajectory::{AXES, Position, SpanMemory, Trajectory};
 use crate::motion::work::Entry;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
+use crate::surface::Heights;
 use crate::units::SpeedSq;
 use crate::units::SubTicks;
 use alignment::Alignment;
@@ -196,6 +198,23 @@ impl<'m> StepGenerator<'m> {
             pend.pend_generator();
         }
         self.events.made() == made || (self.moves.len(), self.status.entries_done()) != before
+    }
+
+    /// The surface that z follows, if any; for a simulator, which shows it.
+    #[must_use]
+    pub fn surface(&self) -> Option<(&SurfaceFrame, &Heights)> {
+        self.trajectory.surface()
+    }
+
+    /// The position that each group has, in steps, less the steps that it has made: a new name for a position is no
+    /// step. It is for a simulator, and holds in motion.
+    #[must_use]
+    pub fn origin(&self) -> [i32; MOST_GROUPS] {
+        let made = self.status.steps_made();
+        core::array::from_fn(|group| match (self.published.get(group), made.get(group)) {
+            (Some(position), Some(made)) => position.wrapping_sub(*made),
+            _ => 0,
+        })
     }
 
     /// Checks the taps of an axis, which no other context can see, in one of [`SCRUB`] calls: all axes in turn.

@@ -159,6 +159,11 @@ impl<'m> Trajectory<'m> {
         !self.surface.is_none()
     }
 
+    /// The surface that z follows, if any.
+    pub fn surface(&self) -> Option<(&SurfaceFrame, &Heights)> {
+        self.has_surface().then_some((&self.surface, &*self.heights))
+    }
+
     /// The motors' position at rest for a position of the spans.
     pub fn to_real(&self, position: [Steps; 4]) -> [Steps; 4] {
         self.surface.to_real(&self.heights, position)

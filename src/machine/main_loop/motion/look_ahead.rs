@@ -161,6 +161,9 @@ impl<W: Pend> Motion<'_, W> {
     pub(super) fn note_path(&self) {
         let (moves, path) = self.planner.planned();
         self.link.status().set_planned(moves, path);
+        if self.is_on_surface() {
+            self.link.status().set_slowed_moves(self.planner.slowed_moves());
+        }
     }
 
     /// Moves planned so far, wrapping.
