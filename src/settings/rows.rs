@@ -105,8 +105,13 @@ impl Row {
     #[must_use]
     pub fn legal(&self, part: usize) -> Legal {
         let of_all = self.legal.first().copied();
-        let none = Legal { least: 0, most: 0, may_be_zero: false, is_text: false };
+        let none = Legal { least: 0, most: 0, may_be_zero: false, is_text: false, is_signed: false };
         self.legal.get(part).copied().or(of_all).unwrap_or(none)
+    }
+
+    /// Whether its numbers may be below 0 by their type, whatever is legal.
+    pub(crate) fn is_signed(&self) -> bool {
+        self.legal.first().is_some_and(|legal| legal.is_signed)
     }
 
     /// The legal values of all parts: one entry for all, or one for each.
@@ -211,7 +216,9 @@ macro_rules! specs {
             /// A number in this range.
             #[must_use]
             pub const fn spec(self) -> Spec {
-                Spec::new(self.least.to_bits() as i64, self.most.to_bits() as i64, Kind::Fixed(<$type>::FRAC_NBITS))
+                let kind = Kind::Fixed(<$type>::FRAC_NBITS);
+                let is_signed = <$type>::MIN.to_bits() != 0;
+                Spec::new(self.least.to_bits() as i64, self.most.to_bits() as i64, kind).of_signed(is_signed)
             }
         }
 
@@ -239,7 +246,7 @@ macro_rules! whole {
             /// A whole number in this range.
             #[must_use]
             pub const fn spec(self) -> Spec {
-                Spec::new(self.least as i64, self.most as i64, Kind::Whole)
+                Spec::new(self.least as i64, self.most as i64, Kind::Whole).of_signed(<$type>::MIN != 0)
             }
         }
 

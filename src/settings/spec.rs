@@ -44,6 +44,8 @@ pub struct Legal {
     pub may_be_zero: bool,
     /// The values are texts.
     pub is_text: bool,
+    /// Their type has numbers below 0, so records have a sign for them. It stays as it is for an id.
+    pub is_signed: bool,
 }
 
 impl Legal {
@@ -68,7 +70,7 @@ impl Spec {
     pub const SWITCH: Self = Self::new(0, 1, Kind::Switch);
 
     pub(super) const fn new(least: i64, most: i64, kind: Kind) -> Self {
-        Self { legal: Legal { least, most, may_be_zero: false, is_text: false }, kind }
+        Self { legal: Legal { least, most, may_be_zero: false, is_text: false, is_signed: false }, kind }
     }
 
     /// One of these.
@@ -85,7 +87,12 @@ impl Spec {
 
     /// A number that its field packs and reads by itself, from -`most` to `most`.
     pub(super) const fn packed(most: i64, kind: Kind) -> Self {
-        Self::new(-most, most, kind)
+        Self::new(-most, most, kind).of_signed(true)
+    }
+
+    /// The same, of a type that has numbers below 0 or none.
+    pub(super) const fn of_signed(self, is_signed: bool) -> Self {
+        Self { legal: Legal { is_signed, ..self.legal }, ..self }
     }
 
     /// Bits after the point of its number.

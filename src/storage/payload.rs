@@ -8,7 +8,8 @@
 //! | .. | the values of all parts of the machine that have such a setting, in their order |
 //!
 //! Without an id, an element has the id after the one of the element before it; the first has 1. All values of an
-//! element are as wide as its widest: numbers in two's complement, low bytes first, and texts with zeros behind them.
+//! element are as wide as its widest: numbers with their low bytes first, in two's complement if their type has a sign,
+//! and texts with zeros behind them.
 //!
 //! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse: a missing setting
 //! has its default, and an unknown one is kept for firmware that knows it.
@@ -62,9 +63,13 @@ const fn longest_head(row: &Row, id_before: u16) -> usize {
 /// Bytes of the widest value of a row.
 const fn widest(row: &Row) -> usize {
     let (mut widest, mut legal) = (1, row.legals());
-    while let [Legal { least, most, is_text, .. }, others @ ..] = legal {
-        let bytes = if *is_text { [*most as usize; 2] } else { [width_of(*least), width_of(*most)] };
-        let [least, most] = bytes;
+    while let [first, others @ ..] = legal {
+        let Legal { least, most, is_text, is_signed, .. } = *first;
+        assert!(is_signed || least >= 0);
+        let (least, most) = match is_text {
+            true => (0, most as usize),
+            false => (width_of(least, is_signed), width_of(most, is_signed)),
+        };
         let bytes = if least > most { least } else { most };
         widest = if bytes > widest { bytes } else { widest };
         legal = others;
@@ -72,9 +77,9 @@ const fn widest(row: &Row) -> usize {
     widest
 }
 
-/// Bytes of a number in two's complement.
-const fn width_of(number: i64) -> usize {
-    let bits = 1 + i64::BITS - (number ^ (number >> 63)).leading_zeros();
+/// Bytes of a number, with a bit for its sign if its type has one.
+const fn width_of(number: i64, is_signed: bool) -> usize {
+    let bits = is_signed as u32 + i64::BITS - (number ^ (number >> 63)).leading_zeros();
     bits.div_ceil(8) as usize
 }
 
@@ -109,15 +114,16 @@ impl Unknown {
         self.bytes.get(..usize::from(self.length)).unwrap_or_default()
     }
 
-    /// Keeps one more; those that there is no room for are lost.
+    /// Keeps one more; those that there is no room for are lost. It may stand behind any other element then.
     fn keep(&mut self, element: &Element<'_>) {
-        let mut kept = *self;
-        let mut out = Out { bytes: &mut kept.bytes, at: self.length.into(), is_full: false };
-        out.put_head(element.id, true, element.width, element.count);
-        element.values.iter().for_each(|byte| out.put(*byte));
-        if !out.is_full {
-            kept.length = out.at as u8;
-            *self = kept;
+        let [low, high] = [element.id as u8 | 0x80, (element.id >> 7) as u8];
+        let head = [HAS_ID | element.count, low, high, element.width];
+        let (at, length) = (usize::from(self.length), head.len() + element.values.len());
+        if let Some((head_place, values)) = self.bytes.get_mut(at..at + length).and_then(<[u8]>::split_first_chunk_mut)
+        {
+            *head_place = head;
+            values.copy_from_slice(element.values);
+            self.length += length as u8;
         }
     }
 }
@@ -127,9 +133,9 @@ impl Unknown {
 struct Element<'a> {
     id: u16,
     /// Bytes of each value.
-    width: usize,
+    width: u8,
     /// The number of values.
-    count: usize,
+    count: u8,
     values: &'a [u8],
 }
 
@@ -160,7 +166,7 @@ impl<'a> Elements<'a> {
     fn take(&mut self) -> Option<Element<'a>> {
         let head = self.byte()?;
         self.id = if head & HAS_ID == 0 {
-            self.id.checked_add(1)?
+            self.id.wrapping_add(1)
         } else {
             match self.byte()? {
                 low @ ..0x80 => low.into(),
@@ -171,8 +177,8 @@ impl<'a> Elements<'a> {
             0 => self.byte()?,
             width => width,
         };
-        let (width, count) = (usize::from(width), usize::from(head & 0xF));
-        let (values, rest) = self.bytes.split_at_checked(width * count)?;
+        let count = head & 0xF;
+        let (values, rest) = self.bytes.split_at_checked(usize::from(width) * usize::from(count))?;
         self.bytes = rest;
         Some(Element { id: self.id, width, count, values })
     }
@@ -195,27 +201,12 @@ struct Out<'a> {
 }
 
 impl Out<'_> {
-    fn put(&mut self, byte: u8) {
-        match self.bytes.get_mut(self.at) {
-            Some(place) => *place = byte,
+    fn put(&mut self, bytes: &[u8]) {
+        match self.bytes.get_mut(self.at..self.at + bytes.len()) {
+            Some(place) => place.copy_from_slice(bytes),
             None => self.is_full = true,
         }
-        self.at += 1;
-    }
-
-    /// Writes all of an element that comes before its values.
-    fn put_head(&mut self, id: u16, has_id: bool, width: usize, count: usize) {
-        let (in_head, behind) = if (1..=MOST_IN_HEAD).contains(&width) { (width, None) } else { (0, Some(width)) };
-        self.put((in_head << 4 | count) as u8 | if has_id { HAS_ID } else { 0 });
-        if has_id {
-            if id < 128 {
-                self.put(id as u8);
-            } else {
-                self.put(id as u8 | 0x80);
-                self.put((id >> 7) as u8);
-            }
-        }
-        behind.into_iter().for_each(|width| self.put(width as u8));
+        self.at += bytes.len();
     }
 }
 
@@ -235,9 +226,22 @@ impl Writer<'_> {
     /// Writes the element of the values so far.
     fn close(&mut self) {
         if self.count > 0 {
-            self.out.put_head(self.id, self.id != self.id_before + 1, self.width, self.count);
+            let has_id = self.id != self.id_before + 1;
+            let is_in_head = self.width <= MOST_IN_HEAD;
+            let width = if is_in_head { self.width } else { 0 };
+            let head = if has_id { HAS_ID } else { 0 } | (width << 4 | self.count) as u8;
+            let (low, high) = (self.id as u8, (self.id >> 7) as u8);
+            self.out.put(&[head]);
+            match has_id {
+                false => {}
+                true if self.id < 128 => self.out.put(&[low]),
+                true => self.out.put(&[low | 0x80, high]),
+            }
+            if !is_in_head {
+                self.out.put(&[self.width as u8]);
+            }
             for value in self.values.iter().take(self.count) {
-                value.iter().take(self.width).for_each(|byte| self.out.put(*byte));
+                self.out.put(value.get(..self.width).unwrap_or_default());
             }
             (self.id_before, self.count, self.width) = (self.id, 0, 1);
         }
@@ -254,22 +258,22 @@ impl Visitor for Writer<'_> {
             self.close();
             self.id = row.id;
         }
-        let Some(place) = self.values.get_mut(self.count) else {
-            self.out.is_full = true;
-            return;
-        };
-        let width = match &value {
-            Value::Absent => 0,
-            Value::Number(number) => {
-                place.iter_mut().zip(number.to_le_bytes()).for_each(|(place, byte)| *place = byte);
-                width_of(*number)
+        let number;
+        let (bytes, width) = match &value {
+            Value::Absent => (&[][..], 0),
+            Value::Number(bits) => {
+                number = bits.to_le_bytes();
+                (&number[..], width_of(*bits, row.is_signed()))
             }
-            Value::Text(text) => {
-                let bytes = text.bytes().chain(core::iter::repeat(0));
-                place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = byte);
-                text.len()
-            }
+            Value::Text(text) => (text.as_bytes(), text.len()),
         };
+        match self.values.get_mut(self.count) {
+            Some(place) => {
+                place.fill(0);
+                place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
+            }
+            None => self.out.is_full = true,
+        }
         self.count += 1;
         self.width = self.width.max(width);
     }
@@ -309,22 +313,22 @@ impl<'a> Reader<'a> {
 impl Visitor for Reader<'_> {
     fn visit(&mut self, Key { row, .. }: Key, field: &mut dyn Field) {
         self.open = self.element(row.id);
-        let Some((bytes, others)) = self.open.values.split_at_checked(self.open.width) else { return };
+        let Some((bytes, others)) = self.open.values.split_at_checked(self.open.width.into()) else { return };
         self.open.values = others;
         if !bytes.is_empty() {
             // Only the field knows its kind: it is read as a text if it is no number.
             let value = match field.get() {
                 Value::Text(_) => text_in(bytes),
-                Value::Number(_) | Value::Absent => number_in(bytes),
+                Value::Number(_) | Value::Absent => number_in(bytes, row.is_signed()),
             };
             self.is_damaged |= !value.is_some_and(|value| field.set(&value));
         }
     }
 }
 
-/// A number in two's complement.
-fn number_in(bytes: &[u8]) -> Option<Value> {
-    let is_negative = bytes.last()? & 0x80 != 0;
+/// A number, low bytes first, in two's complement if its type has a sign.
+fn number_in(bytes: &[u8], is_signed: bool) -> Option<Value> {
+    let is_negative = is_signed && bytes.last()? & 0x80 != 0;
     let mut number = [if is_negative { 0xFF } else { 0 }; 8];
     number.get_mut(..bytes.len())?.copy_from_slice(bytes);
     Some(Value::Number(i64::from_le_bytes(number)))
@@ -345,7 +349,7 @@ pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> 
     settings.clone().visit(&mut writer);
     writer.close();
     let mut out = writer.out;
-    unknown.as_bytes().iter().for_each(|byte| out.put(*byte));
+    out.put(unknown.as_bytes());
     (!out.is_full).then_some(out.at)
 }
 

@@ -154,10 +154,10 @@ fn values_of(settings: &Settings, key: Key) -> Value {
 
 #[test]
 fn what_later_firmware_has_stored_is_kept_and_known_by_its_ids() {
-    // One with the width in its head, an empty one without an id, one with its width behind the head.
-    let (first, second, third) = ([0xA1, 0xFF, 0x03, 7, 8], [0x90, 0x80, 0x04], [0x81, 0x81, 0x04, 0]);
+    // One with its width in its head, an empty one without an id, one with no width.
+    let (first, second, third) = ([0xA1, 0xFF, 0x03, 7, 8], [0x10], [0x81, 0x81, 0x04, 0]);
     let settings = elements(&payload(&spelled_out())).into_iter().flat_map(|(_, bytes)| bytes);
-    let mut later: Vec<u8> = first.into_iter().chain([0x10]).chain(settings).collect();
+    let mut later: Vec<u8> = first.into_iter().chain(second).chain(settings).collect();
     later.extend(third);
     let decoded = decode(&forge(FORMAT, &later)).unwrap();
     assert_eq!(decoded.settings, spelled_out());
@@ -165,13 +165,14 @@ fn what_later_firmware_has_stored_is_kept_and_known_by_its_ids() {
     // They are in the next record too, behind all others.
     let again = encode(&Settings::prototype(), &decoded.unknown, 8).unwrap();
     let again = &again.bytes[..again.receipt.bytes];
-    assert!(again.ends_with(&[&first[..], &second, &third].concat()));
+    let kept = [&[0x81, 0xFF, 0x03, 2, 7, 8][..], &[0x80, 0x80, 0x04, 1], &third].concat();
+    assert!(again.ends_with(&kept), "{again:?}");
     assert_eq!(decode(again).unwrap().unknown, decoded.unknown);
     // Elements without room are lost, and the rest is kept.
     let mut long = payload(&Settings::prototype());
     long.extend([0x81, 0xFF, 0x03, 61]);
     long.extend([1; 61]);
-    long.extend(second);
+    long.extend([0x90, 0x80, 0x04]);
     assert_eq!(decode(&forge(FORMAT, &long)).unwrap().unknown.ids().collect::<Vec<_>>(), [512]);
 }
 

@@ -4,13 +4,13 @@ extern crate std;
 
 use super::spelled_out::heat;
 use crate::connectors::ConnectorName;
-use crate::settings::rows::{Field, Key, Text24, Value, Visitor};
+use crate::settings::rows::{Field, Key, Legal, Text24, Value, Visitor};
 use crate::settings::{
     Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, Cartesian, CornerRule, DriverSettings, Endstop, EndstopPlug,
     ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver,
     Pause, Pid, SensorSource, Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
-use crate::storage::payload::{LONGEST_PAYLOAD, MOST_UNKNOWN, Unknown, write};
+use crate::storage::payload::{LONGEST_PAYLOAD, MOST_UNKNOWN, Unknown, read, write};
 use crate::storage::record::{HEADER, LONGEST, encode};
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -104,6 +104,44 @@ fn the_longest_values_fit() {
     let legal = rows_longest_legal();
     assert_eq!(legal + 6 + MOST_UNKNOWN, LONGEST_PAYLOAD);
     assert!(longest <= legal, "{longest}");
+}
+
+/// A record has a sign only for types that have one. So the greatest value of a type without a sign, and negative
+/// values of all others, are what it is.
+#[test]
+fn the_least_the_greatest_and_negative_numbers_read_back() {
+    let ways: [fn(&Legal) -> i64; 4] = [|legal| legal.least, |legal| legal.most, |legal| legal.least.min(-1), |_| -1];
+    let mut negative = [0; 4];
+    for (way, negative) in ways.into_iter().zip(&mut negative) {
+        let mut settings = Settings::prototype();
+        let mut put = Put { way, negative: 0 };
+        settings.visit(&mut put);
+        *negative = put.negative;
+        let mut bytes = [0; LONGEST];
+        let length = write(&settings, &Unknown::NONE, &mut bytes).unwrap();
+        assert_eq!(read(&bytes[..length]), Ok((settings, Unknown::NONE)));
+    }
+    // Places of the screws and of their points, of the bed, the probe, the endstops, the axes and the pause.
+    let [least, most, ..] = negative;
+    assert!(least >= 35 && most == 0, "{negative:?}");
+}
+
+/// Puts one number into each field that takes it.
+struct Put {
+    way: fn(&Legal) -> i64,
+    negative: usize,
+}
+
+impl Visitor for Put {
+    fn visit(&mut self, key: Key, field: &mut dyn Field) {
+        if let Value::Number(_) = field.get() {
+            let legal = key.row.legal(key.part.into());
+            let number = (self.way)(&legal);
+            if (legal.is_signed || number >= 0) && field.set(&Value::Number(number)) {
+                self.negative += usize::from(number < 0);
+            }
+        }
+    }
 }
 
 /// Makes numbers legal.
