@@ -249,7 +249,8 @@ struct Line<'a>(&'a mut Deque<u8, CAPACITY>);
 impl Write for Line<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         text.bytes().try_for_each(|byte| {
-            let byte = if matches!(byte, b' '..=b'~') { byte } else { b'?' };
+            // Tabs are between the heights of a table (M420 T1).
+            let byte = if matches!(byte, b' '..=b'~' | b'\t') { byte } else { b'?' };
             self.0.push_back(byte).map_err(|_| fmt::Error)
         })
     }
