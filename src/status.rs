@@ -17,6 +17,7 @@ mod print_progress;
 mod steps;
 mod stopping;
 mod stream;
+mod z_offset;
 
 use crate::fault::Latch;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32};
@@ -25,6 +26,7 @@ pub use heat::{Heat, SelfTest, Tuned, Tuning, TuningFailure};
 use overload::Lateness;
 pub use overload::{Late, Overload};
 use print_progress::PrintProgress;
+use z_offset::ZOffset;
 
 /// The data that contexts share.
 #[repr(C)]
@@ -84,6 +86,7 @@ pub struct Status {
     made: Counted,
     /// Endstop reads of the Stepper because it was pended; written by the Stepper.
     looks: AtomicU32,
+    z_offset: ZOffset,
     heat: Heat,
     fault: Latch,
 }
@@ -126,6 +129,7 @@ impl Status {
             stopped: AtomicU32::new(0),
             made: Counted::new(),
             looks: AtomicU32::new(0),
+            z_offset: ZOffset::new(),
             heat: Heat::new(),
             fault: Latch::new(),
         }
@@ -135,6 +139,12 @@ impl Status {
     #[must_use]
     pub const fn heat(&self) -> &Heat {
         &self.heat
+    }
+
+    /// The live offset of z.
+    #[must_use]
+    pub const fn z_offset(&self) -> &ZOffset {
+        &self.z_offset
     }
 
     /// The first fault since start; any context may set it.

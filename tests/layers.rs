@@ -139,7 +139,7 @@ const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
 
 /// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the
 /// Stepper share formulas, entries and queues, but none of the three uses another one: each has a context of its own.
-const WITHIN_MOTION: [(&str, &[&str]); 13] = [
+const WITHIN_MOTION: [(&str, &[&str]); 14] = [
     ("number", &[]),
     ("ticks", &[]),
     ("moves", &[]),
@@ -147,11 +147,12 @@ const WITHIN_MOTION: [(&str, &[&str]); 13] = [
     ("surface", &["number"]),
     ("queue", &["ticks"]),
     ("step_counts", &["queue"]),
-    ("trajectory", &["moves", "number", "ramps", "surface", "ticks"]),
+    ("z_limits", &["moves", "number"]),
+    ("trajectory", &["moves", "number", "ramps", "surface", "ticks", "z_limits"]),
     ("work", &["moves", "surface", "trajectory"]),
     ("planner", &["moves", "number", "ramps", "surface", "trajectory"]),
-    ("link", &["step_counts", "work"]),
-    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "ticks", "trajectory", "work"]),
+    ("link", &["moves", "step_counts", "work", "z_limits"]),
+    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "ticks", "trajectory", "work", "z_limits"]),
     ("stepper", &["queue"]),
 ];
 

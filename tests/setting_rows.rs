@@ -122,6 +122,7 @@ fn no_other_part_keeps_a_copy_of_a_plain_setting() {
         let owner = condition(*code).owner;
         assert_eq!(changed.thermal != before.thermal, owner == Owner::Heaters, "M{code}");
         assert_eq!(resolution(&changed) != resolution(&before), owner == Owner::Motors, "M{code}");
+        assert_eq!(changed.home_offsets() != before.home_offsets(), owner == Owner::Origins, "M{code}");
     }
     assert!(count >= 25, "{count}");
 }

@@ -29,6 +29,6 @@ pub use number::Number;
 pub use parse::parse;
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
-    MachineRecord, MeshPoint, ModelWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords, ShaperWords,
-    TuningWords, VelocityWords,
+    MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords,
+    ShaperWords, TuningWords, VelocityWords,
 };

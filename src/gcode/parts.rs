@@ -269,6 +269,17 @@ pub struct ParkWords {
     pub other: Option<u8>,
 }
 
+/// The words of SET_GCODE_OFFSET, in mm.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct OffsetWords {
+    /// Z: the offset.
+    pub to: Option<Number>,
+    /// Z_ADJUST: more than now. It does not count beside Z.
+    pub by: Option<Number>,
+    /// MOVE=1: z moves at once.
+    pub moves: bool,
+}
+
 /// The words of SET_VELOCITY_LIMIT.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct VelocityWords<'a> {

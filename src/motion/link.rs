@@ -1,11 +1,14 @@
 //! The Console's end of the motion: fills the MoveQueue and tracks how much of it is left.
 
+use super::moves::Move;
 use super::step_counts::StepCounts;
 use super::work::{Entry, Work};
+use super::z_limits::ZLimits;
 use crate::motors::MOST_GROUPS;
 use crate::port::Pend;
+use crate::settings::AxisSettings;
 use crate::status::Status;
-use crate::units::SubTicks;
+use crate::units::{Steps, SubTicks};
 use heapless::spsc::Producer;
 
 /// The Console's end of the MoveQueue.
@@ -19,8 +22,14 @@ pub struct Link<'m, W: Pend> {
     entries: u32,
     /// Motion time queued and not yet seen to be stepped, in ticks times 2^16.
     left: SubTicks,
+    /// The same up to the end of the last move that is fast in z.
+    fast_left: SubTicks,
     /// The Stepper's tick at the last look.
     seen: u32,
+    /// Z at the end of the last move.
+    z: Steps,
+    /// The offset of z was ever changed.
+    has_shifted: bool,
 }
 
 impl<'m, W: Pend> Link<'m, W> {
@@ -34,7 +43,10 @@ impl<'m, W: Pend> Link<'m, W> {
             epoch: status.epoch(),
             entries: 0,
             left: SubTicks::ZERO,
+            fast_left: SubTicks::ZERO,
             seen: status.tick(),
+            z: Steps::ZERO,
+            has_shifted: false,
         }
     }
 
@@ -85,6 +97,9 @@ impl<'m, W: Pend> Link<'m, W> {
 
     /// Queues work; the caller has checked [`has_room`](Self::has_room).
     pub fn send(&mut self, work: Work) {
+        if let Work::Position([_, _, z, _]) = work {
+            self.z = z;
+        }
         let time = match &work {
             Work::Move(m) => m.time(),
             Work::Dwell(time) => *time,
@@ -102,12 +117,51 @@ impl<'m, W: Pend> Link<'m, W> {
         }
     }
 
+    /// Queues a move, with the limits of z.
+    pub fn send_move(&mut self, m: Move, z: &AxisSettings) {
+        let [_, _, end, _] = m.end;
+        let way = end.wrapping_sub(core::mem::replace(&mut self.z, end));
+        self.send(Work::Move(m));
+        if way != Steps::ZERO && ZLimits::half_of(z).may_be_exceeded_by(&m, way) {
+            self.fast_left = self.left;
+        }
+    }
+
+    /// Orders a change of z's offset by so many steps.
+    pub fn shift_z(&mut self, steps: i32, z: &AxisSettings) {
+        let ZLimits { speed, acceleration } = ZLimits::half_of(z);
+        self.has_shifted = true;
+        self.status.z_offset().order(steps, [speed, acceleration]);
+        self.help_shift();
+    }
+
+    /// Steps of z's offset since the start, up to its last change that has ended; wrapping.
+    pub fn shifted_z(&self) -> i32 {
+        self.status.z_offset().reached()
+    }
+
+    /// Whether an ordered offset of z is not reached.
+    pub fn is_shifting(&self) -> bool {
+        self.has_shifted && self.status.z_offset().ordered() != self.status.z_offset().reached()
+    }
+
+    /// Tells the generator how long moves are slow in z. Call it in every turn while z [is shifting](Self::is_shifting).
+    pub fn help_shift(&mut self) {
+        let now = self.seen;
+        let [fast, all] = [self.fast_left, self.left].map(|left| now.wrapping_add(left.whole_ticks() as u32));
+        self.status.z_offset().set_quiet(fast, all);
+        self.pend.pend_generator();
+    }
+
     /// Motion time queued and not yet stepped, in ticks. Call it at least every 429 s.
     pub fn left(&mut self) -> u64 {
         let tick = self.status.tick();
         let done = SubTicks::of_ticks(tick.wrapping_sub(self.seen).into());
         self.seen = tick;
-        self.left = if self.is_idle() { SubTicks::ZERO } else { self.left.saturating_sub(done) };
+        let is_idle = self.is_idle();
+        for left in [&mut self.left, &mut self.fast_left] {
+            *left = if is_idle { SubTicks::ZERO } else { left.saturating_sub(done) };
+        }
         self.left.whole_ticks()
     }
 
@@ -131,10 +185,15 @@ impl<'m, W: Pend> Link<'m, W> {
         self.pend.pend_stepper();
     }
 
+    /// Whether nothing is left of the motion after an abort.
+    pub fn is_dropped(&self) -> bool {
+        self.is_idle() && (!self.has_shifted || self.status.z_offset().is_of(self.epoch))
+    }
+
     /// After an abort, with the link idle: resets queued time and triggered endstops.
     pub fn restart(&mut self) {
         self.status.clear_triggered();
-        self.left = SubTicks::ZERO;
+        (self.left, self.fast_left) = (SubTicks::ZERO, SubTicks::ZERO);
         self.seen = self.status.tick();
     }
 }

@@ -24,7 +24,7 @@
 //! | `step_counts` | steps that each group has made | Console |
 //! | `moves`, `work` | entries of the MoveQueue | Console writes, generator reads |
 //! | `surface` | the shape of the bed, in steps | any |
-//! | `ramps`, `ticks`, `number` | formulas, comparisons, numbers | any |
+//! | `ramps`, `ticks`, `number`, `z_limits` | formulas, comparisons, numbers, half of z's limits | any |
 //!
 //! # Words
 //!
@@ -59,6 +59,7 @@ mod surface;
 mod ticks;
 mod trajectory;
 mod work;
+mod z_limits;
 
 // The atomics of the queue under a name that a test can replace by its own memory.
 use core::sync::atomic;
@@ -75,6 +76,7 @@ pub use surface::SurfaceFrame;
 pub use ticks::MIN_STEP_INTERVAL;
 pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
 pub use work::{Entry, Work, surface_work};
+pub use z_limits::ZLimits;
 
 /// Released moves between Console and StepGenerator. Full: the Console waits. Empty: the generator waits, and motion
 /// comes to rest.

@@ -101,16 +101,28 @@ pub struct Homing {
     pub slow: MmPerSec,
     /// Back-off distance of the axis between the two.
     pub back_off: Mm,
+    /// What the program counts more than the machine, from homing on (M206).
+    pub offset: Mm,
 }
 
 impl Homing {
     /// The stop at the switch is sudden; 40 mm/s is 25 N on a 0.6 kg head that stops in 1 mm.
     pub(super) const fn belt() -> Self {
-        Self { fast: MmPerSec::const_from_int(40), slow: MmPerSec::const_from_int(5), back_off: Mm::const_from_int(5) }
+        Self {
+            fast: MmPerSec::const_from_int(40),
+            slow: MmPerSec::const_from_int(5),
+            back_off: Mm::const_from_int(5),
+            offset: Mm::ZERO,
+        }
     }
 
     pub(super) const fn screw() -> Self {
-        Self { fast: MmPerSec::const_from_int(8), slow: MmPerSec::const_from_int(1), back_off: Mm::const_from_int(2) }
+        Self {
+            fast: MmPerSec::const_from_int(8),
+            slow: MmPerSec::const_from_int(1),
+            back_off: Mm::const_from_int(2),
+            offset: Mm::ZERO,
+        }
     }
 }
 
@@ -164,5 +176,7 @@ pub(super) mod homing {
         25 "slow" = axis.slow, "mm/s", [ranges::SPEED.spec()];
         /// How far the axis backs off between the two.
         26 "back_off" = axis.back_off, "mm", [ranges::BACK_OFF.spec()];
+        /// Home offset: the program counts this more than the machine, from homing on.
+        126 "offset" = axis.offset, "mm", [ranges::PLACE.spec()], "M206" "X" "Y" "Z";
     }
 }

@@ -16,6 +16,8 @@ pub struct Bed {
     pub left: Mm,
     /// y of its front edge.
     pub front: Mm,
+    /// How far z stands above the place that the program names, from homing on (M290, SET_GCODE_OFFSET).
+    pub z_offset: Mm,
 }
 
 impl Bed {
@@ -23,7 +25,30 @@ impl Bed {
     #[must_use]
     pub const fn of_reach(x: Range<Mm>, y: Range<Mm>) -> Self {
         let (width, depth) = (x.most.saturating_sub(x.least), y.most.saturating_sub(y.least));
-        Self { width, depth, left: x.least, front: y.least }
+        Self { width, depth, left: x.least, front: y.least, z_offset: Mm::ZERO }
+    }
+}
+
+impl Settings {
+    /// Whether the probe's offset is the one of z that is kept over homing. Otherwise [`Bed::z_offset`] is.
+    #[must_use]
+    pub const fn keeps_by_probe(&self) -> bool {
+        self.probe.is_fitted() && self.probe.homes_z
+    }
+
+    /// The offset of z that is kept over homing.
+    #[must_use]
+    pub const fn z_offset(&self) -> Mm {
+        if self.keeps_by_probe() { self.probe.offset.z } else { self.bed.z_offset }
+    }
+
+    /// Sets it.
+    pub const fn set_z_offset(&mut self, offset: Mm) {
+        if self.keeps_by_probe() {
+            self.probe.offset.z = offset;
+        } else {
+            self.bed.z_offset = offset;
+        }
     }
 }
 
@@ -42,4 +67,6 @@ rows! {
     29 "left" = bed.left, "mm", [ranges::PLACE.spec()];
     /// y of its front edge.
     30 "front" = bed.front, "mm", [ranges::PLACE.spec()];
+    /// How far z stands above the place that the program names, from homing on (M290, SET_GCODE_OFFSET).
+    125 "z_offset" = bed.z_offset, "mm", [ranges::Z_OFFSET.spec()];
 }

@@ -225,7 +225,7 @@ impl Settings {
             endstops: Cartesian { x: Endstop::at_zero(), y: Endstop::at_zero(), z: Endstop::at_zero() },
             homing_order: HomedAxis::ALL,
             baud: 250_000,
-            bed: Bed { width, depth, left: Mm::ZERO, front: Mm::ZERO },
+            bed: Bed { width, depth, left: Mm::ZERO, front: Mm::ZERO, z_offset: Mm::ZERO },
             probe_plug: EndstopPlug::NONE,
             probe: Probe::prototype(),
             job: JobSettings::prototype(),
@@ -333,6 +333,13 @@ impl Settings {
         let Axes { x, y, z, .. } = self.axes;
         let (least, length) = (self.axis_min.of(axis), Cartesian { x, y, z }.of(axis).length);
         Range { least, most: least.saturating_add(length) }
+    }
+
+    /// What the program counts more than the machine after homing: x, y, z.
+    #[must_use]
+    pub const fn home_offsets(&self) -> [Mm; 3] {
+        let Cartesian { x, y, z } = self.homing;
+        [x.offset, y.offset, z.offset]
     }
 
     /// The name of a motor in its machine file, for people.

@@ -14,6 +14,8 @@ pub enum Owner {
     Motors,
     /// The heater control, which has a copy.
     Heaters,
+    /// The program's zero, which moves with it.
+    Origins,
 }
 
 /// What a code needs that its rows do not say. `machine::commands::settings::rules` has the rules of codes.
@@ -39,6 +41,7 @@ impl Condition {
 /// The codes with a condition.
 pub const CONDITIONS: &[Condition] = &[
     Condition { owner: Owner::Motors, ..Condition::none(92) },
+    Condition { owner: Owner::Origins, ..Condition::none(206) },
     // A letter chooses the rule for corners; Z and B are Marlin's.
     Condition { beside: &["X", "Y", "Z", "J", "B"], has_words: true, ..Condition::none(205) },
     Condition { owner: Owner::Heaters, has_words: true, ..Condition::none(301) },

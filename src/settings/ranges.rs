@@ -29,6 +29,8 @@ pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
 pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
 /// The largest distance of an endstop outside the reachable space: the largest back-off.
 pub(super) const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
+/// The offset of z: a nozzle or a plate is thicker or thinner by less. More is another place of the switch.
+pub const Z_OFFSET: Range<Mm> = Range { least: Mm::const_from_int(-5), most: Mm::const_from_int(5) };
 /// Places that an axis may reach, on both sides of 0. Motors count their steps in 32 bits: at the finest resolution
 /// times the largest number in a row, 5 m and a switch outside are 0.96 of 2^31 steps.
 pub const PLACE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: Mm::const_from_int(5000) };

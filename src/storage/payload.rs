@@ -19,7 +19,7 @@ use crate::settings::rows::{Field, Key, LONGEST_TEXT, Legal, Row, Text24, Value,
 use crate::settings::table::{self, ALL};
 
 /// Bytes of unknown elements that are kept, as settings of later firmware may be.
-pub(super) const MOST_UNKNOWN: usize = 64;
+pub(super) const MOST_UNKNOWN: usize = 32;
 
 /// The bit of a head that says that an id follows.
 const HAS_ID: u8 = 0x80;

@@ -110,6 +110,23 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         MotionCommand::RestoreFeedPercent => f.write_str("M220 R"),
         MotionCommand::FlowPercent(percent) => switch(f, "M221", percent),
         MotionCommand::Finish => f.write_str("M400"),
+        MotionCommand::Babystep { by, is_kept } => {
+            f.write_str("M290")?;
+            word(f, 'Z', by)?;
+            f.write_str(if is_kept { "" } else { " P0" })
+        }
+        MotionCommand::ZOffset(words) => {
+            f.write_str("SET_GCODE_OFFSET")?;
+            for (name, number) in [("Z", words.to), ("Z_ADJUST", words.by)] {
+                if let Some(number) = number {
+                    write!(f, " {name}={number}")?;
+                }
+            }
+            f.write_str(if words.moves { " MOVE=1" } else { "" })
+        }
+        MotionCommand::NoOffset("M290", word) => write!(f, "M290 {}", String::from_utf8_lossy(word)),
+        MotionCommand::NoOffset(command, word) => write!(f, "{command} {}=1", String::from_utf8_lossy(word)),
+        MotionCommand::SetHomeOffsets => f.write_str("M428"),
         MotionCommand::QuickStop => f.write_str("M410"),
         MotionCommand::Tool => f.write_str("T0"),
         _ => reduced(f, line),
@@ -372,7 +389,6 @@ fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -> fmt::Resu
 fn refused(f: &mut Formatter<'_>, command: RefusedCommand) -> fmt::Result {
     match command {
         RefusedCommand::Conditional => f.write_str("M622"),
-        RefusedCommand::Probing => f.write_str("M290"),
         _ => Err(fmt::Error),
     }
 }

@@ -441,7 +441,7 @@ impl Host for FileHost {
 }
 
 /// First words of echoes that answer a question, show life or report no trouble.
-const EXPECTED: [&str; 15] = [
+const EXPECTED: [&str; 17] = [
     "  G",
     "  M",
     ";",
@@ -457,6 +457,8 @@ const EXPECTED: [&str; 15] = [
     "Bed Leveling ",
     "Fade Height ",
     "Mesh stored",
+    "Babystep",
+    "Z offset",
 ];
 
 /// Whether a reply is a warning for the author of the file.

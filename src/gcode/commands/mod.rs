@@ -5,6 +5,7 @@
 //! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`] | a family: type, rows and readers |
 //! | [`probing`], [`bed`], [`reports`] | the same |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
+//! | [`offset`] | words of the offsets of z, for [`motion`] |
 //! | [`row`] | the parts of a row |
 //! | [`grammar`] | the rules for words, and the lines that break them |
 //! | [`table`] | the rows of all families |
@@ -15,6 +16,7 @@ mod heat;
 mod jobs;
 pub(super) mod motion;
 mod motors;
+mod offset;
 mod probing;
 mod refused;
 mod reports;

@@ -8,7 +8,7 @@ use crate::gcode::code::Code;
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{Word, Words, last, number};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, Plane};
+use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, OffsetWords, Plane};
 
 /// Moves, modes, overrides, retraction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -89,6 +89,19 @@ pub enum MotionCommand {
     RestoreFeedPercent,
     /// M221: flow override in percent, or report.
     FlowPercent(Option<Number>),
+    /// M290: shift z while moves are under way, or report.
+    Babystep {
+        /// Z or S.
+        by: Option<Number>,
+        /// P0: the kept offset stays.
+        is_kept: bool,
+    },
+    /// SET_GCODE_OFFSET: the kept offset of z, or report.
+    ZOffset(OffsetWords),
+    /// The same command, or M290, for an axis without such an offset.
+    NoOffset(&'static str, &'static [u8]),
+    /// M428: home offsets by which the program's place becomes that of the nearest switch or 0.
+    SetHomeOffsets,
     /// T0: choose the only tool.
     Tool,
 }

@@ -7,15 +7,12 @@ use super::row::Described;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum RefusedCommand {
-    /// Commands of a probe that are not carried out.
-    Probing,
     /// M622, M623, `if`, `while` and the like: which lines run depends on it, and this firmware runs them all.
     Conditional,
 }
 
 /// They are answered whatever words they have.
 pub(super) const ROWS: &[Described] = &[
-    Described::m(&[290], |_, _| refused(RefusedCommand::Probing)).refused(NO_OFFSET),
     Described::m(&[622, 623], |_, _| refused(RefusedCommand::Conditional)).refused(CONDITION),
     // Conditions and loops of RepRapFirmware.
     Described::name(&["if", "elif", "else", "while", "break", "continue", "abort"], |_, _| {
@@ -24,7 +21,6 @@ pub(super) const ROWS: &[Described] = &[
     .refused("the same"),
 ];
 
-const NO_OFFSET: &str = "this firmware does not change Z under way";
 const CONDITION: &str = "a condition: the print is halted, because the firmware cannot skip lines";
 
 const fn refused(command: RefusedCommand) -> Option<Command<'static>> {

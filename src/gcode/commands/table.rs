@@ -1,13 +1,14 @@
 //! The table of all codes and names: the rows of each family, in one order.
 
 use super::row::{Begin, Described, Row, Text};
-use super::{bed, heat, jobs, motion, motors, probing, refused, reports, settings, silent};
+use super::{bed, heat, jobs, motion, motors, offset, probing, refused, reports, settings, silent};
 use crate::gcode::code::Code;
 use crate::text::is_word;
 
 /// The families with their headings in docs/reference/gcode.md. Arcs are frequent, so their family is the first.
-const FAMILIES: [(&str, &[Described]); 10] = [
+const FAMILIES: [(&str, &[Described]); 11] = [
     ("Motion", motion::ROWS),
+    ("Offsets", offset::ROWS),
     ("Jobs, pauses and waits", jobs::ROWS),
     ("Heat and fans", heat::ROWS),
     ("Settings", settings::ROWS),

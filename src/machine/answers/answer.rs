@@ -49,6 +49,8 @@ pub(in crate::machine) enum Answer<'a> {
     Clamp(Clamp),
     /// A move that must not be made before G28.
     NotHomed,
+    /// M290: the offset of z.
+    ZOffset,
     /// M105, in the line of the `ok`.
     Temperatures,
     /// The first lines after a reset.

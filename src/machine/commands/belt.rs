@@ -13,11 +13,11 @@ use crate::machine::belt::diagnosis::{Touched, diagnose};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::{trim, trimmed};
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::HomedAxis;
 use crate::units::Mm;
 
 /// Lift of z while the tool goes to the switches, so that the nozzle does not touch the print.
@@ -165,7 +165,7 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
     let [.., z] = main_loop.homed.axes();
     let position = main_loop.motion.end_mm();
     let [_, _, at, _] = position;
-    let lift = LIFT.min(main_loop.settings.reach(HomedAxis::Z).most.saturating_sub(at)).max(Mm::ZERO);
+    let lift = LIFT.min(z_reach(main_loop).most.saturating_sub(at)).max(Mm::ZERO);
     if !z {
         return Ok(Mm::ZERO);
     }

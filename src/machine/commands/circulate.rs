@@ -6,6 +6,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::belt::circulate::run_round;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::surface::leave_surface;
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::machine::state::soft_endstops::clamp;
@@ -33,7 +34,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_move(moving(at, wanted)).await? {
             return Ok(Answer::NotHomed);
         }
-        let (inside, moved) = clamp(wanted, at, self.main_loop.homed, &self.main_loop.settings);
+        let (inside, moved) =
+            clamp(wanted, at, self.main_loop.homed, &self.main_loop.settings, z_reach(self.main_loop));
         if moved {
             self.tell_of_edge().await?;
         }

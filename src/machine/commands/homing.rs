@@ -24,6 +24,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::keep_phases;
 use crate::machine::main_loop::surface::leave_surface;
+use crate::machine::main_loop::z_offset::{name_home, z_reach};
 use crate::machine::ports::PortSet;
 use crate::machine::probe::touch::find_zero;
 use crate::machine::state::job::{HomingFailure, JobEnd};
@@ -90,7 +91,7 @@ fn lost(flags: AxisFlags, [x, y, z]: [bool; 3]) -> AxisFlags {
 async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise: Mm) -> Result<(), Interrupt> {
     let s = &*main_loop.settings;
     let ([.., is_known], [_, _, at, _]) = (main_loop.homed.axes(), main_loop.motion.end_mm());
-    let reach = s.reach(HomedAxis::Z);
+    let reach = z_reach(main_loop);
     let room = if is_known { reach.most.saturating_sub(at) } else { reach.most.saturating_sub(reach.least) };
     let is_above = s.endstops.of(HomedAxis::Z).end == AxisEnd::Max;
     let watch = if is_above && !is_known { EndstopSet::Z } else { EndstopSet::NONE };
@@ -171,7 +172,7 @@ async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
     }
     stand_at(main_loop, z, place?).await?;
     main_loop.homed.arrive(z);
-    main_loop.commanded.forget_origin(z);
+    name_home(main_loop, z);
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use crate::gcode::{BedCommand, Command, HeatCommand, JobCommand, MotionCommand, 
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::z_offset::tell_of_z_offset;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::deploy::take_in_at_once;
 use crate::machine::state::job::JobEnd;
@@ -58,6 +59,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     }
     main_loop.finish().await?;
     clean_up(main_loop, modal).await?;
+    tell_of_z_offset(main_loop);
     Ok(Answer::Nothing)
 }
 
@@ -67,7 +69,7 @@ pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
     main_loop.commanded.settle();
-    main_loop.commanded.forget_origins();
+    main_loop.commanded.forget_origins(main_loop.settings.home_offsets());
     *modal = Modal { dry_run: modal.dry_run, ..Modal::new() };
     if main_loop.motion.feed_percent() != modal.kept_feed_percent {
         main_loop.override_feed(modal.kept_feed_percent).await?;
@@ -86,6 +88,7 @@ pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
         main_loop.finish().await?;
         clean_up(main_loop, modal).await?;
     }
+    tell_of_z_offset(main_loop);
     Ok(())
 }
 

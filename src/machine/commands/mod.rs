@@ -14,6 +14,7 @@
 //! |---|---|---|
 //! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`waits`] |
 //! | homing | [`motion`] | [`homing`], [`switch`], [`shift_z`] |
+//! | first layer | [`motion`] | [`z_offset`] |
 //! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
@@ -69,3 +70,4 @@ pub(in crate::machine) mod states;
 mod switch;
 mod tuning;
 mod waits;
+mod z_offset;

@@ -6,6 +6,7 @@ use super::moves::Moves;
 use super::retraction::{set_recovery, set_retraction};
 use super::states::States;
 use super::waits::dwell;
+use super::z_offset::set_home_offsets;
 use crate::gcode::{AxisWords, MotionCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
@@ -72,6 +73,14 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::FlowPercent(Some(number)) => {
             clamps.whole(["M221", "S"], number, PERCENT, &mut modal.flow_percent);
         }
+        MotionCommand::Babystep { by, is_kept } => {
+            return Moves { main_loop, modal, clamps, notices, cold }.babystep(by, is_kept).await;
+        }
+        MotionCommand::ZOffset(words) => {
+            return Moves { main_loop, modal, clamps, notices, cold }.z_offset(words).await;
+        }
+        MotionCommand::SetHomeOffsets => return Ok(set_home_offsets(main_loop)),
+        MotionCommand::NoOffset(command, word) => return Ok(Answer::NotObeyed(command, word)),
         MotionCommand::Tool => {}
     }
     Ok(Answer::Nothing)

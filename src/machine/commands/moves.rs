@@ -12,6 +12,7 @@ use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::belt::align::lacks_alignment;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{LEAST_FILAMENT, Wanted};
@@ -216,7 +217,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             let [px, py, pz, _] = main_loop.commanded.parked();
             let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
             let (to, from) = (parked(bounded(position)), parked(main_loop.commanded.position()));
-            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed, &main_loop.settings);
+            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed, &main_loop.settings, z_reach(main_loop));
             let z = below_top(main_loop, z, from);
             ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };

@@ -21,6 +21,7 @@ use crate::gcode::ParkWords;
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::Break;
 use crate::machine::state::kept_line::{Answered, Kept};
@@ -274,7 +275,7 @@ async fn park<P: PortSet, W: Pend>(
     };
     if lift > Mm::ZERO && z_homed {
         let [_, _, z, _] = &mut machine;
-        let top = if soft { main_loop.settings.reach(HomedAxis::Z).most.max(*z) } else { Mm::MAX };
+        let top = if soft { z_reach(main_loop).most.max(*z) } else { Mm::MAX };
         *z = z.saturating_add(lift).min(top);
         travel(main_loop, machine, axes.z.max_speed).await?;
         main_loop.commanded.park_at(machine);
@@ -306,7 +307,7 @@ async fn go_back<P: PortSet, W: Pend>(
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
     // Move above any part on the bed if a user has lowered the tool.
     let is_beside = (x, y) != (from_x, from_y);
-    let top = main_loop.settings.reach(HomedAxis::Z).most.max(z);
+    let top = z_reach(main_loop).most.max(z);
     let over = if is_beside && from_z < z { z.saturating_add(s.lift).min(top) } else { from_z };
     travel(main_loop, [from_x, from_y, over, from_e], axes.z.max_speed).await?;
     travel(main_loop, [x, y, over, from_e], s.travel_speed).await?;

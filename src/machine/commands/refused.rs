@@ -12,13 +12,12 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     command: RefusedCommand,
 ) -> Result<Answer<'static>, Interrupt> {
-    Ok(Answer::Line(match command {
-        RefusedCommand::Probing => "echo:M290 ignored: this firmware does not change Z under way",
+    match command {
         RefusedCommand::Conditional => {
             main_loop
                 .reply(Answer::Line("Error:this line decides which lines run, and this firmware cannot skip lines"))
                 .await?;
-            return Err(Interrupt::Halt);
+            Err(Interrupt::Halt)
         }
-    }))
+    }
 }

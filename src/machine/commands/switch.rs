@@ -4,6 +4,7 @@
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::shift_axis::shift_axis;
+use crate::machine::main_loop::z_offset::name_home;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{HomingFailure, JobEnd};
 use crate::port::{EndstopSet, MotorSet, Pend};
@@ -41,6 +42,8 @@ struct Axis {
     index: usize,
     switch: EndstopSet,
     endstop: Endstop,
+    /// Where the planner has the axis at its switch.
+    place: Mm,
     homing: Homing,
     reach: Range<Mm>,
 }
@@ -111,7 +114,7 @@ async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axi
 
 /// Distance in steps of the switch that was just met from its expected position.
 fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis) -> i32 {
-    let (places, met) = (main_loop.motion.to_steps([axis.endstop.position; 4]), main_loop.motion.real_steps());
+    let (places, met) = (main_loop.motion.to_steps([axis.place; 4]), main_loop.motion.real_steps());
     let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
     aside.unwrap_or_default().wrapping_round().to_num()
 }
@@ -125,7 +128,10 @@ fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -
         HomedAxis::Z => EndstopSet::Z,
     };
     let (endstop, homing, reach) = (s.endstops.of(axis), s.homing.of(axis), s.reach(axis));
-    Axis { axis, index: axis as usize, switch, endstop, homing, reach }
+    // The offset of z is between the switch and the place that the program names.
+    let offset = if axis == HomedAxis::Z { s.bed.z_offset } else { Mm::ZERO };
+    let place = endstop.position.saturating_sub(offset);
+    Axis { axis, index: axis as usize, switch, endstop, place, homing, reach }
 }
 
 async fn home_axis<P: PortSet, W: Pend>(
@@ -138,9 +144,9 @@ async fn home_axis<P: PortSet, W: Pend>(
         let aside = steps_aside(main_loop, axis);
         main_loop.trimming.note_homed(axis.index, aside);
     }
-    stand_at(main_loop, axis.index, axis.endstop.position).await?;
+    stand_at(main_loop, axis.index, axis.place).await?;
     main_loop.homed.arrive(axis.index);
-    main_loop.commanded.forget_origin(axis.index);
+    name_home(main_loop, axis.index);
     Ok(())
 }
 

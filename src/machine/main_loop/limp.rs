@@ -20,6 +20,7 @@ use crate::fault::{self, Cause};
 use crate::kinematics::Grouping;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Pend};
@@ -96,8 +97,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.until(|c| !c.power.are_unseen()).await?;
         let mut place = self.motion.end_mm();
         let [x, y, z, _] = &mut place;
-        let raised =
-            self.settings.belt.limp_lift.min(self.settings.reach(HomedAxis::Z).most.saturating_sub(*z)).max(Mm::ZERO);
+        let raised = self.settings.belt.limp_lift.min(z_reach(self).most.saturating_sub(*z)).max(Mm::ZERO);
         *z = z.saturating_add(raised);
         let [beside_x, beside_y] = [HomedAxis::X, HomedAxis::Y].map(|axis| self.beside_switch(axis));
         let raise = place_of([*x, *y], &place);

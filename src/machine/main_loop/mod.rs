@@ -21,6 +21,7 @@
 //! | [`shift_axis`] | a move of one axis that a switch or the probe may end |
 //! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
+//! | [`z_offset`] | the offset of z, live and kept |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
 //! | [`surface`] | the mesh of the bed, and whether z follows it |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
@@ -52,6 +53,7 @@ mod stream;
 pub(in crate::machine) mod surface;
 mod take_over;
 pub(in crate::machine) mod trim;
+pub(in crate::machine) mod z_offset;
 
 use self::heat::Heaters;
 use self::motion::Motion;
@@ -65,6 +67,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::{PortSet, Ports};
 use crate::machine::state::circulation::Circulation;
 use crate::machine::state::commanded::Commanded;
+use crate::machine::state::first_layer::FirstLayer;
 use crate::machine::state::job::Job;
 use crate::machine::state::known_bed::KnownBed;
 use crate::machine::state::limping::Limping;
@@ -96,6 +99,8 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub commanded: Commanded,
     /// Which axes are homed.
     pub homed: Homed,
+    /// How far z stands from the place that the program names.
+    pub first_layer: FirstLayer,
     /// How far a closed belt has run round.
     pub circulation: Circulation,
     /// Whether the motors of one belt agree.
@@ -144,8 +149,9 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             pauses: Pauses::new(),
             settings: SettingsInUse::new(settings, now),
             motion: Motion::new(link, memory, groupings, &settings, [x, y, z, Mm::ZERO]),
-            commanded: Commanded::new([x, y, z]),
+            commanded: Commanded::new([x, y, z], settings.home_offsets()),
             homed: Homed::new([start.is_some(); 3]),
+            first_layer: FirstLayer::new(&settings),
             circulation: Circulation::new(),
             trimming: Trimming::new(),
             probing: Probing::new(),

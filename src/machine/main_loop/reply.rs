@@ -24,7 +24,7 @@ use crate::machine::reports::machine_report::report_machine;
 use crate::machine::reports::mesh_report::report_mesh;
 use crate::machine::reports::probe_report::report_probe;
 use crate::machine::reports::report::{
-    Position, report_endstops, report_firmware, report_overload, report_soft_endstops,
+    Position, report_endstops, report_firmware, report_overload, report_soft_endstops, report_z_offset,
 };
 use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
@@ -100,7 +100,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
-        let Self { hosts, progress, settings, motion, status, homed, power, storage, trimming, bed, .. } = self;
+        let Self {
+            hosts, progress, settings, motion, status, homed, power, storage, trimming, bed, first_layer, ..
+        } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -116,6 +118,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             }
             Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
             Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
+            Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.is_stored(s)),
             Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),

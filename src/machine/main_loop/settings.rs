@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | limits, soft endstops, plain numbers | [`MainLoop::live_settings`] | the open line keeps its limits |
 //! | heaters and fans | [`MainLoop::heat_settings`] | the heater control gets them |
+//! | home offsets | [`MainLoop::use_home_offsets`] | the program's zero moves |
+//! | the offset of z | [`MainLoop::shift_z`], [`MainLoop::let_z_stand`] | z moves aside of its path, or the program's origin does |
 //! | drivers | [`MainLoop::use_driver_settings`] | the drivers get them |
 //! | pressure advance | [`MainLoop::use_advance`] | motion comes to rest before a new delay |
 //! | all, with size of a step and shapers | [`MainLoop::use_settings`] | it rests before, all get the position |
@@ -83,6 +85,17 @@ impl SettingsInUse {
     /// Takes another advance, which needs no rest.
     pub(super) fn replace_advance(&mut self, wanted: Advance) {
         self.now.advance = wanted;
+    }
+
+    /// Takes others for what the program counts more after homing.
+    pub(super) fn replace_home_offsets(&mut self, [x, y, z]: [Mm; 3]) {
+        let homing = &mut self.now.homing;
+        (homing.x.offset, homing.y.offset, homing.z.offset) = (x, y, z);
+    }
+
+    /// Takes another offset of z. The open line goes on: no plan depends on it.
+    pub(super) fn replace_z_offset(&mut self, offset: Mm) {
+        self.now.set_z_offset(offset);
     }
 
     /// Takes others for the drivers. The caller gives them to the drivers.

@@ -3,9 +3,11 @@
 
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::z_offset::move_origins;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::{Advance, DriverGroups, Settings};
+use crate::units::Mm;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes over another advance, for the following moves. Motion comes to rest only before its window changes, and
@@ -57,15 +59,22 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.finish().await?;
         }
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
-        let is_same = resolutions(&wanted) == resolutions(&self.settings);
+        // A homed z stands where it stands, and its place gets another name.
+        let [.., is_homed] = self.homed.axes();
+        let lifted = wanted.bed.z_offset.saturating_sub(self.settings.bed.z_offset);
+        let lifted = if is_homed { lifted } else { Mm::ZERO };
+        let is_same = lifted == Mm::ZERO && resolutions(&wanted) == resolutions(&self.settings);
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
+        let before = self.settings.home_offsets();
         self.settings.replace(&wanted);
+        move_origins(self, before);
         self.power.want(&wanted);
         self.heat.note_settings();
         if is_same {
             return self.follow().await;
         }
         self.motion.set_resolution(&wanted);
+        self.commanded.sink(lifted);
         let position = self.motion.to_steps(self.commanded.of_machine(self.commanded.position()));
         self.adopt_position(position).await
     }

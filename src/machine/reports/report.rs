@@ -5,6 +5,7 @@
 use crate::connectors::Heater;
 use crate::kinematics::Groups;
 use crate::machine::answers::speaker::Speaker;
+use crate::machine::numbers::exact;
 use crate::machine::state::commanded::Commanded;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
@@ -187,6 +188,15 @@ pub(in crate::machine) fn report_soft_endstops(to: &mut Speaker<'_>, s: &Setting
     let [[x, to_x], [y, to_y], [z, to_z]] = reaches.map(|reach| [reach.least, reach.most].map(Hundredths::of));
     let known = if homed.lacks_one_of([true; 3]) { "  (once homed)" } else { "" };
     to.say(format_args!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
+}
+
+/// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offset.
+pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: &Settings, is_stored: bool) {
+    to.say(format_args!("echo:Babystep Z{}", Hundredths::of(shifted)));
+    let kept = exact(s.z_offset());
+    let name = if s.keeps_by_probe() { "Probe Offset Z" } else { "Z offset " };
+    let news = if is_stored { "" } else { ", not saved: M500 keeps it" };
+    to.say(format_args!("echo:{name}{kept}{news}"));
 }
 
 #[cfg(test)]

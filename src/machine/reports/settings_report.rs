@@ -35,6 +35,7 @@ pub(in crate::machine) fn report_settings(
     report_space(to, s);
     let soft = u8::from(s.soft_endstops);
     to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
+    to.named_setting(format_args!("SET_GCODE_OFFSET Z={}", exact(s.bed.z_offset)));
     // M851 means nothing without a probe.
     for setting in Setting::others().filter(|setting| s.probe.is_fitted() || *setting != Setting::Plain(851)) {
         report_setting(to, setting, s);
@@ -102,7 +103,7 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
     to.remark(format_args!("machine: {}", s.name));
     let [x, y, z] = HomedAxis::ALL.map(|axis| Reach(s.reach(axis)));
     to.remark(format_args!("reachable: X{x} Y{y} Z{z} mm"));
-    let Bed { width, depth, left, front } = s.bed;
+    let Bed { width, depth, left, front, z_offset: _ } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
     let Belt {
         is_closed,

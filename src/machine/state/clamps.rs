@@ -55,7 +55,7 @@ const fn hinted(code: &'static str, hint: &'static str) -> Rule {
 const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
 
 /// All words with a rule other than keeping the old value, or with a hint.
-const RULES: [Rule; 15] = [
+const RULES: [Rule; 16] = [
     // F: axes have limits anyway, so the fastest speed fulfils a faster F, the slowest a slower F. F0 and less mean no
     // motion at all, so the feed stays (`feed`).
     edge(""),
@@ -67,6 +67,8 @@ const RULES: [Rule; 15] = [
     edge("M113"),
     edge("M154"),
     edge("M155"),
+    // A step of a host's buttons.
+    edge("M290"),
     // A slider of a host: slower than the slowest is the slowest, and the limits of the axes bound the fastest.
     edge("M220"),
     // Below 0 a heater is off: -273 is how another firmware writes it (RepRapFirmware, M140).

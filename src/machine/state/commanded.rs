@@ -44,12 +44,12 @@ pub(in crate::machine) struct Wanted {
 }
 
 impl Commanded {
-    /// As after a reset, at `position`.
-    pub const fn new(position: [Mm; 3]) -> Self {
+    /// As after a reset, at `position`. The program counts more than the machine by the `offsets`.
+    pub fn new(position: [Mm; 3], offsets: [Mm; 3]) -> Self {
         let [x, y, z] = position;
         Self {
             position: [x, y, z, Mm::ZERO],
-            origin: [Mm::ZERO; 3],
+            origin: offsets.map(|offset| -offset),
             extrusion: Mm::ZERO,
             retraction: Retraction::new(),
             parked: [Mm::ZERO; 4],
@@ -260,15 +260,28 @@ impl Commanded {
         }
     }
 
-    /// All axes carry the machine's own zero again.
-    pub const fn forget_origins(&mut self) {
-        self.origin = [Mm::ZERO; 3];
+    /// The program's zero moves by so much, and nothing else does.
+    pub fn move_origin(&mut self, by: [Mm; 3]) {
+        for (origin, by) in self.origin.iter_mut().zip(by) {
+            *origin = origin.saturating_add(by);
+        }
     }
 
-    /// The axis carries the machine's own zero again (G28).
-    pub fn forget_origin(&mut self, axis: usize) {
-        if let Some(origin) = self.origin.get_mut(axis) {
-            *origin = Mm::ZERO;
+    /// Z is at a place with another name by so much.
+    pub fn sink(&mut self, by: Mm) {
+        let [_, _, z, _] = &mut self.position;
+        *z = z.saturating_sub(by);
+    }
+
+    /// All axes carry the machine's own zero again, but for their home offsets.
+    pub fn forget_origins(&mut self, offsets: [Mm; 3]) {
+        self.origin = offsets.map(|offset| -offset);
+    }
+
+    /// The axis carries the machine's own zero again, but for its home offset (G28).
+    pub fn forget_origin(&mut self, axis: usize, offsets: [Mm; 3]) {
+        if let (Some(origin), Some(offset)) = (self.origin.get_mut(axis), offsets.get(axis)) {
+            *origin = -*offset;
         }
     }
 
@@ -291,7 +304,11 @@ mod tests {
     }
 
     fn start() -> (Commanded, Modal, Settings) {
-        (Commanded::new([Mm::from_num(10), Mm::from_num(20), Mm::from_num(5)]), Modal::new(), Settings::prototype())
+        (
+            Commanded::new([Mm::from_num(10), Mm::from_num(20), Mm::from_num(5)], [Mm::ZERO; 3]),
+            Modal::new(),
+            Settings::prototype(),
+        )
     }
 
     fn words(x: &str, e: &str) -> AxisWords {

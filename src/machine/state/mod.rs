@@ -10,6 +10,7 @@
 //! | where the program has sent the tool, G92 | [`commanded`] |
 //! | G10, G11 | [`retraction`] |
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
+//! | how far z stands from the place that the program names | [`first_layer`] |
 //! | circulation of a belt, alignment of its motors | [`circulation`], [`trimming`] |
 //! | a belt that has lost a motor | [`limping`] |
 //! | the wait of a command | [`pauses`], [`waiting`] |
@@ -41,6 +42,7 @@ pub(in crate::machine) mod circulation;
 pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod commanded;
 pub(in crate::machine) mod fan_schedule;
+pub(in crate::machine) mod first_layer;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod job;

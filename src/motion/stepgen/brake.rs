@@ -87,9 +87,7 @@ impl StepGenerator<'_> {
 
     /// Slows the motion down from now on. Steps that are made already are played at their speed.
     pub(super) fn begin_brake(&mut self) {
-        // A tick after the last event, so that its step is made, and not before the begin of any motor's piece.
-        let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
-        let now = SubTicks::of_ticks(self.last_tick + 1).max(begun);
+        let now = self.next_instant();
         match self.task {
             Task::Move => {
                 let point = match self.current_move.cut(&mut self.trajectory, now) {

@@ -4,7 +4,7 @@ use super::alignment::Alignment;
 use super::brake::{Braking, PathPoint};
 use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
-use crate::kinematics::Grouping;
+use crate::kinematics::{Grouping, count_at};
 use crate::motion::work::Work;
 use crate::port::EndstopSet;
 use crate::units::{SpeedSq, Steps, SubTicks};
@@ -81,8 +81,16 @@ impl StepGenerator<'_> {
         let is_done = match &entry.work {
             Work::Move(m) => {
                 self.watch = m.watch;
-                let counts =
-                    (self.trajectory.is_prompt()).then(|| self.group_steppers.each_ref().map(GroupStepper::count));
+                let offset = self.trajectory.z_offset();
+                let is_there = self.trajectory.is_prompt() && !offset.is_moving();
+                let aside = [Steps::ZERO, Steps::ZERO, Steps::wrapping_from_num(offset.target().into()), Steps::ZERO];
+                let counts = is_there.then(|| {
+                    let mut counts = self.group_steppers.each_ref().map(GroupStepper::count);
+                    for (count, group) in counts.iter_mut().zip(self.mechanism.iter()).filter(|_| !offset.is_none()) {
+                        *count = count.wrapping_sub(count_at(group.coordinate(aside)));
+                    }
+                    counts
+                });
                 let ends =
                     self.alignment.ends(m, &self.position, counts, self.mechanism, !self.trajectory.has_surface());
                 if ends.0 != self.position {
@@ -124,6 +132,9 @@ impl StepGenerator<'_> {
             }
             Work::Position([x, y, z, e]) => {
                 self.position = [*x, *y, *z, *e, Steps::ZERO];
+                // It is in the counts of this position.
+                self.trajectory.z_offset_mut().rest_at(0);
+                self.z_count.is_placed = true;
                 self.alignment.stand_at([*x, *y, *z]);
                 let real = self.trajectory.to_real([*x, *y, *z, *e]);
                 let steppers = self.group_steppers.iter_mut().zip(&mut self.published);

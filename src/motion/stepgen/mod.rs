@@ -39,6 +39,7 @@ mod group_stepper;
 mod merge;
 mod step_time_buffer;
 mod step_time_solver;
+mod z_offset;
 
 use crate::fault::{Cause, Fault};
 use crate::kinematics::{Groupings, Groups};
@@ -60,6 +61,7 @@ use entries::LayResult;
 use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
 use merge::TURN_AHEAD;
+use z_offset::ZCount;
 
 /// Events made in one call of [`StepGenerator::run`]: about 10,000 instructions, 0.1 ms at 125 million a second. Then
 /// interrupts of the same priority get their turn.
@@ -126,6 +128,7 @@ pub struct StepGenerator<'m> {
     last_phase: Option<LastPhase>,
     /// Position at the end of the last move.
     position: Position,
+    z_count: ZCount,
     forward: GroupSet,
     watch: EndstopSet,
     /// Calls so far, wrapping.
@@ -167,6 +170,7 @@ impl<'m> StepGenerator<'m> {
             braking: Braking::No,
             last_phase: None,
             position: Position::default(),
+            z_count: ZCount::new(),
             forward: GroupSet::NONE,
             watch: EndstopSet::NONE,
             calls: 0,
@@ -233,6 +237,9 @@ impl<'m> StepGenerator<'m> {
         if self.braking == Braking::No && self.status.is_braking(self.epoch) && !self.has_met_endstop() {
             self.begin_brake();
         }
+        if self.status.z_offset().ordered() != self.z_count.ordered && self.braking == Braking::No {
+            self.shift_z();
+        }
         let enough = self.far_enough();
         let begin = self.events.made();
         self.dry_at = Some(begin).filter(|_| self.is_under_way);
@@ -271,6 +278,7 @@ impl<'m> StepGenerator<'m> {
         let before = core::mem::replace(&mut self.published, counts);
         self.status.add_steps_made(core::array::from_fn(|group| counts[group].wrapping_sub(before[group])));
         self.status.set_events_made(self.events.made());
+        self.tell_z_offset();
     }
 
     /// Whether an endstop has ended this epoch's motion: the Stepper plays none of its remaining events.
@@ -281,6 +289,7 @@ impl<'m> StepGenerator<'m> {
     /// Drops the task of a finished epoch and all its events that are not played.
     fn begin_epoch(&mut self) {
         self.epoch = self.status.epoch();
+        self.drop_z_offset(self.played());
         let unplayed = self.events.take_back();
         self.status.add_steps_made(unplayed.map(i32::wrapping_neg));
         let is_under_way = !matches!(self.task, Task::Nothing | Task::ComingToRest(false));
@@ -370,6 +379,20 @@ impl<'m> StepGenerator<'m> {
             let group = 1 << number;
             self.forward.0 = if is_forward { self.forward.0 | group } else { self.forward.0 & !group };
         }
+    }
+
+    /// A tick after the last event that is played, so that its step is made. Without events that wait it is the last
+    /// one of all: the machine may have rested for longer than ticks can tell.
+    fn played(&self) -> SubTicks {
+        let ahead = (self.last_tick as u32).wrapping_sub(self.status.tick().wrapping_sub(self.base_tick));
+        let ahead = if self.events.is_empty() { 0 } else { ahead };
+        SubTicks::of_ticks(self.last_tick.saturating_sub(ahead.into()) + 1)
+    }
+
+    /// A tick after the last event, so that its step is made, and not before the begin of any motor's piece.
+    fn next_instant(&self) -> SubTicks {
+        let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
+        SubTicks::of_ticks(self.last_tick + 1).max(begun)
     }
 
     /// Lets time pass; true when `time` is reached.

@@ -26,6 +26,7 @@
 //! - **tap**: a delayed copy with a weight, as in a filter with a tapped delay line; an input shaper has one for each
 //!   impulse.
 //! - **advance**: the axis of the pressure in the extruder. **stiffening**: see [`stiffening`].
+//! - **offset**: steps that z stands aside of its path, live ([`z_offset`]).
 //! - **position**: the positions of all axes, in steps.
 
 mod axis;
@@ -34,14 +35,16 @@ mod shaper;
 mod span;
 mod stiffening;
 mod taps;
+mod z_offset;
 
 pub(in crate::motion) use shaper::MOST_PUSH;
 pub use shaper::{advance_window, stiffenings, taps};
-pub(crate) use span::{ADVANCE, AXES, AxisState, Boundary, LONGEST, Position, Span};
+pub(crate) use span::{ADVANCE, AXES, AxisState, Boundary, LONGEST, Position, Span, Z};
 pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
 use crate::motion::moves::WHOLE;
+use crate::motion::number::ticks;
 use crate::motion::surface::SurfaceFrame;
 use crate::settings::Kept;
 use crate::surface::{Heights, MOST_POINTS};
@@ -49,14 +52,12 @@ use crate::units::{Steps, SubTicks, part_of};
 use axis::{Axis, Spans};
 use phase::{Curve, Phase, point};
 use span::ONE;
+use z_offset::ZOffset;
 
 /// Number of spans in memory; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
 /// shaper of 60 Hz with two humps takes 25. A longer shaper makes such short moves take longer.
 const SPANS: usize = 128;
 const _: () = assert!(SPANS.is_power_of_two());
-
-/// The axis that a surface raises.
-const Z: usize = 2;
 
 /// Memory for the spans.
 pub struct SpanMemory([Span; SPANS]);
@@ -113,6 +114,7 @@ fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTic
 pub(crate) struct Trajectory<'m> {
     ring: Ring<'m>,
     axes: [Axis; AXES],
+    z_offset: ZOffset,
     /// The last span was taken back and is laid again as far as it has passed: the taps' scale at its end, and its
     /// duration.
     cut: Option<([u32; 2], SubTicks)>,
@@ -129,7 +131,24 @@ impl<'m> Trajectory<'m> {
         for axis in axes.iter_mut().take(ADVANCE) {
             axis.follow(&[Tap::IDENTITY], true);
         }
-        Self { ring, axes, cut: None, surface: SurfaceFrame::NONE, heights: Kept::new(Heights::NONE) }
+        Self {
+            ring,
+            axes,
+            z_offset: ZOffset::NONE,
+            cut: None,
+            surface: SurfaceFrame::NONE,
+            heights: Kept::new(Heights::NONE),
+        }
+    }
+
+    /// The offset of z.
+    pub const fn z_offset(&self) -> &ZOffset {
+        &self.z_offset
+    }
+
+    /// The offset of z, to change it.
+    pub const fn z_offset_mut(&mut self) -> &mut ZOffset {
+        &mut self.z_offset
     }
 
     /// Makes an axis follow other taps; all axes are at rest. The advance is only the difference of its taps.
@@ -219,6 +238,11 @@ impl<'m> Trajectory<'m> {
         self.longest_delay() == SubTicks::ZERO
     }
 
+    /// The longest delay of an axis, in ticks.
+    pub fn delay_ticks(&self) -> f32 {
+        ticks(self.longest_delay())
+    }
+
     fn longest_delay(&self) -> SubTicks {
         self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
     }
@@ -263,7 +287,10 @@ impl<'m> Trajectory<'m> {
     /// Advances an axis to `time`; false if it needs a span that is not laid yet.
     pub fn advance(&mut self, axis: usize, time: SubTicks) -> bool {
         let has_surface = axis == Z && self.has_surface();
-        let Self { ring, axes, .. } = self;
+        let Self { ring, axes, z_offset, .. } = self;
+        if axis == Z {
+            z_offset.advance(time);
+        }
         if has_surface {
             let mut is_laid = true;
             for axis in axes.iter_mut().take(Z + 1) {
@@ -277,17 +304,19 @@ impl<'m> Trajectory<'m> {
     /// Next change of an axis's motion; `SubTicks::MAX` if that is not known. On a surface this is the next time at
     /// which z itself changes, or up to which x and y are known.
     pub fn next_change(&self, axis: usize) -> SubTicks {
-        if axis == Z && self.has_surface() {
+        let change = if axis == Z && self.has_surface() {
             let [x, y, z, ..] = &self.axes;
-            return z.next_motion(&self.ring, x.runs_out(&self.ring).min(y.runs_out(&self.ring)));
-        }
-        self.axes.get(axis).map_or(SubTicks::MAX, |axis| axis.next_change(&self.ring))
+            z.next_motion(&self.ring, x.runs_out(&self.ring).min(y.runs_out(&self.ring)))
+        } else {
+            self.axes.get(axis).map_or(SubTicks::MAX, |axis| axis.next_change(&self.ring))
+        };
+        if axis == Z { change.min(self.z_offset.next_change()) } else { change }
     }
 
     /// The span that all of some axes follow unchanged from `time` on, if there is one.
     pub fn follows(&self, axes: impl Iterator<Item = usize>, time: SubTicks) -> Option<&Span> {
         let mut common = None;
-        let bends = self.has_surface();
+        let bends = self.has_surface() || self.z_offset.is_moving();
         for (number, axis) in axes.filter_map(|axis| Some((axis, self.axes.get(axis)?))) {
             if bends && number == Z {
                 return None;
@@ -306,10 +335,16 @@ impl<'m> Trajectory<'m> {
 
     /// The state of an axis at a time up to its next change.
     pub fn state(&self, axis: usize, time: SubTicks) -> AxisState {
-        if axis == Z && self.has_surface() {
-            return self.state_on_surface(time);
+        let state = if axis == Z && self.has_surface() {
+            self.state_on_surface(time)
+        } else {
+            self.axes.get(axis).map_or(AxisState::at_rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+        };
+        if axis != Z || self.z_offset.is_none() {
+            return state;
         }
-        self.axes.get(axis).map_or(AxisState::at_rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+        let offset = self.z_offset.state(time);
+        AxisState { position: state.position.wrapping_add(offset.position), speed: state.speed + offset.speed }
     }
 
     /// The state of z on the surface, as far as spans are laid.

@@ -13,6 +13,9 @@ use crate::units::{Steps, SubTicks};
 /// Axes of the trajectory: x, y, z, e, and the advance, with a speed equal to the pressure that the extruder builds up.
 pub(crate) const AXES: usize = 5;
 
+/// The axis between bed and nozzle.
+pub(crate) const Z: usize = 2;
+
 /// The axis of the advance.
 pub(crate) const ADVANCE: usize = 4;
 

@@ -15,7 +15,6 @@ const HEATERS: &[&str] = &["echo:no heaters configured"];
 const UNTUNED: &[&str] = &["echo:no heaters configured, ignored"];
 const NO_PROBE: &[&str] = &["echo:no probe configured, ignored"];
 const NO_MESH: &[&str] = &["echo:Invalid mesh. G29 measures one"];
-const NO_OFFSET: &[&str] = &["echo:M290 ignored: this firmware does not change Z under way"];
 const PAUSED: &[&str] = &[
     "//action:paused",
     "//action:prompt_begin Paused",
@@ -341,11 +340,27 @@ const ROWS: &[Row] = &[
     ("BED_MESH_PROFILE SAVE=default", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M555 X10 Y10 W100 H80", SILENCE),
     ("EXCLUDE_OBJECT_DEFINE NAME=cube CENTER=10,10 POLYGON=[[5,5],[15,5],[15,15]]", SILENCE),
-    ("M290 Z0.05", NO_OFFSET),
     ("M420", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M420 S1", &["echo:Invalid mesh. G29 measures one", "echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
     ("M420 Z0", &["echo:Bed Leveling OFF", "echo:Fade Height OFF"]),
     ("M420 Z200", &["echo:M420 ignored: Z200 is out of range (1 to 100), stays 10"]),
+    // Offsets.
+    ("M206 X1 Y-1 Z.5", SILENCE),
+    ("M206", &["  M206 X0 Y0 Z0"]),
+    ("M428", &["echo:Too far from reference point"]),
+    ("M290 Z0.05", SILENCE),
+    ("M290 S-0.05 P0", SILENCE),
+    ("M290 Z0.05 R", &["echo:Babystep Z0.00", "echo:Z offset 0"]),
+    ("M290", &["echo:Babystep Z0.00", "echo:Z offset 0"]),
+    ("M290 Z5", &["echo:M290 Z5 is out of range, set to 2"]),
+    ("M290 X0.05", &["echo:M290 X is not supported by this firmware"]),
+    ("SET_GCODE_OFFSET Z=-0.1", SILENCE),
+    ("SET_GCODE_OFFSET Z_ADJUST=0.1 MOVE=1 MOVE_SPEED=5", SILENCE),
+    ("SET_GCODE_OFFSET X=0 Y=0 Z=0", SILENCE),
+    ("SET_GCODE_OFFSET", &["echo:Babystep Z0.00", "echo:Z offset 0"]),
+    ("SET_GCODE_OFFSET Y_ADJUST=1", &["echo:SET_GCODE_OFFSET Y_ADJUST is not supported by this firmware"]),
+    ("SET_GCODE_OFFSET Z=9", &["echo:ignored: the offset of Z would be out of range (-5 to 5 mm)"]),
+    ("SET_GCODE_OFFSET Z", &["echo:line ignored: \"Z\" is not a name with = and a number"]),
     // Storage, which this machine lacks.
     ("M500", &["echo:Settings not stored: no storage on this machine"]),
     ("M501", &["echo:Settings unchanged: *"]),

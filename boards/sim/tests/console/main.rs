@@ -3,6 +3,7 @@
 
 mod arcs;
 mod below_zero;
+mod first_layer;
 mod homing;
 mod legal_settings;
 mod lines;

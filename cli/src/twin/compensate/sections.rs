@@ -49,7 +49,8 @@ impl Kind {
             Some(('M', Some(201.0 | 203.0..=205.0 | 220.0 | 221.0 | 593.0 | 572.0 | 900.0))) => Self::Plan,
             _ if text.starts_with("SET_VELOCITY_LIMIT") || text.starts_with("SET_PRESSURE_ADVANCE") => Self::Plan,
             Some(
-                ('M', Some(73.0 | 104.0..=107.0 | 114.0 | 117.0 | 118.0 | 140.0 | 141.0 | 486.0)) | ('G', Some(92.0)),
+                ('M', Some(73.0 | 104.0..=107.0 | 114.0 | 117.0 | 118.0 | 140.0 | 141.0 | 290.0 | 486.0))
+                | ('G', Some(92.0)),
             ) => Self::Aside,
             _ => Self::Still,
         }

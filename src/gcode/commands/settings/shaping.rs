@@ -165,7 +165,7 @@ fn times_ten_to(number: Number, exponent: Number) -> Number {
 }
 
 /// A number that may have an exponent, up to the end of the text.
-fn scientific(text: &[u8]) -> Option<Number> {
+pub(in crate::gcode::commands) fn scientific(text: &[u8]) -> Option<Number> {
     let (number, after) = Number::read(text)?;
     let (exponent, after) = match after {
         [b'e' | b'E', exponent @ ..] => Number::read(exponent)?,

@@ -8,6 +8,7 @@ use crate::machine::answers::setting::Setting;
 use crate::machine::commands::states::States;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::z_offset::use_home_offsets;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
@@ -44,6 +45,7 @@ pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Pend>(
     }
     match owner {
         Owner::Readers => main_loop.live_settings().set_plain(&wanted),
+        Owner::Origins => use_home_offsets(main_loop, wanted.home_offsets()),
         Owner::Heaters => *main_loop.heat_settings() = wanted.thermal,
         Owner::Motors => {
             main_loop.finish().await?;

@@ -93,6 +93,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     }
     if let Some(stored) = survey.newest {
         main_loop.use_settings(stored.settings).await?;
+        main_loop.first_layer.note_stored(&main_loop.settings);
     }
     let mut paced = Paced::new(main_loop);
     let passed = storage::passed_test(&mut paced).await;
@@ -137,6 +138,9 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
     let mut paced = Paced::new(main_loop);
     let saved = storage::save(&mut paced, settings).await;
     paced.into_result()?;
+    if saved.is_ok() {
+        main_loop.first_layer.note_stored(settings);
+    }
     Ok(saved)
 }
 
@@ -155,6 +159,7 @@ pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
     };
     let settings = survey.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings);
     main_loop.use_settings(settings).await?;
+    main_loop.first_layer.note_stored(&main_loop.settings);
     Ok(StorageNews::loaded(&survey))
 }
 

@@ -2,7 +2,6 @@
 
 use super::Motion;
 use crate::machine::release::policy::{GATHERED, Release};
-use crate::motion::Work;
 use crate::port::Pend;
 use crate::settings::Settings;
 use crate::units::Instant;
@@ -23,6 +22,9 @@ impl<W: Pend> Motion<'_, W> {
     pub(in crate::machine::main_loop) fn feed(&mut self, settings: &Settings, now: Instant) -> Fed {
         // Asked at every turn, because that updates the count of steps made.
         let left = self.link.left();
+        if self.link.is_shifting() {
+            self.link.help_shift();
+        }
         let queued = self.link.level();
         let level = (self.planner.len() + queued) as u32;
         self.link.status().set_level(level);
@@ -55,7 +57,7 @@ impl<W: Pend> Motion<'_, W> {
             return Fed::More;
         }
         if let Some(released) = self.planner.pop() {
-            self.link.send(Work::Move(released));
+            self.link.send_move(released, &settings.axes.z);
             return Fed::Move;
         }
         if release == Release::Final {

@@ -14,6 +14,7 @@
 //! | this one | positions, the grouping of motors, the queue |
 //! | [`look_ahead`] | moves into the look-ahead |
 //! | [`hand_on`] | moves out of it, a part of every turn |
+//! | [`z_offset`] | steps that z stands aside of its path, live |
 //!
 //! | word | means |
 //! |---|---|
@@ -23,6 +24,7 @@
 
 pub(super) mod hand_on;
 mod look_ahead;
+mod z_offset;
 
 use crate::kinematics::{Grouping, Groupings, Groups};
 use crate::machine::release::policy::ReleasePolicy;
@@ -34,6 +36,7 @@ use crate::port::Pend;
 use crate::settings::{AxisSettings, Settings};
 use crate::surface::{Heights, Mesh};
 use crate::units::{Instant, Mm, Seconds, Steps, SubTicks, TICKS_PER_MS};
+use z_offset::Babystep;
 
 /// The motion, from the look-ahead to the counts of steps.
 pub(in crate::machine) struct Motion<'m, W: Pend> {
@@ -46,6 +49,7 @@ pub(in crate::machine) struct Motion<'m, W: Pend> {
     wants_surface: bool,
     /// It has ever followed one, so that the generator has to get it.
     has_followed: bool,
+    babystep: Babystep,
 }
 
 impl<'m, W: Pend> Motion<'m, W> {
@@ -64,6 +68,7 @@ impl<'m, W: Pend> Motion<'m, W> {
             advance_in_use: AdvanceInUse::new(),
             wants_surface: false,
             has_followed: false,
+            babystep: Babystep::default(),
         }
     }
 
@@ -74,7 +79,7 @@ impl<'m, W: Pend> Motion<'m, W> {
 
     /// Whether anything planned has not been stepped yet.
     pub fn has_motion(&self) -> bool {
-        !self.planner.is_empty() || !self.link.is_idle()
+        !self.planner.is_empty() || !self.link.is_idle() || self.link.is_shifting()
     }
 
     /// Makes the Stepper read the endstops.
@@ -117,9 +122,10 @@ impl<'m, W: Pend> Motion<'m, W> {
         self.planner.mm(position)
     }
 
-    /// Where the machine really is, in steps of x, y, z and e; on a surface, z is counted from there.
+    /// Where the machine really is on its path, in steps of x, y, z and e; on a surface, z is counted from there.
     pub fn real_steps(&self) -> [Steps; 4] {
-        self.to_planned(self.real.of_axes(self.link.counts()))
+        let [x, y, z, e] = self.real.of_axes(self.link.counts());
+        self.to_planned([x, y, z.wrapping_sub(self.aside()), e])
     }
 
     /// The mesh of the bed, whether z follows it or not.
@@ -239,6 +245,7 @@ impl<'m, W: Pend> Motion<'m, W> {
     /// Takes over new resolutions at rest; the position follows.
     pub(super) fn set_resolution(&mut self, settings: &Settings) {
         self.planner.set_resolution(settings);
+        self.resize_shifts(settings.axes.z.steps_per_mm);
     }
 
     /// Whether motion must rest before the advance of `wanted` counts.
@@ -266,6 +273,11 @@ impl<'m, W: Pend> Motion<'m, W> {
     /// Queues time in which nothing moves; there is room for it.
     pub(super) fn dwell(&mut self, ms: u32) {
         self.link.send(Work::Dwell(SubTicks::of_ticks(u64::from(ms) * u64::from(TICKS_PER_MS))));
+    }
+
+    /// Whether all work and all steps are gone after motion was dropped.
+    pub(super) fn is_dropped(&self) -> bool {
+        self.link.is_dropped()
     }
 
     /// Whether all queued work is done.
@@ -328,6 +340,7 @@ impl<'m, W: Pend> Motion<'m, W> {
     /// grouping of motors if the generator has to get it.
     pub(super) fn adopt(&mut self, position: [Steps; 4]) -> Option<Grouping> {
         self.planner.stand_at(position);
+        self.take_in_shifts();
         self.real.adopt(self.to_real(position), self.link.counts());
         self.real.has_regrouped().then_some(self.real.grouping())
     }

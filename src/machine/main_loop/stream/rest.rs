@@ -25,7 +25,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     pub async fn drop_motion(&mut self) -> Result<(), Interrupt> {
         self.motion.drop_all();
         let mut halted = Ok(());
-        while !self.motion.is_idle() {
+        while !self.motion.is_dropped() {
             // A second quick stop changes nothing; a halt does.
             match self.poll().await {
                 Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),

@@ -27,7 +27,7 @@ fn the_longest_values_fit() {
     };
     (s.axes.x, s.axes.y, s.axes.z, s.axes.e) = (axis, axis, axis, axis);
     s.axis_min = Cartesian { x: Mm::MIN, y: Mm::MIN, z: Mm::MIN };
-    let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
+    let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN, offset: Mm::MIN };
     (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
     s.corner = CornerRule::JunctionDeviation(Mm::MIN);
     let shaper = Shaper {
@@ -53,7 +53,7 @@ fn the_longest_values_fit() {
     (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);
     let endstop = Endstop { end: AxisEnd::Max, position: Mm::MIN };
     (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
-    s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN };
+    s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN, z_offset: Mm::MIN };
     s.filament = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     s.probe_plug = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     s.belt = Belt {

@@ -21,7 +21,7 @@ pub fn spelled_out() -> Settings {
         max_acceleration: MmPerSec2::from_num(3000 + i),
         length: Mm::from_num(400 + i),
     };
-    let homing = Homing { fast: MmPerSec::ONE, slow: MmPerSec::lit("0.5"), back_off: Mm::lit("2.5") };
+    let homing = Homing { fast: MmPerSec::ONE, slow: MmPerSec::lit("0.5"), back_off: Mm::lit("2.5"), offset: Mm::ZERO };
     let shaper = |kind, hertz| Shaper {
         kind,
         frequency: Hertz::from_num(hertz),
@@ -69,7 +69,13 @@ pub fn spelled_out() -> Settings {
         endstops: endstops(),
         homing_order: [HomedAxis::Z, HomedAxis::X, HomedAxis::Y],
         baud: 115_200,
-        bed: Bed { width: Mm::from_num(380), depth: Mm::lit("401.5"), left: Mm::lit("-3.5"), front: Mm::from_num(7) },
+        bed: Bed {
+            width: Mm::from_num(380),
+            depth: Mm::lit("401.5"),
+            left: Mm::lit("-3.5"),
+            front: Mm::from_num(7),
+            z_offset: Mm::ZERO,
+        },
         probe_plug: EndstopPlug { connector: ConnectorName::lit("PROBE"), is_normally_open: true },
         belt: Belt {
             is_closed: true,

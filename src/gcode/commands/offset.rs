@@ -1,0 +1,58 @@
+//! Offsets of z: M290 and Klipper's SET_GCODE_OFFSET.
+
+use super::Command;
+use super::grammar::{Grammar, WORDS};
+use super::motion::MotionCommand;
+use super::row::Described;
+use super::settings::{named_value, scientific, words};
+use crate::gcode::lexer::{last, number};
+use crate::gcode::number::Number;
+use crate::gcode::parts::{Flaw, OffsetWords};
+
+pub(super) const ROWS: &[Described] = &[
+    Described::m(&[290], |_, text| Some(babystep(text)))
+        .grammar(&Grammar::numbers(b"ZSP"))
+        .does("Z S P, R", "shifts Z by Z or S while moves are under way; P0 does not keep it; or reports"),
+    Described::name(&["SET_GCODE_OFFSET"], |_, text| Some(gcode_offset(text)))
+        .does("Z= Z_ADJUST= MOVE=", "the kept offset of Z, at its next move or at once (MOVE=1); or reports"),
+    Described::m(&[428], |_, _| Some(Command::Motion(MotionCommand::SetHomeOffsets)))
+        .grammar(WORDS)
+        .does("", "home offsets (M206) that make the present place that of the switches, at most 20 mm away"),
+];
+
+/// M290. Z counts before S, and a report makes no move (Marlin, M290.cpp). X and Y have no such offset.
+fn babystep(text: &[u8]) -> Command<'_> {
+    for (letter, name) in [(b'X', b"X"), (b'Y', b"Y")] {
+        if last(text, letter).is_some() {
+            return Command::Motion(MotionCommand::NoOffset("M290", name));
+        }
+    }
+    let by = number(text, b'Z').or_else(|| number(text, b'S')).filter(|_| last(text, b'R').is_none());
+    let is_kept = number(text, b'P') != Some(Number::ZERO);
+    Command::Motion(MotionCommand::Babystep { by, is_kept })
+}
+
+/// Words of SET_GCODE_OFFSET for axes without an offset.
+const OTHERS: [&str; 6] = ["X", "Y", "E", "X_ADJUST", "Y_ADJUST", "E_ADJUST"];
+
+/// SET_GCODE_OFFSET. MOVE_SPEED is not obeyed: z moves as fast as its limits allow.
+fn gcode_offset(text: &[u8]) -> Command<'_> {
+    let mut offset = OffsetWords::default();
+    for word in words(text) {
+        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
+        match name {
+            name if name.eq_ignore_ascii_case(b"Z") => offset.to = Some(number),
+            name if name.eq_ignore_ascii_case(b"Z_ADJUST") => offset.by = Some(number),
+            name if name.eq_ignore_ascii_case(b"MOVE") => offset.moves = number != Number::ZERO,
+            // None is what the machine has.
+            _ if number == Number::ZERO => {}
+            name => {
+                if let Some(other) = OTHERS.into_iter().find(|other| name.eq_ignore_ascii_case(other.as_bytes())) {
+                    return Command::Motion(MotionCommand::NoOffset("SET_GCODE_OFFSET", other.as_bytes()));
+                }
+            }
+        }
+    }
+    Command::Motion(MotionCommand::ZOffset(offset))
+}

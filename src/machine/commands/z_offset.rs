@@ -1,0 +1,115 @@
+//! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET); and home offsets (M428;
+//! M206 is plain).
+//!
+//! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). Without P0 the change
+//! is kept over homing, and M500 stores it.
+
+use super::moves::Moves;
+use crate::gcode::{Number, OffsetWords};
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::z_offset::{let_z_stand, shift_z, use_home_offsets, z_reach};
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::settings::{AxisEnd, HomedAxis, Range, Settings, ranges};
+use crate::units::Mm;
+
+/// The most that one M290 shifts: more is a slip of the finger.
+const MOST: Range<Mm> = Range { least: Mm::const_from_int(-2), most: Mm::const_from_int(2) };
+
+/// Where the sum of all offsets would be too large.
+const TOO_FAR: Answer<'static> = Answer::Line("echo:ignored: the offset of Z would be out of range (-5 to 5 mm)");
+
+/// How far M428 reaches (Marlin, M428.cpp).
+const NEAR: Range<Mm> = Range { least: Mm::const_from_int(-20), most: Mm::const_from_int(20) };
+
+/// M428: the program counts from now on as if each axis stood at its switch, or at 0 if a switch at the upper end is
+/// too far away (Marlin). Nothing moves.
+pub(super) fn set_home_offsets<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
+    if main_loop.homed.lacks_one_of([true; 3]) {
+        return Answer::Line("echo:M428 ignored: home first (G28)");
+    }
+    let mut offsets = main_loop.settings.home_offsets();
+    for ((offset, at), axis) in offsets.iter_mut().zip(main_loop.commanded.position()).zip(HomedAxis::ALL) {
+        let endstop = main_loop.settings.endstops.of(axis);
+        *offset = endstop.position.saturating_sub(at);
+        if !NEAR.holds(*offset) && endstop.end == AxisEnd::Max {
+            *offset = -at;
+        }
+        if !NEAR.holds(*offset) {
+            return Answer::Line("echo:Too far from reference point");
+        }
+    }
+    use_home_offsets(main_loop, offsets);
+    Answer::Position { real: false }
+}
+
+/// Whether an offset is in the range of the setting that keeps it.
+fn may_be_kept(s: &Settings, offset: Mm) -> bool {
+    let range = if s.keeps_by_probe() { ranges::PROBE_OFFSET_Z } else { ranges::Z_OFFSET };
+    range.holds(offset)
+}
+
+/// Whether z may stand aside by so much more, and the kept offset may change so: z stays within its axis.
+fn fits<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, by: Mm, is_kept: bool) -> bool {
+    let s = &main_loop.settings;
+    let kept = if is_kept { s.z_offset().saturating_add(by) } else { s.z_offset() };
+    let aside = main_loop.first_layer.aside(s).saturating_add(by);
+    ranges::Z_OFFSET.holds(aside) && may_be_kept(s, kept)
+}
+
+impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
+    /// M290. It waits for nothing but power.
+    pub async fn babystep(&mut self, by: Option<Number>, is_kept: bool) -> Result<Answer<'static>, Interrupt> {
+        let Some(by) = by else { return Ok(Answer::ZOffset) };
+        let Some(by) = self.clamps.length_of(self.modal, ["M290", "Z"], by, MOST, None) else {
+            return Ok(Answer::Nothing);
+        };
+        self.shift(by, is_kept).await
+    }
+
+    /// SET_GCODE_OFFSET, in mm even after G20.
+    pub async fn z_offset(&mut self, words: OffsetWords) -> Result<Answer<'static>, Interrupt> {
+        let kept = self.main_loop.settings.z_offset();
+        let read = |number: Number| Mm::saturating_from_num(number.value());
+        let by = match (words.to, words.by) {
+            (Some(to), _) => read(to).saturating_sub(kept),
+            (None, Some(by)) => read(by),
+            (None, None) => return Ok(Answer::ZOffset),
+        };
+        let [.., is_homed] = self.main_loop.homed.axes();
+        if words.moves && is_homed {
+            return self.shift(by, true).await;
+        }
+        if !may_be_kept(&self.main_loop.settings, kept.saturating_add(by)) {
+            return Ok(TOO_FAR);
+        }
+        let_z_stand(self.main_loop, by);
+        Ok(Answer::Nothing)
+    }
+
+    /// Z moves by so much, as soon as its limits leave room for it.
+    async fn shift(&mut self, by: Mm, is_kept: bool) -> Result<Answer<'static>, Interrupt> {
+        if by == Mm::ZERO {
+            return Ok(Answer::Nothing);
+        }
+        if !fits(self.main_loop, by, is_kept) {
+            return Ok(TOO_FAR);
+        }
+        if !self.may_move([false, false, true]).await? {
+            return Ok(Answer::NotHomed);
+        }
+        let [.., is_homed] = self.main_loop.homed.axes();
+        let [_, _, end, _] = self.main_loop.motion.end_mm();
+        if is_homed && self.main_loop.settings.soft_endstops && end.saturating_add(by) > z_reach(self.main_loop).most {
+            return Ok(Answer::Line("echo:ignored: Z would leave its axis"));
+        }
+        let motors = self.main_loop.motion.groups().mechanism().motors_of(2);
+        if !self.main_loop.power.is_on(motors) {
+            self.main_loop.power_up(self.main_loop.motion.groups().fitted()).await?;
+        }
+        shift_z(self.main_loop, by, is_kept);
+        Ok(Answer::Nothing)
+    }
+}

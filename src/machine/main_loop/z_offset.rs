@@ -1,0 +1,64 @@
+//! Offsets: z is shifted while moves are under way, or for the moves to come; the program counts from another zero.
+
+use super::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::settings::{HomedAxis, Range};
+use crate::units::Mm;
+
+/// Where the planner may send z.
+pub(in crate::machine) fn z_reach<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Range<Mm> {
+    main_loop.first_layer.reach(&main_loop.settings)
+}
+
+/// Z moves by so much from where its moves lead it, at once. The change is `kept` over homing, or is not.
+pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm, kept: bool) {
+    if kept {
+        main_loop.settings.replace_z_offset(main_loop.settings.z_offset().saturating_add(by));
+    }
+    if !kept || main_loop.settings.keeps_by_probe() {
+        main_loop.first_layer.shift(by);
+    }
+    main_loop.motion.shift_z(by, &main_loop.settings.axes.z);
+}
+
+/// The kept offset changes by so much, and z stands until its next move: the program's zero is there now.
+pub(in crate::machine) fn let_z_stand<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) {
+    main_loop.settings.replace_z_offset(main_loop.settings.z_offset().saturating_add(by));
+    if !main_loop.settings.keeps_by_probe() {
+        main_loop.first_layer.shift(-by);
+    }
+    main_loop.commanded.move_origin([Mm::ZERO, Mm::ZERO, by]);
+}
+
+/// An axis was homed: it has the machine's own zero again but for its home offset, and no shift.
+pub(in crate::machine) fn name_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: usize) {
+    main_loop.commanded.forget_origin(axis, main_loop.settings.home_offsets());
+    if axis == HomedAxis::Z as usize {
+        main_loop.motion.forget_shifts();
+        main_loop.first_layer.forget();
+    }
+}
+
+/// From now on the program counts so much more than the machine.
+pub(in crate::machine) fn use_home_offsets<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, offsets: [Mm; 3]) {
+    let before = main_loop.settings.home_offsets();
+    main_loop.settings.replace_home_offsets(offsets);
+    move_origins(main_loop, before);
+}
+
+/// The program's zero moves, because the home offsets were others `before`.
+pub(super) fn move_origins<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, before: [Mm; 3]) {
+    let mut by = before;
+    for (by, now) in by.iter_mut().zip(main_loop.settings.home_offsets()) {
+        *by = by.saturating_sub(now);
+    }
+    main_loop.commanded.move_origin(by);
+}
+
+/// Tells hosts once that the kept offset is not stored.
+pub(in crate::machine) fn tell_of_z_offset<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+    if main_loop.first_layer.tells(&main_loop.settings) {
+        main_loop.hosts.notify_all(format_args!("echo:the offset of Z is not saved: M500 keeps it"));
+    }
+}
