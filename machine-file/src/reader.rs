@@ -145,7 +145,7 @@ impl Given {
         s.visit(&mut Put(&self.values));
         // By default the bed equals the tool's reach, and a switch sits at the end of its axis.
         let bed = s.bed;
-        s.bed = Bed::of_reach(s.reach(HomedAxis::X), s.reach(HomedAxis::Y));
+        s.bed = Bed { z_offset: bed.z_offset, ..Bed::of_reach(s.reach(HomedAxis::X), s.reach(HomedAxis::Y)) };
         for (key, place, given) in [
             ("bed.width", &mut s.bed.width, bed.width),
             ("bed.depth", &mut s.bed.depth, bed.depth),

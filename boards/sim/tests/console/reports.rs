@@ -18,6 +18,8 @@ fn settings_that_are_reported_read_back() {
         "M207 S1.25 F1800 Z0.4",
         "M208 S0.05 F600",
         "M211 S0",
+        "M206 X-3 Z0.25",
+        "SET_GCODE_OFFSET Z=-0.075",
         "M113 S5",
         "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.37",
         "M569 S1 X",
@@ -30,8 +32,8 @@ fn settings_that_are_reported_read_back() {
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("  ")).map(str::to_owned).collect();
     // The prototype has no heaters.
     let plain = CODES.iter().filter(|code| condition(**code).owner != Owner::Heaters).count();
-    // M422 has two lines for each of two screws.
-    assert_eq!(report.len(), 15 + 4 + plain, "{heard:?}");
+    // M422 has two lines for each of two screws, SET_GCODE_OFFSET one.
+    assert_eq!(report.len(), 15 + 4 + 1 + plain, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0 ; OFF".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503 S0");
