@@ -337,6 +337,47 @@ fn a_switch_that_is_not_met_and_a_lost_board_end_the_guide() {
 }
 
 #[test]
+fn a_board_that_restarts_in_mid_step_is_told_from_one_that_is_silent() {
+    let mut bench = Bench::new(&[]);
+    let led = bench.lead(&["--from", "sensors"], |key, act| {
+        match key {
+            "sensors hotend" => act("reset"),
+            "sensors decide" => return "quit".to_owned(),
+            _ => {}
+        }
+        String::new()
+    });
+    assert_eq!(led.status, Some(1), "{}", led.said);
+    let told = "**it does not say why: the board restarted in the middle of this step.** Cure: if it was not its reset";
+    assert!(led.report.contains(told), "{}", led.report);
+}
+
+/// A USB port goes and comes back when the reset button is pressed, as many cures ask for.
+#[test]
+fn a_step_is_done_again_at_a_port_that_has_come_back() {
+    let mut bench = Bench::new(&[]);
+    let (printer, folder) = (Pid::from_child(&bench.printer), bench.folder.clone());
+    let mut again = None;
+    let led = bench.lead(&["--from", "supply"], |key, _| {
+        match key {
+            "supply supply" if again.is_none() => return "18".to_owned(),
+            "supply decide" => {
+                kill_process(printer, Signal::KILL).unwrap();
+                again = Some(serve(&folder, &[]));
+                return "again".to_owned();
+            }
+            _ if key.ends_with(" decide") => return "quit".to_owned(),
+            _ => {}
+        }
+        String::new()
+    });
+    let (mut printer, _) = again.unwrap();
+    printer.kill().unwrap();
+    printer.wait().unwrap();
+    assert!(led.report.contains("## 2. Supply voltages: passed"), "{}", led.said);
+}
+
+#[test]
 fn bad_input_is_answered() {
     let mut bench = Bench::new(&[]);
     let mut asked = 0;

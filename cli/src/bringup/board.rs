@@ -14,8 +14,20 @@ const SILENCE: Duration = Duration::from_secs(8);
 /// A restarted board has said its greeting, and a computer has found its USB port again, after this time.
 const RESTART: Duration = Duration::from_secs(10);
 
+/// Silence after which a board has said all that it says by itself.
+const QUIET: Duration = Duration::from_millis(500);
+
+/// The second line of a greeting. The first one may end a line that the reset has cut.
+const GREETING: &str = "echo:corehbot ";
+
+/// What the greeting begins with after a reset that nobody asked for.
+const REASON: &str = "echo:the last reset came after ";
+
 /// Orders that bring it to rest, each of them harmless at any time: the first two act at once, as they arrive.
 const REST: [&str; 6] = ["M410", "M108", "M104 S0", "M140 S0", "M141 S0", "M84"];
+
+/// What the board repeats after these orders (M118). Their `ok`s do not tell them from the order before.
+const AT_REST: &str = "bringup: at rest";
 
 /// The answers to these orders, before M112 has to do.
 const PATIENCE: Duration = Duration::from_secs(4);
@@ -76,6 +88,10 @@ impl Board {
                     let why = heard.iter().rev().find(|line: &&String| line.starts_with("Error:")).unwrap_or(&line);
                     return Err(Trouble::Halted(why.trim_start_matches("Error:").to_owned()));
                 }
+                if line.starts_with(GREETING) {
+                    let reason = heard.iter().find_map(|line: &String| line.strip_prefix(REASON));
+                    return Err(Trouble::Restarted(reason.unwrap_or("it does not say why").to_owned()));
+                }
                 meanwhile(self, Some(&line))?;
                 if !line.starts_with("echo:busy") {
                     heard.push(line);
@@ -111,62 +127,64 @@ impl Board {
         Ok(lines)
     }
 
-    /// Throws away what the board says by itself, until it has been silent for a while.
-    pub fn drain(&mut self) -> Result<(), Trouble> {
-        self.last = Instant::now();
-        let mut quiet = Instant::now();
-        while quiet.elapsed() < Duration::from_millis(500) {
-            if !self.hear()?.is_empty() {
-                quiet = Instant::now();
+    /// Throws away what the board says by itself, until it has been silent for a while. A USB port that has gone with
+    /// a reset comes back meanwhile.
+    pub fn drain(&mut self, owner: &Owner) -> Result<(), Trouble> {
+        let (begin, mut quiet) = (Instant::now(), Instant::now());
+        while quiet.elapsed() < QUIET {
+            owner.look_at_stop()?;
+            match self.hear_again() {
+                Ok(lines) if lines.is_empty() => {}
+                Err(trouble) if begin.elapsed() > RESTART => return Err(trouble),
+                Ok(_) | Err(_) => quiet = Instant::now(),
             }
         }
         Ok(())
     }
 
-    /// Restarts a firmware that has stopped everything. A USB port goes and comes back meanwhile.
+    /// Lines that have come, however long the silence. A port that is gone is opened again, for the next time.
+    fn hear_again(&mut self) -> Result<Vec<String>, Trouble> {
+        self.last = Instant::now();
+        let heard = self.hear();
+        if heard.is_err() {
+            std::thread::sleep(Duration::from_millis(200));
+            if let Ok(port) = SerialLine::open(&self.path, self.baud) {
+                self.port = port;
+                self.part.clear();
+            }
+        }
+        heard
+    }
+
+    /// Restarts a firmware that has stopped everything.
     pub fn restart(&mut self, owner: &Owner) -> Result<(), Trouble> {
         self.port.write(b"M999\n")?;
         let begin = Instant::now();
-        loop {
+        while begin.elapsed() < RESTART {
             owner.look_at_stop()?;
-            self.last = Instant::now();
-            match self.hear() {
-                Ok(lines) if lines.iter().any(|line| line == "start") => return self.drain(),
-                Ok(_) => {}
-                Err(_) => {
-                    std::thread::sleep(Duration::from_millis(200));
-                    if let Ok(port) = SerialLine::open(&self.path, self.baud) {
-                        self.port = port;
-                    }
-                }
-            }
-            if begin.elapsed() > RESTART {
-                return Err(Trouble::Lost("it did not restart after M999; switch it off and on".to_owned()));
+            if self.hear_again().is_ok_and(|lines| lines.iter().any(|line| line.starts_with(GREETING))) {
+                return self.drain(owner);
             }
         }
+        Err(Trouble::Lost("it did not restart after M999; switch it off and on".to_owned()))
     }
 
-    /// Heaters off, motors without power. If the board does not confirm it, M112 does it at once.
-    pub fn rest(&mut self) -> Result<(), Trouble> {
+    /// Heaters off, motors without power. If the board does not confirm it, M112 does it at once. Returns whether it has
+    /// confirmed it.
+    pub fn rest(&mut self) -> Result<bool, Trouble> {
         let begin = Instant::now();
-        let mut missing = 0;
-        for order in REST {
+        let orders = REST.into_iter().map(str::to_owned).chain([format!("M118 {AT_REST}")]);
+        for order in orders {
             self.port.write(format!("{order}\n").as_bytes())?;
-            missing += 1;
         }
-        while missing > 0 && begin.elapsed() < PATIENCE {
+        while begin.elapsed() < PATIENCE {
             self.last = Instant::now();
-            for line in self.hear()? {
-                if is_halt(&line) {
-                    return Ok(());
-                }
-                missing -= usize::from(line.starts_with("ok") && missing > 0);
+            if self.hear()?.iter().any(|line| line == AT_REST || is_halt(line)) {
+                return Ok(true);
             }
         }
-        if missing > 0 {
-            self.port.write(b"M112\n")?;
-        }
-        Ok(())
+        self.port.write(b"M112\n")?;
+        Ok(false)
     }
 }
 

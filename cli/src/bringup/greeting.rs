@@ -30,8 +30,15 @@ fn fatal(failure: &Failure, part: &str) -> Trouble {
 pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
     let mut found = Found::default();
     // A line that another program has begun ends here.
-    guide.board.drain()?;
-    let heard = guide.ask("M115")?;
+    guide.board.drain(&guide.owner)?;
+    let heard = match guide.ask("M115") {
+        // It was starting, and has not heard the question: a bootloader takes a second or two.
+        Err(Trouble::Restarted(_)) => {
+            guide.board.drain(&guide.owner)?;
+            guide.ask("M115")?
+        }
+        heard => heard?,
+    };
     let name = heard.iter().find_map(|line| line.strip_prefix("FIRMWARE_NAME:"));
     let build = name.filter(|name| name.starts_with("CoreH-bot"));
     let build = build.ok_or_else(|| fatal(&OTHER, name.unwrap_or("M115")))?;
@@ -39,7 +46,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
     let heard = guide.ask("MACHINE_GET")?;
     guide.machine = machine_said(&heard).map_err(|error| fatal(&NO_MACHINE, &format!("{error:#}")))?;
     let machine = &guide.machine;
-    let motors: Vec<_> = machine.motors().map(|(_, name)| name.to_string()).collect();
+    let motors: Vec<_> = machine.mechanism.fitted().iter().map(|motor| machine.name_of(motor).to_string()).collect();
     found.note(format!("firmware {}", guide.build));
     found.note(format!("machine {}, motors {}", machine.name, motors.join(" ")));
     let heaters: Vec<_> = guide.heaters().into_iter().map(corehbot::connectors::Heater::name).collect();

@@ -27,6 +27,10 @@ pub(super) struct Problem {
     pub cure: String,
 }
 
+/// A stop of the firmware, in any step.
+pub(super) const STOPPED: Failure =
+    Failure { what: "the firmware stopped.", cure: "docs/reference/errors.md has the cure of what it names." };
+
 /// What a step has found.
 #[derive(Default)]
 pub(super) struct Found {

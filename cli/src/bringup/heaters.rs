@@ -1,6 +1,6 @@
 //! Heaters: the firmware's self-test warms each one by some degrees, at a power and for a time that its model allows.
 
-use super::guide::{Failure, Found, Guide};
+use super::guide::{Failure, Found, Guide, STOPPED};
 use super::trouble::Trouble;
 use corehbot::connectors::Heater;
 
@@ -16,8 +16,6 @@ const UNTESTED: Failure = Failure {
     what: "the self-test gave no result.",
     cure: "let everything cool below 50 C, see that every sensor has a reading, and do this step again.",
 };
-const STOPPED: Failure =
-    Failure { what: "the firmware stopped.", cure: "docs/reference/errors.md has the cure of what it names." };
 
 pub(super) const FAILURES: &[&Failure] = &[&COLD, &SWAPPED, &UNTESTED, &STOPPED];
 

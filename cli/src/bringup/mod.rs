@@ -11,6 +11,7 @@
 //! | a step runs | it found no problem | it is noted as passed, the next one runs |
 //! | | it found problems | the owner decides |
 //! | | the firmware stopped | it is restarted, and the stop is a problem |
+//! | | the board restarted by itself | that is a problem |
 //! | | the port is gone | the board is left alone; the guide ends and says how to go on |
 //! | | Ctrl-C, or the input ends | heaters off, motors without power ([`board::Board::rest`]); the guide ends |
 //! | the owner decides | again | the same step runs, with the board's machine read again |
@@ -56,12 +57,17 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use corehbot::settings::Settings;
 use corehbot_machine_file as machine_file;
-use guide::{Failure, Found, Guide};
+use guide::{Failure, Found, Guide, STOPPED};
 use owner::Owner;
 use record::{Ended, Entry, Record};
 use std::path::PathBuf;
 use steps::{STEPS, Step};
 use trouble::Trouble;
+
+const RESTARTED: Failure = Failure {
+    what: "the board restarted in the middle of this step.",
+    cure: "if it was not its reset button: check the supply and its terminals, and that no wire touches another.",
+};
 
 /// The first hour with a board.
 #[derive(Args)]
@@ -131,9 +137,9 @@ impl Prepared {
             };
             let resume = format!("corehbot bringup {} goes on with this step", args.port().display());
             guide.owner.tell(&format!("\n{trouble}\n{resume}; the report so far: {}", args.report.display()));
-            if !matches!(trouble, Trouble::Lost(_) | Trouble::Unfit(_)) {
-                // What cannot be reached any more is at rest by its own guards.
-                let _ = guide.board.rest();
+            // What cannot be reached any more is at rest by its own guards.
+            if !matches!(trouble, Trouble::Lost(_) | Trouble::Unfit(_)) && matches!(guide.board.rest(), Ok(false)) {
+                guide.owner.tell("The board has not confirmed that it rests: M112 has stopped everything.");
             }
             return Ok(stop.status().unwrap_or(FAILED));
         }
@@ -159,11 +165,9 @@ fn take(guide: &mut Guide, step: &Step, record: &mut Record, args: &Bringup) -> 
         let found = match (step.run)(guide) {
             Err(Trouble::Halted(why)) => {
                 guide.board.restart(&guide.owner)?;
-                let cure = "docs/reference/errors.md has the cure of what it names";
-                let mut found = Found::default();
-                found.problems.push(Failure { what: "the firmware stopped.", cure }.of(&why));
-                found
+                Found { problems: vec![STOPPED.of(&why)], ..Found::default() }
             }
+            Err(Trouble::Restarted(why)) => Found { problems: vec![RESTARTED.of(&why)], ..Found::default() },
             found => found?,
         };
         found.notes.iter().for_each(|note| guide.owner.tell(&format!("  {note}")));

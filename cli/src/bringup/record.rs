@@ -1,6 +1,7 @@
 //! Record: what was found so far, as a file to go on from and as a report to keep.
 
 use super::guide::Problem;
+use super::steps::STEPS;
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -99,9 +100,12 @@ impl Record {
 
     fn markdown(&self) -> String {
         let mut text = format!("# Bring-up report\n\n- Machine: {}\n- Firmware: {}\n", self.machine, self.build);
-        for (number, entry) in self.entries.iter().enumerate() {
+        // In the order and with the numbers of the guide, whatever was done again.
+        let entry_of = |name: &str| self.entries.iter().find(|entry| entry.step == name);
+        let entries = (1..).zip(&STEPS).filter_map(|(number, step)| Some((number, entry_of(step.name)?)));
+        for (number, entry) in entries {
             // A String takes everything.
-            let _ = write!(text, "\n## {}. {}: {}\n\n", number + 1, entry.title, entry.ended.word());
+            let _ = write!(text, "\n## {number}. {}: {}\n\n", entry.title, entry.ended.word());
             entry.notes.iter().for_each(|note| text.extend(["- ", note, "\n"]));
             for Problem { what, cure } in &entry.problems {
                 text.extend(["- **", what, "** Cure: ", cure, "\n"]);
@@ -129,6 +133,19 @@ mod tests {
         assert!(record.is_done("endstops") && !record.is_clean());
         assert_eq!(record.entries.len(), 1);
         let text = record.markdown();
-        assert!(text.contains("\n## 1. Endstops: skipped\n\n- y is well\n- **x: stuck.** Cure: free it.\n"), "{text}");
+        assert!(text.contains("\n## 4. Endstops: skipped\n\n- y is well\n- **x: stuck.** Cure: free it.\n"), "{text}");
+    }
+
+    /// The board is greeted in every session.
+    ///
+    /// Reproducer: in the report of a second session the greeting stood behind the steps of the first.
+    #[test]
+    fn steps_stand_in_the_order_of_the_guide() {
+        let mut record = Record::default();
+        record.put(entry(Ended::Passed));
+        record.put(Entry { step: "greeting".into(), title: "The board answers".into(), ..entry(Ended::Passed) });
+        let text = record.markdown();
+        let headings: Vec<_> = text.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+        assert_eq!(headings, ["1. The board answers: passed", "4. Endstops: passed"]);
     }
 }

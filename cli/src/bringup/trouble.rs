@@ -15,6 +15,8 @@ pub(super) enum Trouble {
     Lost(String),
     /// The firmware has stopped everything and waits for M999; its words.
     Halted(String),
+    /// The board has greeted in mid-answer; the reason that it gave.
+    Restarted(String),
 }
 
 impl fmt::Display for Trouble {
@@ -25,6 +27,7 @@ impl fmt::Display for Trouble {
             Self::Unfit(why) => f.write_str(why),
             Self::Lost(why) => write!(f, "the board does not answer any more: {why}"),
             Self::Halted(why) => write!(f, "the firmware has stopped: {why}"),
+            Self::Restarted(why) => write!(f, "the board has restarted: {why}"),
         }
     }
 }

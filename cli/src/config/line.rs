@@ -1,9 +1,10 @@
 //! The serial line to a board, for commands that have to be answered.
 
 use super::ports::cannot_open;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host as _;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags, open};
 use rustix::io::{read, write};
 use rustix::termios::{OptionalActions, QueueSelector, SpecialCodeIndex, tcflush, tcgetattr, tcsetattr};
@@ -83,7 +84,16 @@ impl SerialLine {
 
     /// Takes bytes that come within a tenth of a second.
     pub fn read(&self, bytes: &mut [u8]) -> Result<usize> {
-        read(&self.line, bytes).with_context(|| format!("cannot read {}", self.path.display()))
+        let count = read(&self.line, bytes).with_context(|| format!("cannot read {}", self.path.display()))?;
+        ensure!(count > 0 || !self.is_gone(), "{} is gone: unplugged, or its board was reset", self.path.display());
+        Ok(count)
+    }
+
+    /// Whether nothing is plugged in any more. A read of such a line only says that nothing has come.
+    fn is_gone(&self) -> bool {
+        let mut line = [PollFd::new(&self.line, PollFlags::empty())];
+        poll(&mut line, Some(&Timespec::default())).is_ok()
+            && line.iter().any(|line| line.revents().contains(PollFlags::HUP))
     }
 
     /// Sends bytes.

@@ -8,6 +8,7 @@ mod hand;
 mod pace;
 mod port;
 mod screen;
+mod surroundings;
 mod wire;
 
 use crate::bed_args::BedArgs;
@@ -33,13 +34,14 @@ use corehbot_sim::plugs::Plugs;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{Desk, Outcome, Sink, World};
 use echo::Echo;
-use hand::Hand;
-use pace::{Pace, Speed};
+pub use hand::{Act, Hand, WARM};
+pub use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+pub use surroundings::Surroundings;
 use wire::Delay;
 
 /// At full speed the port is polled no more often than this: a poll takes a microsecond, and so does a virtual
@@ -55,23 +57,14 @@ pub(crate) struct Serve {
     /// Sends and receives bytes no faster than a UART at this rate; without it, the line takes no time.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=10_000_000))]
     baud: Option<u32>,
-    /// Speed in multiples of real time, or `max`: as fast as it can be computed, but in real time (after 0.25 s) while
-    /// it waits for the host.
-    #[arg(long, value_name = "X", default_value = "1", value_parser = pace::parse)]
-    speed: Speed,
+    #[command(flatten)]
+    around: Surroundings,
     #[command(flatten)]
     plant: PlantArgs,
     #[command(flatten)]
     heat: HeatArgs,
     #[command(flatten)]
     bed: BedArgs,
-    /// A mistake in the wiring, such as `swap-motors:m1,m8`, `reverse-motor:m4` or `stuck-endstop:x`. May be repeated.
-    /// An unknown word gets a list of the known ones.
-    #[arg(long, value_name = "WHAT:NAMES", conflicts_with = "plant")]
-    fault: Vec<String>,
-    /// Takes what a hand does to the machine from standard input: `press x`, `let go`, `warm hotend`.
-    #[arg(long)]
-    hand: bool,
     #[command(flatten)]
     printer: Printer,
     /// Echoes typed text, for terminal programs without an echo of their own; not for hosts.
@@ -104,7 +97,7 @@ impl Prepared {
         let heat = args.heat.setup(&settings)?;
         let bed = args.bed.plant(&settings)?;
         let probe_accidents = args.heat.probe_accidents(&settings)?;
-        let plugs = plugs(&args.fault, &settings)?;
+        let plugs = args.around.plugs(&settings)?;
         let eeprom = args.printer.eeprom()?;
         let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
@@ -130,12 +123,12 @@ impl Prepared {
         let mut total = Total::default();
         let mut server = Server {
             port,
-            pace: Pace::new(args.speed),
+            pace: Pace::new(args.around.speed),
             begin: Instant::now(),
             inbound: Delay::new(args.baud),
             outbound: Delay::new(args.baud),
             echo: args.echo.then(Echo::default),
-            hand: args.hand.then(Hand::at_input),
+            hand: args.around.hand(),
         };
         let (mut now, mut plant) = (0, None);
         loop {
@@ -149,18 +142,18 @@ impl Prepared {
                 None => World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink),
             };
             let mut screen = Screen::new(&settings, place);
-            server.serve(&mut world, &mut screen, &stop)?;
+            let left = server.serve(&mut world, &mut screen, &stop)?;
             screen.close();
             let outcome = world.outcome();
             total.add(&outcome);
-            let (has_ended, ended) = (world.has_ended(), world.now());
+            let ended = world.now();
             plant = world.take_plant();
             drop(world);
             (belt, bed) = (desk.belt.take(), desk.bed.take());
             // Those that are over are not repeated.
             probe_accidents = std::mem::take(&mut desk.probe_accidents);
             probe_accidents.retain(|accident| accident.at_s * f64::from(TICKS_PER_SECOND) > ended as f64);
-            if !has_ended {
+            if left == Left::Off {
                 break;
             }
             // The next one begins where the tool stands, and does not know where that is.
@@ -177,15 +170,6 @@ impl Prepared {
         }
         Ok(DONE)
     }
-}
-
-/// The mistakes of the wiring; `None` if there are none.
-fn plugs(faults: &[String], settings: &Settings) -> Result<Option<Plugs>> {
-    let mut plugs = Plugs::default();
-    for fault in faults {
-        plugs.make(fault, settings).with_context(|| format!("--fault {fault}"))?;
-    }
-    Ok((!faults.is_empty()).then_some(plugs))
 }
 
 /// Totals of all starts of a printer.
@@ -228,6 +212,15 @@ pub fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
     }
 }
 
+/// Why a printer is served no longer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Left {
+    /// It begins anew.
+    Restarted,
+    /// A signal has come, or it was switched off.
+    Off,
+}
+
 /// The line between a printer and the world outside.
 struct Server {
     port: Port,
@@ -241,14 +234,14 @@ struct Server {
 
 impl Server {
     /// Serves a printer until a signal comes, or until the printer restarts.
-    fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, stop: &Stop) -> Result<()> {
+    fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, stop: &Stop) -> Result<Left> {
         let mut look = Duration::ZERO;
         while !(stop.is_set() || world.has_ended()) {
             let wall = self.begin.elapsed();
             if wall >= look {
                 self.hear_host(world)?;
-                if let Some(hand) = &self.hand {
-                    hand.act(world);
+                if let Some(left) = self.obey_hand(world) {
+                    return Ok(left);
                 }
                 screen.show(wall, world);
                 look = wall + LOOK;
@@ -264,7 +257,24 @@ impl Server {
                 look = Duration::ZERO;
             }
         }
-        Ok(())
+        Ok(if world.has_ended() { Left::Restarted } else { Left::Off })
+    }
+
+    /// Does what a hand does.
+    fn obey_hand(&self, world: &mut World<'_>) -> Option<Left> {
+        for act in self.hand.iter().flat_map(Hand::acts) {
+            match act {
+                Act::Press(switches) => world.press(switches),
+                Act::Warm(heater) => {
+                    if let Some(plant) = world.heat().plant() {
+                        plant.hold(heater, WARM);
+                    }
+                }
+                Act::Reset => return Some(Left::Restarted),
+                Act::Off => return Some(Left::Off),
+            }
+        }
+        None
     }
 
     fn hear_host(&mut self, world: &World<'_>) -> Result<()> {

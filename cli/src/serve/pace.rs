@@ -12,7 +12,7 @@ const LAG: Duration = Duration::from_millis(200);
 
 /// How fast virtual time goes.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Speed {
+pub enum Speed {
     /// This many times as fast as the wall clock.
     Times(f64),
     /// As fast as it can be computed. While the printer waits for its host, virtual time first stands still for a
@@ -22,7 +22,7 @@ pub(crate) enum Speed {
 }
 
 /// Reads a speed.
-pub(crate) fn parse(text: &str) -> Result<Speed, String> {
+pub(super) fn parse(text: &str) -> Result<Speed, String> {
     match text.parse::<f64>() {
         _ if text == "max" => Ok(Speed::Max),
         Ok(times) if (0.01..=1000.0).contains(&times) => Ok(Speed::Times(times)),
@@ -31,7 +31,8 @@ pub(crate) fn parse(text: &str) -> Result<Speed, String> {
 }
 
 /// Keeps virtual time in step with the wall clock, which counts from the start.
-pub(crate) struct Pace {
+#[derive(Debug)]
+pub struct Pace {
     speed: Speed,
     /// A moment on the wall clock, and the tick that belongs to it.
     anchor: (Duration, u64),
@@ -42,6 +43,8 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
+    /// A pace from the start on.
+    #[must_use]
     pub const fn new(speed: Speed) -> Self {
         Self { speed, anchor: (Duration::ZERO, 0), asked: None, moves: 0 }
     }

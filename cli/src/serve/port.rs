@@ -23,6 +23,7 @@ use std::time::Duration;
 const BACKLOG: usize = 1 << 16;
 
 /// A pseudo-terminal.
+#[derive(Debug)]
 pub struct Port {
     near: OwnedFd,
     /// Held open, see above.
