@@ -31,7 +31,7 @@ impl HeatArgs {
     ///
     /// # Errors
     /// No such accident, or no probe that could break.
-    pub(crate) fn probe_accidents(&self, settings: &Settings) -> Result<Vec<ProbeAccident>> {
+    pub fn probe_accidents(&self, settings: &Settings) -> Result<Vec<ProbeAccident>> {
         let mut accidents = Vec::new();
         for text in self.breaks.iter().filter(|text| ProbeAccident::is_one(text)) {
             accidents.push(text.parse::<ProbeAccident>().with_context(|| format!("--break {text}"))?);

@@ -1,6 +1,7 @@
 //! Command line of `corehbot-emulator`.
 //!
-//! 0: the image printed the file with the host's steps. 1: it did not. 2: nothing was run.
+//! 0: the image printed the file with the host's steps, or did nothing forbidden at the terminal. 1: it did not. 2: nothing
+//! was run.
 
 use crate::clock_tree::Defect;
 use crate::compare::{self, Lateness, Timing};
@@ -10,23 +11,28 @@ use crate::firmware::Firmware;
 use crate::flash::FlashSectors;
 use crate::heat::Climate;
 use crate::line::Manner;
-use crate::run::{Request, Seen, run};
+use crate::run::{Request, Seen, serve};
 use crate::steps::StepEvent;
+use crate::terminal::Terminal;
 use crate::timer::NS_PER_TICK;
 use crate::watch::{End, Patience};
 use crate::wiring::{NUCLEO, OCTOPUS, SettingsMemory, Wiring};
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use clap::Parser;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
+use corehbot_cli::heat_args::HeatArgs;
 use corehbot_cli::input;
 use corehbot_cli::output::{Outputs, STANDARD, Stream};
 use corehbot_cli::plant_args::PlantArgs;
+use corehbot_cli::serve::{Port, Surroundings, println};
 use corehbot_cli::stop::Stop;
 use corehbot_machine_file as machine_file;
 use corehbot_report::printable;
 use corehbot_sim::belt::BeltSetup;
 use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::plugs::Plugs;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
 use std::io::BufWriter;
@@ -43,7 +49,12 @@ struct Cli {
     /// The release ELF file, as `cargo xtask build octopus` or `nucleo` made it.
     elf: PathBuf,
     /// G-code file to print.
-    file: PathBuf,
+    #[arg(required_unless_present = "pty")]
+    file: Option<PathBuf>,
+    /// Is a printer at the end of a serial line until Ctrl-C, and makes a link to it here: a pseudo-terminal at the
+    /// board's UART, for hosts and `corehbot bringup`.
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["file", "usbip"])]
+    pty: Option<PathBuf>,
     /// The board that the image is for.
     #[arg(long, value_enum, default_value_t = Board::Octopus)]
     board: Board,
@@ -66,10 +77,14 @@ struct Cli {
     /// Prints the conversation.
     #[arg(long)]
     talk: bool,
+    #[command(flatten)]
+    around: Surroundings,
     /// The load on the motors.
     #[command(flatten)]
     plant: PlantArgs,
-    /// Virtual time after which the run is given up, in s.
+    #[command(flatten)]
+    heat: HeatArgs,
+    /// Virtual time after which a print is given up, in s.
     #[arg(long, value_name = "S", default_value_t = 3600)]
     limit: u64,
 }
@@ -99,7 +114,10 @@ struct Prepared {
     /// The machine, and the EEPROM that holds it, if it differs from the image's machine.
     settings: Settings,
     eeprom: Eeprom,
+    heat: HeatSetup,
+    plugs: Option<Plugs>,
     belt: Option<BeltSetup>,
+    terminal: Option<Terminal>,
     outputs: Outputs,
     trace: Option<BufWriter<Stream>>,
     vcd: Option<BufWriter<Stream>>,
@@ -134,9 +152,14 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         SettingsMemory::Eeprom => eeprom.save(&settings)?,
         SettingsMemory::Flash => firmware.put_machine(&mut settings)?,
     }
-    let gcode = input::read(&cli.file)?;
+    let gcode = cli.file.as_deref().map(input::read).transpose()?.unwrap_or_default();
+    let (heat, plugs) = (cli.heat.setup(&settings)?, cli.around.plugs(&settings)?);
+    ensure!(
+        cli.heat.probe_accidents(&settings)?.is_empty(),
+        "--break: a probe does not break here; `corehbot serve` has that"
+    );
     let belt = cli.plant.setup()?;
-    let inputs = [Some(&cli.elf), Some(&cli.file), cli.settings.as_ref()];
+    let inputs = [Some(&cli.elf), cli.file.as_ref(), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());
     let mut open = |path: &Option<PathBuf>| match path.as_deref() {
         Some(path) if path == Path::new(STANDARD) => {
@@ -145,11 +168,20 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         path => path.map(|path| outputs.open(path)).transpose(),
     };
     let (trace, vcd) = (open(&cli.trace)?, open(&cli.vcd)?);
-    Ok(Prepared { firmware, gcode, settings, eeprom, belt, outputs, trace, vcd })
+    let hand = cli.around.hand();
+    ensure!(hand.is_none() || cli.pty.is_some(), "--hand needs --pty: a print waits for nobody");
+    let open_terminal = |path: &PathBuf| -> Result<_> {
+        Ok(Terminal::new(Port::open(Some(path))?, cli.around.speed, Stop::at_signals()?, hand))
+    };
+    let terminal = cli.pty.as_ref().map(open_terminal).transpose()?;
+    Ok(Prepared { firmware, gcode, settings, eeprom, heat, plugs, belt, terminal, outputs, trace, vcd })
 }
 
 fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
-    let Prepared { firmware, gcode, settings, mut eeprom, belt, outputs, trace, vcd } = prepared;
+    let Prepared { firmware, gcode, settings, mut eeprom, heat, plugs, belt, terminal, outputs, trace, vcd } = prepared;
+    if let Some(path) = &cli.pty {
+        println(format_args!("{}", path.display()))?;
+    }
     println!("image     {}", firmware.path.display());
     println!("sha256    {}", firmware.sha256);
     if let Some(path) = &cli.settings {
@@ -159,7 +191,8 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         };
         println!("settings  {}, {place}", printable::line(&path.to_string_lossy()));
     }
-    let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
+    let limit = if terminal.is_some() { u64::MAX } else { cli.limit * SECOND };
+    let patience = Patience { whole: limit, silent: 30 * SECOND, after_reset: SECOND };
     let wiring = cli.board.wiring();
     let (drivers, chip) = (DriverLines::new(wiring), At24c32::holding(eeprom.cells().to_vec()));
     let request = Request {
@@ -177,15 +210,20 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         flash: &FlashSectors::default(),
         thermistors: &[],
         climate: Climate::default(),
+        heat: &heat,
+        plugs: plugs.as_ref(),
         belt: belt.as_ref(),
         slow_oscillator: None,
         stuck: None,
         defect: Defect::None,
     };
-    let seen = run(&request)?;
+    let seen = serve(&request, terminal)?;
     write_files(trace, vcd, &settings, &seen.recorder.events)?;
     outputs.keep()?;
     print_run(cli, &seen);
+    if cli.pty.is_some() {
+        return Ok(is_sound(&seen));
+    }
     let host = match &cli.settings {
         // A simulator built as the prototype lacks the heaters and the mechanism that the EEPROM may ask for.
         Some(_)
@@ -199,10 +237,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
     };
     let host = compare::of_motors(&host, wiring.motors());
     let pins = &seen.recorder.events;
-    let mut ok = seen.end == End::Done && seen.line.failure.is_none() && seen.resets.is_empty();
-    ok &= seen.safety.dangers.is_empty() && seen.gaps.found.is_empty();
-    ok &= seen.breaches.is_empty() && seen.flash.faults.is_empty();
-    ok &= seen.recorder.unpowered == 0 && seen.recorder.split_pairs == 0;
+    let mut ok = seen.end == End::Done && seen.line.failure.is_none() && seen.resets.is_empty() && is_sound(&seen);
     match compare::difference(pins, &host) {
         None => {
             println!("sequence  equal to the host's: {} events", pins.len());
@@ -222,11 +257,14 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         println!("baud      {error}");
         ok = false;
     }
-    for breach in &seen.usb_breaches {
-        println!("usb       {breach:?}");
-        ok = false;
-    }
     Ok(ok)
+}
+
+/// Whether the image did nothing that is forbidden.
+fn is_sound(seen: &Seen) -> bool {
+    let is_safe = seen.safety.dangers.is_empty() && seen.gaps.found.is_empty();
+    let keeps_rules = seen.breaches.is_empty() && seen.flash.faults.is_empty() && seen.usb_breaches.is_empty();
+    is_safe && keeps_rules && seen.recorder.unpowered == 0 && seen.recorder.split_pairs == 0
 }
 
 fn print_run(cli: &Cli, seen: &Seen) {
@@ -264,6 +302,9 @@ fn print_run(cli: &Cli, seen: &Seen) {
     }
     for breach in &seen.breaches {
         println!("CLOCK     {breach}");
+    }
+    for breach in &seen.usb_breaches {
+        println!("usb       {breach:?}");
     }
     for fault in &seen.flash.faults {
         println!("FLASH     {fault}");

@@ -6,11 +6,14 @@
 
 use crate::board::Emulated;
 use crate::wiring::Wiring;
-use corehbot::connectors::{FANS, OUTPUTS, Output, OutputSet};
+use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet};
 use corehbot::port::ThermalPort;
 use corehbot::settings::Settings;
+use corehbot_cli::serve::WARM;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::PlantFaults;
+use corehbot_sim::heat_plant::{Accident, HeatSetup};
+use std::collections::VecDeque;
 
 /// The plant advances in steps of 1 ms, a fifth of its own longest part.
 const STEP_NS: u64 = 1_000_000;
@@ -91,6 +94,8 @@ pub struct HeatWatch {
     heat: Heat,
     is_heated: bool,
     mishap: Option<Mishap>,
+    /// Accidents to come, by time.
+    accidents: VecDeque<Accident>,
     heaters: [Meter; OUTPUTS],
     fans: [Meter; FANS],
     /// When the step of the plant that is under way began, in ns, and its number.
@@ -116,10 +121,11 @@ pub fn fitted(settings: &Settings) -> OutputSet {
 impl HeatWatch {
     /// The heat of a machine of `settings`; the supply starts off if the board can switch it.
     #[must_use]
-    pub fn new(wiring: &'static Wiring, settings: &Settings, climate: &Climate) -> Self {
-        let mut heat = match climate.start {
-            Some([hotend, bed]) => Heat::hot(settings, hotend, bed),
-            None => Heat::new(settings),
+    pub fn new(wiring: &'static Wiring, settings: &Settings, climate: &Climate, setup: &HeatSetup) -> Self {
+        let mut heat = match (climate.start, &setup.truth) {
+            (Some([hotend, bed]), _) => Heat::hot(settings, hotend, bed),
+            (None, Some(truth)) => Heat::with(settings, truth),
+            (None, None) => Heat::new(settings),
         };
         heat.switch_supply(wiring.supply_switch.is_none());
         Self {
@@ -127,6 +133,7 @@ impl HeatWatch {
             heat,
             is_heated: settings.thermal.has_heater(),
             mishap: climate.mishap,
+            accidents: setup.accidents.iter().copied().collect(),
             heaters: [Meter::default(); OUTPUTS],
             fans: [Meter::default(); FANS],
             begun: 0,
@@ -188,14 +195,28 @@ impl HeatWatch {
         }
         self.heat.advance(extruded, (at - begin) as f64 / 1e9);
         let Some(plant) = self.heat.plant() else { return };
-        if let Some(mishap) = self.mishap.take_if(|mishap| at >= mishap.after) {
-            (mishap.what)(plant.faults());
+        let mishap = self.mishap.take_if(|mishap| at >= mishap.after);
+        let accident = self.accidents.pop_front_if(|accident| at as f64 / 1e9 >= accident.at_s);
+        if mishap.is_some() || accident.is_some() {
+            if let Some(mishap) = mishap {
+                (mishap.what)(plant.faults());
+            }
+            if let Some(accident) = accident {
+                accident.happen(plant.faults());
+            }
             board.set_analog_supply((plant.faults().vdda_volts * 1000.0).round() as u32);
             self.broken = Some(at);
         }
         self.steps += 1;
         if self.steps.is_multiple_of(SAMPLED) {
             self.samples.push(Sample { at, celsius: [plant.hotend_celsius(), plant.bed_celsius()], fans });
+        }
+    }
+
+    /// A hand holds a heater's sensor.
+    pub fn hold(&mut self, heater: Heater) {
+        if let Some(plant) = self.heat.plant() {
+            plant.hold(heater, WARM);
         }
     }
 

@@ -1,6 +1,7 @@
-//! A serial line to a host: bytes at the pace of the firmware's own baud rate, lines to a scripted host.
+//! A serial line to a host: bytes at the pace of the firmware's own baud rate, lines to a scripted host. Or to a host
+//! outside, which [`crate::terminal`] brings in.
 //!
-//! The host waits for the greeting before it sends, and answers at once: the delays of a computer and its adapter are
+//! A scripted host waits for the greeting before it sends, and answers at once: the delays of a computer and its adapter are
 //! no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
 
 use crate::timer::NS_PER_TICK;
@@ -32,8 +33,19 @@ pub struct Manner {
     pub insists: bool,
 }
 
+/// The end for a host outside.
+#[derive(Default, Debug)]
+struct Outside {
+    /// Bytes that it has yet to hear.
+    said: Vec<u8>,
+    /// Its lines that have no answer yet.
+    asked: usize,
+}
+
 /// The far end of the line.
 pub struct HostLine {
+    /// Set if the host is outside.
+    outside: Option<Outside>,
     manner: Manner,
     /// The text of an impatient host, its number of lines, and the number of answered lines.
     text: String,
@@ -59,6 +71,7 @@ impl HostLine {
     #[must_use]
     pub fn new(gcode: &str, manner: Manner) -> Self {
         Self {
+            outside: None,
             manner,
             text: gcode.to_owned(),
             all: gcode.to_owned(),
@@ -76,6 +89,31 @@ impl HostLine {
 }
 
 impl HostLine {
+    /// An end for a host outside.
+    #[must_use]
+    pub fn open() -> Self {
+        Self { outside: Some(Outside::default()), ..Self::new("", Manner::default()) }
+    }
+
+    /// The host outside sends bytes.
+    pub fn send(&mut self, bytes: &[u8]) {
+        if let Some(outside) = &mut self.outside {
+            outside.asked += bytes.iter().filter(|byte| **byte == b'\n').count();
+        }
+        self.to_board.extend(bytes);
+    }
+
+    /// The bytes that the host outside has yet to hear.
+    pub fn take_said(&mut self) -> Vec<u8> {
+        self.outside.as_mut().map(|outside| std::mem::take(&mut outside.said)).unwrap_or_default()
+    }
+
+    /// Whether a line of the host outside has no answer yet.
+    #[must_use]
+    pub fn is_asked(&self) -> bool {
+        self.outside.as_ref().is_some_and(|outside| outside.asked > 0)
+    }
+
     /// Whether everything was sent and answered.
     #[must_use]
     pub fn is_done(&self) -> bool {
@@ -99,6 +137,9 @@ impl HostLine {
     pub fn hear(&mut self, byte: u8, now: u64) {
         self.active = now;
         self.bytes[1] += 1;
+        if let Some(outside) = &mut self.outside {
+            outside.said.push(byte);
+        }
         if byte != b'\n' {
             self.heard.push(byte);
             return;
@@ -108,7 +149,13 @@ impl HostLine {
         if line == "start" && self.started.is_none() {
             self.started = Some(now);
         }
-        if !self.manner.is_impatient {
+        if let Some(outside) = &mut self.outside {
+            match line.as_str() {
+                "start" => outside.asked = 0,
+                line if line.starts_with("ok") => outside.asked = outside.asked.saturating_sub(1),
+                _ => {}
+            }
+        } else if !self.manner.is_impatient {
             self.host.hear(&line);
         } else if line.starts_with("ok") {
             self.answered += 1;
@@ -122,8 +169,11 @@ impl HostLine {
 
     /// The next byte to the board, at `now`.
     pub fn say(&mut self, now: u64) -> Option<u8> {
-        self.started?;
-        if self.to_board.is_empty() {
+        let is_outside = self.outside.is_some();
+        if !is_outside {
+            self.started?;
+        }
+        if self.to_board.is_empty() && !is_outside {
             let mut bytes = Vec::new();
             if self.manner.is_impatient {
                 bytes.append(&mut std::mem::take(&mut self.text).into_bytes());

@@ -14,6 +14,7 @@ use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup, Chips};
+use corehbot_sim::plugs::Plugs;
 use corehbot_sim::tmc2209::Tmc2209;
 
 /// How often switches are checked while the belt's tool is near one: at 20 mm/s it goes 0.2 um.
@@ -29,6 +30,10 @@ pub struct Mechanics {
     tick: u64,
     /// When to check the switches of the belt.
     next: Option<u64>,
+    /// Mistakes of the wiring; a belt has none.
+    pub plugs: Option<Plugs>,
+    /// Switches that a hand presses.
+    pub held: EndstopSet,
 }
 
 /// The plant's view of the board's drivers.
@@ -52,7 +57,15 @@ impl Mechanics {
     /// The machine of these settings, rigid.
     #[must_use]
     pub fn rigid(settings: &Settings) -> Self {
-        Self { rig: Rig::new(settings, None), belt: None, bed: BedPlant::of(settings), tick: 0, next: None }
+        Self {
+            rig: Rig::new(settings, None),
+            belt: None,
+            bed: BedPlant::of(settings),
+            tick: 0,
+            next: None,
+            plugs: None,
+            held: EndstopSet::NONE,
+        }
     }
 
     /// The same with a belt.
@@ -73,7 +86,8 @@ impl Mechanics {
         drivers: &mut DriverLines,
         powered: (MotorSet, u64),
     ) {
-        self.rig.step(steps, forward);
+        let (turned, ahead) = self.plugs.as_ref().map_or((steps, forward), |plugs| plugs.turned(steps, forward));
+        self.rig.step(turned, ahead);
         if let Some(tick) = tick {
             self.tick += u64::from(tick.wrapping_sub(self.tick as u32));
         }
@@ -103,11 +117,13 @@ impl Mechanics {
                 (switches, plant.nozzle())
             }
         };
-        let Some(bed) = &mut self.bed else { return switches };
-        bed.follow(now, nozzle, &self.rig.counts());
-        let pressed = switches.with(bed.endstops(now));
-        self.next = self.next.into_iter().chain(bed.next().map(|tick| (tick + 1) * NS_PER_TICK)).min();
-        pressed
+        let mut pressed = switches.with(self.held);
+        if let Some(bed) = &mut self.bed {
+            bed.follow(now, nozzle, &self.rig.counts());
+            pressed = pressed.with(bed.endstops(now));
+            self.next = self.next.into_iter().chain(bed.next().map(|tick| (tick + 1) * NS_PER_TICK)).min();
+        }
+        self.plugs.as_ref().map_or(pressed, |plugs| plugs.read(pressed))
     }
 
     /// The servo of the probe gets its first pulse of so many us at an instant in ns.

@@ -15,12 +15,15 @@ use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
+use crate::terminal::Terminal;
 use crate::watch::{End, Injection, Patience, Watch};
 use crate::wiring::{BRR, HostPort, PORTS, Pin, SettingsMemory, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::BeltSetup;
 use corehbot_sim::belt::figures::BeltFigures;
+use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::plugs::Plugs;
 use rigless::emulator::{self, Start};
 use rigless::image::Image;
 use rigless::mcu::Operate;
@@ -67,8 +70,12 @@ pub struct Request<'a> {
     pub thermistors: &'a [(u8, u32)],
     /// The machine's thermal surroundings, if it has heat.
     pub climate: Climate,
+    /// The heaters' true values, and their accidents.
+    pub heat: &'a HeatSetup,
     /// The belt that the motors turn; without one the machine is rigid.
     pub belt: Option<&'a BeltSetup>,
+    /// Mistakes of the wiring between the board and a rigid machine.
+    pub plugs: Option<&'a Plugs>,
     /// The rate of the slow oscillator in Hz, if it differs from the data sheet.
     pub slow_oscillator: Option<u64>,
     /// A pin that something holds high or low all the time.
@@ -162,9 +169,20 @@ pub struct LineSeen {
 /// # Errors
 /// If the image does not fit the board, or the emulator fails.
 pub fn run(request: &Request<'_>) -> Result<Seen> {
+    serve(request, None)
+}
+
+/// Runs an image. With a terminal, the host there has the first serial line, in place of all hosts here, until the
+/// terminal is over.
+///
+/// # Errors
+/// If the image does not fit the board, or the emulator or the terminal fails.
+pub fn serve(request: &Request<'_>, terminal: Option<Terminal>) -> Result<Seen> {
     let begin = Instant::now();
-    let texts = [Some(request.gcode), request.second].into_iter().flatten().filter(|_| request.network.is_none());
+    let is_outside = request.network.is_some() || terminal.is_some();
+    let texts = [Some(request.gcode), request.second].into_iter().flatten().filter(|_| !is_outside);
     let mut hosts: Vec<_> = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
+    hosts.extend(terminal.iter().map(|_| HostLine::open()));
     let on_usb = request.manner.usb.map(|habits| (habits, hosts.drain(..).collect()));
     let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone(), request.flash.clone())?;
     if let Some((habits, hosts)) = on_usb {
@@ -194,15 +212,23 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     if let Some(setup) = request.belt {
         watch.mechanics = Mechanics::with_belt(request.settings, setup)?;
     }
+    watch.mechanics.plugs = request.plugs.cloned();
+    for motor in request.plugs.iter().flat_map(|plugs| plugs.silent.iter()) {
+        watch.drivers.chip(motor).is_silent = true;
+    }
+    watch.terminal = terminal;
     watch.stack_end = request.firmware.symbol("_stack_end")?;
-    watch.heat = HeatWatch::new(request.wiring, request.settings, &request.climate);
+    watch.heat = HeatWatch::new(request.wiring, request.settings, &request.climate, request.heat);
     let mut images = request.firmware.images(request.wiring)?;
     images.push(Image::new(Path::new("factory"), FACTORY.as_flattened().to_vec(), Some(FACTORY_WORDS))?);
     if request.wiring.settings == SettingsMemory::Flash {
         images.push(Image::new(Path::new("settings"), request.flash.cells.clone(), Some(SECTORS.start))?);
     }
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
-    let (mut session, watch) = (finished.session, finished.driver);
+    let (mut session, mut watch) = (finished.session, finished.driver);
+    if let Some(failure) = watch.terminal.take().and_then(|terminal| terminal.failure) {
+        return Err(failure);
+    }
     let stop = finished.stop.context("the emulator ended by itself")?;
     if !watch.is_injectable {
         bail!("the fault could not be injected");

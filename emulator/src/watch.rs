@@ -3,6 +3,7 @@
 mod ending;
 mod flash;
 mod injection;
+mod outside;
 
 pub use ending::{End, Patience};
 pub use injection::{Injection, With};
@@ -16,10 +17,12 @@ use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
+use crate::terminal::Terminal;
 use crate::timer::Schedule;
 use crate::wiring::{BRR, Load, PORTS, ProbeInput, SettingsMemory, Wiring};
 use corehbot::motors::{EndstopSet, prototype};
 use corehbot::settings::Settings;
+use corehbot_sim::heat_plant::HeatSetup;
 use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
 use rigless::mcu::Operate;
 use rigless::session::Session;
@@ -68,6 +71,8 @@ pub struct Watch {
     pub servo: ServoLine,
     /// The machine's heat.
     pub heat: HeatWatch,
+    /// The host outside, with a hand at the machine.
+    pub terminal: Option<Terminal>,
     /// The clocks.
     pub clock_rules: ClockRules,
     /// Why the run ended.
@@ -125,7 +130,8 @@ impl Watch {
             driven: [0; PORTS],
             safety: Safety::new(wiring, fitted(settings)),
             servo: ServoLine::new(wiring.servo),
-            heat: HeatWatch::new(wiring, settings, &Climate::default()),
+            heat: HeatWatch::new(wiring, settings, &Climate::default(), &HeatSetup::default()),
+            terminal: None,
             laps: Laps::default(),
             clock_rules: ClockRules::new(wiring.hse),
             end: End::Late,
@@ -292,6 +298,7 @@ impl Driver<Emulated> for Watch {
         stop: Stop,
         host: &mut dyn rigless::emulator::Host,
     ) -> Option<VirtualNanos> {
+        self.attend_outside(session, host, &stop);
         if !self.look(session, stop.at.0) {
             return Some(VirtualNanos(stop.at.0 + LOOK_NS));
         }

@@ -5,6 +5,7 @@
 use crate::checkout::{self, root, run};
 use crate::test::check_file;
 use anyhow::Result;
+use corehbot_cli::stop::Stop;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -14,7 +15,11 @@ pub struct Args {
     /// The board.
     board: Board,
     /// G-code file; it has to home, because the image starts without a position. The Nucleo homes no Z.
-    file: PathBuf,
+    #[arg(required_unless_present = "pty")]
+    file: Option<PathBuf>,
+    /// Is a printer at the end of a serial line until Ctrl-C, and makes a link to it here.
+    #[arg(long, value_name = "PATH", conflicts_with = "file")]
+    pty: Option<PathBuf>,
     /// The machine, which is put into the Octopus's EEPROM or the Nucleo's image.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
@@ -26,6 +31,9 @@ pub struct Args {
     vcd: Option<PathBuf>,
     #[command(flatten)]
     plant: PlantArgs,
+    /// More options of the emulator, such as `--speed max --fault swap-motors:m1,m8`.
+    #[arg(last = true, value_name = "OPTION")]
+    more: Vec<String>,
 }
 
 /// The machine that the image drives, as `corehbot run` has it.
@@ -94,24 +102,28 @@ pub struct EqualArgs {
 
 /// Builds the image and prints a file on it; the emulator compares its steps with the simulator's.
 pub fn main(args: &Args) -> Result<()> {
-    let options = [("--settings", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd)];
-    print(args.board, &args.file, options, &args.plant)
+    // The emulator ends in an orderly way, and this program waits for it.
+    let _stop = Stop::at_signals()?;
+    let options =
+        [("--settings", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd), ("--pty", &args.pty)];
+    print(args.board, args.file.as_deref(), options, &args.plant, &args.more)
 }
 
 /// Prints a file three times: the simulator against QEMU, byte for byte, and against the image.
 pub fn equal(args: &EqualArgs) -> Result<()> {
     check_file(&args.file, args.settings.as_deref())?;
-    print(Board::Octopus, &args.file, [("--settings", &args.settings)], &PlantArgs::default())
+    print(Board::Octopus, Some(&args.file), [("--settings", &args.settings)], &PlantArgs::default(), &[])
 }
 
 fn print<const N: usize>(
     board: Board,
-    file: &Path,
+    file: Option<&Path>,
     options: [(&'static str, &Option<PathBuf>); N],
     plant: &PlantArgs,
+    more: &[String],
 ) -> Result<()> {
     let mut command = cargo(["run"], &["--release", "--ignore-rust-version", "--"]);
-    command.current_dir(std::env::current_dir()?).arg(checkout::build_image(board.package())?).arg(file);
+    command.current_dir(std::env::current_dir()?).arg(checkout::build_image(board.package())?).args(file);
     command.args(["--board", board.name()]);
     for (option, path) in options {
         if let Some(path) = path {
@@ -121,6 +133,7 @@ fn print<const N: usize>(
     for (option, value) in plant.given() {
         command.arg(format!("{option}={value}"));
     }
+    command.args(more);
     run(command)
 }
 

@@ -1,6 +1,7 @@
 //! Tasks for developers and CI, as `cargo xtask`.
 
 mod bench;
+mod bringup;
 mod build;
 mod checkout;
 mod clients;
@@ -30,6 +31,8 @@ struct Cli {
 enum Task {
     /// Counts the instructions that the firmware takes in QEMU, for steps, moves and lines.
     Bench(bench::Args),
+    /// Leads through the first hour with the image of the Octopus, on an emulated board.
+    Bringup(bringup::Args),
     /// Builds the image of a board that can be flashed, and weighs it.
     Build(build::Args),
     /// Runs Printrun and OctoPrint against the firmware, on clean lines and bad ones.
@@ -59,6 +62,7 @@ enum Task {
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Bench(args) => bench::main(&args),
+        Task::Bringup(args) => bringup::main(&args),
         Task::Build(args) => build::main(&args),
         Task::Clients => clients::main(),
         Task::Dist(args) => dist::main(&args),

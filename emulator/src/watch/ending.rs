@@ -38,7 +38,8 @@ impl Watch {
     /// Whether the run is over at `at`.
     pub(super) fn look(&mut self, session: &mut Session<Emulated>, at: u64) -> bool {
         self.restore_supply(session, at);
-        let reset_at = session.resets().first().map(|r| r.at.0);
+        // A host outside is there for more than one start.
+        let reset_at = session.resets().first().map(|r| r.at.0).filter(|_| self.terminal.is_none());
         let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
         let board = session.board_mut();
         if board.eeprom().is_some_and(|eeprom| eeprom.is_cut())
@@ -59,6 +60,9 @@ impl Watch {
             // The computer decides how long it takes.
             self.greeted |= network.was_attached();
             (is_done, active) = (network.is_over(), at);
+        }
+        if let Some(terminal) = &self.terminal {
+            (is_done, active) = (terminal.is_over(), at);
         }
         if is_done && self.done.is_none() {
             self.done = Some(at);

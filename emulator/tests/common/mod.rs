@@ -12,12 +12,15 @@ use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::flash::FlashSectors;
 use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
-use corehbot_emulator::run::{Request, Seen, run};
+use corehbot_emulator::run::{Request, Seen, serve as serve_at};
+use corehbot_emulator::terminal::Terminal;
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::{NUCLEO, OCTOPUS, Pin, Wiring};
 use corehbot_machine_file as machine_file;
 use corehbot_sim::belt::BeltSetup;
 use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::plugs::Plugs;
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
@@ -108,6 +111,10 @@ pub struct Bench<'a> {
     pub settings: Settings,
     /// The thermal surroundings.
     pub climate: Climate,
+    /// The heaters' true values, and their accidents.
+    pub heat: HeatSetup,
+    /// Mistakes of the wiring.
+    pub plugs: Option<Plugs>,
     /// The belt, if the machine is not rigid.
     pub belt: Option<BeltSetup>,
     /// The rate of the slow oscillator in Hz.
@@ -139,6 +146,8 @@ impl Default for Bench<'_> {
             is_untested: false,
             settings: Settings::prototype(),
             climate: Climate::default(),
+            heat: HeatSetup::default(),
+            plugs: None,
             belt: None,
             slow_oscillator: None,
             after_reset: 50 * MS,
@@ -216,6 +225,11 @@ fn tested(firmware: &Firmware, bench: &Bench<'_>) -> At24c32 {
 
 /// Prints `gcode` on `bench`.
 pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
+    talk_on(firmware, gcode, bench, None)
+}
+
+/// Prints `gcode` on `bench`, or is there for the host at a terminal.
+pub fn talk_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>, terminal: Option<Terminal>) -> Seen {
     let patience = Patience { whole: bench.whole, silent: 10_000 * MS, after_reset: bench.after_reset };
     let eeprom = if bench.is_untested { bench.eeprom.clone() } else { tested(firmware, bench) };
     let request = Request {
@@ -233,12 +247,14 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
         flash: &bench.flash,
         thermistors: bench.thermistors,
         climate: bench.climate,
+        heat: &bench.heat,
+        plugs: bench.plugs.as_ref(),
         belt: bench.belt.as_ref(),
         slow_oscillator: bench.slow_oscillator,
         stuck: bench.stuck,
         defect: bench.defect,
     };
-    let seen = run(&request).unwrap_or_else(|e| panic!("{e:#}"));
+    let seen = serve_at(&request, terminal).unwrap_or_else(|e| panic!("{e:#}"));
     let breaches: Vec<_> = seen.breaches.iter().map(ToString::to_string).collect();
     assert!(breaches.is_empty() || bench.may_break_rules, "rules for clocks:\n{}", breaches.join("\n"));
     assert_eq!(seen.usb_breaches, []);
