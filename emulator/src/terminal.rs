@@ -49,9 +49,9 @@ impl Terminal {
         Self { port, pace: Pace::new(speed), begin, stop, hand, asked: None, is_off: false, failure: None }
     }
 
-    /// What the hand has done.
-    pub fn acts(&mut self) -> Vec<Act> {
-        let acts: Vec<_> = self.hand.iter().flat_map(Hand::acts).collect();
+    /// What the hand does at the emulated time `at`, in ns.
+    pub fn acts(&mut self, at: u64) -> Vec<Act> {
+        let acts: Vec<_> = self.hand.iter_mut().flat_map(|hand| hand.acts(at / NS_PER_TICK)).collect();
         self.is_off |= acts.contains(&Act::Off);
         acts
     }

@@ -56,6 +56,8 @@ pub fn main(args: &Args) -> Result<()> {
     said.read_line(&mut name)?;
     let mut guide = program("corehbot");
     guide.arg("bringup").arg(&port).arg("--machine").arg(&machine).arg("--report").arg(folder.join("report.md"));
+    // Its board is as fast as this computer can emulate it.
+    guide.args(["--patience", "60"]);
     guide.current_dir(here).args(args.yes.then_some("--yes"));
     let guided = guide.status().context("the guide");
     let mut end = Command::new("kill");

@@ -7,12 +7,10 @@ use corehbot_report::printable;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Silence after which the board counts as absent: it says `busy` every 2 s, and is silent for half a second while it
-/// stores settings in flash.
-const SILENCE: Duration = Duration::from_secs(8);
-
-/// A restarted board has said its greeting, and a computer has found its USB port again, after this time.
-const RESTART: Duration = Duration::from_secs(10);
+/// Seconds of silence after which the board counts as absent, unless the owner states others: it says `busy` every 2 s,
+/// and is silent for half a second while it stores settings in flash. A restarted board has greeted by then, and a
+/// computer has found its USB port again.
+pub(super) const SILENCE: u8 = 8;
 
 /// Silence after which a board has said all that it says by itself.
 const QUIET: Duration = Duration::from_millis(500);
@@ -29,22 +27,21 @@ const REST: [&str; 6] = ["M410", "M108", "M104 S0", "M140 S0", "M141 S0", "M84"]
 /// What the board repeats after these orders (M118). Their `ok`s do not tell them from the order before.
 const AT_REST: &str = "bringup: at rest";
 
-/// The answers to these orders, before M112 has to do.
-const PATIENCE: Duration = Duration::from_secs(4);
-
 /// The board at the end of a serial line.
 pub(super) struct Board {
     port: SerialLine,
     path: PathBuf,
     baud: u32,
+    /// Silence after which it counts as absent.
+    pub patience: Duration,
     part: Vec<u8>,
     last: Instant,
 }
 
 impl Board {
-    pub fn open(path: &Path, baud: u32) -> anyhow::Result<Self> {
+    pub fn open(path: &Path, baud: u32, patience: Duration) -> anyhow::Result<Self> {
         let port = SerialLine::open(path, baud)?;
-        Ok(Self { port, path: path.to_owned(), baud, part: Vec::new(), last: Instant::now() })
+        Ok(Self { port, path: path.to_owned(), baud, patience, part: Vec::new(), last: Instant::now() })
     }
 
     /// The answer to a line, without its `ok`.
@@ -111,8 +108,8 @@ impl Board {
         let count = self.port.read(&mut bytes)?;
         if count > 0 {
             self.last = Instant::now();
-        } else if self.last.elapsed() > SILENCE {
-            let (path, seconds) = (self.path.display(), SILENCE.as_secs());
+        } else if self.last.elapsed() > self.patience {
+            let (path, seconds) = (self.path.display(), self.patience.as_secs());
             return Err(Trouble::Lost(format!("nothing on {path} at {} baud for {seconds} s", self.baud)));
         }
         let mut lines = Vec::new();
@@ -135,7 +132,7 @@ impl Board {
             owner.look_at_stop()?;
             match self.hear_again() {
                 Ok(lines) if lines.is_empty() => {}
-                Err(trouble) if begin.elapsed() > RESTART => return Err(trouble),
+                Err(trouble) if begin.elapsed() > self.patience => return Err(trouble),
                 Ok(_) | Err(_) => quiet = Instant::now(),
             }
         }
@@ -160,7 +157,7 @@ impl Board {
     pub fn restart(&mut self, owner: &Owner) -> Result<(), Trouble> {
         self.port.write(b"M999\n")?;
         let begin = Instant::now();
-        while begin.elapsed() < RESTART {
+        while begin.elapsed() < self.patience {
             owner.look_at_stop()?;
             if self.hear_again().is_ok_and(|lines| lines.iter().any(|line| line.starts_with(GREETING))) {
                 return self.drain(owner);
@@ -169,15 +166,15 @@ impl Board {
         Err(Trouble::Lost("it did not restart after M999; switch it off and on".to_owned()))
     }
 
-    /// Heaters off, motors without power. If the board does not confirm it, M112 does it at once. Returns whether it has
-    /// confirmed it.
+    /// Heaters off, motors without power. If the board does not confirm it within half of the patience, M112 does it at
+    /// once. Returns whether it has confirmed it.
     pub fn rest(&mut self) -> Result<bool, Trouble> {
         let begin = Instant::now();
         let orders = REST.into_iter().map(str::to_owned).chain([format!("M118 {AT_REST}")]);
         for order in orders {
             self.port.write(format!("{order}\n").as_bytes())?;
         }
-        while begin.elapsed() < PATIENCE {
+        while begin.elapsed() < self.patience / 2 {
             self.last = Instant::now();
             if self.hear()?.iter().any(|line| line == AT_REST || is_halt(line)) {
                 return Ok(true);

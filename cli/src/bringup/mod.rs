@@ -61,6 +61,7 @@ use guide::{Failure, Found, Guide, STOPPED};
 use owner::Owner;
 use record::{Ended, Entry, Record};
 use std::path::PathBuf;
+use std::time::Duration;
 use steps::{STEPS, Step};
 use trouble::Trouble;
 
@@ -78,6 +79,9 @@ pub(crate) struct Bringup {
     /// Its rate; on USB any will do.
     #[arg(long, default_value_t = 250_000)]
     baud: u32,
+    /// Silence of the board that is borne, in s. A board that is emulated on a slow computer needs more.
+    #[arg(long, value_name = "S", default_value_t = board::SILENCE, value_parser = clap::value_parser!(u8).range(4..))]
+    patience: u8,
     /// The machine file, to compare the board's machine with.
     #[arg(long, value_name = "M.toml")]
     machine: Option<PathBuf>,
@@ -110,7 +114,7 @@ impl Prepared {
         };
         let file = args.machine.as_deref().map(machine_file::read).transpose()?.map(|machine| machine.settings);
         let record = Record::load(&args.report)?;
-        let board = Board::open(port, args.baud)?;
+        let board = Board::open(port, args.baud, Duration::from_secs(args.patience.into()))?;
         record.save(&args.report)?;
         let owner = Owner::new(args.yes, stop.clone());
         let guide = Guide { board, owner, machine: Settings::prototype(), file, build: String::new() };

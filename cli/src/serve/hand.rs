@@ -8,9 +8,13 @@
 //! | `warm hotend` | holds a heater's sensor (hotend, bed, chamber) until it is as warm as a hand |
 //! | `reset` | presses the board's reset button |
 //! | `off` | switches the printer off |
+//!
+//! `reset in 2 s` does so two seconds of the printer's time later. So an act falls into the middle of a wait, however fast
+//! the computer is.
 
 use corehbot::connectors::Heater;
 use corehbot::motors::EndstopSet;
+use corehbot::units::TICKS_PER_SECOND;
 use std::io::BufRead as _;
 use std::sync::mpsc::{Receiver, channel};
 
@@ -46,13 +50,17 @@ const ACTS: [(&str, Act); 10] = [
 
 /// The lines that have come.
 #[derive(Debug)]
-pub struct Hand(Receiver<String>);
+pub struct Hand {
+    lines: Receiver<String>,
+    /// Acts that are due at a tick of the printer's time.
+    later: Vec<(u64, Act)>,
+}
 
 impl Hand {
     /// A hand that does what the lines say that come here.
     #[must_use]
     pub const fn at(lines: Receiver<String>) -> Self {
-        Self(lines)
+        Self { lines, later: Vec::new() }
     }
 
     /// Reads standard input from now on.
@@ -66,18 +74,48 @@ impl Hand {
                 }
             }
         });
-        Self(receive)
+        Self::at(receive)
     }
 
-    /// The acts of the lines that have come. An unknown line is answered with those that there are.
-    pub fn acts(&self) -> impl Iterator<Item = Act> {
-        self.0.try_iter().filter_map(|line| {
-            let found = ACTS.iter().find(|(known, _)| *known == line.trim());
-            if found.is_none() {
-                let known: Vec<_> = ACTS.iter().map(|(known, _)| *known).collect();
-                eprintln!("corehbot: `{}` is not what a hand does; expected {}", line.trim(), known.join(", "));
+    /// The acts that are due at the tick `now`. An unknown line is answered with those that there are.
+    pub fn acts(&mut self, now: u64) -> Vec<Act> {
+        for line in self.lines.try_iter() {
+            match read(line.trim()) {
+                Some((seconds, act)) => self.later.push((now + seconds * u64::from(TICKS_PER_SECOND), act)),
+                None => {
+                    let known: Vec<_> = ACTS.iter().map(|(known, _)| *known).collect();
+                    let (line, known) = (line.trim(), known.join(", "));
+                    eprintln!("corehbot: `{line}` is not what a hand does; expected {known}, or one of them `in 2 s`");
+                }
             }
-            found.map(|(_, act)| *act)
-        })
+        }
+        self.later.extract_if(.., |(due, _)| *due <= now).map(|(_, act)| act).collect()
+    }
+}
+
+/// Reads a line: in how many seconds, and what.
+fn read(line: &str) -> Option<(u64, Act)> {
+    let of = |line: &str| ACTS.iter().find(|(known, _)| *known == line).map(|(_, act)| *act);
+    let Some((line, wait)) = line.rsplit_once(" in ") else { return Some((0, of(line)?)) };
+    let seconds: u16 = wait.strip_suffix(" s")?.parse().ok()?;
+    Some((seconds.into(), of(line)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_acts_at_once_or_later() {
+        let (send, lines) = channel();
+        let mut hand = Hand::at(lines);
+        for line in ["off in 2 s", "press x", "let go ", "jump", "reset in 1", "reset in -1 s", "jump in 1 s"] {
+            send.send(line.to_owned()).unwrap();
+        }
+        let second = u64::from(TICKS_PER_SECOND);
+        assert_eq!(hand.acts(second), [Act::Press(EndstopSet::X), Act::Press(EndstopSet::NONE)]);
+        assert_eq!(hand.acts(3 * second - 1), []);
+        assert_eq!(hand.acts(3 * second), [Act::Off]);
+        assert_eq!(hand.acts(4 * second), []);
     }
 }

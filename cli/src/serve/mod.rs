@@ -261,8 +261,9 @@ impl Server {
     }
 
     /// Does what a hand does.
-    fn obey_hand(&self, world: &mut World<'_>) -> Option<Left> {
-        for act in self.hand.iter().flat_map(Hand::acts) {
+    fn obey_hand(&mut self, world: &mut World<'_>) -> Option<Left> {
+        let now = world.now();
+        for act in self.hand.iter_mut().flat_map(|hand| hand.acts(now)) {
             match act {
                 Act::Press(switches) => world.press(switches),
                 Act::Warm(heater) => {

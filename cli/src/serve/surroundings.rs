@@ -18,7 +18,8 @@ pub struct Surroundings {
     /// An unknown word gets a list of the known ones.
     #[arg(long, value_name = "WHAT:NAMES", conflicts_with = "plant")]
     fault: Vec<String>,
-    /// Takes what a hand does to the machine from standard input: `press x`, `let go`, `warm hotend`, `reset`, `off`.
+    /// Takes what a hand does to the machine from standard input: `press x`, `let go`, `warm hotend`, `reset`, `off`;
+    /// with `in 2 s` at its end, later.
     #[arg(long)]
     hand: bool,
 }

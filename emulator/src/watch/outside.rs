@@ -13,7 +13,7 @@ impl Watch {
         if let Some(line) = session.board_mut().hosts().next() {
             terminal.attend(line, stop.at.0, self.recorder.events.len());
         }
-        for act in terminal.acts() {
+        for act in terminal.acts(stop.at.0) {
             match act {
                 Act::Press(switches) => {
                     self.mechanics.held = switches;
