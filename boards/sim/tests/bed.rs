@@ -4,38 +4,20 @@
 #[path = "common/life.rs"]
 #[allow(dead_code, reason = "other tests need all of it")]
 mod life;
+#[path = "common/on_bed.rs"]
+mod on_bed;
 
-use corehbot::connectors::ConnectorName;
-use corehbot::settings::{ProbeKind, Settings};
+use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_rig::bed::{BedPlant, BedSetup};
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use corehbot_sim::world::Desk;
-use life::{Life, live_with};
-
-/// The motors of the Z screws.
-const SCREWS: [usize; 2] = [4, 5];
-const START: [i32; 3] = [100, 100, 50];
+use life::Life;
+use on_bed::{SCREWS, over, real_z, with_probe};
 
 /// The prototype with a switch as its probe.
 fn probed() -> Settings {
-    let mut s = Settings::prototype();
-    s.probe_plug.connector = ConnectorName::lit("PROBE");
-    s.probe.kind = ProbeKind::Switch;
-    s.probe.samples = 1;
-    s
-}
-
-fn over(s: &Settings, bed: &BedSetup, storage: &mut Eeprom, body: impl FnOnce(&mut Life<'_>)) {
-    let mut desk = Desk::new(1);
-    desk.bed = Some(Box::new(BedPlant::new(s, bed)));
-    live_with(s, Some(START.map(Mm::from_num)), (&mut desk, 1), storage, body);
-}
-
-/// z of the nozzle, by the steps since the start.
-fn real_z(life: &Life<'_>, s: &Settings) -> f64 {
-    f64::from(START[2]) + f64::from(life.counts()[SCREWS[0]]) / s.axes.z.steps_per_mm.to_num::<f64>()
+    with_probe(Settings::prototype())
 }
 
 /// The rows of a grid in the answer to a line.
