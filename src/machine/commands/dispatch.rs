@@ -8,7 +8,7 @@
 //! the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
 
 use super::job::{end_job, refuse, starts_print};
-use super::pause::end_keeping;
+use super::pause::{end_keeping, hold};
 use super::states::States;
 use super::{bed, heat, jobs, motion, motors, probing, refused, reports, settings};
 use crate::gcode::{Command, Flaw};
@@ -65,9 +65,18 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
             let why = main_loop.job.why_it_ends();
             end_job(main_loop, &mut states.modal, why).await
         }
+        // A print that goes on without it would print on an unknown bed.
+        Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
+            hold(main_loop, &states.modal, Kept::Lost([true; 3])).await
+        }
         Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
         Err(interrupt) => Err(interrupt),
     }
+}
+
+/// Whether a command finds out about the bed.
+const fn is_about_bed(command: &Command<'_>) -> bool {
+    matches!(command, Command::Probe(_) | Command::Bed(_) | Command::Motor(_))
 }
 
 /// A name that is unknown may begin or end a print in other firmware.

@@ -52,7 +52,12 @@ pub(super) async fn travel<P: PortSet, W: Pend>(
 
 /// Whether the probe reads as triggered now.
 pub(super) async fn is_triggered<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<bool, Interrupt> {
+    let before = main_loop.status.stepper_beat();
     main_loop.motion.look_at_endstops();
     main_loop.poll().await?;
+    // In a simulation the main loop may go round before the Stepper has its turn.
+    while main_loop.status.stepper_beat() == before {
+        main_loop.poll().await?;
+    }
     Ok(main_loop.status.endstops().has(EndstopSet::PROBE))
 }

@@ -5,6 +5,7 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::surface::Mesh;
 use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::plant::SensorFault;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, HeatPeriod, Sink, World};
@@ -151,10 +152,16 @@ impl Life<'_> {
     fn await_within(&mut self, ms: u64) {
         let until = self.world.now() + ms * u64::from(TICKS_PER_MS);
         while self.oks() == self.taken[self.host] {
-            assert!(self.world.now() < until, "no answer: {:?}", &self.heard[self.heard.len().saturating_sub(20)..]);
+            assert!(self.world.now() < until, "no answer: {:#?}", self.last_heard());
             self.turn();
         }
         self.taken[self.host] += 1;
+    }
+
+    /// The last lines, without those that come by themselves.
+    fn last_heard(&self) -> Vec<&String> {
+        let mut told: Vec<_> = self.heard.iter().filter(|line| !line.starts_with("echo:busy")).collect();
+        told.split_off(told.len().saturating_sub(20))
     }
 
     /// Says a line, and waits for its answer.
@@ -235,6 +242,16 @@ impl Life<'_> {
     /// The hotend's temperature.
     pub fn celsius(&self) -> f64 {
         self.heat().heaters[0].unwrap().measured.unwrap().to_num()
+    }
+
+    /// The probe breaks, or is mended.
+    pub fn fail_probe(&mut self, fault: ProbeFault) {
+        self.world.bed().unwrap().fail(fault);
+    }
+
+    /// Where the nozzle is, in mm.
+    pub fn nozzle(&mut self) -> [f64; 3] {
+        self.world.nozzle()
     }
 
     pub fn open_hotend_sensor(&mut self) {

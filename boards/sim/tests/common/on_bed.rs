@@ -24,9 +24,14 @@ pub fn with_probe(mut s: Settings) -> Settings {
 
 /// A life over such a bed.
 pub fn over(s: &Settings, bed: &BedSetup, storage: &mut Eeprom, body: impl FnOnce(&mut Life<'_>)) {
-    let mut desk = Desk::new(1);
+    over_with(s, bed, storage, 1, body);
+}
+
+/// The same with so many hosts.
+pub fn over_with(s: &Settings, bed: &BedSetup, storage: &mut Eeprom, hosts: usize, body: impl FnOnce(&mut Life<'_>)) {
+    let mut desk = Desk::new(hosts);
     desk.bed = Some(Box::new(BedPlant::new(s, bed)));
-    live_with(s, Some(START.map(Mm::from_num)), (&mut desk, 1), storage, body);
+    live_with(s, Some(START.map(Mm::from_num)), (&mut desk, hosts), storage, body);
 }
 
 /// z of the nozzle, by the steps since the start.

@@ -268,7 +268,7 @@ impl Watched<'_> {
         let is_on = self.heard[before..].iter().any(|line| line == "echo:Bed Leveling ON");
         self.quietly("M420 S0");
         let before = self.heard.len();
-        self.quietly("M114");
+        self.quietly("M114 R");
         let told = self.heard[before..].iter().find(|line| line.starts_with("X:")).cloned().unwrap_or_default();
         let number = |letter: &str| -> f64 {
             let after = told.split(letter).nth(1).and_then(|rest| rest.split_whitespace().next());

@@ -9,6 +9,7 @@ mod heated;
 mod held;
 mod hosts;
 #[path = "../common/life.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
 mod life;
 mod parking;
 mod program;
