@@ -14,9 +14,11 @@ struct Budget {
     of: &'static str,
 }
 
-/// Code, constants and initial values. It was 440 KiB until probe, mesh and screws came, which take some 60 KiB. The
-/// largest image is QEMU's, which has the plants of bed and heaters in it.
+/// Code, constants and initial values.
 const FLASH: Budget = Budget { name: "flash", bytes: 476 * 1024, of: "480 KiB after the bootloader" };
+
+/// The same of QEMU's image, which has the plants of bed and heaters in it. No chip has to hold it.
+const FLASH_WITH_PLANT: Budget = Budget { name: "flash", bytes: 504 * 1024, of: "512 KiB that it is linked for" };
 
 /// Variables without the stack, which takes the 32 KiB that are left (memory.x).
 const RAM: Budget = Budget { name: "static RAM", bytes: 96 * 1024, of: "128 KiB with the stack" };
@@ -43,7 +45,7 @@ fn objection(name: &str) -> Option<&'static str> {
 }
 
 /// Prints how much each part takes, and says which budget is exceeded.
-pub fn weigh(elf: &Elf<'_>) -> Result<Vec<String>> {
+pub fn weigh(elf: &Elf<'_>, has_plant: bool) -> Result<Vec<String>> {
     let (mut flash, mut ram, mut first_values) = (0, 0, 0);
     for section in elf.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
@@ -63,7 +65,8 @@ pub fn weigh(elf: &Elf<'_>) -> Result<Vec<String>> {
     };
     println!("{:<16} {:>8} at {end:#010x}", "stack", start - end);
     let mut complaints = Vec::new();
-    for (budget, bytes) in [(FLASH, flash), (RAM, ram), (FIRST_VALUES, first_values)] {
+    let of_flash = if has_plant { FLASH_WITH_PLANT } else { FLASH };
+    for (budget, bytes) in [(of_flash, flash), (RAM, ram), (FIRST_VALUES, first_values)] {
         println!("{:<16} {bytes:>8} of {:>7} allowed ({})", budget.name, budget.bytes, budget.of);
         if bytes > budget.bytes {
             complaints.push(format!("{} is {} bytes over its budget", budget.name, bytes - budget.bytes));

@@ -129,7 +129,7 @@ pub fn last_resort(image: &[u8]) -> Result<usize> {
 
 /// Fails if an image is too large or has forbidden contents; with `and_step_path` also if the step interrupt has.
 fn examine(elf: &Elf<'_>, and_step_path: bool) -> Result<()> {
-    let mut complaints = contents::weigh(elf)?;
+    let mut complaints = contents::weigh(elf, !and_step_path)?;
     complaints.extend(contents::forbidden(elf, !and_step_path));
     if and_step_path {
         let (report, in_step_path) = step_path::examine(elf)?;
