@@ -8,8 +8,11 @@ use crate::motors::MOST_GROUPS;
 use crate::port::Pend;
 use crate::settings::AxisSettings;
 use crate::status::Status;
-use crate::units::{Steps, SubTicks};
+use crate::units::{Steps, SubTicks, TICKS_PER_SECOND};
 use heapless::spsc::Producer;
+
+/// Longer than any delay of the trajectory: a second.
+const LONG_AGO: SubTicks = SubTicks::of_ticks(TICKS_PER_SECOND as u64);
 
 /// The Console's end of the MoveQueue.
 pub struct Link<'m, W: Pend> {
@@ -24,6 +27,8 @@ pub struct Link<'m, W: Pend> {
     left: SubTicks,
     /// The same up to the end of the last move that is fast in z.
     fast_left: SubTicks,
+    /// Motion time since that end, at most [`LONG_AGO`].
+    calm: SubTicks,
     /// The Stepper's tick at the last look.
     seen: u32,
     /// Z at the end of the last move.
@@ -44,6 +49,7 @@ impl<'m, W: Pend> Link<'m, W> {
             entries: 0,
             left: SubTicks::ZERO,
             fast_left: SubTicks::ZERO,
+            calm: LONG_AGO,
             seen: status.tick(),
             z: Steps::ZERO,
             has_shifted: false,
@@ -123,7 +129,7 @@ impl<'m, W: Pend> Link<'m, W> {
         let way = end.wrapping_sub(core::mem::replace(&mut self.z, end));
         self.send(Work::Move(m));
         if way != Steps::ZERO && ZLimits::half_of(z).may_be_exceeded_by(&m, way) {
-            self.fast_left = self.left;
+            (self.fast_left, self.calm) = (self.left, SubTicks::ZERO);
         }
     }
 
@@ -147,9 +153,9 @@ impl<'m, W: Pend> Link<'m, W> {
 
     /// Tells the generator how long moves are slow in z. Call it in every turn while z [is shifting](Self::is_shifting).
     pub fn help_shift(&mut self) {
+        let [fast, calm, all] = [self.fast_left, self.calm, self.left].map(|time| time.whole_ticks() as u32);
         let now = self.seen;
-        let [fast, all] = [self.fast_left, self.left].map(|left| now.wrapping_add(left.whole_ticks() as u32));
-        self.status.z_offset().set_quiet(fast, all);
+        self.status.z_offset().set_quiet(now.wrapping_add(fast).wrapping_sub(calm), now.wrapping_add(all));
         self.pend.pend_generator();
     }
 
@@ -158,11 +164,18 @@ impl<'m, W: Pend> Link<'m, W> {
         let tick = self.status.tick();
         let done = SubTicks::of_ticks(tick.wrapping_sub(self.seen).into());
         self.seen = tick;
-        let is_idle = self.is_idle();
-        for left in [&mut self.left, &mut self.fast_left] {
-            *left = if is_idle { SubTicks::ZERO } else { left.saturating_sub(done) };
+        if self.is_idle() {
+            self.come_to_rest();
+        } else {
+            self.calm = (self.calm + done.saturating_sub(self.fast_left)).min(LONG_AGO);
+            (self.left, self.fast_left) = (self.left.saturating_sub(done), self.fast_left.saturating_sub(done));
         }
         self.left.whole_ticks()
+    }
+
+    /// Nothing is queued.
+    const fn come_to_rest(&mut self) {
+        (self.left, self.fast_left, self.calm) = (SubTicks::ZERO, SubTicks::ZERO, LONG_AGO);
     }
 
     /// Brings the motion to rest along its path, as fast as its accelerations allow. The queue still takes work: the
@@ -193,7 +206,7 @@ impl<'m, W: Pend> Link<'m, W> {
     /// After an abort, with the link idle: resets queued time and triggered endstops.
     pub fn restart(&mut self) {
         self.status.clear_triggered();
-        (self.left, self.fast_left) = (SubTicks::ZERO, SubTicks::ZERO);
+        self.come_to_rest();
         self.seen = self.status.tick();
     }
 }

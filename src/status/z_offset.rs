@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Orde
 /// Orders for the offset, and how far they are carried out.
 #[derive(Debug)]
 pub struct ZOffset {
-    /// Written by the Console.
+    /// Written by the Console; by the StepGenerator for a change that is made again.
     ordered: AtomicI32,
     /// Limits of a change, as bits of numbers: steps a tick, steps a tick squared; written by the Console.
     speed: AtomicU32,
@@ -22,6 +22,9 @@ pub struct ZOffset {
     by: AtomicI32,
     /// Changes begun.
     changes: AtomicU32,
+    /// A change to make again: its tick, and its steps or 0.
+    again_at: AtomicU32,
+    again_by: AtomicI32,
 }
 
 impl ZOffset {
@@ -37,6 +40,8 @@ impl ZOffset {
             begun: AtomicU32::new(0),
             by: AtomicI32::new(0),
             changes: AtomicU32::new(0),
+            again_at: AtomicU32::new(0),
+            again_by: AtomicI32::new(0),
         }
     }
 
@@ -52,10 +57,38 @@ impl ZOffset {
     }
 
     /// Orders so many steps more.
-    pub(crate) fn order(&self, steps: i32, [speed, acceleration]: [f32; 2]) {
+    pub(crate) fn order(&self, steps: i32, limits: [f32; 2]) {
+        self.set_limits(limits);
+        self.ordered.fetch_add(steps, Release);
+    }
+
+    fn set_limits(&self, [speed, acceleration]: [f32; 2]) {
         self.speed.store(speed.to_bits(), Relaxed);
         self.acceleration.store(acceleration.to_bits(), Relaxed);
-        self.ordered.store(self.ordered.load(Relaxed).wrapping_add(steps), Release);
+    }
+
+    /// Has a change made again that [`last_change`](Self::last_change) told of, at the same tick: so the same program
+    /// makes the same steps without the host that shifted z. `tick` is at most 200 s ahead.
+    pub fn replay(&self, tick: u32, steps: i32, limits: [f32; 2]) {
+        self.set_limits(limits);
+        self.again_at.store(tick, Relaxed);
+        self.again_by.store(steps, Release);
+    }
+
+    /// Whether a change is to be made again, and has not begun.
+    #[must_use]
+    pub fn is_replaying(&self) -> bool {
+        self.again_by.load(Acquire) != 0
+    }
+
+    /// The tick of a change that is to be made again.
+    pub(crate) fn replay_tick(&self) -> Option<u32> {
+        self.is_replaying().then(|| self.again_at.load(Relaxed))
+    }
+
+    /// The change that is made again is ordered.
+    pub(crate) fn order_replay(&self) {
+        self.ordered.fetch_add(self.again_by.swap(0, Relaxed), Release);
     }
 
     /// The ticks between which moves are slow in z.
@@ -87,10 +120,10 @@ impl ZOffset {
         self.epoch.store(epoch, Release);
     }
 
-    /// Changes begun since the start, the tick at which the last one began, and its steps.
+    /// Changes begun since the start, the tick at which the last one began, its steps and its limits.
     #[must_use]
-    pub fn last_change(&self) -> (u32, u32, i32) {
-        (self.changes.load(Acquire), self.begun.load(Relaxed), self.by.load(Relaxed))
+    pub fn last_change(&self) -> (u32, u32, i32, [f32; 2]) {
+        (self.changes.load(Acquire), self.begun.load(Relaxed), self.by.load(Relaxed), self.limits())
     }
 
     /// A change begins: an input that a trace does not have from its commands.

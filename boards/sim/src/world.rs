@@ -5,6 +5,7 @@
 //! waits for a line.
 
 mod runs;
+mod z_shifts;
 
 use crate::bed_plant::ProbeAccident;
 use crate::belt::BeltPlant;
@@ -39,6 +40,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
+pub use z_shifts::{ZShift, ZShifts};
 
 /// How a print ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +84,8 @@ pub struct Desk {
     pub mesh: Option<Mesh>,
     /// What a mesh does, if that is asked for.
     pub mesh_log: Option<Box<MeshLog>>,
+    /// Shifts of z that were made, or are to be made again.
+    pub z_shifts: ZShifts,
     /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
     pub belt: Option<Box<BeltPlant>>,
     /// What hangs on drivers and inputs, if it is not what belongs there.
@@ -108,6 +112,7 @@ impl Desk {
             probe_accidents: Vec::new(),
             mesh: None,
             mesh_log: None,
+            z_shifts: ZShifts::default(),
             belt: None,
             plugs: None,
             heat,
@@ -182,6 +187,7 @@ pub struct World<'w> {
     met: EndstopSet,
     wakes: Arc<Wakes>,
     odometer: Odometer,
+    z_shifts: &'w mut ZShifts,
     /// The firmware's position of each group, less its steps.
     origin: [i32; MOST_GROUPS],
 }
@@ -218,6 +224,7 @@ impl<'w> World<'w> {
             probe_accidents,
             mesh,
             mesh_log,
+            z_shifts,
             belt,
             plugs,
             heat,
@@ -254,6 +261,7 @@ impl<'w> World<'w> {
             console.lay_mesh(mesh);
         }
         let console = Box::pin(async move { console.run().await });
+        z_shifts.restart();
         Self {
             shared,
             drivers,
@@ -272,6 +280,7 @@ impl<'w> World<'w> {
             met: EndstopSet::NONE,
             wakes: Arc::default(),
             odometer: Odometer::default(),
+            z_shifts,
             origin: [0; MOST_GROUPS],
         }
     }
@@ -305,6 +314,7 @@ impl<'w> World<'w> {
             while shared.generator.replace(false) {
                 self.generator.run(&Pends(shared));
                 self.note_surface();
+                self.z_shifts.attend(self.status, self.stepper.tick());
             }
             if !shared.stepper.replace(false) {
                 let Some(alarm) = shared.alarm.get() else {

@@ -2,17 +2,21 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
+use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::check::{Checker, Findings};
+use corehbot_sim::drivers::Drivers;
 use corehbot_sim::limits::Limits;
-use corehbot_sim::world::{Host, Outcome, Sink, run};
+use corehbot_sim::world::{Desk, Host, Outcome, Sink, ZShift, ZShifts, run_at};
 use std::cell::Cell;
 use std::rc::Rc;
 
 /// The edges on the step lines.
 struct Steps {
     checker: Checker,
+    /// Every event: its tick, steps and directions.
+    all: Vec<(u64, u32, u32)>,
     tick: Rc<Cell<u64>>,
     /// Ticks and directions of all motors but those of z.
     others: Vec<(u64, u32, u32)>,
@@ -24,6 +28,7 @@ struct Steps {
 impl Sink for Steps {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.checker.event(tick, steps, forward);
+        self.all.push((tick, steps.0.into(), u32::from(forward.0 & steps.0)));
         self.tick.set(tick);
         let of_z = MotorSet::of(prototype::Z1).with(MotorSet::of(prototype::Z2));
         let others = steps.without(of_z);
@@ -87,6 +92,8 @@ impl Host for Printer {
 }
 
 struct Printed {
+    all: Vec<(u64, u32, u32)>,
+    shifts: Vec<ZShift>,
     others: Vec<(u64, u32, u32)>,
     z: i32,
     moved: Option<(u64, u64)>,
@@ -101,24 +108,28 @@ impl Printed {
     }
 }
 
-/// Prints on a machine that stands at X100 Y100 Z10 as if homed.
-fn print_on(settings: &Settings, lines: &[String], besides: &[(f64, &'static str)]) -> Printed {
+/// Prints on a machine that stands at X100 Y100 Z10 as if homed, with shifts to be made again.
+fn print_with(again: &[ZShift], lines: &[String], besides: &[(f64, &'static str)]) -> Printed {
+    let settings = &Settings::prototype();
     let tick = Rc::new(Cell::new(0));
     let mut limits = Limits::new(settings, None, "");
     // No switch stops anything in the middle of a print.
     limits.of.iter_mut().for_each(|limit| limit.hard_stop = 0.0);
     let checker = Checker::new(settings, &limits);
-    let mut steps = Steps { checker, tick: Rc::clone(&tick), others: Vec::new(), z: 0, moved: None };
+    let mut steps = Steps { checker, all: Vec::new(), tick: Rc::clone(&tick), others: Vec::new(), z: 0, moved: None };
     let (lines, besides) = (lines.to_vec(), besides.to_vec());
     let mut host = Printer { lines, next: 0, besides, tick, sent: 0, oks: 0, heard: Vec::new() };
-    let outcome = run(settings, Some([100, 100, 10].map(Mm::from_num)), &mut host, &mut steps).unwrap();
-    let Steps { checker, others, z, moved, .. } = steps;
+    let mut desk = Desk::new(1);
+    desk.z_shifts = ZShifts::again(again.iter().copied());
+    let start = Some([100, 100, 10].map(Mm::from_num));
+    let outcome = run_at(&mut desk, settings, start, NoStorage, &Drivers::new(), &mut [&mut host], &mut steps).unwrap();
+    let Steps { checker, all, others, z, moved, .. } = steps;
     let findings = checker.finish(Some(outcome.counts));
-    Printed { others, z, moved, heard: host.heard, findings, outcome }
+    Printed { all, shifts: desk.z_shifts.made, others, z, moved, heard: host.heard, findings, outcome }
 }
 
 fn print(lines: &[String], besides: &[(f64, &'static str)]) -> Printed {
-    print_on(&Settings::prototype(), lines, besides)
+    print_with(&[], lines, besides)
 }
 
 /// Zigzags at 300 mm/s.
@@ -161,6 +172,18 @@ fn twenty_shifts_in_a_fast_print_are_a_millimetre_and_no_other_step_changes() {
             assert_eq!(old, new, "{way}");
         }
     }
+}
+
+/// Shaped axes are late, and z with them. A shift waits for no more than without shapers.
+#[test]
+fn a_shift_acts_in_motion_with_shapers_too() {
+    let lines = [vec!["M593 X F30".to_owned(), "M593 Y F25 T4".to_owned()], circles(2000)].concat();
+    let plain = print(&lines, &[]);
+    let shifted = print(&lines, &[(300.0, "M290 Z0.05")]);
+    assert_eq!((plain.z, shifted.z), (0, 40));
+    assert!(plain.others == shifted.others);
+    let (first, _) = shifted.moved.unwrap();
+    assert!((300e4..400e4).contains(&(first as f64)), "{first}");
 }
 
 /// A lift at the full speed of z every 0.2 s: a shift waits for its end, and none of z's limits is passed.
@@ -223,5 +246,35 @@ fn a_quick_stop_in_a_shift_keeps_position_and_offset_exact() {
         let place = printed.said("X:");
         assert!(place[0].starts_with("X:100.00 Y:100.00 Z:10.00"), "{place:?}");
         assert!(printed.said("echo:Babystep Z0.10").len() == 1);
+    }
+}
+
+/// The ticks of shifts are inputs. With them the same program makes the same steps, without the host that shifted z.
+#[test]
+fn recorded_shifts_make_the_same_steps_again() {
+    let rising = |mut lines: Vec<String>| {
+        for (i, line) in lines.iter_mut().filter(|line| line.starts_with("G1")).enumerate() {
+            *line += &format!(" Z{:.4}", 10.0 + 0.0008 * i as f64);
+        }
+        lines
+    };
+    let mut shaped = vec!["M593 X F40".to_owned(), "M593 Y F35 T4".to_owned()];
+    shaped.extend(circles(600));
+    let mut rests = circles(200);
+    rests.truncate(200);
+    let rests = [rests, vec!["M400".to_owned(), "G4 P300".to_owned()], zigzags(8)].concat();
+    // M400 lets no later line by, so those shifts become one, at rest.
+    let ways =
+        [("zigzags", zigzags(20), 2), ("spiral", rising(circles(900)), 5), ("shaped", shaped, 3), ("rests", rests, 1)];
+    for (way, lines, least) in ways {
+        let shifts: Vec<(f64, &str)> = (0..9)
+            .map(|i| (301.3 + 83.7 * f64::from(i), ["M290 Z0.05", "M290 Z-0.0125", "M290 Z0.00125"][i as usize % 3]))
+            .collect();
+        let first = print_with(&[], &lines, &shifts);
+        assert!(first.shifts.len() >= least, "{way}: {:?}", first.shifts);
+        let again = print_with(&first.shifts, &lines, &[]);
+        assert_eq!(again.shifts, first.shifts, "{way}");
+        let other = first.all.iter().zip(&again.all).position(|(a, b)| a != b);
+        assert_eq!((other, again.all.len()), (None, first.all.len()), "{way}: the first event that differs");
     }
 }

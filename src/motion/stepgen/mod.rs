@@ -238,8 +238,9 @@ impl<'m> StepGenerator<'m> {
             self.begin_brake();
         }
         if self.status.z_offset().ordered() != self.z_count.ordered && self.braking == Braking::No {
-            self.shift_z();
+            self.shift_z(false);
         }
+        self.note_replay();
         let enough = self.far_enough();
         let begin = self.events.made();
         self.dry_at = Some(begin).filter(|_| self.is_under_way);
@@ -313,12 +314,18 @@ impl<'m> StepGenerator<'m> {
         let now = self.last_tick as u32;
         // The steps of all groups are known up to here.
         let mut until = now.wrapping_add(NEAR);
+        if let Some(due) = self.z_count.replay {
+            until = earlier(until, due);
+        }
         for stepper in &mut self.group_steppers {
             stepper.refill(now);
             until = earlier(until, stepper.step_times.known_until());
         }
         if self.merge(until, most, enough) {
             self.is_under_way = true;
+            return true;
+        }
+        if self.z_count.replay == Some(until) && self.replay_shift(until) {
             return true;
         }
         // So slow that the next piece is too far from the last event.

@@ -18,19 +18,21 @@ pub(super) struct ZCount {
     is_under_way: bool,
     /// The machine's position is known in this epoch.
     pub is_placed: bool,
+    /// The tick at which a change is made again.
+    pub replay: Option<u32>,
 }
 
 impl ZCount {
     pub const fn new() -> Self {
-        Self { ordered: 0, is_under_way: false, is_placed: true }
+        Self { ordered: 0, is_under_way: false, is_placed: true, replay: None }
     }
 }
 
 impl StepGenerator<'_> {
-    /// Begins a change of the offset, if it is possible now.
+    /// Begins a change of the offset, if it is possible now. One that is made `again` is as far as it was at first.
     #[cold]
     #[inline(never)]
-    pub(super) fn shift_z(&mut self) {
+    pub(super) fn shift_z(&mut self, again: bool) {
         if self.trajectory.z_offset().is_moving() || !self.z_count.is_placed {
             return;
         }
@@ -41,7 +43,7 @@ impl StepGenerator<'_> {
         let before = self.trajectory.z_offset().target();
         let now = match self.task {
             Task::Nothing if self.last_phase.is_none() => {
-                let now = SubTicks::of_ticks(self.last_tick);
+                let now = self.next_whole_instant();
                 if !self.trajectory.z_offset_mut().begin(now, way, f32::MAX, limits) {
                     return;
                 }
@@ -51,13 +53,13 @@ impl StepGenerator<'_> {
                 now
             }
             Task::Move if self.current_move.m.watch == EndstopSet::NONE => {
-                let now = self.next_instant();
+                let now = self.next_whole_instant();
                 let tick = self.base_tick.wrapping_add(now.whole_ticks() as u32);
                 let [from, until] = order.quiet();
                 // Z is late by its delay, and so is the end of its last fast move.
                 let since = (tick.wrapping_sub(from)).cast_signed() as f32 - self.trajectory.delay_ticks();
-                let within = (until.wrapping_sub(tick)).cast_signed() as f32;
-                if since < 0.0 || !self.trajectory.z_offset_mut().begin(now, way, within, limits) {
+                let within = if again { f32::MAX } else { (until.wrapping_sub(tick)).cast_signed() as f32 };
+                if since < 0.0 && !again || !self.trajectory.z_offset_mut().begin(now, way, within, limits) {
                     return;
                 }
                 now
@@ -73,6 +75,35 @@ impl StepGenerator<'_> {
         self.z_count.ordered = self.z_count.ordered.wrapping_add(by);
         self.z_count.is_under_way = true;
         order.note_change(self.base_tick.wrapping_add(now.whole_ticks() as u32), by);
+    }
+
+    /// The next instant at a whole tick: that is enough to make a change again.
+    fn next_whole_instant(&self) -> SubTicks {
+        SubTicks::of_ticks((self.next_instant() + SubTicks(SubTicks::of_ticks(1).0 - 1)).whole_ticks())
+    }
+
+    /// Takes up the tick of a change that is to be made again.
+    pub(super) fn note_replay(&mut self) {
+        self.z_count.replay = self.status.z_offset().replay_tick().map(|tick| tick.wrapping_sub(self.base_tick));
+    }
+
+    /// Makes a change again, if it is due before the next step. Where the machine rests, time does not pass for it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn replay_shift(&mut self, due: u32) -> bool {
+        let left = due.wrapping_sub(self.last_tick as u32).wrapping_sub(1).cast_signed();
+        if left > 0 {
+            if !matches!(self.task, Task::Move) {
+                return false;
+            }
+            self.wait(left.cast_unsigned());
+        } else if !matches!(self.task, Task::Move | Task::Nothing) {
+            return false;
+        }
+        self.z_count.replay = None;
+        self.status.z_offset().order_replay();
+        self.shift_z(true);
+        true
     }
 
     /// Tells the Console of a change that has ended. Its events are published.
