@@ -165,6 +165,29 @@ fn p15_two_screws_are_levelled_and_the_middle_stays() {
     });
 }
 
+/// Sigma of the skew that two touches find: 5 um of each, times the screws' distance over the points'.
+#[test]
+fn p15_noise_leaves_no_more_than_it_must() {
+    let mut s = probed();
+    (s.screws[0].place.x, s.screws[1].place.x) = (-25, 415);
+    for (samples, most) in [(1, 0.03), (4, 0.015)] {
+        s.probe.samples = samples;
+        let mut in_two = 0;
+        for seed in 0..12 {
+            let text = format!("screw=-25/200/0.33,screw=415/200/-0.33,noise=0.005,seed={seed}");
+            over(&s, &bed_plant::read(&text, &s).unwrap(), &mut Eeprom::blank(), |life| {
+                let answer = said(life, "G34");
+                assert!(answer.contains(&"Target accuracy achieved.".to_owned()), "{seed}: {answer:?}");
+                in_two += usize::from(answer.contains(&"Did 2 of 5".to_owned()));
+                let [left, right] = screws(life);
+                let skew = 0.66 - f64::from(left - right) / s.axes.z.steps_per_mm.to_num::<f64>();
+                assert!(skew.abs() <= most, "{samples} {seed}: {skew}");
+            });
+        }
+        assert!(in_two >= 11, "{samples}: {in_two} of 12");
+    }
+}
+
 #[test]
 fn p16_swapped_motors_end_the_job_and_their_turns_are_taken_back() {
     let s = probed();

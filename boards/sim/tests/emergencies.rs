@@ -1,8 +1,9 @@
 //! Emergencies in every state: whatever the machine does or waits for, M112, M410 and M108 act as they arrive.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+use corehbot::connectors::ConnectorName;
 use corehbot::motors::MotorSet;
-use corehbot::settings::Settings;
+use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::world::{Host, Outcome, Sink, run};
 use std::cell::Cell;
@@ -65,13 +66,15 @@ impl Host for Shouter<'_> {
 
 /// A state of the machine, the program that leads there, and the motion time of the state in ms. The time is "never" if
 /// the busy message shows the state.
-const STATES: [(&str, &str, u64); 10] = [
+const STATES: [(&str, &str, u64); 12] = [
     ("moving", "G1 X200 F6000\nM114\n", 400),
     ("moving with many lines waiting", "", 400),
     ("waiting for the motion", "G1 X380 F6000\nM400\n", 900),
     ("homing fast", "G28 X\n", 900),
     ("homing slowly", "G28 X\n", 2900),
     ("homing after another axis", "G28\n", 3900),
+    ("a probe going down fast", "G30\n", 1500),
+    ("a probe going down slowly", "G30\n", 5000),
     ("one motor alone", "STEPPER_BUZZ STEPPER=m1\n", 100),
     ("dwelling", "G4 S30\nG1 X110\n", u64::MAX),
     ("waiting for the user", "M600\nG1 X110\n", u64::MAX),
@@ -95,7 +98,11 @@ fn shout(state: (&str, &str, u64), word: &'static str) -> Aftermath {
     let mut host =
         Shouter { last: &last, text, word, at, said: None, awaiting: 0, has_asked: false, heard: Vec::new() };
     let start = Some([100, 100, 10].map(Mm::from_num));
-    let outcome = run(&Settings::prototype(), start, &mut host, &mut Last(&last)).unwrap();
+    let mut s = Settings::prototype();
+    if state.0.contains("probe") {
+        (s.probe_plug.connector, s.probe.kind) = (ConnectorName::lit("PROBE"), ProbeKind::Switch);
+    }
+    let outcome = run(&s, start, &mut host, &mut Last(&last)).unwrap();
     let ms = (last.get() - host.said.unwrap()) as f64 / 1e4;
     Aftermath { outcome, heard: host.heard, ms }
 }

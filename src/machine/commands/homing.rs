@@ -7,10 +7,7 @@
 //! If the settings say so, the Z probe homes z ([`find_zero`]): after x and y, and only where both are homed, because
 //! elsewhere the bed may not be below. docs/explanation/probing.md has the rules.
 //!
-//! What a probe still lacks:
-//!
-//! - for its descent, a row of `STATES` in `boards/sim/tests/emergencies.rs`;
-//! - a probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
+//! A probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
 use super::proof::prove;
 use super::shift_z::shift_z;
