@@ -27,7 +27,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::halted::stay_halted;
 use crate::machine::main_loop::hear::{self, end_line, set_aside, take_answer};
 use crate::machine::main_loop::limp::limp;
-use crate::machine::main_loop::surface::{lay_mesh, return_to_surface};
+use crate::machine::main_loop::surface::{keep_to_surface, lay_mesh};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::probe::deploy::take_in_at_once;
@@ -134,7 +134,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if main_loop.heat.has_passed_test() && !main_loop.motion.has_motion() {
                 note_self_test(main_loop).await?;
             }
-            return_to_surface(main_loop).await?;
+            keep_to_surface(main_loop).await?;
             if main_loop.job.take_cancel() {
                 end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
             }

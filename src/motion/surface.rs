@@ -6,7 +6,7 @@
 //! `z + m + f (S - m)`.
 
 use super::number::{from_f32, to_f32};
-use crate::surface::{Fade, Heights, Mesh, UNITS_PER_MM};
+use crate::surface::{Fade, Heights, Mesh, OVERSHOOT, UNITS_PER_MM};
 use crate::units::{Steps, StepsPerMm};
 
 /// Where the heights of a surface lie, in steps.
@@ -22,7 +22,7 @@ pub struct SurfaceFrame {
     unit: f32,
     /// The mean height, in steps of z.
     mean: f32,
-    /// The largest distance of a height from it.
+    /// The largest distance of the surface from it.
     deviation: f32,
     fade: Fade,
 }
@@ -57,7 +57,7 @@ impl SurfaceFrame {
             rate: [per_x / per_mm(x), per_y / per_mm(y)],
             unit,
             mean: heights.mean() * unit,
-            deviation: heights.deviation() * unit,
+            deviation: heights.deviation() * (OVERSHOOT * unit),
             fade: Fade::up_to(mesh.fade().to_num::<f32>() * per_mm(z)),
         }
     }
@@ -181,6 +181,26 @@ mod tests {
                     assert!(error < Steps::lit("0.01"), "{x}, {y}, {z}: {error}");
                 }
             }
+        }
+    }
+
+    /// *Reproducer*: the deviation between points may be larger than at any of them, and z was faster than its limits
+    /// by that while the mesh faded.
+    #[test]
+    fn while_it_fades_z_is_no_faster_than_the_planner_allows_for() {
+        for seed in 1..6 {
+            // A height that is a few times the largest deviation.
+            let mesh = mesh(seed, 1.0);
+            let frame = SurfaceFrame::new(&mesh, [80, 80, 800].map(StepsPerMm::from_num));
+            let [_, fading] = frame.fade_from(Steps::from_num(80));
+            let mut most = 0.0f32;
+            for (i, j) in (0..=144).flat_map(|i| (0..=144).map(move |j| (i, j))) {
+                let [x, y] = [i, j].map(|k| Steps::from_num(800 + k * 200));
+                let at = [(x, 0.0), (y, 0.0), (Steps::from_num(400), 0.001)];
+                let (_, speed) = frame.raised(mesh.heights(), at);
+                most = if speed > most { speed } else { most };
+            }
+            assert!(most <= 0.001 * (1.0 + fading) * 1.00001, "{seed}: {most} of 0.001, {fading}");
         }
     }
 

@@ -249,7 +249,8 @@ pub async fn save_mesh(storage: &mut impl Storage, mesh: &StoredMesh, s: &Settin
     }
 }
 
-/// Forgets all meshes: their beginnings are written over.
+/// Forgets all meshes: their beginnings are written over, the newest one's last. Otherwise a cut would leave the older
+/// one, which a start would take for the newest.
 ///
 /// # Errors
 /// The storage's.
@@ -257,8 +258,10 @@ pub async fn forget_mesh(storage: &mut impl Storage) -> Result<(), StorageError>
     if !can_keep(storage) {
         return Ok(());
     }
-    for place in 0..MESH.len() {
-        if read(storage, place).await?.is_ok() {
+    let found = look(storage).await?;
+    let newest = newest(&found).unwrap_or_default();
+    for place in [1 - newest, newest] {
+        if found.get(place).is_some_and(Result::is_ok) {
             storage.write(address(place, 0), &[0xFF; MAGIC.len()]).await?;
         }
     }

@@ -1,7 +1,7 @@
 //! A mesh: heights with their place on the bed.
 
 use super::cell::{Bounds, Height};
-use super::heights::{Heights, UNITS_PER_MM};
+use super::heights::{Heights, OVERSHOOT, UNITS_PER_MM};
 use crate::units::Mm;
 use core::fmt;
 
@@ -108,8 +108,17 @@ impl Mesh {
     #[must_use]
     pub fn above_top(&self) -> Mm {
         let mean = self.heights.mean() as i32;
-        let highest = if self.fade > Mm::ZERO { mean } else { self.heights.points().max().unwrap_or_default().into() };
+        let highest = if self.fade > Mm::ZERO { mean } else { self.highest() };
         Mm::const_from_int(highest.max(0).into()) / i64::from(UNITS_PER_MM)
+    }
+
+    /// A height that the surface does not exceed: between points it may be higher than they are. The weights of heights
+    /// below 0 add up to half of what [`OVERSHOOT`] is above 1.
+    fn highest(&self) -> i32 {
+        const SHARE: i32 = ((OVERSHOOT - 1.0) / 2.0 * 32.0) as i32;
+        let [least, most] = [self.heights.points().min(), self.heights.points().max()]
+            .map(|point| i32::from(point.unwrap_or_default()));
+        most + ((most - least) * SHARE + 31) / 32
     }
 
     /// Whether it fades so fast that layers are wrong by more than a tenth.

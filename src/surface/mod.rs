@@ -38,5 +38,5 @@ mod missing;
 
 pub use cell::{Bounds, Height};
 pub use fade::Fade;
-pub use heights::{Heights, MOST_POINTS, UNITS_PER_MM};
+pub use heights::{Heights, MOST_POINTS, OVERSHOOT, UNITS_PER_MM};
 pub use mesh::{Mesh, MeshError};

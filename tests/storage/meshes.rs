@@ -86,6 +86,31 @@ fn a_cut_save_leaves_the_mesh_before_or_the_new_one() {
     }
 }
 
+/// *Reproducer*: a cut while the meshes were forgotten left the older one, which a start then took for the last.
+#[test]
+fn forgetting_that_is_cut_leaves_the_last_mesh_or_none() {
+    let s = Settings::prototype();
+    for saves in 2..4 {
+        let mut start = Eeprom::blank();
+        for seed in 0..saves {
+            now(storage::save_mesh(&mut start, &mesh(5, 5, seed), &s)).unwrap();
+        }
+        let mut whole = start.clone();
+        whole.writes.clear();
+        now(storage::forget_mesh(&mut whole)).unwrap();
+        for left in 0..whole.bytes_written() {
+            for torn in TORN {
+                let mut eeprom = start.clone();
+                let mut cut = Cut { eeprom: &mut eeprom, left, torn, whole_page: false, is_dead: false };
+                let _ = now(storage::forget_mesh(&mut cut));
+                let found = load(&mut eeprom, &s);
+                let is_older = found.is_ok_and(|found| found != mesh(5, 5, saves - 1));
+                assert!(!is_older, "{saves} saves, cut after {left}: {found:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn p12_a_flipped_bit_is_found() {
     let s = Settings::prototype();

@@ -96,6 +96,25 @@ fn p8_z_follows_a_bed_that_was_measured_and_p11_goes_on_after_homing_and_a_start
     });
 }
 
+/// *Reproducer*: M502 switched the mesh off for M420 alone, and z went on following it.
+#[test]
+fn after_m502_z_follows_no_mesh_and_m420_says_so() {
+    let s = probed();
+    let bed = bed_plant::read("tilt.x=0.001", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        life.say("G29");
+        life.say("M502");
+        assert!(said(life, "M420").contains(&"echo:Bed Leveling OFF".to_owned()));
+        life.say("G1 X350 Y90 Z5 F6000");
+        life.say("M400");
+        assert!((real_z(life, &s) - 5.0).abs() < 0.002, "{}", real_z(life, &s));
+        life.say("M420 S1");
+        life.say("G1 X350 Y90 Z0.2 F6000");
+        life.say("M400");
+        assert!((real_z(life, &s) - 0.2 - 0.155).abs() < 0.01, "{}", real_z(life, &s));
+    });
+}
+
 #[test]
 fn a_part_of_the_bed_is_measured_around_objects_and_not_kept() {
     let s = probed();
@@ -124,6 +143,22 @@ fn a_point_of_the_mesh_is_changed_and_gone_to() {
         assert_eq!(said(life, "M421 I1 J2 Z0.1"), ["ok"]);
         life.say("M421 I1 J2 Q0.05");
         assert!((grid(life, "M420 V")[2][1] - 0.15).abs() < 0.0015);
+        // A place off the mesh is refused on each side, and the nearest point may be at any.
+        for place in ["X-45 Y200", "X200 Y-50", "X440 Y200", "X200 Y470"] {
+            let answer = said(life, &format!("M421 {place} Z0.1"));
+            assert!(answer[0].starts_with("echo:ignored: points are I0 to I4"), "{place}: {answer:?}");
+        }
+        let before = grid(life, "M420 V");
+        life.say("G29 L60 R160 F60 B160");
+        for (place, [column, row]) in [("X370 Y400", [2, 2]), ("X0 Y0", [0, 0]), ("X380 Y20", [2, 0])] {
+            life.say(&format!("G1 {place} Z10 F9000"));
+            let before = grid(life, "M420 V");
+            assert_eq!(said(life, "M421 C Q0.05"), ["ok"], "{place}");
+            assert!((grid(life, "M420 V")[row][column] - before[row][column] - 0.05).abs() < 0.0015, "{place}");
+        }
+        life.say("G29");
+        life.say("M421 I1 J2 Z0.15");
+        assert_eq!(grid(life, "M420 V")[2].len(), before[2].len());
         assert_eq!(
             said(life, "M421 I9 J0 Z0.1")[0],
             "echo:ignored: points are I0 to I4, J0 to J4, and X Y inside of them"

@@ -7,7 +7,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface::{follow_mesh, set_mesh};
+use crate::machine::main_loop::surface::set_mesh;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::{MeshSettings, Settings, ranges};
@@ -32,8 +32,7 @@ pub(super) async fn use_mesh<P: PortSet, W: Pend>(
     let wanted = Settings { mesh: MeshSettings { is_on: on, ..main_loop.settings.mesh }, ..*main_loop.settings };
     main_loop.live_settings().set_plain(&wanted);
     let mesh = main_loop.bed.mesh().map(|stored| stored.mesh);
-    set_mesh(main_loop, mesh.as_ref()).await?;
-    follow_mesh(main_loop, on).await
+    set_mesh(main_loop, mesh.as_ref()).await
 }
 
 /// M420.

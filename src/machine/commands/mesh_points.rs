@@ -27,18 +27,23 @@ fn point_of<P: PortSet, W: Pend>(
 ) -> Option<[usize; 2]> {
     let heights = mesh.heights();
     let count = [heights.columns(), heights.rows()];
+    // Of the nearest column and row, as many as there were if the mesh went on.
     let near = |at: [Mm; 2]| {
         let ([x, y], [per_x, per_y], [from_x, from_y]) = (at, mesh.cells_per_mm(), mesh.first());
-        let cell = |at: Mm, from: Mm, rate: f32| (at.saturating_sub(from).to_num::<f32>() * rate + 0.5) as usize;
+        let cell = |at: Mm, from: Mm, rate: f32| at.saturating_sub(from).to_num::<f32>() * rate + 0.5;
         [cell(x, from_x, per_x), cell(y, from_y, per_y)]
     };
     let numbers = match point {
         MeshPoint::Number(numbers) => numbers.map(|number| usize::try_from(number.to_int()).unwrap_or(usize::MAX)),
-        MeshPoint::Place([Some(x), Some(y)]) => near([modal.length(x), modal.length(y)]),
+        MeshPoint::Place([Some(x), Some(y)]) => {
+            near([modal.length(x), modal.length(y)]).map(|cell| if cell < 0.0 { usize::MAX } else { cell as usize })
+        }
         MeshPoint::Place(_) => return None,
         MeshPoint::Nearest => {
             let [x, y, ..] = main_loop.motion.end_mm();
-            near([x, y])
+            let ([u, v], [columns, rows]) = (near([x, y]), count);
+            // Negative numbers become 0.
+            [(u as usize).min(columns - 1), (v as usize).min(rows - 1)]
         }
     };
     numbers.iter().zip(count).all(|(number, count)| *number < count).then_some(numbers)

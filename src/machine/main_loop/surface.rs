@@ -5,9 +5,9 @@
 //!
 //! | | |
 //! |---|---|
-//! | [`set_mesh`], [`follow_mesh`] | for commands: another mesh; on and off |
+//! | [`set_mesh`] | for commands: another mesh; they have set whether z follows it |
 //! | [`leave_surface`] | at the begin of a command that goes in real z, as homing and probing do |
-//! | [`return_to_surface`] | after that command, however it ended: the Console calls it |
+//! | [`keep_to_surface`] | after each command, however it ended: the Console calls it |
 //!
 //! While the belt or a motor has the place of z ([`regroup`](super::regroup)), z stands still at its real place.
 
@@ -15,32 +15,25 @@ use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use crate::settings::{MeshSettings, Settings};
 use crate::surface::Mesh;
 
 /// Before the first turn: the bed has this mesh, and z is to follow it.
 pub(in crate::machine) fn lay_mesh<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, mesh: &Mesh) {
     main_loop.motion.set_mesh(Some(mesh));
-    main_loop.motion.want_surface(true);
+    let wanted = MeshSettings { is_on: true, ..main_loop.settings.mesh };
+    let wanted = Settings { mesh: wanted, ..*main_loop.settings };
+    main_loop.live_settings().set_plain(&wanted);
 }
 
-/// Has another mesh of the bed, or none. Whether z follows it stays as it was.
+/// Has another mesh of the bed, or none. The settings say whether z follows it.
 pub(in crate::machine) async fn set_mesh<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     mesh: Option<&Mesh>,
 ) -> Result<(), Interrupt> {
     leave_surface(main_loop).await?;
     main_loop.motion.set_mesh(mesh);
-    return_to_surface(main_loop).await
-}
-
-/// Lets z follow the mesh from now on, or not.
-pub(in crate::machine) async fn follow_mesh<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    is_wanted: bool,
-) -> Result<(), Interrupt> {
-    leave_surface(main_loop).await?;
-    main_loop.motion.want_surface(is_wanted);
-    return_to_surface(main_loop).await
+    keep_to_surface(main_loop).await
 }
 
 /// Until the end of the command, positions are real ones.
@@ -50,11 +43,12 @@ pub(in crate::machine) async fn leave_surface<P: PortSet, W: Pend>(
     if main_loop.motion.is_on_surface() { stand_on_surface(main_loop, false).await } else { Ok(()) }
 }
 
-/// Z follows the mesh again, if it should and does not.
-pub(in crate::machine) async fn return_to_surface<P: PortSet, W: Pend>(
+/// Z follows the mesh, or does not, as the settings say.
+pub(in crate::machine) async fn keep_to_surface<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    if main_loop.motion.misses_surface() { stand_on_surface(main_loop, true).await } else { Ok(()) }
+    let is_wanted = main_loop.settings.mesh.is_on && main_loop.motion.mesh().is_some();
+    if is_wanted == main_loop.motion.is_on_surface() { Ok(()) } else { stand_on_surface(main_loop, is_wanted).await }
 }
 
 #[inline(never)]

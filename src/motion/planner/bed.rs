@@ -129,7 +129,7 @@ impl Bed {
         let [share, fading] = self.frame.fade_from(if from_z < to_z { from_z } else { to_z });
         let (x, y) = (share * dx, share * dy);
         // As z rises the slopes become less, which bends the way of z as well.
-        let rate = if fading > 0.0 { fading / mesh.deviation() } else { 0.0 };
+        let rate = if fading > 0.0 { 1.0 / mesh.fade().to_num::<f32>() } else { 0.0 };
         let twist = 2.0 * (rate * up) * (along_x * dx + along_y * dy);
         let bend = share * (dxx * along_x * along_x + 2.0 * (dxy * along_x * along_y) + dyy * along_y * along_y);
         Demand { share: [x, y, 1.0 + fading], bend: bend + twist }

@@ -5,7 +5,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface::{follow_mesh, set_mesh};
+use crate::machine::main_loop::surface::set_mesh;
 use crate::machine::ports::PortSet;
 use crate::port::{Pend, StorageError};
 use crate::storage::{self, MeshRejected};
@@ -52,7 +52,6 @@ pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
     };
     if let Some(known) = main_loop.bed.mesh().copied() {
         set_mesh(main_loop, Some(&known.mesh)).await?;
-        follow_mesh(main_loop, settings.mesh.is_on).await?;
     }
     Ok(rejected.map(MeshAnswer::Rejected))
 }

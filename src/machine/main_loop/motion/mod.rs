@@ -45,8 +45,6 @@ pub(in crate::machine) struct Motion<'m, W: Pend> {
     policy: ReleasePolicy,
     real: RealPosition<'m>,
     advance_in_use: AdvanceInUse,
-    /// Z is to follow the mesh.
-    wants_surface: bool,
     /// It has ever followed one, so that the generator has to get it.
     has_followed: bool,
     babystep: Babystep,
@@ -66,7 +64,6 @@ impl<'m, W: Pend> Motion<'m, W> {
             policy: ReleasePolicy::new(),
             real: RealPosition::new(groupings),
             advance_in_use: AdvanceInUse::new(),
-            wants_surface: false,
             has_followed: false,
             babystep: Babystep::default(),
         }
@@ -133,30 +130,14 @@ impl<'m, W: Pend> Motion<'m, W> {
         self.planner.mesh()
     }
 
-    /// Whether z is to follow the mesh, as soon as there is one.
-    #[allow(dead_code, reason = "for the commands of the mesh")]
-    pub const fn wants_surface(&self) -> bool {
-        self.wants_surface
-    }
-
     /// Whether z follows the mesh now.
     pub const fn is_on_surface(&self) -> bool {
         !self.planner.surface().is_none()
     }
 
-    /// Whether z should follow the mesh and does not.
-    pub(in crate::machine) fn misses_surface(&self) -> bool {
-        self.wants_surface && !self.is_on_surface() && self.mesh().is_some()
-    }
-
     /// Has another mesh, or none; z follows none now.
     pub(super) fn set_mesh(&mut self, mesh: Option<&Mesh>) {
         self.planner.set_mesh(mesh.copied());
-    }
-
-    /// From now on z is to follow the mesh, or not.
-    pub(super) const fn want_surface(&mut self, is_wanted: bool) {
-        self.wants_surface = is_wanted;
     }
 
     /// Follows the surface or not, at rest. Returns the position that the machine has then, which has to be adopted.
