@@ -377,6 +377,24 @@ fn a_step_is_done_again_at_a_port_that_has_come_back() {
     assert!(led.report.contains("## 2. Supply voltages: passed"), "{}", led.said);
 }
 
+/// Reproducer: the hotend still rose after its hand, while the bed was in the next one, and the guide took the plugs for
+/// exchanged.
+#[test]
+fn a_sensor_that_still_rises_is_not_taken_for_the_next_one() {
+    let mut bench = Bench::new(&[]);
+    let led = bench.lead(&["--from", "sensors"], |key, act| {
+        match key {
+            "sensors hotend" => act("warm hotend"),
+            "sensors bed" => ["warm hotend", "warm bed"].into_iter().for_each(act),
+            _ => return "quit".to_owned(),
+        }
+        String::new()
+    });
+    for part in ["## 3. Thermistors: passed", "hotend: follows a warm hand by ", "bed: follows a warm hand by "] {
+        assert!(led.report.contains(part), "{part}: {}", led.said);
+    }
+}
+
 #[test]
 fn bad_input_is_answered() {
     let mut bench = Bench::new(&[]);
@@ -393,6 +411,17 @@ fn bad_input_is_answered() {
     assert_eq!((led.status, asked), (Some(1), 2));
     assert!(led.said.contains("That is none of the answers."), "{}", led.said);
     assert!(led.report.contains("18 V: more than a twentieth off."), "{}", led.report);
+    // Whoever says no to a request is asked again, and may leave there.
+    let mut answers = ["no", "quit"].into_iter();
+    let led = bench.lead(&["--from", "homing"], |key, _| match key {
+        "homing needs" => "yes".to_owned(),
+        _ => answers.next().unwrap().to_owned(),
+    });
+    assert_eq!((led.status, answers.next()), (Some(1), None));
+    for part in ["Enter goes on, `quit` leaves.", "left by the owner", "without --from goes on with this step"] {
+        assert!(led.said.contains(part), "{part}: {}", led.said);
+    }
+    assert!(!led.report.contains("Homing"), "{}", led.report);
     let mut wrong = Command::new(env!("CARGO_BIN_EXE_corehbot"));
     let output =
         wrong.arg("bringup").arg(bench.folder.join("nothing")).arg("--report").arg(bench.folder.join("x.md")).output();

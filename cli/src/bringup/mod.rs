@@ -13,7 +13,7 @@
 //! | | the firmware stopped | it is restarted, and the stop is a problem |
 //! | | the board restarted by itself | that is a problem |
 //! | | the port is gone | the board is left alone; the guide ends and says how to go on |
-//! | | Ctrl-C, or the input ends | heaters off, motors without power ([`board::Board::rest`]); the guide ends |
+//! | | Ctrl-C, `quit` at a question, or the input ends | heaters off, motors without power ([`board::Board::rest`]); the guide ends |
 //! | the owner decides | again | the same step runs, with the board's machine read again |
 //! | | skip | it is noted as skipped, the next one runs |
 //! | | quit | it is noted as failed; the guide ends |
@@ -128,6 +128,11 @@ impl Prepared {
             list();
             return Ok(DONE);
         };
+        if !guide.owner.is_absent() {
+            guide
+                .owner
+                .tell("Enter is the usual answer to a question; `quit` leaves, and the same command goes on later.");
+        }
         let begin = args.from.as_ref().and_then(|from| STEPS.iter().position(|step| step.name == *from));
         for (number, step) in STEPS.iter().enumerate() {
             let is_behind = begin.map_or_else(|| record.is_done(step.name), |begin| number < begin);
@@ -139,7 +144,8 @@ impl Prepared {
                 Ok(()) => continue,
                 Err(trouble) => trouble,
             };
-            let resume = format!("corehbot bringup {} goes on with this step", args.port().display());
+            let without = if args.from.is_some() { " without --from" } else { "" };
+            let resume = format!("The same command{without} goes on with this step");
             guide.owner.tell(&format!("\n{trouble}\n{resume}; the report so far: {}", args.report.display()));
             // What cannot be reached any more is at rest by its own guards.
             if !matches!(trouble, Trouble::Lost(_) | Trouble::Unfit(_)) && matches!(guide.board.rest(), Ok(false)) {
@@ -149,12 +155,6 @@ impl Prepared {
         }
         guide.owner.tell(&format!("\nDone. Keep the report: {}", args.report.display()));
         Ok(if record.is_clean() { DONE } else { FAILED })
-    }
-}
-
-impl Bringup {
-    fn port(&self) -> PathBuf {
-        self.port.clone().unwrap_or_default()
     }
 }
 

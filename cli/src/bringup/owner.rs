@@ -43,7 +43,7 @@ impl Owner {
         let _ = println(format_args!("{line}"));
     }
 
-    /// Asks until the answer makes sense. An empty answer is the usual one.
+    /// Asks until the answer makes sense. An empty answer is the usual one, and `quit` leaves the guide.
     pub fn ask<T>(
         &self,
         key: &str,
@@ -59,16 +59,21 @@ impl Owner {
             if let Some(answer) = read(if answer.is_empty() { usual } else { &answer }) {
                 return Ok(answer);
             }
-            self.tell("  That is none of the answers.");
-            if self.lines.is_none() {
+            if answer == "quit" || self.lines.is_none() {
                 return Err(Trouble::Left);
             }
+            self.tell(match usual {
+                "" => "  That is none of the answers. Enter goes on, `quit` leaves.",
+                _ => "  That is none of the answers.",
+            });
         }
     }
 
-    /// Waits for Enter.
+    /// Waits for Enter. Any other word but a consent is none: what follows may move or heat something.
     pub fn wait(&self, key: &str, request: &str) -> Result<(), Trouble> {
-        self.ask(key, &format!("{request}, then Enter"), "", |_| Some(()))
+        self.ask(key, &format!("{request}, then Enter"), "", |answer| {
+            ["", "y", "yes", "ok", "done"].contains(&answer).then_some(())
+        })
     }
 
     /// Yes or no.

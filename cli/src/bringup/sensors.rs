@@ -37,6 +37,9 @@ const APART: f64 = 6.0;
 /// A hand warms a sensor by this at least, in K: ten times the noise of a reading.
 const RISE: f64 = 2.0;
 
+/// A sensor that has more than this, in C, is hardly warmed by a hand of 33 C.
+const COOL: f64 = 30.0;
+
 /// It does so within this time, at a board that is as fast as it should be.
 const PATIENCE: Duration = Duration::from_secs(25);
 
@@ -77,19 +80,29 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
             found.problems.push(ODD.of(&format!("{}, {celsius:.1} C", heater.name())));
         }
     }
+    // A sensor that has followed its own hand is no other's, though it may be on its way for a while.
+    let mut proven = Vec::new();
     for (heater, _) in read {
-        warm(guide, heater, &mut found)?;
+        if warm(guide, heater, &proven, &mut found)? {
+            proven.push(heater);
+        }
     }
     Ok(found)
 }
 
-/// The owner warms a sensor; which one rises?
-fn warm(guide: &mut Guide, heater: Heater, found: &mut Found) -> Result<(), Trouble> {
+/// The owner warms a sensor; which one rises, apart from those that are proven? Returns whether it is this one.
+fn warm(guide: &mut Guide, heater: Heater, proven: &[Heater], found: &mut Found) -> Result<bool, Trouble> {
     let name = heater.name();
-    let before = guide.temperatures()?;
     if guide.owner.is_absent() {
         found.note(format!("{name}: not warmed by hand"));
-        return Ok(());
+        return Ok(false);
+    }
+    let mut before = guide.temperatures()?;
+    let own = before.iter().find(|(other, _)| *other == heater).and_then(|(_, celsius)| *celsius);
+    if let Some(celsius) = own.filter(|celsius| *celsius > COOL) {
+        let request = format!("The sensor of {} has {celsius:.1} C. Let it cool below {COOL} C", the(heater));
+        guide.owner.wait(&format!("sensors cool {name}"), &request)?;
+        before = guide.temperatures()?;
     }
     guide.owner.wait(&format!("sensors {name}"), &format!("Hold the sensor of {} in a warm hand", the(heater)))?;
     let begin = Instant::now();
@@ -98,19 +111,20 @@ fn warm(guide: &mut Guide, heater: Heater, found: &mut Found) -> Result<(), Trou
         let now = guide.temperatures()?;
         let rises =
             now.iter().zip(&before).filter_map(|((heater, now), (_, before))| Some((*heater, (*now)? - (*before)?)));
-        let most = rises.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let most = rises.filter(|(heater, _)| !proven.contains(heater)).max_by(|(_, a), (_, b)| a.total_cmp(b));
         if let Some((risen, kelvin)) = most.filter(|(_, kelvin)| *kelvin >= RISE) {
-            if risen == heater {
+            let is_own = risen == heater;
+            if is_own {
                 found.note(format!("{name}: follows a warm hand by {kelvin:.1} K"));
             } else {
                 found.problems.push(SWAPPED.of(&format!("{name} (now it is {})", risen.name())));
             }
-            return Ok(());
+            return Ok(is_own);
         }
         std::thread::sleep(LOOK);
     }
     found.problems.push(UNMOVED.of(name));
-    Ok(())
+    Ok(false)
 }
 
 /// A sensor's share of the reference in the lines of M122.
