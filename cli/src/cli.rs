@@ -7,6 +7,7 @@
 use crate::bringup::{self, Bringup};
 use crate::config::{self, Config};
 use crate::image::{self, Image};
+use crate::resonance::{self, Resonance};
 use crate::run::{self, Run};
 #[cfg(unix)]
 use crate::serve::{self, Serve};
@@ -43,6 +44,8 @@ enum Command {
     /// Computes how the belt follows commanded steps: stiffness, modes, slips.
     #[command(subcommand)]
     Twin(Twin),
+    /// Analyses recordings of an accelerometer on the tool: modes, shapers, belts, quiet speeds.
+    Resonance(Resonance),
 }
 
 /// Runs the command that the process was called with.
@@ -56,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Bringup(args) => end(bringup::Prepared::new(&args), |prepared| prepared.run(&args)),
         Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
         Command::Config(config) => end(config::run(&config), Ok),
+        Command::Resonance(args) => end(resonance::Prepared::new(&args), |prepared| prepared.run(&args)),
         Command::Twin(question) => end(Ok(question), |question| twin::run(&question)),
     }
 }

@@ -6,12 +6,14 @@
 //!
 //! ```text
 //!  cli ──> report ──> sim ──> machine-file ──> core
-//!                └──> twin <──┘ └──> rig ───────────^
+//!          │     └──> twin <──┘ └──> rig ───────────^
+//!          └──> resonance ^
 //! ```
 //! An arrow means "uses". `tests/layers.rs` of this crate checks the arrows, and that no files of a crate use each
 //! other in a circle.
 #![forbid(unsafe_code)]
 
+mod answer;
 pub mod bed_args;
 #[cfg(unix)]
 mod bringup;
@@ -23,10 +25,12 @@ pub mod input;
 pub mod output;
 pub mod plant_args;
 mod printer;
+mod resonance;
 mod run;
 #[cfg(unix)]
 pub mod serve;
 mod status;
 pub mod stop;
 mod twin;
+mod values;
 mod watched;

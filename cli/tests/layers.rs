@@ -11,15 +11,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of each crate, its name, and the crates that it may use: only those above it.
-const CRATES: [(&str, &str, &[&str]); 9] = [
+const CRATES: [(&str, &str, &[&str]); 10] = [
     (".", "corehbot", &[]),
     ("rig", "corehbot-rig", &["corehbot"]),
     ("twin", "corehbot-twin", &[]),
+    ("resonance", "corehbot-resonance", &["corehbot-twin"]),
     ("chips/wiring", "corehbot-wiring", &["corehbot"]),
     ("boards/registry", "corehbot-boards", &["corehbot", "corehbot-wiring"]),
     ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
-    ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-sim"]),
+    ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-sim"]),
     (
         "cli",
         "corehbot-cli",
@@ -28,6 +29,7 @@ const CRATES: [(&str, &str, &[&str]); 9] = [
             "corehbot-boards",
             "corehbot-rig",
             "corehbot-twin",
+            "corehbot-resonance",
             "corehbot-machine-file",
             "corehbot-sim",
             "corehbot-report",

@@ -12,6 +12,7 @@
 //! | [`path`] | the way of the tool, exact to a step |
 //! | [`mod@print`] | the page of a print |
 //! | [`twin`] | the pages of the twin |
+//! | [`resonance`] | the page of what an accelerometer measured |
 #![forbid(unsafe_code)]
 
 pub mod heat_log;
@@ -19,5 +20,6 @@ pub mod mesh;
 pub mod path;
 pub mod print;
 pub mod printable;
+pub mod resonance;
 pub mod summary;
 pub mod twin;

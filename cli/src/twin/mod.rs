@@ -2,7 +2,6 @@
 //!
 //! The subcommands read the command line, ask the twin, and print its answer: a table for people, JSON for programs.
 
-mod answer;
 mod calibrated;
 mod compare;
 mod compensate;
@@ -19,6 +18,7 @@ mod study;
 mod sweep;
 mod yin;
 
+use crate::answer;
 use anyhow::Result;
 use clap::Subcommand;
 

@@ -121,22 +121,28 @@ pub fn residual(impulses: &[Impulse], frequency_hz: f64, damping: f64) -> f64 {
 }
 
 /// Acceleration for smoothing figures, in mm/s^2; as in Klipper.
-const SMOOTHED_ACCELERATION: f64 = 5000.0;
+pub const SMOOTHED_ACCELERATION: f64 = 5000.0;
 
 /// Corner speed for smoothing figures, in mm/s; as in Klipper.
-const CORNER_SPEED: f64 = 5.0;
+pub const CORNER_SPEED: f64 = 5.0;
 
-/// Corner rounding of a shaper in mm: at a corner of 90 degrees, or the shortening of a turn by 180, the larger one
-/// (Klipper's measure).
+/// Corner rounding of a shaper in mm, at these figures.
 #[must_use]
 pub fn smoothing_mm(impulses: &[Impulse]) -> f64 {
+    smoothing_at_mm(impulses, SMOOTHED_ACCELERATION, CORNER_SPEED)
+}
+
+/// Corner rounding of a shaper in mm: at a corner of 90 degrees that is passed at `corner_speed`, or the shortening of
+/// a turn by 180, the larger one (Klipper's measure).
+#[must_use]
+pub fn smoothing_at_mm(impulses: &[Impulse], acceleration: f64, corner_speed: f64) -> f64 {
     let middle: f64 = impulses.iter().map(|i| i.amount * i.time_s).sum();
-    let half = SMOOTHED_ACCELERATION / 2.0;
+    let half = acceleration / 2.0;
     let (mut corner, mut turn) = (0.0, 0.0);
     for Impulse { amount, time_s } in impulses {
         let late = time_s - middle;
         if late >= 0.0 {
-            corner += amount * (CORNER_SPEED + half * late) * late;
+            corner += amount * (corner_speed + half * late) * late;
         }
         turn += amount * half * late * late;
     }

@@ -20,8 +20,15 @@ pub fn lint() -> Result<Verdict> {
 }
 
 /// Crates with neither threads nor a clock, which run in a browser too.
-const BELOW_THE_COMMAND: [&str; 6] =
-    ["corehbot-boards", "corehbot-rig", "corehbot-twin", "corehbot-machine-file", "corehbot-sim", "corehbot-report"];
+const BELOW_THE_COMMAND: [&str; 7] = [
+    "corehbot-boards",
+    "corehbot-rig",
+    "corehbot-twin",
+    "corehbot-resonance",
+    "corehbot-machine-file",
+    "corehbot-sim",
+    "corehbot-report",
+];
 
 /// Everything below the command, for a browser.
 pub fn check_wasm() -> Result<Verdict> {

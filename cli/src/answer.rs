@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Where the figures go.
 #[derive(Args, Default)]
-pub(super) struct Json {
+pub(crate) struct Json {
     /// Writes the figures as JSON; `-` is standard output, and the table goes to standard error then.
     #[arg(long, value_name = "F.json")]
     json: Option<PathBuf>,
@@ -24,7 +24,7 @@ impl Json {
     ///
     /// # Errors
     /// An output cannot be written.
-    pub(super) fn give<'p>(
+    pub(crate) fn give<'p>(
         &self,
         answer: &(impl Serialize + Display),
         inputs: impl IntoIterator<Item = &'p Path>,
@@ -36,7 +36,7 @@ impl Json {
     ///
     /// # Errors
     /// An output cannot be written.
-    pub(super) fn give_with<'p>(
+    pub(crate) fn give_with<'p>(
         &self,
         answer: &(impl Serialize + Display),
         inputs: impl IntoIterator<Item = &'p Path>,
@@ -56,7 +56,7 @@ impl Json {
     ///
     /// # Errors
     /// It cannot be written, or is an input or another output.
-    pub(super) fn open(&self, outputs: &mut Outputs) -> Result<Option<BufWriter<Stream>>> {
+    pub(crate) fn open(&self, outputs: &mut Outputs) -> Result<Option<BufWriter<Stream>>> {
         self.json.as_deref().map(|path| outputs.open(path)).transpose()
     }
 
@@ -64,14 +64,14 @@ impl Json {
     ///
     /// # Errors
     /// The error from `out`.
-    pub(super) fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
+    pub(crate) fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
         let text = serde_json::to_string_pretty(answer)?;
         writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")
     }
 }
 
 /// Prints a text for people, where there is no output of another kind.
-pub(super) fn say(text: &str, is_standard_taken: bool) -> Result<()> {
+pub(crate) fn say(text: &str, is_standard_taken: bool) -> Result<()> {
     let text = printable::lines(text);
     let written = if is_standard_taken {
         std::io::stderr().write_all(text.as_bytes())

@@ -1,0 +1,189 @@
+//! `corehbot resonance`: analysis of an accelerometer's recordings, computed by the crate `corehbot-resonance`.
+//!
+//! File names tell the axis of a sweep, or the speed and angle of a run. Recordings of x, y and z are judged for
+//! shapers, those of both belt paths are compared, and runs become a profile.
+
+mod excite;
+mod text;
+
+use crate::answer::Json;
+use crate::values::number;
+use anyhow::{Context as _, Result, ensure};
+use clap::Args;
+use corehbot_report::resonance as page;
+use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure};
+use corehbot_resonance::label;
+use corehbot_resonance::profile::{self, Profile};
+use corehbot_resonance::recording::{Recording, read};
+use corehbot_resonance::sweep::Sweep;
+use corehbot_resonance::wall::Print;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// `corehbot resonance`.
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Resonance {
+    #[command(subcommand)]
+    part: Option<excite::Part>,
+    /// Raw recordings: Klipper's (`#time,accel_x,accel_y,accel_z`), or RepRapFirmware's (`Sample,X,Y,Z`).
+    #[arg(value_name = "FILE.csv", required = true)]
+    files: Vec<PathBuf>,
+    /// Axis of the sweep in all files, where names do not tell it: x, y, z, or the belt paths a (1,-1) and b (1,1).
+    #[arg(long, value_name = "AXIS", value_parser = parse_axis)]
+    axis: Option<label::Axis>,
+    /// First and last frequency of the sweep, in Hz.
+    #[arg(long, value_name = "FROM-TO", value_parser = parse_range, default_value = "5-135")]
+    sweep: [f64; 2],
+    /// Growth of the sweep's frequency, in Hz per second.
+    #[arg(long, value_name = "HZ_PER_S", value_parser = number(0.1, 10.0), default_value = "1")]
+    growth: f64,
+    /// Uncertainty of the frequency in percent; at least 5 is taken if it is not given, for one place is not all.
+    #[arg(long, value_name = "PERCENT", value_parser = number(0.0, 50.0))]
+    uncertainty: Option<f64>,
+    /// Acceleration of the walls that are judged, in mm/s^2.
+    #[arg(long, value_name = "MM_S2", value_parser = number(100.0, 100_000.0), default_value = "5000")]
+    acceleration: f64,
+    /// Speed of the walls, in mm/s.
+    #[arg(long, value_name = "MM_S", value_parser = number(1.0, 1000.0), default_value = "100")]
+    speed: f64,
+    /// Speed at their corners, in mm/s.
+    #[arg(long, value_name = "MM_S", value_parser = number(0.0, 100.0), default_value = "5")]
+    corner_speed: f64,
+    /// Writes a page with spectra, shapers, belts and the profile.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// The recordings, read and checked.
+pub(crate) struct Prepared {
+    sweeps: BTreeMap<Option<label::Axis>, Vec<(String, Recording)>>,
+    runs: Vec<(String, [f64; 2], Recording)>,
+}
+
+/// Everything that was found.
+#[derive(Serialize)]
+pub(crate) struct Answer {
+    /// An entry for each axis that was swept.
+    axes: Vec<Axis>,
+    /// Both belt paths.
+    belts: Option<Belts>,
+    /// Vibration by speed and angle.
+    profile: Option<Profile>,
+}
+
+/// Comparison of two belt paths, and their recordings.
+#[derive(Serialize)]
+struct Belts {
+    comparison: corehbot_resonance::belts::Comparison,
+    recordings: [Measured; 2],
+}
+
+impl Prepared {
+    /// Reads all files.
+    ///
+    /// # Errors
+    /// One is no recording, or the files do not belong together.
+    pub(crate) fn new(args: &Resonance) -> Result<Self> {
+        ensure!(args.corner_speed <= args.speed, "the speed at corners is above the speed of the walls");
+        let (mut sweeps, mut runs) = (BTreeMap::new(), Vec::new());
+        for path in &args.files {
+            let name = path.display().to_string();
+            let cannot = || format!("cannot read {name}");
+            ensure!(!path.is_dir(), "{}: it is a directory", cannot());
+            let recording = read(&std::fs::read(path).with_context(cannot)?).with_context(|| name.clone())?;
+            match label::run(&name).filter(|_| args.axis.is_none()) {
+                Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
+                None => {
+                    let axis = args.axis.or_else(|| label::axis(&name));
+                    sweeps.entry(axis).or_insert_with(Vec::new).push((name, recording));
+                }
+            }
+        }
+        Ok(Self { sweeps, runs })
+    }
+
+    /// Judges the recordings and gives the answer.
+    ///
+    /// # Errors
+    /// A recording is too short for its question, or an output cannot be written.
+    pub(crate) fn run(self, args: &Resonance) -> Result<u8> {
+        if let Some(part) = &args.part {
+            return part.run();
+        }
+        let answer = self.answer(&args.question())?;
+        args.json.give_with(&answer, args.files.iter().map(PathBuf::as_path), |outputs| {
+            let Some(path) = &args.report else { return Ok(()) };
+            let belts = answer.belts.as_ref().map(|belts| (&belts.comparison, &belts.recordings));
+            page::write(&mut outputs.open(path)?, &answer.axes, belts, answer.profile.as_ref())
+        })
+    }
+
+    fn answer(mut self, question: &Question) -> Result<Answer> {
+        let measured = |(file, recording): &(String, Recording)| {
+            measure(Named { file: short(file), recording }, &question.sweep).with_context(|| file.clone())
+        };
+        let both = [label::Axis::A, label::Axis::B].map(Some);
+        let belts = match both.map(|path| self.sweeps.get(&path).and_then(|all| all.first())) {
+            [Some(a), Some(b)] => Some([measured(a)?, measured(b)?]),
+            _ => None,
+        };
+        if belts.is_some() {
+            for path in both {
+                let count = self.sweeps.remove(&path).map_or(0, |all| all.len());
+                ensure!(count == 1, "expected one recording of each belt path, found {count} of one");
+            }
+        }
+        let belts = belts.map(|recordings| {
+            let [a, b] = &recordings;
+            Belts { comparison: corehbot_resonance::belts::compare(a, b), recordings }
+        });
+        let axis = |(axis, all): (&Option<label::Axis>, &Vec<(String, Recording)>)| {
+            let all = all.iter().map(measured).collect::<Result<Vec<_>>>()?;
+            Ok(judge(*axis, all, question))
+        };
+        let axes = self.sweeps.iter().map(axis).collect::<Result<Vec<_>>>()?;
+        let run = |(file, place, recording): &(String, [f64; 2], Recording)| {
+            profile::run(short(file), *place, recording)
+                .with_context(|| format!("{file}: it is shorter than half a second"))
+        };
+        let runs = self.runs.iter().map(run).collect::<Result<Vec<_>>>()?;
+        let profile = (!runs.is_empty()).then(|| profile::profile(runs));
+        Ok(Answer { axes, belts, profile })
+    }
+}
+
+impl Resonance {
+    fn question(&self) -> Question {
+        let [from_hz, to_hz] = self.sweep;
+        Question {
+            sweep: Sweep { from_hz, to_hz, hz_per_s: self.growth, ..Sweep::default() },
+            print: Print {
+                acceleration_mm_s2: self.acceleration,
+                speed_mm_s: self.speed,
+                corner_speed_mm_s: self.corner_speed,
+            },
+            uncertainty: self.uncertainty.map(|percent| percent / 100.0),
+        }
+    }
+}
+
+/// The file's name without its folders.
+fn short(file: &str) -> &str {
+    Path::new(file).file_name().and_then(|name| name.to_str()).unwrap_or(file)
+}
+
+fn parse_axis(text: &str) -> Result<label::Axis, String> {
+    label::Axis::of(text).ok_or_else(|| format!("`{text}` is no axis: x, y, z, a or b"))
+}
+
+/// `5-135`.
+fn parse_range(text: &str) -> Result<[f64; 2], String> {
+    let pair = text.split_once('-').and_then(|(from, to)| Some([from.trim().parse().ok()?, to.trim().parse().ok()?]));
+    let is_legal = |[from, to]: &[f64; 2]| *from >= 1.0 && *to <= 400.0 && to - from >= 20.0;
+    pair.filter(is_legal)
+        .ok_or_else(|| format!("`{text}` is no range like 5-135, from 1 to 400 Hz and at least 20 Hz wide"))
+}

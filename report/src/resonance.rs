@@ -1,0 +1,96 @@
+//! Page of what an accelerometer measured: spectra, shapers, belt paths and the profile by speed and angle, without any
+//! network, in the style of the other pages.
+
+use crate::twin::fill;
+use anyhow::{Context as _, Result};
+use corehbot_resonance::axis::{Axis, Measured, Net};
+use corehbot_resonance::belts::Comparison;
+use corehbot_resonance::klipper::{DAMPING, Rated, SPECTRUM_HZ};
+use corehbot_resonance::profile::Profile;
+use corehbot_twin::shaping::shaper::residual;
+use serde::Serialize;
+use std::io::Write;
+
+const TEMPLATE: &str = include_str!("resonance/page.html");
+
+/// Frequencies of a shaper's curve: from 0 to 200 Hz.
+const PLACES: usize = 201;
+
+#[derive(Serialize)]
+struct Data<'a> {
+    #[serde(rename = "most_Hz")]
+    most_hz: f64,
+    axes: Vec<Shown<'a>>,
+    belts: Option<Paths<'a>>,
+    profile: Option<&'a Profile>,
+}
+
+#[derive(Serialize)]
+struct Shown<'a> {
+    #[serde(flatten)]
+    axis: &'a Axis,
+    curves: Vec<Curve>,
+}
+
+#[derive(Serialize)]
+struct Paths<'a> {
+    comparison: &'a Comparison,
+    recordings: &'a [Measured; 2],
+}
+
+/// The part of the vibration that a shaper leaves, at even frequencies from 0 on.
+#[derive(Serialize)]
+struct Curve {
+    name: String,
+    left: Vec<f64>,
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// The error from `out`.
+pub fn write(
+    out: &mut impl Write,
+    axes: &[Axis],
+    belts: Option<(&Comparison, &[Measured; 2])>,
+    profile: Option<&Profile>,
+) -> Result<()> {
+    let data = Data {
+        most_hz: SPECTRUM_HZ,
+        axes: axes.iter().map(|axis| Shown { axis, curves: curves(axis) }).collect(),
+        belts: belts.map(|(comparison, recordings)| Paths { comparison, recordings }),
+        profile,
+    };
+    fill(out, TEMPLATE, &data).context("cannot write the report")
+}
+
+/// The suggested shaper and Klipper's.
+fn curves(axis: &Axis) -> Vec<Curve> {
+    let measured = axis.recordings.iter().find_map(|r| Some(r.fit.as_ref()?.modes.first()?.damping_ratio));
+    let curve = |words: &str, rated: &Rated, damping: f64| {
+        let impulses = rated.shaper.impulses(rated.frequency_hz, damping);
+        let hz = |i: usize| SPECTRUM_HZ * i as f64 / (PLACES - 1) as f64;
+        let left = (0..PLACES).map(|i| residual(&impulses, hz(i), measured.unwrap_or(DAMPING)));
+        let name = format!("{words}: {} {:.1} Hz", rated.shaper.name(), rated.frequency_hz);
+        Curve { name, left: left.map(|v| (v * 1e4).round() / 1e4).collect() }
+    };
+    let own = axis.tool.as_ref().map(|tool| -> &Net { &tool.suggestion });
+    let own = own.map(|net| curve("suggested", &net.rated, net.damping_ratio));
+    let klippers = axis.klipper.suggestion.as_ref().map(|rated| curve("Klipper's", rated, DAMPING));
+    own.into_iter().chain(klippers).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_has_places_for_style_script_and_data_and_needs_no_network() {
+        for mark in ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/"] {
+            assert_eq!(TEMPLATE.matches(mark).count(), 1, "{mark}");
+        }
+        // The name of SVG is no address that is asked.
+        let addresses = TEMPLATE.matches("http").count() - TEMPLATE.matches("http://www.w3.org/2000/svg").count();
+        assert_eq!(addresses, 0);
+    }
+}

@@ -1,0 +1,135 @@
+//! Labels: the axis of a sweep, or the speed and angle of a run, from a file's name.
+//!
+//! | name | written by |
+//! |---|---|
+//! | `raw_data_x_20260101_120000.csv`, `resonances_y.csv` | Klipper, `TEST_RESONANCES AXIS=X OUTPUT=raw_data` |
+//! | `raw_data_axis=1.000,-1.000_a.csv` | Klipper, a diagonal |
+//! | `belts_20240101_A.csv`, `axis_X.csv` | Shake&Tune |
+//! | `vib_an45_00sp120_00n1.csv` | Shake&Tune's profile: 45 degrees, 120 mm/s |
+
+use serde::Serialize;
+
+/// Direction of a sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub enum Axis {
+    /// To the right.
+    X,
+    /// To the back.
+    Y,
+    /// Up.
+    Z,
+    /// Belt path A: the diagonal (1, -1).
+    A,
+    /// Belt path B: the diagonal (1, 1).
+    B,
+}
+
+impl Axis {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::A, Self::B];
+
+    /// Its letter.
+    #[must_use]
+    pub const fn letter(self) -> char {
+        match self {
+            Self::X => 'X',
+            Self::Y => 'Y',
+            Self::Z => 'Z',
+            Self::A => 'A',
+            Self::B => 'B',
+        }
+    }
+
+    /// The axis with this letter.
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        let mut letters = text.chars();
+        let letter = letters.next()?.to_ascii_uppercase();
+        if letters.next().is_some() {
+            return None;
+        }
+        Self::ALL.into_iter().find(|axis| axis.letter() == letter)
+    }
+}
+
+/// Axis of the sweep that a file's name tells. The last word that is a letter of an axis counts; a vector counts more.
+#[must_use]
+pub fn axis(name: &str) -> Option<Axis> {
+    if let Some((_, vector)) = name.split_once("axis=") {
+        let number = |part: &str| -> Option<f64> {
+            part.chars().take_while(|c| c.is_ascii_digit() || "+-.".contains(*c)).collect::<String>().parse().ok()
+        };
+        let mut parts = vector.split(',').map(number);
+        if let (Some(Some(x)), Some(Some(y))) = (parts.next(), parts.next()) {
+            return match (x == 0.0, y == 0.0, x * y < 0.0) {
+                (true, true, _) => Some(Axis::Z),
+                (false, true, _) => Some(Axis::X),
+                (true, false, _) => Some(Axis::Y),
+                (false, false, true) => Some(Axis::A),
+                (false, false, false) => Some(Axis::B),
+            };
+        }
+    }
+    let words = stem(name).split(|c: char| !c.is_ascii_alphanumeric());
+    words.filter_map(Axis::of).next_back()
+}
+
+/// Angle in degrees and speed in mm/s of a run that a file's name tells, as `an45_00sp120_00`.
+#[must_use]
+pub fn run(name: &str) -> Option<(f64, f64)> {
+    let stem = stem(name);
+    stem.match_indices("an").find_map(|(at, _)| {
+        let (angle, rest) = number(stem.get(at + 2..)?)?;
+        let (speed, _) = number(rest.trim_start_matches('_').strip_prefix("sp")?)?;
+        Some((angle, speed))
+    })
+}
+
+/// A number with a point or an underscore before its decimals, and the text after it.
+fn number(text: &str) -> Option<(f64, &str)> {
+    let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let (whole, rest) = text.split_at(digits(text));
+    let decimals = rest.strip_prefix(['.', '_']).map(|decimals| decimals.split_at(digits(decimals)));
+    let (decimals, rest) = match decimals {
+        Some((decimals, after)) if !decimals.is_empty() => (decimals, after),
+        _ => ("0", rest),
+    };
+    Some((format!("{whole}.{decimals}").parse().ok().filter(|_| !whole.is_empty())?, rest))
+}
+
+/// The name without folders and its last ending.
+fn stem(name: &str) -> &str {
+    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_klipper_and_shake_and_tune_tell_the_axis() {
+        for (name, known) in [
+            ("raw_data_x_20260101_120000.csv", Some(Axis::X)),
+            ("/tmp/x/raw_data_y.csv", Some(Axis::Y)),
+            ("raw_data_axis=1.000,-1.000_b.csv", Some(Axis::A)),
+            ("raw_data_axis=1.000,1.000_a.csv", Some(Axis::B)),
+            ("raw_data_axis=0.000,1.000_1.csv", Some(Axis::Y)),
+            ("belts_20240101_B.csv", Some(Axis::B)),
+            ("x.csv", Some(Axis::X)),
+            ("sweep.csv", None),
+            ("matrix.csv", None),
+        ] {
+            assert_eq!(axis(name), known, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_of_runs_tell_angle_and_speed() {
+        assert_eq!(run("vib_an45_00sp120_50n1_20240101.csv"), Some((45.0, 120.5)));
+        assert_eq!(run("runs/an135sp80.csv"), Some((135.0, 80.0)));
+        assert_eq!(run("an90_sp80.5.csv"), Some((90.0, 80.5)));
+        assert_eq!(run("raw_data_x.csv"), None);
+        assert_eq!(run("titan_an.csv"), None);
+    }
+}

@@ -1,0 +1,33 @@
+//! Resonance: analysis of an accelerometer's recordings of a printer's tool, of any machine.
+//!
+//! Everything here is computed from samples in memory. There are no files, threads or clocks, so it runs in a browser
+//! too. A file uses only those above it:
+//!
+//! | file | job |
+//! |---|---|
+//! | [`label`] | axis, speed and angle that a file's name tells |
+//! | [`recording`] | text of a raw file to checked samples |
+//! | [`spectrum`] | power spectral density, as Klipper computes it |
+//! | [`sweep`] | the commanded acceleration of a sweep |
+//! | [`modes`] | frequencies and dampings, fitted to the response |
+//! | [`gcode`] | the same sweep as G-code |
+//! | [`shapers`] | shapers that are compared: those of this firmware, and one that only Klipper has |
+//! | [`klipper`] | Klipper's score and choice |
+//! | [`wall`] | error of the tool on a printed wall, with a shaper |
+//! | [`axis`] | an axis: modes, both rankings, the line that sets a shaper |
+//! | [`belts`] | comparison of two belt paths |
+//! | [`profile`] | vibration by speed and angle |
+#![forbid(unsafe_code)]
+
+pub mod axis;
+pub mod belts;
+pub mod gcode;
+pub mod klipper;
+pub mod label;
+pub mod modes;
+pub mod profile;
+pub mod recording;
+pub mod shapers;
+pub mod spectrum;
+pub mod sweep;
+pub mod wall;
