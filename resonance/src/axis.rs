@@ -26,7 +26,7 @@ const TRIED: [f64; 2] = [0.6, 2.2];
 /// Steps of the first search, and of the one around its best.
 const STEPS: [usize; 2] = [36, 8];
 
-/// Dampings for which all fits of shapers hold, and frequencies in Hz that this firmware takes (`ranges` of its settings).
+/// Dampings for which all fits of shapers hold, and frequencies in Hz that this firmware takes (`settings::ranges`).
 const DAMPINGS: [f64; 2] = [0.0, 0.3];
 const FREQUENCIES: [f64; 2] = [10.0, 500.0];
 
@@ -35,7 +35,7 @@ const FREQUENCIES: [f64; 2] = [10.0, 500.0];
 pub struct Question {
     /// The sweep of the recordings.
     pub sweep: Sweep,
-    /// The print whose wall counts.
+    /// The print with the walls that count.
     pub print: Print,
     /// Uncertainty of the frequency as a part of it; nothing is as measured.
     pub uncertainty: Option<f64>,
@@ -89,7 +89,7 @@ pub struct Net {
 pub struct Ranking {
     /// Uncertainty of the frequency, of 1.
     pub uncertainty: f64,
-    /// The print whose wall counts.
+    /// The print with the walls that count.
     pub print: Print,
     /// Without a shaper.
     pub unshaped_wall: WallError,

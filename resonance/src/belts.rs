@@ -44,11 +44,11 @@ pub struct Comparison {
     pub similarity_percent: f64,
     /// Strongest mode of each path.
     pub modes: [Option<Mode>; 2],
-    /// Frequency of A over that of B, less 1, in percent.
+    /// Frequency of A over the frequency of B, less 1, in percent.
     pub frequency_difference_percent: Option<f64>,
-    /// Stiffness of A over that of B, less 1, in percent, if both move the same mass.
+    /// Stiffness of A over the stiffness of B, less 1, in percent, if both move the same mass.
     pub stiffness_difference_percent: Option<f64>,
-    /// Total vibration of A over that of B, in dB.
+    /// Total vibration of A over the vibration of B, in dB.
     #[serde(rename = "level_difference_dB")]
     pub level_difference_db: f64,
     /// Peaks that both have.

@@ -23,12 +23,22 @@ pub struct Sweep {
     pub swing_accel: f64,
     /// Period of the slow swing in s.
     pub swing_period_s: f64,
+    /// Half periods are so many mm long, or a multiple of it, because the machine's steps are; 0 if they need not.
+    pub resolution_mm: f64,
 }
 
 impl Default for Sweep {
     /// Klipper's defaults for x and y.
     fn default() -> Self {
-        Self { from_hz: 5.0, to_hz: 135.0, accel_per_hz: 60.0, hz_per_s: 1.0, swing_accel: 400.0, swing_period_s: 1.2 }
+        Self {
+            from_hz: 5.0,
+            to_hz: 135.0,
+            accel_per_hz: 60.0,
+            hz_per_s: 1.0,
+            swing_accel: 400.0,
+            swing_period_s: 1.2,
+            resolution_mm: 0.0,
+        }
     }
 }
 
@@ -48,17 +58,37 @@ pub struct Half {
     pub hz: f64,
     /// 1 or -1.
     pub sign: f64,
+    /// Acceleration of its first pulse without the sign, in mm/s^2.
+    pub accel: f64,
+}
+
+impl Half {
+    /// Its length: from rest to rest with its acceleration.
+    #[must_use]
+    pub fn length_mm(&self) -> f64 {
+        self.accel / (16.0 * self.hz * self.hz)
+    }
 }
 
 impl Sweep {
     /// All half periods.
     pub fn halves(&self) -> impl Iterator<Item = Half> {
-        let Self { from_hz, to_hz, hz_per_s, .. } = *self;
+        let sweep = *self;
         let next = move |half: &Half| {
-            let hz = half.hz + hz_per_s / (2.0 * half.hz);
-            (hz <= to_hz + 1e-6).then_some(Half { hz, sign: -half.sign })
+            let hz = half.hz + sweep.hz_per_s / (2.0 * half.hz);
+            (hz <= sweep.to_hz + 1e-6).then(|| Half { hz, sign: -half.sign, accel: sweep.accel(hz) })
         };
-        std::iter::successors(Some(Half { hz: from_hz, sign: 1.0 }), next)
+        std::iter::successors(Some(Half { hz: sweep.from_hz, sign: 1.0, accel: sweep.accel(sweep.from_hz) }), next)
+    }
+
+    /// Acceleration at a frequency: in proportion to it, or less for a length of whole steps.
+    fn accel(&self, hz: f64) -> f64 {
+        let wanted = self.accel_per_hz * hz;
+        if self.resolution_mm <= 0.0 {
+            return wanted;
+        }
+        let step = 16.0 * hz * hz * self.resolution_mm;
+        step * (wanted / step + 1e-9).floor().max(1.0)
     }
 
     /// All segments.
@@ -66,10 +96,10 @@ impl Sweep {
     pub fn segments(&self) -> Vec<Segment> {
         let mut segments = Vec::new();
         let (mut now, mut swing) = (0.0, Swing::new(self));
-        for Half { hz, sign } in self.halves() {
+        for Half { hz, sign, accel: pulse } in self.halves() {
             for direction in [sign, -sign] {
                 let end = now + 0.25 / hz;
-                let accel = direction * self.accel_per_hz * hz;
+                let accel = direction * pulse;
                 while swing.turn_s <= end {
                     segments.push(Segment { end_s: swing.turn_s, accel: accel + swing.accel });
                     swing.turn();
@@ -177,6 +207,16 @@ mod tests {
             let (peaks, way) = extremes(&sweep);
             assert!((peaks[0] / v - 1.0).abs() < 2e-3 && (peaks[1] / a - 1.0).abs() < 1e-3, "{peaks:?}");
             assert!((way[0] - left).abs() < 0.06 && (way[1] - right).abs() < 0.06, "{way:?}");
+        }
+    }
+
+    #[test]
+    fn lengths_of_whole_steps_have_the_frequencies_of_the_sweep() {
+        let sweep = Sweep { accel_per_hz: 34.0, resolution_mm: 0.0125, ..Sweep::default() };
+        for (half, free) in sweep.halves().zip(Sweep { resolution_mm: 0.0, ..sweep }.halves()) {
+            let steps = half.length_mm() / 0.0125;
+            assert!((steps - steps.round()).abs() < 1e-6 && steps > 0.5 && half.hz == free.hz, "{half:?}");
+            assert!(half.accel <= free.accel * 1.000_001 && half.accel > 0.5 * free.accel, "{half:?}");
         }
     }
 

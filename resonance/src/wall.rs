@@ -13,7 +13,8 @@
 //! ```
 //!
 //! and the distance of the shaped tool from their outlines is the error of the wall. The equation is solved exactly for
-//! constant acceleration and for the jumps of speed at corners. On the square ringing counts most, on the hole rounding.
+//! constant acceleration and for the jumps of speed at corners. On the square ringing counts most, on the hole
+//! rounding.
 
 use crate::modes::Mode;
 use corehbot_twin::shaping::shaper::Impulse;

@@ -1,6 +1,6 @@
-//! `resonance sweep`: G-code that shakes an axis, for machines whose firmware has no sweep.
+//! `resonance sweep`: G-code that shakes an axis, for firmwares without a sweep.
 
-use super::{parse_axis, parse_range};
+use super::{along, parse_axis, parse_range};
 use crate::output::Outputs;
 use crate::status::DONE;
 use crate::stop::Stop;
@@ -38,6 +38,9 @@ pub(super) struct Excite {
     /// Acceleration over frequency, in mm/s^2 per Hz. The machine must allow it times the last frequency.
     #[arg(long, value_name = "MM_S2_PER_HZ", value_parser = number(1.0, 500.0), default_value = "34")]
     accel_per_hz: f64,
+    /// Length of a step of x and y, in mm: moves are whole steps, so that they last as long as they should.
+    #[arg(long, value_name = "MM", value_parser = number(0.0, 1.0), default_value = "0.0125")]
+    resolution: f64,
     /// Where the G-code goes; `-` is standard output.
     #[arg(long, short, value_name = "SWEEP.gcode")]
     output: PathBuf,
@@ -55,6 +58,7 @@ impl Part {
             accel_per_hz: args.accel_per_hz,
             swing_accel: 0.0,
             swing_period_s: 0.0,
+            resolution_mm: along(args.axis, args.resolution),
         };
         let mut outputs = Outputs::new([], Stop::default());
         let mut out = outputs.open(&args.output)?;

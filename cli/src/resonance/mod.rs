@@ -39,7 +39,11 @@ pub(crate) struct Resonance {
     /// Growth of the sweep's frequency, in Hz per second.
     #[arg(long, value_name = "HZ_PER_S", value_parser = number(0.1, 10.0), default_value = "1")]
     growth: f64,
-    /// Uncertainty of the frequency in percent; at least 5 is taken if it is not given, for one place is not all.
+    /// Amplitude of a sweep by `resonance sweep`, if it is one: acceleration over frequency in mm/s^2 per Hz, and length
+    /// of a step in mm.
+    #[arg(long, value_name = "MM_S2_PER_HZ,MM", value_parser = parse_moves)]
+    by_moves: Option<[f64; 2]>,
+    /// Uncertainty of the frequency in percent. Without it the fit says it, but at least 5: one place is not all.
     #[arg(long, value_name = "PERCENT", value_parser = number(0.0, 50.0))]
     uncertainty: Option<f64>,
     /// Acceleration of the walls that are judged, in mm/s^2.
@@ -123,12 +127,14 @@ impl Prepared {
     }
 
     fn answer(mut self, question: &Question) -> Result<Answer> {
-        let measured = |(file, recording): &(String, Recording)| {
-            measure(Named { file: short(file), recording }, &question.sweep).with_context(|| file.clone())
+        let measured = |axis: Option<label::Axis>, (file, recording): &(String, Recording)| {
+            let step = question.sweep.resolution_mm;
+            let sweep = Sweep { resolution_mm: axis.map_or(step, |axis| along(axis, step)), ..question.sweep };
+            measure(Named { file: short(file), recording }, &sweep).with_context(|| file.clone())
         };
         let both = [label::Axis::A, label::Axis::B].map(Some);
         let belts = match both.map(|path| self.sweeps.get(&path).and_then(|all| all.first())) {
-            [Some(a), Some(b)] => Some([measured(a)?, measured(b)?]),
+            [Some(a), Some(b)] => Some([measured(both[0], a)?, measured(both[1], b)?]),
             _ => None,
         };
         if belts.is_some() {
@@ -142,7 +148,7 @@ impl Prepared {
             Belts { comparison: corehbot_resonance::belts::compare(a, b), recordings }
         });
         let axis = |(axis, all): (&Option<label::Axis>, &Vec<(String, Recording)>)| {
-            let all = all.iter().map(measured).collect::<Result<Vec<_>>>()?;
+            let all = all.iter().map(|one| measured(*axis, one)).collect::<Result<Vec<_>>>()?;
             Ok(judge(*axis, all, question))
         };
         let axes = self.sweeps.iter().map(axis).collect::<Result<Vec<_>>>()?;
@@ -159,8 +165,12 @@ impl Prepared {
 impl Resonance {
     fn question(&self) -> Question {
         let [from_hz, to_hz] = self.sweep;
+        let mut sweep = Sweep { from_hz, to_hz, hz_per_s: self.growth, ..Sweep::default() };
+        if let Some([accel_per_hz, resolution_mm]) = self.by_moves {
+            sweep = Sweep { accel_per_hz, resolution_mm, swing_accel: 0.0, ..sweep };
+        }
         Question {
-            sweep: Sweep { from_hz, to_hz, hz_per_s: self.growth, ..Sweep::default() },
+            sweep,
             print: Print {
                 acceleration_mm_s2: self.acceleration,
                 speed_mm_s: self.speed,
@@ -178,6 +188,20 @@ fn short(file: &str) -> &str {
 
 fn parse_axis(text: &str) -> Result<label::Axis, String> {
     label::Axis::of(text).ok_or_else(|| format!("`{text}` is no axis: x, y, z, a or b"))
+}
+
+/// `34,0.0125`.
+fn parse_moves(text: &str) -> Result<[f64; 2], String> {
+    let pair = text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    let is_legal = |[accel, step]: &[f64; 2]| (1.0..=500.0).contains(accel) && (0.0..=1.0).contains(step);
+    pair.filter(is_legal)
+        .ok_or_else(|| format!("`{text}` is not acceleration over frequency and a step, like 34,0.0125"))
+}
+
+/// Length along an axis of a step of x and y.
+fn along(axis: label::Axis, step_mm: f64) -> f64 {
+    let is_diagonal = matches!(axis, label::Axis::A | label::Axis::B);
+    if is_diagonal { step_mm * std::f64::consts::SQRT_2 } else { step_mm }
 }
 
 /// `5-135`.
