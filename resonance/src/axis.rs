@@ -11,7 +11,7 @@ use crate::shapers::Shaper;
 use crate::spectrum::{Spectrum, WINDOW_S};
 use crate::sweep::Sweep;
 use crate::wall::{Print, Unshaped, WallError, net_rounding};
-use corehbot_twin::shaping::shaper::Impulse;
+use corehbot_twin::shaping::shaper::{Impulse, residual};
 use serde::Serialize;
 
 /// Least uncertainty of a frequency, as a part of it. One place was measured, with one load, cold.
@@ -20,11 +20,15 @@ pub const LEAST_UNCERTAINTY: f64 = 0.05;
 /// Shapers within this factor of the least error are equally good; the one with the shorter delay is suggested.
 const ALIKE: f64 = 1.03;
 
+/// A shaper may leave this part of the ringing at the measured frequency, as EI's are made for. Without this limit a
+/// short shaper would be set too high: it rounds less and rings more.
+const RINGING: f64 = 0.05;
+
 /// Frequencies of a shaper that are tried, over the frequency of the strongest mode.
 const TRIED: [f64; 2] = [0.6, 2.2];
 
 /// Steps of the first search, and of the one around its best.
-const STEPS: [usize; 2] = [36, 8];
+const STEPS: [usize; 2] = [64, 8];
 
 /// Dampings for which all fits of shapers hold, and frequencies in Hz that this firmware takes (`settings::ranges`).
 const DAMPINGS: [f64; 2] = [0.0, 0.3];
@@ -91,6 +95,8 @@ pub struct Ranking {
     pub uncertainty: f64,
     /// The print with the walls that count.
     pub print: Print,
+    /// Most of the ringing that a shaper may leave at the measured frequency, of 1.
+    pub most_ringing: f64,
     /// Without a shaper.
     pub unshaped_wall: WallError,
     /// The best of each kind, the least error first.
@@ -201,10 +207,15 @@ fn rank(
         }
     };
     let best = |shaper: Shaper| {
-        let worst = |hz: &f64| machines.worst(&shaper.impulses(*hz, damping)).rms_um;
+        let worst = |hz: f64| {
+            let impulses = shaper.impulses(hz, damping);
+            let ringing = residual(&impulses, strongest.frequency_hz, strongest.damping_ratio);
+            // Beyond the limit the nearest to it is the best.
+            if ringing > RINGING { 1e6 * ringing } else { machines.worst(&impulses).rms_um }
+        };
         let search = |from: f64, to: f64, steps: usize| {
             let tried = (0..=steps).map(|i| from * (to / from).powf(i as f64 / steps as f64));
-            let tried = tried.map(|hz| (hz, worst(&hz)));
+            let tried = tried.map(|hz| (hz, worst(hz)));
             tried.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(from, |(hz, _)| hz)
         };
         let f = strongest.frequency_hz;
@@ -223,7 +234,7 @@ fn rank(
     let unshaped_wall = machines.nominal.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
     let line = axis.and_then(|axis| line(axis, &suggestion));
     let why = why(&suggestion, klippers.as_ref(), uncertainty);
-    Some(Ranking { uncertainty, print, unshaped_wall, shapers, suggestion, klippers, line, why })
+    Some(Ranking { uncertainty, print, most_ringing: RINGING, unshaped_wall, shapers, suggestion, klippers, line, why })
 }
 
 /// The strongest mode; the caller has left out fits without any.

@@ -7,6 +7,7 @@ use corehbot_resonance::axis::{Axis, Named, Question, judge, measure};
 use corehbot_resonance::label;
 use corehbot_resonance::modes::{Modes, fit};
 use corehbot_resonance::sweep::Sweep;
+use corehbot_twin::shaping::shaper::residual;
 use plant::{Mode, recording, through_text};
 
 const RATE: f64 = 3200.0;
@@ -139,6 +140,11 @@ fn the_tool_is_nearer_to_the_wall_with_the_shorter_shaper() {
             && of("MZV").worst_wall.rms_um < of("EI").worst_wall.rms_um
     );
     assert!(tool.unshaped_wall.rms_um > 3.0 * tool.suggestion.wall.rms_um, "{:?}", tool.unshaped_wall);
+    // Vibration that is left at the found frequency, against the one without a shaper.
+    for s in &tool.shapers {
+        let left = residual(&s.rated.shaper.impulses(s.rated.frequency_hz, s.damping_ratio), 62.6, 0.05);
+        assert!(left <= 0.055, "{}: {left}", s.rated.shaper.name());
+    }
     let line = tool.line.unwrap();
     assert!(line.starts_with("M593 X F6") && line.ends_with(" T0") && line.contains(" D0.0"), "{line}");
     let ratio = of("ZV").wall.rms_um / of("MZV").wall.rms_um;
