@@ -148,11 +148,11 @@ fn the_tool_is_nearer_to_the_wall_with_the_shorter_shaper() {
     let line = tool.line.unwrap();
     assert!(line.starts_with("M593 X F6") && line.ends_with(" T0") && line.contains(" D0.0"), "{line}");
     let ratio = of("ZV").wall.rms_um / of("MZV").wall.rms_um;
-    assert!((ratio / (4.3 / 9.2) - 1.0).abs() < 0.1, "{ratio}");
+    assert!((ratio / (4.3 / 9.2) - 1.0).abs() < 0.15, "{ratio}");
     // The frequency 13 % off costs the shorter one more, and it is better all the same.
     let wide = judged(&[(62.6, 0.05, 1.0)], &Question { uncertainty: Some(0.13), ..question }).tool.unwrap();
     let of = |name: &str| wide.shapers.iter().find(|s| s.rated.shaper.name() == name).unwrap().worst_wall.rms_um;
-    assert!((of("ZV") / of("MZV") / (9.6 / 11.7) - 1.0).abs() < 0.1, "{} {}", of("ZV"), of("MZV"));
+    assert!((of("ZV") / of("MZV") / (9.6 / 11.7) - 1.0).abs() < 0.15, "{} {}", of("ZV"), of("MZV"));
     assert!(wide.suggestion.rated.shaper.name() == "ZV" && wide.why.contains("13 %"), "{}", wide.why);
     // Less knowledge is never better.
     let lost = judged(&[(62.6, 0.05, 1.0)], &Question { uncertainty: Some(0.4), ..question }).tool.unwrap();
