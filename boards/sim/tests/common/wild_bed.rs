@@ -136,8 +136,6 @@ struct Watched<'w> {
     oks: usize,
     /// The probe never triggers.
     is_dead: bool,
-    /// Z was shifted by hand while it moved (M290), which no position tells.
-    is_shifted: bool,
 }
 
 impl Watched<'_> {
@@ -209,7 +207,6 @@ impl Watched<'_> {
         if must_live && self.is_dead {
             self.fail(ProbeFault::None);
         }
-        self.is_shifted |= line.starts_with("M290 Z");
         let before = self.heard.len();
         self.put(line);
         if choices.below(5) == 0 {
@@ -263,30 +260,33 @@ impl Watched<'_> {
     /// The position that is told is the real one, and z is over the bed as it was after z was homed.
     fn check_position(&mut self) {
         self.quietly("M400");
-        let before = self.heard.len();
-        self.quietly("M420");
-        let is_on = self.heard[before..].iter().any(|line| line == "echo:Bed Leveling ON");
+        let is_on = self.answer("M420", "echo:Bed Leveling") == "echo:Bed Leveling ON";
         self.quietly("M420 S0");
-        let before = self.heard.len();
-        self.quietly("M114 R");
-        let told = self.heard[before..].iter().find(|line| line.starts_with("X:")).cloned().unwrap_or_default();
-        let number = |letter: &str| -> f64 {
+        // Positions do not tell shifts by M290.
+        let [place, shift] =
+            [("M114 R", "X:"), ("M290", "echo:Babystep")].map(|(line, begin)| self.answer(line, begin));
+        let number = |told: &str, letter: &str| -> f64 {
             let after = told.split(letter).nth(1).and_then(|rest| rest.split_whitespace().next());
             after.and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
         };
         let [x, y, z] = self.world.nozzle();
-        let off = [number("X:") - x, number("Y:") - y];
-        assert!(off.iter().all(|off| off.abs() < TOLD_MM), "{told}, real X{x} Y{y}\n{}", self.story());
-        let zero = z - self.world.bed().unwrap().height(self.reference) - number("Z:");
+        let off = [number(&place, "X:") - x, number(&place, "Y:") - y];
+        assert!(off.iter().all(|off| off.abs() < TOLD_MM), "{place}, real X{x} Y{y}\n{}", self.story());
+        let told = number(&place, "Z:") + number(&shift, "Babystep Z");
+        let zero = z - self.world.bed().unwrap().height(self.reference) - told;
         let was = *self.zero.get_or_insert(zero);
-        assert!(
-            self.is_shifted || (zero - was).abs() < 2.0 * TOLD_MM,
-            "{told}: z was {was} over the bed, is {zero}\n{}",
-            self.story()
-        );
+        let is_there = (zero - was).abs() < 2.0 * TOLD_MM;
+        assert!(is_there, "{place}, {shift}: z was {was} over the bed, is {zero}\n{}", self.story());
         if is_on {
             self.quietly("M420 S1");
         }
+    }
+
+    /// The line of the answer that begins so.
+    fn answer(&mut self, line: &str, begin: &str) -> String {
+        let before = self.heard.len();
+        self.quietly(line);
+        self.heard[before..].iter().find(|line| line.starts_with(begin)).cloned().unwrap_or_default()
     }
 
     /// Says a line without any accident.
@@ -338,7 +338,6 @@ pub fn bed_gcode(data: &[u8]) {
             sent: 0,
             oks: 0,
             is_dead: false,
-            is_shifted: false,
         };
         watched.rest(200);
         watched.fail(ProbeFault::None);
