@@ -1,5 +1,5 @@
 //! A print that is paused because its probe failed: the user mends it, and M24 tries the line again.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/heated.rs"]
 mod heated;

@@ -29,8 +29,8 @@ const PRUSA: &str = "M17\nM862.3 P \"MK4\"\nM555 X140 Y170 W100 H55\nG90\nM83\nM
                      M190 S60\nM109 S200\nG92 E0\nG1 E1 F300\n";
 
 /// An older one: homing without a mesh, then all of it.
-const PRUSA_OLD: &str = "M115 U3.13.3\nG90\nM83\nM104 S160\nM140 S60\nG28 W\nG80 ; mesh bed leveling\nM190 S60\nM109 S200\n\
-                         G1 Y20 F1000\nG92 E0\nG1 E1 F300\n";
+const PRUSA_OLD: &str = "M115 U3.13.3\nG90\nM83\nM104 S160\nM140 S60\nG28 W\nG80 ; mesh bed leveling\n\
+                         M190 S60\nM109 S200\nG1 Y20 F1000\nG92 E0\nG1 E1 F300\n";
 
 /// Objects, and a mesh around them.
 const KLIPPER: &str = "EXCLUDE_OBJECT_DEFINE NAME=cube_id_0_copy_0 CENTER=190,197.5 \
