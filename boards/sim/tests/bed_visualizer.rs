@@ -1,7 +1,7 @@
 //! Bed Visualizer, a plugin of OctoPrint, draws the mesh from the printer's answers: the form that it demands.
 //!
 //! Checked once, on 2026-11-26: the plugin's own expressions (commit 0219e5f) ran over all lines that this test hears, and
-//! took the same nine meshes from them. The rules here say the same in our words; the plugin is not part of the project.
+//! took each mesh from them. The rules here say the same in our words; the plugin is not part of the project.
 //! They hold from the plugin's command to the first line with `ok` in it:
 //!
 //! - A row is a line of nothing but numbers: whole ones, each followed by a space, and decimal ones with a sign or

@@ -89,6 +89,16 @@ impl<'d> Code<'d> {
         Ok(Author { room: None, function: function.unwrap_or_else(|| self.symbol(address)) })
     }
 
+    /// Where the function begins that has `name` in the name of its symbol.
+    pub fn entry(&self, name: &str) -> Option<u64> {
+        self.symbols.symbols().iter().find(|symbol| symbol.name().contains(name)).map(|symbol| symbol.address() & !1)
+    }
+
+    /// The symbol of the function at an address.
+    pub fn symbol_of(&self, address: u64) -> &str {
+        self.symbols.get(address | 1).map_or("", |symbol| symbol.name())
+    }
+
     /// The symbol, for code without line information; the lowest bit marks Thumb code.
     fn symbol(&self, address: u64) -> String {
         self.symbols.get(address | 1).map_or_else(|| format!("{address:#x}"), |symbol| symbol.name().to_owned())

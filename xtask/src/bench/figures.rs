@@ -1,5 +1,6 @@
 //! The figures: results of the jobs' counts, next to our goals and to other firmware.
 
+use super::code::Code;
 use super::contexts::Context;
 use super::cycles::EXCEPTION;
 use super::jobs::Job;
@@ -58,7 +59,7 @@ fn rate(name: &'static str, per_cycle: f64, goal: Option<f64>, peers: &'static s
 }
 
 /// All figures, from the profiles of all jobs and the way of a step on the Octopus.
-pub fn figures(profiles: &BTreeMap<Job, Profile>, octopus: &PlainStep) -> Result<Vec<Figure>> {
+pub fn figures(profiles: &BTreeMap<Job, Profile>, octopus: &PlainStep, code: &Code<'_>) -> Result<Vec<Figure>> {
     let profile = |job| profiles.get(&job).with_context(|| format!("the job {job} was not run"));
     let mut figures = of_octopus(octopus, profile(Job::S)?, profile(Job::Axis)?);
     figures.extend(of_steps(profile(Job::S)?));
@@ -66,8 +67,32 @@ pub fn figures(profiles: &BTreeMap<Job, Profile>, octopus: &PlainStep) -> Result
     figures.extend(of_rates(octopus, profile(Job::Dense)?, profile(Job::Axis)?));
     figures.extend(of_planner(profile(Job::Planner)?, profile(Job::Gathered)?));
     figures.extend(of_lines(profile(Job::Parse)?, profile(Job::Plain)?));
+    figures.extend(of_mesh(profile(Job::Shaped)?, profile(Job::Meshed)?, profile(Job::MeshedMoves)?, code));
     figures.extend(of_heat(profile(Job::Heat)?));
     Ok(figures)
+}
+
+/// Functions by which the generator finds where z is on a surface.
+const STATE: [&str; 4] = ["state_on_surface", "slopes_at", "SurfaceFrame", "Heights"];
+
+/// The shaped job on a mesh, compared with the same one without, and moves that are planned on the mesh.
+fn of_mesh(flat: &Profile, meshed: &Profile, moves: &Profile, code: &Code<'_>) -> Vec<Figure> {
+    let generator = |profile: &Profile| profile.in_context(Context::Generator).instructions as f64;
+    let isr = meshed.in_context(Context::Steps).instructions as f64;
+    let all = meshed.work(|_| true).instructions as f64;
+    let calls = |name| meshed.calls(Context::Generator, code, name).max(1) as f64;
+    let is_of_state = |address| STATE.iter().any(|name| code.symbol_of(address).contains(name));
+    let of_states = meshed.work(|spot| spot.context == Context::Generator && is_of_state(spot.address));
+    let planned = moves.in_room(Room::Planner).instructions as f64 / f64::from(Job::MeshedMoves.moves());
+    vec![
+        figure("mesh_isr_insn_per_event", isr / meshed.events as f64, None, ""),
+        figure("mesh_stepgen_insn_per_event", generator(meshed) / meshed.events as f64, None, ""),
+        figure("mesh_insn_per_piece", (generator(meshed) - generator(flat)) / calls("unbent"), None, ""),
+        figure("mesh_insn_per_state", of_states.instructions as f64 / calls("state_on_surface"), None, ""),
+        figure("mesh_states_per_piece", calls("state_on_surface") / calls("unbent"), None, ""),
+        figure("mesh_planner_insn_per_move", planned, None, ""),
+        figure("mesh_all_in_share_job_s", all / (INSTRUCTIONS_PER_SECOND * meshed.seconds), Some(0.045), ""),
+    ]
 }
 
 /// Others, all in.

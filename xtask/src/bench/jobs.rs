@@ -3,6 +3,7 @@
 use corehbot::connectors::Heater;
 use corehbot::motion::LOOKAHEAD_MOVES;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
+use corehbot::surface::{Heights, Mesh};
 use corehbot::units::{Hertz, Mm, MmPerSec, Ratio, Seconds, StepsPerMm};
 use std::fmt::{self, Write as _};
 
@@ -20,6 +21,21 @@ const CHORDS: u32 = 120;
 
 /// Where the tool stands at first.
 const START: [i32; 3] = [10, 10, 5];
+
+/// Where it stands on a mesh, so low that all of the mesh counts.
+const FIRST_LAYER: Mm = Mm::lit("0.25");
+
+/// The mesh: five by five heights up to 0.15 mm up and down, in units of half a micrometre. They were rolled once. A
+/// real bed bends less.
+const HEIGHTS: [[i16; 5]; 5] = [
+    [-212, 148, 31, -95, 240],
+    [66, -287, 173, 205, -138],
+    [251, 12, -164, 88, -29],
+    [-120, 233, -61, -246, 177],
+    [94, -183, 269, 47, -8],
+];
+const CORNERS: [[i32; 2]; 2] = [[0, 0], [360, 360]];
+const FADE: Mm = Mm::const_from_int(10);
 
 /// A job.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
@@ -43,13 +59,17 @@ pub enum Job {
     Parse,
     /// The same circle without numbers.
     Plain,
+    /// `Shaped` on a mesh, at the height of the first layer.
+    Meshed,
+    /// `Gathered` on the mesh.
+    MeshedMoves,
     /// The circle on a machine with hotend and bed, which are heated during the print.
     Heat,
 }
 
 impl Job {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::S,
         Self::Shaped,
         Self::Dense,
@@ -58,16 +78,18 @@ impl Job {
         Self::Gathered,
         Self::Parse,
         Self::Plain,
+        Self::Meshed,
+        Self::MeshedMoves,
         Self::Heat,
     ];
 
     /// The host's lines.
     pub fn gcode(self) -> String {
         match self {
-            Self::S | Self::Shaped => "G1 X70 Y35 E6 F6000\n".to_owned(),
+            Self::S | Self::Shaped | Self::Meshed => "G1 X70 Y35 E6 F6000\n".to_owned(),
             Self::Dense => "G1 X250 Y110 E24 F18000\n".to_owned(),
             Self::Axis => "G1 X250 E24 F18000\n".to_owned(),
-            Self::Planner | Self::Gathered => line(self.moves()),
+            Self::Planner | Self::Gathered | Self::MeshedMoves => line(self.moves()),
             Self::Parse | Self::Plain => circle(),
             Self::Heat => format!("M302 P1\nM140 S60\nM104 S200\n{}", circle()),
         }
@@ -78,7 +100,7 @@ impl Job {
         let mut settings = Settings::prototype();
         // The settling time of rotors is not work.
         settings.belt.settling_ms = 0;
-        if matches!(self, Self::Shaped | Self::Dense | Self::Axis) {
+        if matches!(self, Self::Shaped | Self::Meshed | Self::Dense | Self::Axis) {
             let shaper = Shaper::new(ShaperKind::Mzv, Hertz::from_num(60), Ratio::from_num(0.1));
             (settings.shapers.x, settings.shapers.y) = (shaper, shaper);
             settings.advance.time = Seconds::from_num(0.05);
@@ -99,15 +121,27 @@ impl Job {
 
     /// Where it stands.
     pub fn start(self) -> [Mm; 3] {
-        START.map(Mm::from_num)
+        let [x, y, z] = START.map(Mm::from_num);
+        [x, y, if self.is_on_mesh() { FIRST_LAYER } else { z }]
+    }
+
+    const fn is_on_mesh(self) -> bool {
+        matches!(self, Self::Meshed | Self::MeshedMoves)
+    }
+
+    /// The mesh that z follows.
+    pub fn mesh(self) -> Option<Mesh> {
+        let heights = Heights::filled(5, 5, |column, row| HEIGHTS.get(row)?.get(column).copied())?;
+        let [first, last] = CORNERS.map(|corner| corner.map(Mm::from_num));
+        Mesh::new(heights, first, last, FADE).ok().filter(|_| self.is_on_mesh())
     }
 
     /// Moves in it.
     pub const fn moves(self) -> u32 {
         match self {
-            Self::S | Self::Shaped | Self::Dense | Self::Axis => 1,
+            Self::S | Self::Shaped | Self::Meshed | Self::Dense | Self::Axis => 1,
             Self::Planner => MOVES,
-            Self::Gathered => GATHERED,
+            Self::Gathered | Self::MeshedMoves => GATHERED,
             Self::Parse | Self::Plain | Self::Heat => CHORDS,
         }
     }
@@ -129,6 +163,8 @@ impl fmt::Display for Job {
             Self::Gathered => "gathered",
             Self::Parse => "parse",
             Self::Plain => "plain",
+            Self::Meshed => "meshed",
+            Self::MeshedMoves => "meshed-moves",
             Self::Heat => "heat",
         })
     }
@@ -164,6 +200,7 @@ mod tests {
     fn jobs_are_for_machines_that_can_be() {
         for job in Job::ALL {
             assert_eq!(job.settings().check(), Ok(()), "{job}");
+            assert_eq!(job.mesh().is_some(), job.is_on_mesh(), "{job}");
         }
     }
 }

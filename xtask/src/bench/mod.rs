@@ -125,7 +125,7 @@ impl Bench {
     fn figures(&self) -> Result<Vec<Figure>> {
         let profiles: BTreeMap<_, _> =
             Job::ALL.into_iter().map(|job| Ok((job, self.measure(job)?))).collect::<Result<_>>()?;
-        let mut figures = figures::figures(&profiles, &self.octopus)?;
+        let mut figures = figures::figures(&profiles, &self.octopus, &self.code()?)?;
         figures.extend(figures::of_last_resort(self.last_resort, self.counted));
         Ok(figures)
     }

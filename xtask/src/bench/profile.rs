@@ -62,8 +62,8 @@ impl Profile {
     pub fn of(job: Job, image: &Path, code: &Code<'_>, plugin: &Plugin, folder: &Path) -> Result<Self> {
         let gcode = job.gcode();
         let (trace, out) = (folder.join(format!("{job}.csv")), folder.join(format!("{job}.counts")));
-        let printer =
-            qemu::Job { gcode: String::new(), settings: job.settings(), start: Some(job.start()), patience_ms: 0 };
+        let (settings, start) = (job.settings(), Some(job.start()));
+        let printer = qemu::Job { gcode: String::new(), settings, start, mesh: job.mesh(), patience_ms: 0 };
         let watcher = plugin.watcher(&out)?;
         let outcome = if job.is_numbered() {
             let mut host = FileHost::new(&gcode);
@@ -138,6 +138,13 @@ impl Profile {
     pub fn cycles(&self, contexts: &[Context], is_wanted: impl Fn(&Spot) -> bool) -> u64 {
         let work = self.work(|spot| contexts.contains(&spot.context) && is_wanted(spot));
         work.cycles + EXCEPTION * contexts.iter().map(|context| self.entries(*context)).sum::<u64>()
+    }
+
+    /// How often a context called the function whose name has `name` in it.
+    pub fn calls(&self, context: Context, code: &Code<'_>, name: &str) -> u64 {
+        let entry = code.entry(name);
+        let is_entry = |spot: &&Spot| spot.context == context && Some(spot.address) == entry;
+        self.counts.spots.iter().filter(is_entry).map(|spot| spot.count).sum()
     }
 
     /// The work of every function, the most first.

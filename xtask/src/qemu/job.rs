@@ -4,6 +4,7 @@ use super::emulator::Emulator;
 use super::{dump, line, log};
 use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
+use corehbot::surface::Mesh;
 use corehbot::units::Mm;
 use corehbot_cli::output::Outputs;
 use corehbot_cli::stop::Stop;
@@ -25,6 +26,8 @@ pub struct Job {
     pub settings: Settings,
     /// Where the tool is at start, as if homed.
     pub start: Option<[Mm; 3]>,
+    /// The mesh that z follows, of five by five points.
+    pub mesh: Option<Mesh>,
     /// The board's patience with a silent host, in ms of its own time, which runs on without us: half a second of it
     /// may pass while we fetch a line.
     pub patience_ms: u16,
@@ -103,7 +106,13 @@ impl Job {
         let folder = Folder::new()?;
         let mut blob = [0; LARGEST_BLOB];
         let settings = Settings { patience_ms: self.patience_ms, ..self.settings };
-        let blob = postcard::to_slice(&(&settings, self.start), &mut blob).context("the settings are too large")?;
+        let mesh = self.mesh.map(|mesh| {
+            let rows: [[i16; 5]; 5] =
+                std::array::from_fn(|row| std::array::from_fn(|column| mesh.heights().get(column, row)));
+            (rows, [mesh.first(), mesh.last()], mesh.fade())
+        });
+        let blob =
+            postcard::to_slice(&(&settings, self.start, mesh), &mut blob).context("the settings are too large")?;
         std::fs::write(folder.file("settings"), blob)?;
         let mut emulator = Emulator::start(image, folder.path(), plugin)?;
         let talk = talk(emulator.line());

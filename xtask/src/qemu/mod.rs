@@ -58,7 +58,7 @@ pub fn main(args: &Args) -> Result<()> {
     };
     let gcode = args.file.as_deref().map(read_gcode).transpose()?.unwrap_or_default();
     let patience_ms = if args.serve { SCALED_PATIENCE_MS } else { 0 };
-    let job = Job { gcode, settings, start: args.assume_homed, patience_ms };
+    let job = Job { gcode, settings, start: args.assume_homed, mesh: None, patience_ms };
     let image = checkout::build_image(BOARD)?;
     let outcome = match &args.file {
         Some(_) => job.run(&image, args.trace.as_deref())?,

@@ -108,7 +108,7 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
     run(command)?;
     let on = settings.map(|machine| format!(" on {}", name(machine)));
     let settings = settings.map(machine_file::read).transpose()?.map_or_else(Settings::prototype, |read| read.settings);
-    let job = Job { gcode: qemu::read_gcode(file)?, settings, start: None, patience_ms: 0 };
+    let job = Job { gcode: qemu::read_gcode(file)?, settings, start: None, mesh: None, patience_ms: 0 };
     let outcome = job.run(image, Some(&found))?;
     if let Some(difference) = diff::first(&expected, &found)? {
         let log = outcome.log.join("\n");

@@ -21,7 +21,7 @@ pub fn check(image: &Path) -> Result<String> {
         writeln!(gcode, "G1 X{:.3} Y{:.3} E.00499", 100.0 + 20.0 * cos, 100.0 + 20.0 * sin)?;
     }
     let start = [120, 100, 0].map(Mm::from_num);
-    let job = Job { gcode, settings: Settings::prototype(), start: Some(start), patience_ms: 0 };
+    let job = Job { gcode, settings: Settings::prototype(), start: Some(start), mesh: None, patience_ms: 0 };
     let outcome = job.run(image, None)?;
     let overload = outcome.log.iter().find(|line| line.contains("too slow")).context("no word of overload")?;
     ensure!(overload.contains("too slow: 0, the generator: 0, the stepper: 0"), "{overload}");

@@ -49,7 +49,7 @@ pub fn check() -> Result<Verdict> {
 fn follow(image: &Path, text: &str) -> Result<()> {
     let mut script = Script::new(text).map_err(anyhow::Error::msg)?;
     let settings = Settings::prototype();
-    let job = Job { gcode: String::new(), settings, start: Some([Mm::ZERO; 3]), patience_ms: PATIENCE_MS };
+    let job = Job { gcode: String::new(), settings, start: Some([Mm::ZERO; 3]), mesh: None, patience_ms: PATIENCE_MS };
     let end = job.converse(image, &mut script);
     match script.failure() {
         Some(failure) => bail!("{failure}"),

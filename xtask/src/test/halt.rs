@@ -34,7 +34,13 @@ pub fn check() -> Result<Verdict> {
 
 /// Sends M112 after `moment` answers; returns how long the board stepped after its last byte, in us.
 fn stop(image: &Path, moment: usize) -> Result<f64> {
-    let job = Job { gcode: String::new(), settings: Settings::prototype(), start: Some([Mm::ZERO; 3]), patience_ms: 0 };
+    let job = Job {
+        gcode: String::new(),
+        settings: Settings::prototype(),
+        start: Some([Mm::ZERO; 3]),
+        mesh: None,
+        patience_ms: 0,
+    };
     let mut host = Stopper { moment, answers: 0, sent: 0 };
     let outcome = job.talk(image, None, |stream| crate::qemu::converse(stream, &mut host, None))?;
     let words = outcome.log.iter().find_map(|line| line.split_once("last byte at tick "));

@@ -1,11 +1,13 @@
 //! The job of this run, from the emulator's command line.
 //!
-//! `arg=IMAGE,arg=SETTINGS,arg=TRACE`: paths on the host without blanks. SETTINGS holds the machine and the
-//! position to be assumed at start, `(Settings, Option<[Mm; 3]>)` in postcard; TRACE takes the step events.
+//! `arg=IMAGE,arg=SETTINGS,arg=TRACE`: paths on the host without blanks. SETTINGS holds the machine, the
+//! position to be assumed at start and the mesh that z follows, `(Settings, Option<[Mm; 3]>, Option<Mesh>)` in postcard
+//! with a mesh as heights and corners; TRACE takes the step events.
 
 use core::ffi::CStr;
 
 use corehbot::settings::Settings;
+use corehbot::surface::{Heights, Mesh};
 use corehbot::units::Mm;
 use semihosting::experimental::env;
 use semihosting::fs::File;
@@ -19,12 +21,20 @@ const LINE: usize = 512;
 /// Room for the settings in postcard; they take a few hundred bytes.
 const BLOB: usize = 4096;
 
+/// Points of a mesh along x and along y.
+const POINTS: usize = 5;
+
+/// A mesh in the blob: heights row by row, the first and the last corner, the fade height.
+type MeshBlob = ([[i16; POINTS]; POINTS], [[Mm; 2]; 2], Mm);
+
 /// The settings of a run.
 pub struct Job {
     /// The machine.
     pub settings: Settings,
     /// Where the tool stands, if that is to be assumed.
     pub start: Option<[Mm; 3]>,
+    /// The mesh of the bed, if there is one.
+    pub mesh: Option<Mesh>,
     /// Takes the step events.
     pub trace: File,
 }
@@ -38,11 +48,17 @@ pub fn read() -> Job {
     };
     let mut blob = [0; BLOB];
     let blob = load(settings, &mut blob);
-    let Ok((machine, start)) = postcard::from_bytes(blob) else {
+    let Ok((machine, start, mesh)) = postcard::from_bytes::<(Settings, Option<[Mm; 3]>, Option<MeshBlob>)>(blob) else {
         give_up(format_args!("{settings} holds no settings of this version"));
     };
     let Ok(trace) = with_path(trace, |path| File::create(path)) else { give_up(format_args!("cannot create {trace}")) };
-    Job { settings: machine, start, trace }
+    Job { settings: machine, start, mesh: mesh.and_then(laid), trace }
+}
+
+/// The mesh of its blob.
+fn laid((rows, [first, last], fade): MeshBlob) -> Option<Mesh> {
+    let heights = Heights::filled(POINTS, POINTS, |column, row| rows.get(row)?.get(column).copied())?;
+    Mesh::new(heights, first, last, fade).ok()
 }
 
 /// Reads a whole file.

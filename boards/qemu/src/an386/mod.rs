@@ -81,6 +81,9 @@ fn start_up() -> &'static Status {
     let parts = PARTS.init_with(|| {
         app::assemble(MEMORY.take(), job.settings, job.start, step_ports, heat, ports, contexts::BoardPend)
     });
+    if let Some(mesh) = &job.mesh {
+        parts.console.lay_mesh(mesh);
+    }
     let status = parts.status;
     contexts::start(parts, groups);
     status
