@@ -418,7 +418,7 @@ fn bad_input_is_answered() {
         _ => answers.next().unwrap().to_owned(),
     });
     assert_eq!((led.status, answers.next()), (Some(1), None));
-    for part in ["Enter goes on, `quit` leaves.", "left by the owner", "without --from goes on with this step"] {
+    for part in ["Enter goes on, `quit` leaves.", "left by the owner", "with --from homing goes on with this step"] {
         assert!(led.said.contains(part), "{part}: {}", led.said);
     }
     assert!(!led.report.contains("Homing"), "{}", led.report);

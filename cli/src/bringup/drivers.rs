@@ -24,7 +24,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
         } else if WELL.iter().any(|well| words.starts_with(well)) {
             found.note(format!("{name}: answers, {words}"));
         } else {
-            found.problems.push(Problem { what: format!("{name}: {words}."), cure: FAULTY.cure.to_owned() });
+            found.problems.push(Problem { what: format!("{name}: {words}"), cure: FAULTY.cure.to_owned() });
         }
     }
     if found.notes.is_empty() && found.problems.is_empty() {

@@ -144,8 +144,9 @@ impl Prepared {
                 Ok(()) => continue,
                 Err(trouble) => trouble,
             };
-            let without = if args.from.is_some() { " without --from" } else { "" };
-            let resume = format!("The same command{without} goes on with this step");
+            // Steps before `--from` may not be done yet.
+            let from = args.from.as_ref().map(|_| format!(" with --from {}", step.name)).unwrap_or_default();
+            let resume = format!("The same command{from} goes on with this step");
             guide.owner.tell(&format!("\n{trouble}\n{resume}; the report so far: {}", args.report.display()));
             // What cannot be reached any more is at rest by its own guards.
             if !matches!(trouble, Trouble::Lost(_) | Trouble::Unfit(_)) && matches!(guide.board.rest(), Ok(false)) {

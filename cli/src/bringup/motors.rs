@@ -149,7 +149,7 @@ fn look(guide: &mut Guide, s: &Settings, belt: &Belt, buzz: &Buzz, usual: Way) -
         guide.owner.tell(&format!("  {name} moves now, five times. The longer pause comes after it is back."));
         let heard = guide.board.ask(&line, &guide.owner)?;
         if !heard.iter().any(|line| line.contains("to and fro")) {
-            return Ok(Seen::Refused(heard.last().cloned().unwrap_or_default()));
+            return Ok(Seen::Refused(refusal(&heard)));
         }
         let question = "Which way does the tool go first? right, left, back, front, apart (nozzle from bed), closer, or two of \
                         them; nothing; again; ?";
@@ -162,6 +162,11 @@ fn look(guide: &mut Guide, s: &Settings, belt: &Belt, buzz: &Buzz, usual: Way) -
     }
 }
 
+/// Why the board has not moved a motor, in its words.
+fn refusal(heard: &[String]) -> String {
+    heard.last().map(|line| line.trim_start_matches("Error:").to_owned()).unwrap_or_default()
+}
+
 /// The extruder's motor moves no axis.
 fn extruder(guide: &mut Guide, motor: Motor, found: &mut Found) -> Result<(), Trouble> {
     let s = guide.machine;
@@ -169,7 +174,7 @@ fn extruder(guide: &mut Guide, motor: Motor, found: &mut Found) -> Result<(), Tr
     guide.owner.tell(&format!("  {name} moves now, five times. The longer pause comes after it is back."));
     let heard = guide.ask(&format!("STEPPER_BUZZ STEPPER={name}"))?;
     if !heard.iter().any(|line| line.contains("to and fro")) {
-        let why = heard.last().cloned().unwrap_or_default();
+        let why = refusal(&heard);
         found.problems.push(Problem { what: format!("{name}: {why}"), cure: REFUSED.cure.to_owned() });
         return Ok(());
     }
