@@ -2,11 +2,11 @@
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_machine_file::Machine;
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
-use corehbot_twin::params::Params;
+use corehbot_twin::description::Description;
 
 /// The plant in place of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -35,25 +35,25 @@ pub struct PlantArgs {
 }
 
 impl PlantArgs {
-    /// The plant, if the options ask for one.
+    /// The plant of this description, if the options ask for one.
     ///
     /// # Errors
     /// No such accident.
-    pub fn setup(&self) -> Result<Option<BeltSetup>> {
+    pub fn setup(&self, twin: &Description) -> Result<Option<BeltSetup>> {
         let Some(Plant::Belt) = self.plant else { return Ok(None) };
         let hits = self.hit.iter().map(|text| text.parse().with_context(|| format!("--hit {text}")));
         let brakes = self.brake.iter().map(|text| text.parse().with_context(|| format!("--brake {text}")));
         let accidents = Accidents { hits: hits.collect::<Result<_>>()?, brakes: brakes.collect::<Result<_>>()? };
-        Ok(Some(BeltSetup { params: Params::default(), seed: self.seed, accidents }))
+        Ok(Some(BeltSetup { twin: twin.clone(), seed: self.seed, accidents }))
     }
 
-    /// The plant of these settings, if one is asked for.
+    /// The plant of this machine, if one is asked for.
     ///
     /// # Errors
-    /// No such accident, or the twin has no such machine.
-    pub(crate) fn belt(&self, settings: &Settings, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
-        let Some(setup) = self.setup()? else { return Ok(None) };
-        let plant = BeltPlant::new(settings, homed, homed.is_some(), setup, 0);
+    /// No such accident, or no belts do what the machine's motors do.
+    pub(crate) fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
+        let Some(setup) = self.setup(&machine.twin)? else { return Ok(None) };
+        let plant = BeltPlant::new(&machine.settings, homed, homed.is_some(), setup, 0);
         Ok(Some(Box::new(plant.context("--plant belt")?)))
     }
 }

@@ -6,6 +6,7 @@ use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file::{self as machine_file, Machine};
 use corehbot_sim::eeprom::Eeprom;
+use corehbot_twin::description::Description;
 use std::path::{Path, PathBuf};
 
 /// The printer that commands have in common.
@@ -61,6 +62,7 @@ fn read_machine(path: Option<&Path>) -> Result<Machine> {
             name: Some("CoreH-bot prototype".to_owned()),
             board: None,
             settings: Settings::prototype(),
+            twin: Description::default(),
         });
     };
     machine_file::read(path)

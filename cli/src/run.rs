@@ -95,7 +95,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     pub fn new(args: &Run) -> Result<Self> {
         let machine = args.printer.machine()?;
-        let belt = args.plant.belt(&machine.settings, args.printer.assume_homed)?;
+        let belt = args.plant.belt(&machine, args.printer.assume_homed)?;
         let heat = args.heat.setup(&machine.settings)?;
         let bed = args.bed.plant(&machine.settings)?;
         let probe_accidents = args.heat.probe_accidents(&machine.settings)?;

@@ -18,7 +18,7 @@ const CRATES: [(&str, &str, &[&str]); 10] = [
     ("resonance", "corehbot-resonance", &["corehbot-twin"]),
     ("chips/wiring", "corehbot-wiring", &["corehbot"]),
     ("boards/registry", "corehbot-boards", &["corehbot", "corehbot-wiring"]),
-    ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring"]),
+    ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring", "corehbot-twin"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
     ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-sim"]),
     (

@@ -143,9 +143,9 @@ fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
 fn prepare(cli: &Cli) -> Result<Prepared> {
     let mut eeprom = Eeprom::blank();
     // A board without a machine gives no motor power.
-    let mut settings = match &cli.settings {
-        Some(path) => machine_file::read(path)?.settings,
-        None => Settings::prototype(),
+    let (mut settings, twin) = match &cli.settings {
+        Some(path) => machine_file::read(path).map(|machine| (machine.settings, machine.twin))?,
+        None => (Settings::prototype(), Default::default()),
     };
     let mut firmware = Firmware::read(&cli.elf)?;
     match cli.board.wiring().settings {
@@ -158,7 +158,7 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         cli.heat.probe_accidents(&settings)?.is_empty(),
         "--break: a probe does not break here; `corehbot serve` has that"
     );
-    let belt = cli.plant.setup()?;
+    let belt = cli.plant.setup(&twin)?;
     let inputs = [Some(&cli.elf), cli.file.as_ref(), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());
     let mut open = |path: &Option<PathBuf>| match path.as_deref() {

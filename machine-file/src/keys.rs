@@ -3,6 +3,8 @@
 use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Kind, Legal, Row, Text};
 use corehbot::settings::table::described;
+use corehbot_twin::description::Routing;
+use corehbot_twin::params::{ROWS as TWIN_ROWS, Row as TwinRow};
 use std::sync::LazyLock;
 
 /// A key of a machine file.
@@ -23,6 +25,10 @@ pub(crate) enum Of {
     List { row: &'static Row, text: &'static Text },
     /// A key that settings follow from.
     Other(&'static Other),
+    /// A number of the machine for the belt's twin, which no board keeps.
+    Twin(&'static TwinRow),
+    /// The routing of the belts, for the twin too.
+    Routing,
 }
 
 /// A key that settings follow from.
@@ -42,6 +48,14 @@ pub(crate) const BOARD: &str = "board";
 pub(crate) const ROTATION_DISTANCE: &str = "rotation_distance";
 /// Full steps of such a turn.
 pub(crate) const FULL_STEPS: &str = "full_steps";
+
+/// The table of the belt's twin.
+pub(crate) const TWIN: &str = "twin";
+/// Its key for the run of the belts.
+pub(crate) const ROUTING: &str = "twin.routing";
+/// The meaning of this key.
+pub(crate) const ROUTING_MEANING: &str = "The run of the belts; auto takes the one that fits the motors' rows. An H-bot turns \
+     like a CoreXY, and a bed that moves in y like a bar, so these are named. straight has a belt for each motor.";
 
 /// The table of the driver of the first motor.
 pub(crate) const OF_MOTOR: &str = "drivers.#0";
@@ -70,7 +84,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 38] = [
+pub(crate) const TABLES: [(&str, &str); 39] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -115,6 +129,11 @@ pub(crate) const TABLES: [(&str, &str); 38] = [
     ("sensors.probe", "The probe (P)."),
     ("fans", "Fan outputs."),
     ("guards", "Guards, which cannot be switched off."),
+    (
+        TWIN,
+        "The machine's belts, masses and motors, for `--plant belt` and `corehbot twin`. No board keeps them. Of a number for each \
+         belt, span or motor a list is legal too.",
+    ),
 ];
 
 /// The subject of a table: by its path, or by its last word.
@@ -122,6 +141,11 @@ pub(crate) fn about(path: &str) -> Option<&'static str> {
     let last = path.rsplit('.').next().unwrap_or(path);
     let find = |name: &str| TABLES.iter().find(|(table, _)| *table == name).map(|(_, about)| *about);
     find(path).or_else(|| find(last))
+}
+
+/// The legal words for the run of the belts.
+pub(crate) fn routings() -> Vec<&'static str> {
+    std::iter::once(Routing::AUTO).chain(Routing::all().map(Routing::key)).collect()
 }
 
 /// A key behind a table.
@@ -137,6 +161,8 @@ pub(crate) static ALL: LazyLock<Vec<Known>> = LazyLock::new(|| {
         .flat_map(|other| other.tables.iter().map(move |table| (join(table, other.name), Of::Other(other))))
         .map(|(path, of)| Known { path, of })
         .collect();
+    all.push(Known { path: ROUTING.to_owned(), of: Of::Routing });
+    all.extend(TWIN_ROWS.iter().map(|row| Known { path: join(TWIN, row.key), of: Of::Twin(row) }));
     for (row, text) in described() {
         let is_list = row.leaf.is_empty() && row.tables.len() > 1 && row.tables.iter().all(|t| t == &row.tables[0]);
         let parts = if is_list { 1 } else { row.tables.len() };

@@ -48,6 +48,7 @@ mod written;
 use anyhow::{Context as _, anyhow};
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
+use corehbot_twin::description::Description;
 pub use error::MachineFileError;
 pub use place::{Place, with_suggestion, words};
 pub use problems::{Problem, problems};
@@ -60,7 +61,7 @@ pub use translation::{Kind, OfKey, OfSection, Report, Translation, Verdict};
 pub use written::written;
 
 /// A machine as its file describes it.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Machine {
     /// The machine's name in the file.
     pub name: Option<String>,
@@ -68,6 +69,8 @@ pub struct Machine {
     pub board: Option<&'static BoardConnectors>,
     /// Its settings, all in range.
     pub settings: Settings,
+    /// Its belts, masses and motors, for the twin. No board keeps them.
+    pub twin: Description,
 }
 
 /// The machine of the file at `path`, which is its name unless it says another.
@@ -117,7 +120,7 @@ fn together(given: Given) -> Result<Machine, MachineFileError> {
     }
     s.check_machine().map_err(MachineFileError::Settings)?;
     s.check_connectors(given.board.unwrap_or(&BoardConnectors::ANY)).map_err(MachineFileError::Connectors)?;
-    Ok(Machine { name: given.name, board: given.board, settings: s })
+    Ok(Machine { name: given.name, board: given.board, settings: s, twin: given.twin })
 }
 
 #[cfg(test)]

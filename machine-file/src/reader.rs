@@ -1,7 +1,7 @@
 //! Reader: from the keys of a file to settings. All that is wrong with single keys is found in one pass.
 
 use crate::error::MachineFileError;
-use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in, numbered};
+use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in, numbered, routings};
 use crate::value;
 use corehbot::connectors::BoardConnectors;
 use corehbot::motors::{MOTORS, MotorName, prototype};
@@ -9,6 +9,7 @@ use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
 use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Settings, Wiring, ranges};
 use corehbot::units::Mm;
 use corehbot_boards as boards;
+use corehbot_twin::description::{Description, Routing};
 use std::collections::BTreeMap;
 use toml::{Table, Value as Toml};
 
@@ -25,6 +26,8 @@ pub(crate) struct Given {
     values: BTreeMap<(u16, usize), Value>,
     /// Numbers that no setting has: by their keys.
     pub numbers: BTreeMap<String, f64>,
+    /// The machine for the belt's twin.
+    pub twin: Description,
     /// Every key that was given.
     paths: Vec<String>,
     /// Errors, key by key.
@@ -111,6 +114,17 @@ impl Given {
                 let legal = value::FULL_STEPS.spec().legal;
                 let number = value::number(path, toml, Kind::Whole, legal)?;
                 self.numbers.insert(path.to_owned(), number as f64);
+            }
+            Of::Twin(row) => {
+                let values = value::each(path, toml, row)?;
+                (row.field)(&mut self.twin.params).set(values);
+            }
+            Of::Routing => {
+                let Toml::String(word) = toml else {
+                    return Err(MachineFileError::kind(path, "a name in quotes", toml));
+                };
+                value::choice(path, word, &routings())?;
+                self.twin.routing = Routing::of(word);
             }
             Of::Other(_) => {
                 self.numbers.insert(path.to_owned(), value::float(path, toml)?);

@@ -1,12 +1,14 @@
 //! The reference of settings, docs/reference/settings.md, from their rows.
 
-use crate::keys::{about, legal_words, named, names_of};
-use crate::value::toml;
+use crate::keys::{ROUTING, ROUTING_MEANING, TWIN, about, legal_words, named, names_of, routings};
+use crate::value::{float_toml, toml};
 use crate::written::values;
 use corehbot::motors::prototype;
 use corehbot::settings::Settings;
 use corehbot::settings::rows::{Kind, Row, Text, Value};
 use corehbot::settings::table::described;
+use corehbot_twin::description::Routing;
+use corehbot_twin::params::{ROWS, Row as TwinRow};
 use std::fmt::Write as _;
 
 /// The document.
@@ -34,7 +36,24 @@ pub fn reference() -> String {
             let _ = writeln!(text, "| {keys} | {meaning} | {} | {range} | {default} | {} |", what.unit, row.id);
         }
     }
+    twin(&mut text);
     text
+}
+
+/// The table of the belt's twin.
+fn twin(text: &mut String) {
+    let _ = write!(text, "\n## {TWIN}\n\n{}\n\n", about(TWIN).unwrap_or_default());
+    text.push_str("[H] is the paper that introduced the CoreH-bot (Machines, 2022).\n\n");
+    text.push_str("| key | meaning | unit | range | default | source |\n|---|---|---|---|---|---|\n");
+    let routings = routings().join(", ");
+    let _ = writeln!(text, "| `{ROUTING}` | {ROUTING_MEANING} |  | {routings} | {} |  |", Routing::AUTO);
+    for row in &ROWS {
+        let TwinRow { key, unit, meaning, source, .. } = row;
+        let list = if row.is_list() { ", or a list" } else { "" };
+        let default = row.default.map_or_else(|| "none".to_owned(), |value| float_toml(value).to_string());
+        let _ =
+            writeln!(text, "| `{TWIN}.{key}` | {meaning}. | {unit} | {}{list} | {default} | {source} |", row.legal());
+    }
 }
 
 /// The outermost table of a row.

@@ -1,12 +1,16 @@
 //! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all
 //! settings, defaults from the prototype.
 
-use crate::keys::{ALL, BOARD, FULL_STEPS, OF_MOTOR, Of, Other, about, fraction, named, names_of, shortest};
+use crate::keys::{
+    ALL, BOARD, FULL_STEPS, OF_MOTOR, Of, Other, ROUTING_MEANING, about, fraction, named, names_of, routings, shortest,
+};
 use crate::value;
 use crate::written;
 use corehbot::motors::prototype;
 use corehbot::settings::rows::{Kind, Legal, Text};
 use corehbot::settings::{SHEETS, Settings, ranges};
+use corehbot_twin::description::Routing;
+use corehbot_twin::params::{MOST_PARTS, Row as TwinRow};
 use serde_json::{Map, Value, json};
 
 /// The schema, as JSON Schema draft 7: editors for TOML know no newer one (Taplo).
@@ -24,6 +28,10 @@ pub fn schema() -> Value {
                 described(text, list)
             }
             Of::Other(other) => of_other(other),
+            Of::Twin(row) => of_twin(row),
+            Of::Routing => {
+                json!({ "type": "string", "enum": routings(), "default": Routing::AUTO, "description": ROUTING_MEANING })
+            }
         };
         // A motor that a file with a mechanism leaves out is not fitted, so its row has no default.
         if !known.path.starts_with("mechanism.")
@@ -164,6 +172,31 @@ fn number(name: &str, kind: Kind, legal: Legal) -> Value {
         schema.insert(key.to_owned(), serde_json::to_value(end).unwrap_or_default());
     }
     Value::Object(schema)
+}
+
+/// The meaning of a number of the twin in one line, with unit and source.
+pub(crate) fn twin_meaning(row: &TwinRow) -> String {
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" Unit: {}.", row.unit) };
+    let source = if row.default.is_some() { "Source" } else { "Default" };
+    format!("{}.{unit} {source}: {}.", row.meaning, row.source)
+}
+
+fn of_twin(row: &TwinRow) -> Value {
+    let mut number = json!({ "type": "number", "minimum": 0, "maximum": TwinRow::MOST as u64 });
+    if !row.may_be_zero {
+        insert(&mut number, "exclusiveMinimum", json!(0));
+    }
+    let mut schema = if row.is_list() {
+        let list = json!({ "type": "array", "items": number.clone(), "maxItems": MOST_PARTS });
+        json!({ "anyOf": [number, list] })
+    } else {
+        number
+    };
+    if let Some(default) = row.default {
+        insert(&mut schema, "default", serde_json::to_value(value::float_toml(default)).unwrap_or_default());
+    }
+    insert(&mut schema, "description", json!(twin_meaning(row)));
+    schema
 }
 
 fn of_other(other: &Other) -> Value {

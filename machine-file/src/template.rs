@@ -248,22 +248,40 @@ mod tests {
     use crate::{Problem, load, problems};
     use corehbot::motors::{Motor, prototype};
 
+    impl Text {
+        /// Puts lines behind the last key of a table.
+        fn append(&mut self, table: &str, new: [String; 2]) {
+            let range = self.table(table).unwrap_or_else(|| panic!("write the header [{table}] first"));
+            let end = range.start + self.0[range].iter().rposition(|line| line.contains('=')).map_or(0, |at| at + 1);
+            self.0.splice(end..end, new);
+        }
+    }
+
     /// The prototype's file with the keys that it lacks, each at its default with its meaning above it, at the end of
     /// its table. The comment on the board names all of them.
     fn completed(text: &str) -> String {
         let mut lines = Text(text.lines().map(str::to_owned).collect());
         let default = crate::written::table(&corehbot::settings::Settings::prototype());
         for known in crate::keys::ALL.iter() {
-            let (Of::Setting { text, .. } | Of::List { text, .. }) = known.of else { continue };
             let (table, key) = known.path.rsplit_once('.').unwrap_or(("", &known.path));
+            let of_twin = match known.of {
+                Of::Twin(row) => {
+                    let none = row.is_list().then(|| Value::Array(Vec::new()));
+                    let default = row.default.map(crate::value::float_toml).or(none);
+                    default.map(|default| (crate::schema::twin_meaning(row), default))
+                }
+                Of::Routing => Some((crate::keys::ROUTING_MEANING.to_owned(), "auto".into())),
+                _ => None,
+            };
+            if let (Some((meaning, value)), None) = (of_twin, lines.line(table, key)) {
+                lines.append(table, [format!("# {meaning}"), format!("{key} = {value}")]);
+            }
+            let (Of::Setting { text, .. } | Of::List { text, .. }) = known.of else { continue };
             let value = known.path.split('.').try_fold(None, |found: Option<&Value>, part| {
                 found.map_or_else(|| default.get(part), |table| table.get(part)).map(Some)
             });
             let (Some(Some(value)), None) = (value, lines.line(table, key)) else { continue };
-            let range = lines.table(table).unwrap_or_else(|| panic!("write the header [{table}] first"));
-            let end = range.start + lines.0[range].iter().rposition(|line| line.contains('=')).map_or(0, |at| at + 1);
-            let new = [format!("# {}", crate::schema::meaning(text)), format!("{key} = {value}")];
-            lines.0.splice(end..end, new);
+            lines.append(table, [format!("# {}", crate::schema::meaning(text)), format!("{key} = {value}")]);
         }
         let (begin, end) = ("# The board: ", ", or sim (");
         let boards: Vec<_> = corehbot_boards::entries().map(|entry| entry.board.connectors.key).collect();

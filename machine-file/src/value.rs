@@ -6,6 +6,7 @@ use corehbot::kinematics::{self, MOST_MULTIPLE, Row};
 use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
 use corehbot::settings::{EndstopPlug, MachineName, Range, Thermistor, ranges};
+use corehbot_twin::params::{Each, MOST_PARTS, Row as TwinRow};
 use toml::Value as Toml;
 
 /// The value of a setting.
@@ -78,6 +79,22 @@ pub(crate) fn float(key: &str, toml: &Toml) -> Result<f64, MachineFileError> {
         Toml::Float(number) => Ok(*number),
         other => Err(MachineFileError::kind(key, "a number", other)),
     }
+}
+
+/// The numbers of a row of the twin: one, or a list where there are several parts.
+///
+/// # Errors
+/// The problem of the value.
+pub(crate) fn each(key: &str, toml: &Toml, row: &TwinRow) -> Result<Each, MachineFileError> {
+    let listed = match toml {
+        Toml::Array(items) if row.is_list() => items.iter().map(|item| float(key, item)).collect::<Result<_, _>>()?,
+        Toml::Array(_) => return Err(MachineFileError::kind(key, "a number", toml)),
+        _ => vec![float(key, toml)?],
+    };
+    if let Some(value) = listed.iter().find(|value| !row.allows(**value)) {
+        return Err(MachineFileError::Range { key: key.to_owned(), value: *value, legal: row.legal().to_owned() });
+    }
+    Each::listed(&listed).ok_or_else(|| MachineFileError::TooLong { key: key.to_owned(), most: MOST_PARTS })
 }
 
 /// The number of a name.

@@ -32,7 +32,7 @@ pub(crate) fn table(machine: &Settings) -> Table {
                 let known = values.take_while(|value| !is_unknown(&known.path, value));
                 Some(Toml::Array(known.filter_map(|value| toml(value, text.kind)).collect()))
             }
-            Of::Other(_) => None,
+            Of::Other(_) | Of::Twin(_) | Of::Routing => None,
         };
         if let Some(found) = found {
             put(&mut file, &path, found);

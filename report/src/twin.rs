@@ -8,7 +8,7 @@ use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::Params;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::resonance::Resonance;
-use corehbot_twin::routing::Machine;
+use corehbot_twin::routing::{Belt, Machine};
 use corehbot_twin::run::report::Report;
 use corehbot_twin::run::watch::Watch;
 use corehbot_twin::steps::TICKS_PER_SECOND;
@@ -98,29 +98,22 @@ pub fn write(
     let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
     let setup = Setup { machine, params: params.clone(), tool: reach.centre(), freedom };
     let bins = &watch.series.bins;
+    // Tension at rest of each span's belt.
+    let belts = machine.belts();
+    let of_belt = |(belt, run): (usize, &Belt)| vec![params.preload_n.of(belt); run.spans.len()];
+    let at_rest: Vec<f64> = belts.iter().enumerate().flat_map(of_belt).collect();
+    let rest = |span: usize| at_rest.get(span).copied().unwrap_or(0.0);
     let span = |(i, name): (usize, &str)| Curve {
         name: name.to_owned(),
-        low: bins
-            .iter()
-            .map(|bin| bin.tensions_n.get(i).map_or(params.preload_n, |range| range[0]))
-            .map(fine)
-            .collect(),
-        high: bins
-            .iter()
-            .map(|bin| bin.tensions_n.get(i).map_or(params.preload_n, |range| range[1]))
-            .map(fine)
-            .collect(),
+        low: bins.iter().map(|bin| bin.tensions_n.get(i).map_or(rest(i), |range| range[0])).map(fine).collect(),
+        high: bins.iter().map(|bin| bin.tensions_n.get(i).map_or(rest(i), |range| range[1])).map(fine).collect(),
     };
     let torque = |(i, motor): (usize, u8)| Curve {
         name: motor.to_string(),
         low: Vec::new(),
-        high: bins
-            .iter()
-            .map(|bin| bin.forces_n.get(i).map_or(0.0, |f| f * params.pulley_radius_mm))
-            .map(fine)
-            .collect(),
+        high: bins.iter().map(|bin| bin.forces_n.get(i).map_or(0.0, |f| f * params.radius_mm(i))).map(fine).collect(),
     };
-    let spans = machine.belts().iter().flat_map(|belt| belt.spans).copied().enumerate();
+    let spans = machine.span_names().into_iter().enumerate();
     let data = Data {
         file,
         machine: machine.name(),

@@ -12,7 +12,8 @@
 //! | room | job |
 //! |---|---|
 //! | [`params`] | the machine's dimensions, masses and stiffnesses, with their sources |
-//! | [`routing`] | the run of the belt, as a table per machine |
+//! | [`routing`] | the run of the belts, as a table per machine |
+//! | [`description`] | a machine as its file has it: routing and numbers |
 //! | [`geometry`] | straight segments, wraps and reach, from the routing and a place of the tool |
 //! | [`model`] | the segment law and its results: transmission, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
@@ -35,6 +36,7 @@
 pub mod calibration;
 pub mod compensation;
 pub mod contour;
+pub mod description;
 pub mod dynamics;
 pub mod geometry;
 pub mod live;

@@ -1,118 +1,145 @@
-//! The machine in numbers: dimensions, masses and stiffnesses, each with its source.
+//! The machine in numbers: dimensions, masses and stiffnesses.
 //!
-//! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). Values without it are marked *assumed*: the
-//! prototype's masses, guides, friction and damping are not published. Frequencies are proportional to the root of
-//! stiffness over mass.
+//! [`ROWS`] has a row for each: key, unit, nominal value, meaning and source. A machine file has them in its table
+//! `[twin]`. Frequencies are proportional to the root of stiffness over mass.
 
-use serde::{Deserialize, Serialize};
+mod each;
+mod row;
+mod rows;
+mod serial;
 
-/// All parameters of a machine. The default is the prototype as far as it is known; the rest is assumed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+pub use each::{Each, MOST_PARTS};
+pub use row::{Field, Row};
+pub use rows::ROWS;
+
+/// All numbers of a machine. The default is the prototype as far as it is known; the rest is assumed.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Params {
-    /// Width W between the axes of motors 1 and 4. \[H\] table 2: 470.
+    /// Width W between the axes of motors 1 and 4.
     pub width_mm: f64,
-    /// Depth D between the axes of motors 1 and 11. \[H\] table 2: 470.
+    /// Depth D between the axes of motors 1 and 11.
     pub depth_mm: f64,
-    /// Radius r of the belt's pitch line on every pulley. \[H\] table 2: 6.35. (20 teeth of 2 mm have 6.366.)
+    /// Height over which belts lift the tool, on a machine where belts do.
+    pub height_mm: f64,
+    /// Radius r of the belt's pitch line on every pulley.
     pub pulley_radius_mm: f64,
-    /// Distance d of the bar's front and back pulleys. \[H\] table 2: 52.4.
+    /// The same on each motor, in the order of the motors' numbers, where pulleys differ (\[H\] equation 8); the belt's
+    /// lines stay as they are.
+    pub motor_radius_mm: Each,
+    /// Distance d of the bar's front and back pulleys.
     pub bar_pulleys_mm: f64,
-    /// Distance e of the head's pulleys, or of the belt's clamps on it. \[H\] table 2: 80.
+    /// Distance e of the head's pulleys, or of the belt's clamps on it.
     pub head_pulleys_mm: f64,
-    /// Tensile stiffness of the belt (modulus times section), N per unit of strain. Assumed: 30,000 for 9 mm of GT2
-    /// with glass cords. One published pull of 169 N on 500 mm gave 29,100, and steel cords give 56,000. Credible:
-    /// 20,000 to 56,000.
-    #[serde(rename = "belt_EA_N")]
-    pub belt_ea_n: f64,
-    /// Tension at rest. Assumed: 40, from Gates' 6 to 8 lbf for 6 mm of GT2, scaled to 9 mm.
-    #[serde(rename = "preload_N")]
-    pub preload_n: f64,
-    /// Mass of a metre of belt, used only for plucked parts. Assumed: 0.0125 for 9 mm of GT2, from 8.3 g/m for 6 mm (a
-    /// tension table by Benchtop Machine Shop).
-    pub belt_kg_per_m: f64,
-    /// Damping of the belt over its stiffness, in s. Assumed: 2e-4, which damps y by 4 % and x by 7 % at the centre.
+    /// Free belt of each span outside the rectangle of W and D, in the order of the spans of `corehbot twin geometry`.
+    pub outside_mm: Each,
+    /// Tensile stiffness of each belt (modulus times section), N per unit of strain.
+    pub belt_ea_n: Each,
+    /// Tension of each belt at rest.
+    pub preload_n: Each,
+    /// Mass of a metre of each belt, used for plucked parts.
+    pub belt_kg_per_m: Each,
+    /// Damping of the belt over its stiffness.
     pub belt_damping_s: f64,
-    /// Mass that moves in x. Assumed: 0.60.
+    /// Mass of the head, which moves in x.
     pub head_mass_kg: f64,
-    /// Mass that moves in y besides the head: bar, carriages and eight pulleys. Assumed: 1.20.
+    /// Mass of the bar that carries the head, with carriages and pulleys.
     pub bar_mass_kg: f64,
-    /// Inertia of an idler. Assumed: 2.5e-7.
-    pub idler_inertia_kg_m2: f64,
-    /// Inertia of a motor's rotor with its pulley. Assumed: 5.4e-6, a NEMA 17 of 40 mm.
-    pub rotor_inertia_kg_m2: f64,
-    /// Holding torque of a motor at its run current. Assumed: 0.40, a NEMA 17 of 40 mm.
-    #[serde(rename = "holding_torque_Nm")]
-    pub holding_torque_nm: f64,
-    /// Run current of a motor, RMS of a phase, that gives the holding torque. Assumed: 1.2, with resistance and
-    /// inductance of a NEMA 17 of 40 mm with 0.40 N m (KeliMotor BJ42D22-25V04, as listed by
-    /// TheDevMinerTV/stepper-simulator).
-    #[serde(rename = "run_current_A")]
-    pub run_current_a: f64,
-    /// Resistance of a phase. Assumed: 2.9, with the current.
-    pub phase_resistance_ohm: f64,
-    /// Inductance of a phase. Assumed: 6.0, with the current.
-    #[serde(rename = "phase_inductance_mH")]
-    pub phase_inductance_mh: f64,
-    /// Supply of the motor drivers. Assumed: 24. Two motors in series, as \[H\] had them, have half of it each.
-    #[serde(rename = "supply_V")]
-    pub supply_v: f64,
-    /// Pole pairs of a motor: 50 for steps of 1.8 degrees, \[H\] section 4.
-    pub pole_pairs: f64,
-    /// Detent torque of a motor. Assumed: 0, which leaves it out; the data sheet of a small motor (42BYG228, by Mosaic
-    /// Industries) gives up to 0.022.
-    #[serde(rename = "detent_torque_Nm")]
-    pub detent_torque_nm: f64,
-    /// Viscous friction of a rotor, N m per rad/s. Assumed: 2e-4, drag of bearings and eddy currents.
-    #[serde(rename = "rotor_damping_Nm_s")]
-    pub rotor_damping_nm_s: f64,
-    /// Viscous friction of the guide in x. Assumed: 2.
-    #[serde(rename = "guide_x_N_s_per_m")]
-    pub guide_x_n_s_per_m: f64,
-    /// Viscous friction of the guides in y. Assumed: 4.
-    #[serde(rename = "guide_y_N_s_per_m")]
-    pub guide_y_n_s_per_m: f64,
-    /// Dry friction of the guide in x. Assumed: 0.5.
-    #[serde(rename = "dry_friction_x_N")]
-    pub dry_friction_x_n: f64,
-    /// Dry friction of the guides in y. Assumed: 1.0.
-    #[serde(rename = "dry_friction_y_N")]
-    pub dry_friction_y_n: f64,
-    /// Stiffness with which the guides hold the bar square. Assumed: 2,000.
-    #[serde(rename = "bar_yaw_stiffness_Nm_per_rad")]
+    /// Mass of the gantry that carries the bar, where belts lift all three.
+    pub gantry_mass_kg: f64,
+    /// Mass of the bed, where a belt moves the bed in y.
+    pub bed_mass_kg: f64,
+    /// Inertia of the bar about its middle, without the head.
+    pub bar_yaw_inertia_kg_m2: Option<f64>,
+    /// Stiffness with which the guides hold the bar square.
     pub bar_yaw_stiffness_nm_per_rad: f64,
+    /// Mass of the frame, where it has a stiffness.
+    pub frame_mass_kg: f64,
+    /// Stiffness with which the ground holds the frame in x and in y; none if the frame is rigid.
+    pub frame_stiffness_n_per_mm: Each,
+    /// Inertia of an idler.
+    pub idler_inertia_kg_m2: f64,
+    /// Inertia of a motor's rotor with its pulley.
+    pub rotor_inertia_kg_m2: f64,
+    /// Holding torque of a motor at its run current.
+    pub holding_torque_nm: f64,
+    /// Run current of a motor, RMS of a phase, that gives the holding torque.
+    pub run_current_a: f64,
+    /// Resistance of a phase.
+    pub phase_resistance_ohm: f64,
+    /// Inductance of a phase.
+    pub phase_inductance_mh: f64,
+    /// Supply of the motor drivers.
+    pub supply_v: f64,
+    /// Motors in series on a driver of the belts, which share its supply.
+    pub motors_in_series: f64,
+    /// Pole pairs of a motor: 50 for steps of 1.8 degrees.
+    pub pole_pairs: f64,
+    /// Detent torque of a motor; 0 leaves it out.
+    pub detent_torque_nm: f64,
+    /// Viscous friction of a rotor.
+    pub rotor_damping_nm_s: f64,
+    /// Viscous friction of the guide in x.
+    pub guide_x_n_s_per_m: f64,
+    /// Viscous friction of the guides in y.
+    pub guide_y_n_s_per_m: f64,
+    /// Viscous friction of the guides in z, where belts lift the tool.
+    pub guide_z_n_s_per_m: f64,
+    /// Dry friction of the guide in x.
+    pub dry_friction_x_n: f64,
+    /// Dry friction of the guides in y.
+    pub dry_friction_y_n: f64,
+    /// Dry friction of the guides in z, where belts lift the tool.
+    pub dry_friction_z_n: f64,
 }
+
+/// No number yet: the rows give them all.
+const EMPTY: Params = Params {
+    width_mm: 0.0,
+    depth_mm: 0.0,
+    height_mm: 0.0,
+    pulley_radius_mm: 0.0,
+    motor_radius_mm: Each::NONE,
+    bar_pulleys_mm: 0.0,
+    head_pulleys_mm: 0.0,
+    outside_mm: Each::NONE,
+    belt_ea_n: Each::NONE,
+    preload_n: Each::NONE,
+    belt_kg_per_m: Each::NONE,
+    belt_damping_s: 0.0,
+    head_mass_kg: 0.0,
+    bar_mass_kg: 0.0,
+    gantry_mass_kg: 0.0,
+    bed_mass_kg: 0.0,
+    bar_yaw_inertia_kg_m2: None,
+    bar_yaw_stiffness_nm_per_rad: 0.0,
+    frame_mass_kg: 0.0,
+    frame_stiffness_n_per_mm: Each::NONE,
+    idler_inertia_kg_m2: 0.0,
+    rotor_inertia_kg_m2: 0.0,
+    holding_torque_nm: 0.0,
+    run_current_a: 0.0,
+    phase_resistance_ohm: 0.0,
+    phase_inductance_mh: 0.0,
+    supply_v: 0.0,
+    motors_in_series: 0.0,
+    pole_pairs: 0.0,
+    detent_torque_nm: 0.0,
+    rotor_damping_nm_s: 0.0,
+    guide_x_n_s_per_m: 0.0,
+    guide_y_n_s_per_m: 0.0,
+    guide_z_n_s_per_m: 0.0,
+    dry_friction_x_n: 0.0,
+    dry_friction_y_n: 0.0,
+    dry_friction_z_n: 0.0,
+};
 
 impl Default for Params {
     fn default() -> Self {
-        Self {
-            width_mm: 470.0,
-            depth_mm: 470.0,
-            pulley_radius_mm: 6.35,
-            bar_pulleys_mm: 52.4,
-            head_pulleys_mm: 80.0,
-            belt_ea_n: 30_000.0,
-            preload_n: 40.0,
-            belt_kg_per_m: 0.0125,
-            belt_damping_s: 2e-4,
-            head_mass_kg: 0.60,
-            bar_mass_kg: 1.20,
-            idler_inertia_kg_m2: 2.5e-7,
-            rotor_inertia_kg_m2: 5.4e-6,
-            holding_torque_nm: 0.40,
-            run_current_a: 1.2,
-            phase_resistance_ohm: 2.9,
-            phase_inductance_mh: 6.0,
-            supply_v: 24.0,
-            pole_pairs: 50.0,
-            detent_torque_nm: 0.0,
-            rotor_damping_nm_s: 2e-4,
-            guide_x_n_s_per_m: 2.0,
-            guide_y_n_s_per_m: 4.0,
-            dry_friction_x_n: 0.5,
-            dry_friction_y_n: 1.0,
-            bar_yaw_stiffness_nm_per_rad: 2000.0,
+        let mut params = EMPTY;
+        for row in &ROWS {
+            (row.field)(&mut params).set(row.default.map_or(Each::NONE, Each::all));
         }
+        params
     }
 }
 
@@ -128,8 +155,10 @@ impl Params {
             rotor_damping_nm_s: 0.0,
             guide_x_n_s_per_m: 0.0,
             guide_y_n_s_per_m: 0.0,
+            guide_z_n_s_per_m: 0.0,
             dry_friction_x_n: 0.0,
             dry_friction_y_n: 0.0,
+            dry_friction_z_n: 0.0,
             ..self
         }
     }
@@ -140,46 +169,70 @@ impl Params {
         self.idler_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
     }
 
+    /// Radius of the belt's pitch line on a motor, by its place in the order of the motors' numbers, as in all that
+    /// follows.
+    #[must_use]
+    pub fn radius_mm(&self, motor: usize) -> f64 {
+        self.motor_radius_mm.get(motor).unwrap_or(self.pulley_radius_mm)
+    }
+
     /// Equivalent mass of a rotor at the belt, in kg.
     #[must_use]
-    pub fn rotor_mass_kg(&self) -> f64 {
-        self.rotor_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
+    pub fn rotor_mass_kg(&self, motor: usize) -> f64 {
+        self.rotor_inertia_kg_m2 * (MM_PER_M / self.radius_mm(motor)).powi(2)
     }
 
     /// Maximum force of a motor's field at the belt, in N.
     #[must_use]
-    pub fn holding_force_n(&self) -> f64 {
-        self.holding_torque_nm * MM_PER_M / self.pulley_radius_mm
+    pub fn holding_force_n(&self, motor: usize) -> f64 {
+        self.holding_torque_nm * MM_PER_M / self.radius_mm(motor)
     }
 
     /// Maximum force of the detent at the belt, in N.
     #[must_use]
-    pub fn detent_force_n(&self) -> f64 {
-        self.detent_torque_nm * MM_PER_M / self.pulley_radius_mm
+    pub fn detent_force_n(&self, motor: usize) -> f64 {
+        self.detent_torque_nm * MM_PER_M / self.radius_mm(motor)
     }
 
     /// Belt in mm per electrical radian of a motor.
     #[must_use]
-    pub fn electrical_radian_mm(&self) -> f64 {
-        self.pulley_radius_mm / self.pole_pairs
+    pub fn electrical_radian_mm(&self, motor: usize) -> f64 {
+        self.radius_mm(motor) / self.pole_pairs
     }
 
     /// Stiffness of a motor's field at the belt about its rest position, in N/mm: the slope of a sine.
     #[must_use]
-    pub fn field_stiffness_n_per_mm(&self) -> f64 {
-        self.holding_force_n() / self.electrical_radian_mm()
+    pub fn field_stiffness_n_per_mm(&self, motor: usize) -> f64 {
+        self.holding_force_n(motor) / self.electrical_radian_mm(motor)
     }
 
     /// Viscous friction of a rotor at the belt, in N s/mm.
     #[must_use]
-    pub fn rotor_damping_n_s_per_mm(&self) -> f64 {
-        self.rotor_damping_nm_s * MM_PER_M / self.pulley_radius_mm.powi(2)
+    pub fn rotor_damping_n_s_per_mm(&self, motor: usize) -> f64 {
+        self.rotor_damping_nm_s * MM_PER_M / self.radius_mm(motor).powi(2)
     }
 
     /// Belt in mm per full step of a motor: a quarter of an electrical turn.
     #[must_use]
-    pub fn full_step_mm(&self) -> f64 {
-        std::f64::consts::FRAC_PI_2 * self.electrical_radian_mm()
+    pub fn full_step_mm(&self, motor: usize) -> f64 {
+        std::f64::consts::FRAC_PI_2 * self.electrical_radian_mm(motor)
+    }
+
+    /// Viscous (N s/m) and dry friction (N) of the guides in x, y and z.
+    #[must_use]
+    pub const fn guides(&self) -> [(f64, f64); 3] {
+        [
+            (self.guide_x_n_s_per_m, self.dry_friction_x_n),
+            (self.guide_y_n_s_per_m, self.dry_friction_y_n),
+            (self.guide_z_n_s_per_m, self.dry_friction_z_n),
+        ]
+    }
+
+    /// Inertia of the bar about its middle, in kg mm^2.
+    #[must_use]
+    pub fn bar_yaw_inertia_kg_mm2(&self) -> f64 {
+        let given = self.bar_yaw_inertia_kg_m2.map(|inertia| inertia * MM_PER_M * MM_PER_M);
+        given.unwrap_or_else(|| self.bar_mass_kg * self.width_mm.powi(2) / 12.0)
     }
 
     /// Whether these parameters are possible.
@@ -187,42 +240,13 @@ impl Params {
     /// # Errors
     /// The first impossible parameter, by its key.
     pub fn check(&self) -> Result<(), ParamsError> {
-        let positive = [
-            ("width_mm", self.width_mm),
-            ("depth_mm", self.depth_mm),
-            ("pulley_radius_mm", self.pulley_radius_mm),
-            ("belt_EA_N", self.belt_ea_n),
-            ("head_mass_kg", self.head_mass_kg),
-            ("idler_inertia_kg_m2", self.idler_inertia_kg_m2),
-            ("rotor_inertia_kg_m2", self.rotor_inertia_kg_m2),
-            ("holding_torque_Nm", self.holding_torque_nm),
-            ("run_current_A", self.run_current_a),
-            ("phase_resistance_ohm", self.phase_resistance_ohm),
-            ("phase_inductance_mH", self.phase_inductance_mh),
-            ("supply_V", self.supply_v),
-            ("pole_pairs", self.pole_pairs),
-        ];
-        let not_negative = [
-            ("bar_pulleys_mm", self.bar_pulleys_mm),
-            ("head_pulleys_mm", self.head_pulleys_mm),
-            ("preload_N", self.preload_n),
-            ("belt_damping_s", self.belt_damping_s),
-            ("bar_mass_kg", self.bar_mass_kg),
-            ("detent_torque_Nm", self.detent_torque_nm),
-            ("rotor_damping_Nm_s", self.rotor_damping_nm_s),
-            ("guide_x_N_s_per_m", self.guide_x_n_s_per_m),
-            ("guide_y_N_s_per_m", self.guide_y_n_s_per_m),
-            ("dry_friction_x_N", self.dry_friction_x_n),
-            ("dry_friction_y_N", self.dry_friction_y_n),
-            ("bar_yaw_stiffness_Nm_per_rad", self.bar_yaw_stiffness_nm_per_rad),
-        ];
-        // Written so that NaN fails too.
-        let bad = positive.into_iter().find(|(_, v)| !(v.is_finite() && *v > 0.0));
-        if let Some((key, value)) = bad {
-            return Err(ParamsError { key, value, wanted: "must be above 0" });
+        for row in &ROWS {
+            // Written so that NaN fails too.
+            if let Some(value) = row.values(self).values().iter().find(|value| !row.allows(**value)) {
+                return Err(ParamsError { key: row.key, value: *value, wanted: row.wanted(*value) });
+            }
         }
-        let bad = not_negative.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0));
-        bad.map_or(Ok(()), |(key, value)| Err(ParamsError { key, value, wanted: "must not be below 0" }))
+        Ok(())
     }
 }
 
@@ -233,7 +257,7 @@ pub struct ParamsError {
     pub key: &'static str,
     /// The given value.
     pub value: f64,
-    /// The legal values.
+    /// What it must be.
     pub wanted: &'static str,
 }
 
@@ -252,15 +276,39 @@ mod tests {
     #[test]
     fn the_nominal_machine_is_one_and_no_number_may_be_missing() {
         assert_eq!(Params::default().check(), Ok(()));
-        let bad = Params { belt_ea_n: f64::NAN, ..Params::default() }.check().unwrap_err();
+        let bad = Params { belt_ea_n: f64::NAN.into(), ..Params::default() }.check().unwrap_err();
         assert_eq!(bad.key, "belt_EA_N");
-        assert!(Params { preload_n: -1.0, ..Params::default() }.check().is_err());
+        assert!(Params { preload_n: Each::all(-1.0), ..Params::default() }.check().is_err());
+    }
+
+    #[test]
+    fn every_number_has_one_row_and_is_read_back() {
+        let keys: std::collections::BTreeSet<_> = ROWS.iter().map(|row| row.key).collect();
+        assert_eq!(keys.len(), ROWS.len());
+        for (index, row) in ROWS.iter().enumerate() {
+            let mut params = Params::default();
+            (row.field)(&mut params).set(Each::all(7.0 + index as f64));
+            assert_eq!(row.values(&params), Each::all(7.0 + index as f64), "{}", row.key);
+            // No other row has this place.
+            let changed = ROWS.iter().filter(|other| other.values(&params) != other.values(&Params::default()));
+            assert_eq!(changed.count(), 1, "{}", row.key);
+        }
+    }
+
+    #[test]
+    fn a_list_has_a_number_for_each_part_and_a_number_is_for_all() {
+        let two = Each::listed(&[30_000.0, 45_000.0]).unwrap();
+        assert_eq!([0, 1, 2].map(|belt| two.of(belt)), [30_000.0, 45_000.0, 45_000.0]);
+        assert_eq!(two.with_first(20_000.0), Each::listed(&[20_000.0, 30_000.0]).unwrap());
+        assert_eq!([0, 5].map(|belt| Each::all(2.0).of(belt)), [2.0, 2.0]);
+        let params = Params { motor_radius_mm: Each::listed(&[6.35, 5.08]).unwrap(), ..Params::default() };
+        assert!((params.holding_force_n(1) / params.holding_force_n(0) - 1.25).abs() < 1e-12);
     }
 
     #[test]
     fn a_motor_of_0_4_nm_is_a_spring_of_496_n_per_mm_at_the_belt() {
         let params = Params::default();
-        assert!((params.field_stiffness_n_per_mm() - 496.0).abs() < 0.05);
-        assert!((4.0 * params.full_step_mm() - 0.797_97).abs() < 1e-5);
+        assert!((params.field_stiffness_n_per_mm(0) - 496.0).abs() < 0.05);
+        assert!((4.0 * params.full_step_mm(0) - 0.797_97).abs() < 1e-5);
     }
 }

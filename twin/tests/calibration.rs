@@ -7,8 +7,8 @@ use corehbot_twin::calibration::{
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
 
-const CENTRE: Place = Place { x: 235.0, y: 235.0 };
-const CORNER: Place = Place { x: 60.0, y: 50.0 };
+const CENTRE: Place = Place::flat(235.0, 235.0);
+const CORNER: Place = Place::flat(60.0, 50.0);
 
 const PLUCK: Figure = Figure::Pluck { length_mm: 380.0 };
 const HEAD: Figure = Figure::Weight(Weighed::Head);
@@ -38,9 +38,9 @@ const ALL: [Figure; 9] = [
 
 fn other() -> Params {
     Params {
-        belt_ea_n: 47_000.0,
-        preload_n: 61.0,
-        belt_kg_per_m: 0.0117,
+        belt_ea_n: 47_000.0.into(),
+        preload_n: 61.0.into(),
+        belt_kg_per_m: 0.0117.into(),
         head_mass_kg: 0.43,
         bar_mass_kg: 0.92,
         holding_torque_nm: 0.31,
@@ -124,11 +124,11 @@ fn a_weighed_belt_has_the_mass_that_the_scale_says() {
     let mass = Measurement { figure: Figure::BeltMass, measured: 0.021, uncertainty: 0.1 };
     let pluck = Measurement { figure: PLUCK, measured: 74.4, uncertainty: 0.02 };
     let found = calibrate(Machine::CoreHBot, &Params::default(), &[mass, pluck], &[]).unwrap();
-    assert!((found.params.belt_kg_per_m / 0.021 - 1.0).abs() < 0.025, "{found:?}");
+    assert!((found.params.belt_kg_per_m.of(0) / 0.021 - 1.0).abs() < 0.025, "{found:?}");
     assert!((uncertainty(&found, Parameter::BeltMass) - 0.1).abs() < 0.003, "{found:?}");
     // T = 4 m L^2 f^2, a little nearer to the nominal 40 N by its factor of two.
     let tension = 4.0 * 0.021 * (0.38_f64 * 74.4).powi(2);
-    assert!((found.params.preload_n / tension - 1.0).abs() < 0.03, "{found:?}");
+    assert!((found.params.preload_n.of(0) / tension - 1.0).abs() < 0.03, "{found:?}");
 }
 
 /// A weight in grams for kilograms is told by its number; a frequency that no other measurement fits, by what is left
@@ -228,7 +228,7 @@ fn deflections_and_frequencies_weigh_the_machine() {
         [SLIP, ring(CENTRE, Direction::X), ring(CENTRE, Direction::Y), push(Direction::X), push(Direction::Y)];
     let found = found_from(&figures, 1e-4, &[]).unwrap();
     assert_eq!(told(&found.not_told), [Parameter::Preload, Parameter::BeltMass]);
-    assert_eq!(found.params.preload_n, 40.0);
+    assert_eq!(found.params.preload_n, 40.0.into());
     assert_eq!(found.estimates.len(), 4);
     assert!(errors(&found).iter().all(|(_, error)| error.abs() < 1e-6), "{found:?}");
 }

@@ -8,7 +8,7 @@ use corehbot_twin::queries::compare::{Compare, common};
 use corehbot_twin::queries::limits::Limits;
 use corehbot_twin::routing::Machine;
 
-const AREA: Workspace = Workspace { x: [60.0, 410.0], y: [31.0, 439.0] };
+const AREA: Workspace = Workspace { x: [60.0, 410.0], y: [31.0, 439.0], z: [0.0, 0.0] };
 
 fn agree(found: f64, expected: f64, part: f64) -> bool {
     (found - expected).abs() <= part * expected.abs()

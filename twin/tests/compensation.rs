@@ -10,7 +10,7 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::run::Run;
 use corehbot_twin::steps::{Column, StepTrace};
 
-const START: Place = Place { x: 220.0, y: 220.0 };
+const START: Place = Place::flat(220.0, 220.0);
 const STEP_MM: f64 = 0.0125;
 
 /// Columns of a CoreH-bot, and one that has no part in x and y.
@@ -31,7 +31,7 @@ fn ramp(length: f64, speed: f64, acceleration: f64, time: f64) -> (f64, bool) {
 
 /// A square of 20 mm, each side at 200 mm/s by 20 m/s^2, looked at each 10 us; the fifth motor steps at each corner.
 fn square() -> StepTrace {
-    let columns = ROWS.map(|row| Column { name: String::new(), row }).to_vec();
+    let columns = ROWS.map(|[x, y]| Column { name: String::new(), row: [x, y, 0], axis_step: 1.0 }).to_vec();
     let mut trace = StepTrace::new(columns, STEP_MM);
     let mut counts = [0_i64; 4];
     let mut tick = 0;
@@ -77,7 +77,7 @@ fn rms_um_of(detail: Detail, steps: &StepTrace, meant: &StepTrace, params: &Para
 fn believed(stiffness: f64) -> Params {
     let nominal = Params::default();
     Params {
-        belt_ea_n: stiffness * nominal.belt_ea_n,
+        belt_ea_n: nominal.belt_ea_n.times(stiffness),
         holding_torque_nm: stiffness * nominal.holding_torque_nm,
         ..nominal
     }
@@ -154,7 +154,7 @@ fn what_cannot_be_compensated_is_refused() {
 #[test]
 fn yaw_can_be_met_at_rest_but_not_faster_than_the_bar_yaws_by_itself() {
     let params = Params::default();
-    let at = Place { x: 40.0, y: 235.0 };
+    let at = Place::flat(40.0, 235.0);
     let arm = at.x - params.width_mm / 2.0;
     let elastic = Elastic::new(Machine::CoreHBot, &params, at, Freedom { yaw: true, ..Freedom::default() });
     let [y, yaw] = [Coordinate::Y, Coordinate::Yaw].map(|c| elastic.links.index(c).unwrap());

@@ -13,7 +13,7 @@ use corehbot_twin::run::watch::Watch;
 use corehbot_twin::steps::{Column, StepTrace, TICKS_PER_SECOND};
 
 const STEP_MM: f64 = 0.0125;
-const CENTRE: Place = Place { x: 235.0, y: 235.0 };
+const CENTRE: Place = Place::flat(235.0, 235.0);
 
 /// Columns of a CoreH-bot.
 const ROWS: [[i8; 2]; 4] = [[-1, 1], [-1, -1], [1, -1], [1, 1]];
@@ -57,7 +57,7 @@ impl Steps<'_> {
     }
 
     fn trace(&self) -> StepTrace {
-        let columns = ROWS.map(|row| Column { name: String::new(), row }).to_vec();
+        let columns = ROWS.map(|[x, y]| Column { name: String::new(), row: [x, y, 0], axis_step: 1.0 }).to_vec();
         let mut trace = StepTrace::new(columns, STEP_MM);
         self.each(|tick, steps, forward| trace.add(tick, steps, forward));
         trace

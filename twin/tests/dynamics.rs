@@ -9,7 +9,7 @@ use corehbot_twin::run::Run;
 use corehbot_twin::run::watch::Watch;
 use corehbot_twin::steps::{Column, StepTrace, TICKS_PER_SECOND};
 
-const CENTRE: Place = Place { x: 235.0, y: 235.0 };
+const CENTRE: Place = Place::flat(235.0, 235.0);
 const REDUCED: Detail = Detail { idlers: false, rotors: false };
 const FULL: Detail = Detail { idlers: true, rotors: false };
 const ROTORS: Detail = Detail { idlers: false, rotors: true };
@@ -28,7 +28,7 @@ struct Maker {
 impl Maker {
     fn new(step_mm: f64) -> Self {
         let rows = [[-1, 1], [-1, -1], [1, -1], [1, 1]];
-        let columns = rows.map(|row| Column { name: String::new(), row }).to_vec();
+        let columns = rows.map(|[x, y]| Column { name: String::new(), row: [x, y, 0], axis_step: 1.0 }).to_vec();
         Self { trace: StepTrace::new(columns, step_mm), seconds: 0.0 }
     }
 
@@ -133,7 +133,7 @@ fn a_rectangle_at_constant_speed_is_left_by_as_much_as_computed_elsewhere() {
 #[test]
 fn without_damping_no_energy_is_lost_or_won() {
     for (detail, part) in [(REDUCED, 1e-6), (ROTORS, 1e-6), (FULL, 1e-6)] {
-        let mut plant = Plant::new(Machine::CoreHBot, &frictionless(0.0), Place { x: 150.0, y: 300.0 }, detail);
+        let mut plant = Plant::new(Machine::CoreHBot, &frictionless(0.0), Place::flat(150.0, 300.0), detail);
         let mut state = State::at_rest(&plant);
         // A blow of 100 mm/s, as a stop from there would be.
         state.speeds[0] = 100.0;
@@ -173,7 +173,7 @@ fn a_loose_belt_goes_slack_and_a_tight_one_does_not() {
     let trace = rectangle(0.0125, 200.0);
     let tight = play(REDUCED, &Params::default(), &trace, 1.0);
     assert_eq!(tight.slack, 0);
-    let loose = play(REDUCED, &Params { preload_n: 2.0, ..Params::default() }, &trace, 1.0);
+    let loose = play(REDUCED, &Params { preload_n: 2.0.into(), ..Params::default() }, &trace, 1.0);
     assert!(loose.slack > 0);
     assert!(loose.tensions_n.iter().all(|range| range.least >= 0.0));
     assert!(loose.tensions_n.iter().any(|range| range.least == 0.0));
@@ -198,7 +198,7 @@ fn a_detent_pulls_rotors_towards_full_steps_and_keeps_energy() {
     let mut plant = Plant::new(Machine::CoreHBot, &params, CENTRE, ROTORS);
     let mut state = State::at_rest(&plant);
     // A quarter of a full step: where the detent pulls back most.
-    let sent = params.full_step_mm() / 4.0;
+    let sent = params.full_step_mm(0) / 4.0;
     for (motor, sign) in [-1.0, -1.0, 1.0, 1.0].into_iter().enumerate() {
         state.step(&plant, motor, sign * sent);
     }
@@ -207,7 +207,7 @@ fn a_detent_pulls_rotors_towards_full_steps_and_keeps_energy() {
     let (mut low, mut high) = (0.0, sent);
     for _ in 0..60 {
         let middle = (low + high) / 2.0;
-        if plant.field_n(middle, sent) > 0.0 { low = middle } else { high = middle }
+        if plant.field_n(0, middle, sent) > 0.0 { low = middle } else { high = middle }
     }
     let found = state.at[plant.first_motor() + 3];
     assert!(agree(found, low, 1e-3) && low < 0.97 * sent, "{found} {low} {sent}");
@@ -226,7 +226,7 @@ fn a_steady_acceleration_takes_the_torque_and_the_yaw_of_statics() {
     let params = Params { belt_damping_s: 2e-3, ..frictionless(0.0) };
     // Looked at just before each step, a quarter of a micrometre long, or half of it would count.
     // 3 m/s2 in y from x = 40: 1.8 kg, and for the yaw 0.6 kg by 195 mm.
-    let start = Place { x: 40.0, y: 150.0 };
+    let start = Place::flat(40.0, 150.0);
     let trace = Maker::new(0.000_25).go(1, 30.0, |passed| (2.0 * passed / 3e3).sqrt()).trace;
     let mut plant = Plant::new(Machine::CoreHBot, &params, start, REDUCED);
     let mut state = State::at_rest(&plant);

@@ -8,7 +8,7 @@ use corehbot_twin::model::links::Links;
 use corehbot_twin::model::loads::load;
 use corehbot_twin::model::ways::{Ways, residual_mm};
 use corehbot_twin::params::Params;
-use corehbot_twin::routing::{Block, Machine, Place, Stop};
+use corehbot_twin::routing::{Block, Machine, Place};
 
 fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
@@ -16,7 +16,7 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
 
 /// Places all over what every machine reaches.
 fn places() -> impl Iterator<Item = Place> {
-    (0..6).flat_map(|i| (0..6).map(move |j| Place { x: 60.0 + 70.0 * f64::from(i), y: 31.2 + 81.5 * f64::from(j) }))
+    (0..6).flat_map(|i| (0..6).map(move |j| Place::flat(60.0 + 70.0 * f64::from(i), 31.2 + 81.5 * f64::from(j))))
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn segments_and_wraps_are_those_of_table_1() {
     let params = Params { head_pulleys_mm: 12.7, ..Params::default() };
     let (w, d, r, bar) = (params.width_mm, params.depth_mm, params.pulley_radius_mm, params.bar_pulleys_mm);
     for tool in places() {
-        let Place { x, y } = tool;
+        let Place { x, y, .. } = tool;
         let front = [y - bar / 2.0, w - 4.0 * r, y - bar / 2.0, y - 2.0 * r, w - x - r];
         let back = [w - x - r, d - y - 2.0 * r, d - y - bar / 2.0, w - 4.0 * r, d - y - bar / 2.0];
         let left = [d - y - 2.0 * r, x - r, x - r, y - 2.0 * r];
@@ -109,7 +109,7 @@ fn segments_and_wraps_are_those_of_table_1() {
         let Layout { segments, wraps, .. } = layout(Machine::CoreHBot, &params, tool);
         assert_eq!(segments.len(), 14);
         assert!(segments.iter().zip(expected).all(|(segment, length)| near(segment.length_mm, length, 1e-9)));
-        let stops: Vec<&Stop> = Machine::CoreHBot.stops().collect();
+        let stops = Machine::CoreHBot.stops();
         for wrap in wraps {
             let is_half = [1, 4, 6, 8, 11, 13].contains(&stops[wrap.stop].number);
             assert!(near(wrap.angle_rad.to_degrees(), if is_half { 180.0 } else { 90.0 }, 1e-9));
@@ -175,7 +175,7 @@ fn a_unit_of_tension_pushes_as_the_statics_say() {
 /// Force at the belt that each motor adds for tensions of the segments.
 fn motor_torques(links: &[corehbot_twin::model::links::Link], tensions: &[f64]) -> Vec<f64> {
     use corehbot_twin::model::coordinate::Coordinate;
-    let coordinates = Links::segments(Machine::CoreHBot, &Params::default(), Place { x: 235.0, y: 235.0 }).coordinates;
+    let coordinates = Links::segments(Machine::CoreHBot, &Params::default(), Place::flat(235.0, 235.0)).coordinates;
     let at = |motor: u8| coordinates.iter().position(|c| *c == Coordinate::Motor(motor)).unwrap();
     let torque = |motor: u8| links.iter().zip(tensions).map(|(link, tension)| link.row[at(motor)] * tension).sum();
     [1, 4, 8, 11].into_iter().map(torque).collect()

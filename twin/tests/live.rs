@@ -8,13 +8,13 @@ use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::slip::Slip;
 use corehbot_twin::routing::{Machine, Place};
 
-const CENTRE: Place = Place { x: 235.0, y: 235.0 };
+const CENTRE: Place = Place::flat(235.0, 235.0);
 const MS: u64 = 10_000;
 const MOTORS: [u8; 4] = [1, 4, 8, 11];
 
 /// A microstep of the nominal motor, in mm of belt.
 fn step_mm(params: &Params) -> f64 {
-    params.full_step_mm() / 16.0
+    params.full_step_mm(0) / 16.0
 }
 
 /// Guides without dry friction: where the tool comes to rest says nothing of where it came from.
@@ -23,7 +23,7 @@ fn smooth() -> Params {
 }
 
 fn without_power(params: &Params, phases_mm: &[f64]) -> Live {
-    Live::new(Machine::CoreHBot, params, CENTRE, step_mm(params), phases_mm, 0)
+    Live::new(Machine::CoreHBot, params, CENTRE, &[step_mm(params); 4], phases_mm, 0)
 }
 
 fn holding(params: &Params) -> Live {
@@ -88,7 +88,7 @@ fn a_skipped_motor_takes_the_tool_where_the_slip_table_says() {
 
 /// A belt so soft that fields hardly give way against it: 97 % of a slip stay in the residual, and not 77.
 fn soft() -> Params {
-    Params { belt_ea_n: 3000.0, ..smooth() }
+    Params { belt_ea_n: 3000.0.into(), ..smooth() }
 }
 
 /// RMS and greatest residual in mm after power-up, over so many seeds.
@@ -191,7 +191,7 @@ fn time_passes_for_nothing_at_rest_and_a_step_ends_that() {
 fn a_motor_skips_where_its_torque_runs_out() {
     let params = Params { supply_v: 12.0, ..Params::default() };
     let skips = |speed_mm_s: f64, force_n: f64| {
-        let mut live = Live::new(Machine::CoreHBot, &params, Place { x: 60.0, y: 235.0 }, step_mm(&params), &[], 0);
+        let mut live = Live::new(Machine::CoreHBot, &params, Place::flat(60.0, 235.0), &[step_mm(&params); 4], &[], 0);
         (0..4).for_each(|motor| live.give(motor, 1.0));
         live.advance(100 * MS);
         let (mut speed, mut way) = (0.0_f64, 0.0);

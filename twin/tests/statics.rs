@@ -59,7 +59,7 @@ fn the_closed_form_of_the_corehbot_holds_everywhere() {
         for j in 0..=10 {
             let (x, y) = (40.0 + 39.0 * f64::from(i), 26.2 + 41.76 * f64::from(j));
             let pair = |rest: f64, way: f64, length: f64| {
-                4.0 * p.belt_ea_n * (1.0 / (rest + 2.0 * (length - way)) + 1.0 / (rest + 2.0 * way))
+                4.0 * p.belt_ea_n.of(0) * (1.0 / (rest + 2.0 * (length - way)) + 1.0 / (rest + 2.0 * way))
             };
             let found = Stiffness::new(&Setup::nominal(Machine::CoreHBot, x, y)).unwrap();
             assert!(agree(found.kxx, pair(x_rest, x, p.width_mm), 1e-12), "{found:?}");
@@ -77,8 +77,8 @@ fn a_second_motor_on_each_belt_makes_it_stiffer() {
         let (r, half_bar, half_head) = (p.pulley_radius_mm, p.bar_pulleys_mm / 2.0, p.head_pulleys_mm / 2.0);
         let (front, back) = (y - half_bar, p.depth_mm - y - half_bar);
         let (left, right) = (x - half_head, p.width_mm - x - half_head);
-        let a = p.belt_ea_n * (1.0 / (front + left - 2.0 * r) + 1.0 / (back + right));
-        let b = p.belt_ea_n * (1.0 / (front + right - 2.0 * r) + 1.0 / (back + left));
+        let a = p.belt_ea_n.of(0) * (1.0 / (front + left - 2.0 * r) + 1.0 / (back + right));
+        let b = p.belt_ea_n.of(0) * (1.0 / (front + right - 2.0 * r) + 1.0 / (back + left));
         let found = Stiffness::new(&Setup::nominal(Machine::AwdCoreXy, x, y)).unwrap();
         assert!(agree(found.kxx, a + b, 1e-9) && agree(found.kyy, a + b, 1e-9), "{found:?}");
         assert!(agree(found.kxy, a - b, 1e-9), "{found:?}");

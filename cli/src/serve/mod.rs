@@ -92,8 +92,9 @@ pub(crate) struct Prepared {
 
 impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
-        let settings = args.printer.machine()?.settings;
-        let belt = args.plant.belt(&settings, args.printer.assume_homed)?;
+        let machine = args.printer.machine()?;
+        let belt = args.plant.belt(&machine, args.printer.assume_homed)?;
+        let settings = machine.settings;
         let heat = args.heat.setup(&settings)?;
         let bed = args.bed.plant(&settings)?;
         let probe_accidents = args.heat.probe_accidents(&settings)?;

@@ -4,7 +4,7 @@ use super::measured::Measured;
 use anyhow::{Context as _, Result, anyhow};
 use corehbot_twin::calibration::{CalibrateError, Calibrated as Found, Estimate, Misfit, Parameter, calibrate};
 use corehbot_twin::geometry::workspace;
-use corehbot_twin::params::Params;
+use corehbot_twin::params::{Each, Params, ROWS};
 use corehbot_twin::routing::Machine;
 use serde::Serialize;
 use std::path::Path;
@@ -51,15 +51,11 @@ impl Calibrated {
     }
 
     /// Keys that differ from the nominal machine, and were not found now.
-    fn kept(&self) -> Vec<(String, f64)> {
-        let keys = |params: &Params| match serde_json::to_value(params) {
-            Ok(serde_json::Value::Object(keys)) => keys,
-            _ => serde_json::Map::new(),
-        };
-        let nominal = keys(&Params::default());
+    fn kept(&self) -> Vec<(&'static str, Each)> {
+        let nominal = Params::default();
         let is_found = |key: &str| self.estimates.iter().chain(&self.not_told).any(|e| e.parameter.key() == key);
-        let other = keys(&self.params).into_iter().filter(|(key, v)| nominal.get(key) != Some(v) && !is_found(key));
-        other.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
+        let other = ROWS.iter().filter(|row| row.values(&self.params) != row.values(&nominal) && !is_found(row.key));
+        other.map(|row| (row.key, row.values(&self.params))).collect()
     }
 }
 
@@ -67,8 +63,9 @@ impl std::fmt::Display for Calibrated {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             f,
-            "# For --params. Standard uncertainties follow from those of the measurements and of what is not told."
+            "# For the machine file. Standard uncertainties follow from those of the measurements and of what is not told."
         )?;
+        writeln!(f, "[twin]")?;
         for Estimate { parameter, value, uncertainty, .. } in &self.estimates {
             writeln!(f, "{} = {}  # +- {:.1} %", parameter.key(), digits(*value), 100.0 * uncertainty)?;
         }

@@ -3,7 +3,7 @@
 use super::answer::Json;
 use super::play::{RunModel, play};
 use super::resonance::parse_grid;
-use super::setup::{ModelArg, ParamsArgs};
+use super::setup::{ModelArg, has_room};
 use super::source::Source;
 use crate::printer::Printer;
 use crate::stop::Stop;
@@ -11,8 +11,9 @@ use anyhow::{Context as _, Result};
 use clap::Args;
 use corehbot_report::twin::{COMPARE, fill};
 use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::Params;
 use corehbot_twin::queries::compare::{COMPARED, Compare as Area};
-use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::routing::Machine;
 use corehbot_twin::run::report::Report;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -23,8 +24,6 @@ pub(crate) struct Compare {
     /// G-code or a step trace that each of them plays, in its own G-code coordinates.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
-    #[command(flatten)]
-    params: ParamsArgs,
     /// Columns and rows of places over the area that all of them reach.
     #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "7x7")]
     grid: [usize; 2],
@@ -65,7 +64,7 @@ struct Answer {
 
 impl Compare {
     pub(super) fn answer(&self) -> Result<u8> {
-        let params = self.params.read(&COMPARED)?;
+        let params = self.params()?;
         let stop = Stop::at_signals()?;
         let area = Area::new(&params, self.model.freedom(), None, self.grid, self.force)?;
         let runs = self.runs(&stop);
@@ -73,7 +72,7 @@ impl Compare {
             eprintln!("corehbot: interrupted");
             return Ok(status);
         }
-        let files = self.params.files().chain(self.printer.files()).chain(self.file.as_deref());
+        let files = self.printer.files().chain(self.file.as_deref());
         let answer = Answer { area, runs: runs? };
         self.json.give_with(&answer, files, |outputs| {
             let Some(path) = &self.report else { return Ok(()) };
@@ -83,13 +82,19 @@ impl Compare {
         })
     }
 
+    /// The numbers of the machine file, for all machines.
+    fn params(&self) -> Result<Params> {
+        let params = self.printer.machine()?.twin.params;
+        has_room(&COMPARED, &params)?;
+        Ok(params)
+    }
+
     fn runs(&self, stop: &Stop) -> Result<Vec<Report>> {
         let Some(file) = &self.file else { return Ok(Vec::new()) };
-        let params = self.params.read(&COMPARED)?;
+        let params = self.params()?;
         let source = Source::read(file, &self.printer, stop)?;
         let run = |machine: Machine| {
-            let origin = workspace(machine, &params).origin();
-            let start = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
+            let start = workspace(machine, &params).of_gcode(source.begin);
             play(machine, &params, start, self.run_model, (&source.steps, None), stop)
                 .map(|(report, _)| report)
                 .with_context(|| format!("{}, {}", file.display(), machine.name()))

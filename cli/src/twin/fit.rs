@@ -2,7 +2,7 @@
 
 use super::answer::Json;
 use super::calibrated::Calibrated;
-use super::setup::ParamsArgs;
+use super::setup::{FileArgs, has_room};
 use anyhow::{Result, ensure};
 use clap::Args;
 use corehbot_twin::geometry::workspace;
@@ -26,7 +26,7 @@ pub(crate) struct Fit {
     #[arg(long, requires = "measured")]
     gcode_frame: bool,
     #[command(flatten)]
-    params: ParamsArgs,
+    settings: FileArgs,
     #[command(flatten)]
     json: Json,
 }
@@ -46,16 +46,17 @@ struct Answer {
 impl Fit {
     pub(super) fn answer(&self) -> Result<u8> {
         let machine = Machine::CoreHBot;
-        let params = self.params.read(&[machine])?;
+        let params = self.settings.read()?.twin.params;
+        has_room(&[machine], &params)?;
         if let Some(file) = &self.file {
             let answer = Calibrated::read(file, machine, &params)?;
-            return self.json.give(&answer, self.params.files().chain([file.as_path()]));
+            return self.json.give(&answer, self.settings.files().chain([file.as_path()]));
         }
         let reach = workspace(machine, &params);
         let mut rung = self.measured.clone();
         for Rung { at, .. } in &mut rung {
             if self.gcode_frame {
-                *at = Place { x: at.x + reach.origin().x, y: at.y + reach.origin().y };
+                *at = Place::flat(at.x + reach.origin().x, at.y + reach.origin().y);
             }
             ensure!(reach.has(*at), "({:.1}, {:.1}) mm is outside what the tool reaches", at.x, at.y);
         }
@@ -72,7 +73,7 @@ impl Fit {
         let (x, y) = (law(Axis::X, 0), law(Axis::Y, 1));
         let identified = identify(machine, &params, &rung)?;
         let answer = Answer { identified, missing: [x.err(), y.err()], x: x.ok(), y: y.ok() };
-        self.json.give(&answer, self.params.files())
+        self.json.give(&answer, self.settings.files())
     }
 }
 
@@ -91,7 +92,7 @@ fn parse_rung(text: &str) -> Result<Rung, String> {
     };
     match text.split(',').collect::<Vec<_>>()[..] {
         [x, y, fx, fy] => {
-            Ok(Rung { at: Place { x: number(x)?, y: number(y)? }, frequencies_hz: [frequency(fx)?, frequency(fy)?] })
+            Ok(Rung { at: Place::flat(number(x)?, number(y)?), frequencies_hz: [frequency(fx)?, frequency(fy)?] })
         }
         _ => Err("expected a place and two frequencies: X,Y,FX,FY".to_owned()),
     }
@@ -102,9 +103,10 @@ impl std::fmt::Display for Answer {
         let Identified { belt_ea_n, holding_torque_nm, worst_difference } = self.identified;
         writeln!(
             f,
-            "# For --params; the model then rings within {:.2} % of what was measured.",
+            "# For the machine file; the model then rings within {:.2} % of what was measured.",
             100.0 * worst_difference
         )?;
+        writeln!(f, "[twin]")?;
         writeln!(f, "belt_EA_N = {belt_ea_n:.0}")?;
         writeln!(f, "holding_torque_Nm = {holding_torque_nm:.3}")?;
         for (letter, law, missing) in [("x", &self.x, &self.missing[0]), ("y", &self.y, &self.missing[1])] {

@@ -1,7 +1,7 @@
 //! `twin limits`: how hard the machine can be driven.
 
 use super::answer::Json;
-use super::setup::{MachineArgs, ModelArg};
+use super::setup::{FileArgs, MachineArgs, ModelArg};
 use anyhow::Result;
 use clap::Args;
 use corehbot_twin::geometry::workspace;
@@ -13,6 +13,8 @@ use serde::Serialize;
 /// `twin limits`.
 #[derive(Args)]
 pub(crate) struct LimitsArgs {
+    #[command(flatten)]
+    file: FileArgs,
     #[command(flatten)]
     machine: MachineArgs,
     /// The error in mm that ringing may make.
@@ -50,13 +52,13 @@ impl std::fmt::Display for Answer {
 
 impl LimitsArgs {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = self.machine.read()?;
+        let (machine, params) = self.machine.read(&self.file.read()?)?;
         let tool = workspace(machine, &params).centre();
         let setup = Setup { machine, params, tool, freedom: self.model.freedom() };
         let margin = self.margin.unwrap_or(1.0 - self.torque);
         let limits = Limits::new(&setup, self.error, 1.0 - margin)?;
         let torque_at_speed = TorqueLimits::new(machine, &setup.params, margin, self.speed)?;
-        self.json.give(&Answer { limits, torque_at_speed }, self.machine.files())
+        self.json.give(&Answer { limits, torque_at_speed }, self.file.files())
     }
 }
 

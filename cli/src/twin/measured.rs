@@ -233,9 +233,9 @@ impl Reader<'_> {
         let [x, y] = *at.get_ref();
         let origin = match self.frame {
             Frame::Gcode => self.reach.origin(),
-            Frame::Motor1 => Place { x: 0.0, y: 0.0 },
+            Frame::Motor1 => Place::flat(0.0, 0.0),
         };
-        let place = Place { x: x + origin.x, y: y + origin.y };
+        let place = Place::flat(x + origin.x, y + origin.y);
         if !self.reach.has(place) {
             let [x0, x1] = self.reach.x.map(|v| v - origin.x);
             let [y0, y1] = self.reach.y.map(|v| v - origin.y);

@@ -86,7 +86,7 @@ pub(crate) struct Play {
 
 impl Play {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = self.machine.read()?;
+        let (machine, params) = self.machine.read(&self.printer.machine()?)?;
         let stop = Stop::at_signals()?;
         let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
             let start = self.start(machine, &params, source.begin);
@@ -102,13 +102,8 @@ impl Play {
             }
             (played, None) => {
                 let (report, watch) = played?;
-                let files: Vec<&Path> = self
-                    .machine
-                    .files()
-                    .chain(self.printer.files())
-                    .chain([self.file.as_path()])
-                    .chain(self.against.as_deref())
-                    .collect();
+                let files: Vec<&Path> =
+                    self.printer.files().chain([self.file.as_path()]).chain(self.against.as_deref()).collect();
                 self.json.give_with(&report, files, |outputs| {
                     let Some(path) = &self.report else { return Ok(()) };
                     let file = self.file.display().to_string();
@@ -119,11 +114,12 @@ impl Play {
     }
 
     /// The firmware's place is one of G-code.
-    fn start(&self, machine: Machine, params: &Params, begin: [f64; 2]) -> Place {
-        let origin = workspace(machine, params).origin();
+    fn start(&self, machine: Machine, params: &Params, begin: [f64; 3]) -> Place {
+        let reach = workspace(machine, params);
+        let firmware = reach.of_gcode(begin);
         match self.at {
-            Some([x, y]) => Place { x, y },
-            None => Place { x: origin.x + begin[0], y: origin.y + begin[1] },
+            Some([x, y]) => Place { x, y, ..firmware },
+            None => firmware,
         }
     }
 }

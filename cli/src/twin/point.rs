@@ -1,7 +1,7 @@
 //! Questions about one place of the tool.
 
 use super::answer::Json;
-use super::setup::{SetupArgs, parse_finite, parse_pair};
+use super::setup::{FileArgs, SetupArgs, parse_finite, parse_pair};
 use anyhow::Result;
 use clap::Args;
 use corehbot_twin::queries::{geometry, modes, push, slip, stiffness};
@@ -10,6 +10,8 @@ use corehbot_twin::queries::{geometry, modes, push, slip, stiffness};
 #[derive(Args)]
 pub(crate) struct Geometry {
     #[command(flatten)]
+    file: FileArgs,
+    #[command(flatten)]
     setup: SetupArgs,
     #[command(flatten)]
     json: Json,
@@ -17,14 +19,16 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     pub(super) fn answer(&self) -> Result<u8> {
-        let answer = geometry::Geometry::new(&self.setup.read()?);
-        self.json.give(&answer, self.setup.machine.files())
+        let answer = geometry::Geometry::new(&self.setup.read(&self.file.read()?)?);
+        self.json.give(&answer, self.file.files())
     }
 }
 
 /// `twin stiffness`.
 #[derive(Args)]
 pub(crate) struct Stiffness {
+    #[command(flatten)]
+    file: FileArgs,
     #[command(flatten)]
     setup: SetupArgs,
     #[command(flatten)]
@@ -33,14 +37,16 @@ pub(crate) struct Stiffness {
 
 impl Stiffness {
     pub(super) fn answer(&self) -> Result<u8> {
-        let answer = stiffness::Stiffness::new(&self.setup.read()?)?;
-        self.json.give(&answer, self.setup.machine.files())
+        let answer = stiffness::Stiffness::new(&self.setup.read(&self.file.read()?)?)?;
+        self.json.give(&answer, self.file.files())
     }
 }
 
 /// `twin modes`.
 #[derive(Args)]
 pub(crate) struct Modes {
+    #[command(flatten)]
+    file: FileArgs,
     #[command(flatten)]
     setup: SetupArgs,
     #[command(flatten)]
@@ -49,14 +55,16 @@ pub(crate) struct Modes {
 
 impl Modes {
     pub(super) fn answer(&self) -> Result<u8> {
-        let answer = modes::Modes::new(&self.setup.read()?)?;
-        self.json.give(&answer, self.setup.machine.files())
+        let answer = modes::Modes::new(&self.setup.read(&self.file.read()?)?)?;
+        self.json.give(&answer, self.file.files())
     }
 }
 
 /// `twin push`.
 #[derive(Args)]
 pub(crate) struct Push {
+    #[command(flatten)]
+    file: FileArgs,
     #[command(flatten)]
     setup: SetupArgs,
     /// The force on the tool in N, to the right and away from the front.
@@ -68,14 +76,16 @@ pub(crate) struct Push {
 
 impl Push {
     pub(super) fn answer(&self) -> Result<u8> {
-        let answer = push::Push::new(&self.setup.read()?, self.force)?;
-        self.json.give(&answer, self.setup.machine.files())
+        let answer = push::Push::new(&self.setup.read(&self.file.read()?)?, self.force)?;
+        self.json.give(&answer, self.file.files())
     }
 }
 
 /// `twin slip`.
 #[derive(Args)]
 pub(crate) struct Slip {
+    #[command(flatten)]
+    file: FileArgs,
     #[command(flatten)]
     setup: SetupArgs,
     /// The motor that slipped.
@@ -90,7 +100,7 @@ pub(crate) struct Slip {
 
 impl Slip {
     pub(super) fn answer(&self) -> Result<u8> {
-        let answer = slip::Slip::new(&self.setup.read()?, self.motor, self.full_steps)?;
-        self.json.give(&answer, self.setup.machine.files())
+        let answer = slip::Slip::new(&self.setup.read(&self.file.read()?)?, self.motor, self.full_steps)?;
+        self.json.give(&answer, self.file.files())
     }
 }

@@ -1,7 +1,7 @@
 //! `twin resonance`: frequencies over the reach.
 
 use super::answer::Json;
-use super::setup::{MachineArgs, ModelArg};
+use super::setup::{FileArgs, MachineArgs, ModelArg};
 use anyhow::Result;
 use clap::Args;
 use corehbot_report::twin as page;
@@ -16,6 +16,8 @@ const MOST: usize = 200;
 /// `twin resonance`.
 #[derive(Args)]
 pub(crate) struct Resonance {
+    #[command(flatten)]
+    file: FileArgs,
     #[command(flatten)]
     machine: MachineArgs,
     /// Columns and rows of places over the reach.
@@ -33,12 +35,12 @@ pub(crate) struct Resonance {
 
 impl Resonance {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = self.machine.read()?;
+        let (machine, params) = self.machine.read(&self.file.read()?)?;
         let tool = workspace(machine, &params).centre();
         let freedom = self.model.freedom();
         let [columns, rows] = self.grid;
         let answer = Answer::new(&Setup { machine, params, tool, freedom }, columns, rows)?;
-        self.json.give_with(&answer, self.machine.files(), |outputs| {
+        self.json.give_with(&answer, self.file.files(), |outputs| {
             let Some(path) = &self.report else { return Ok(()) };
             page::write_resonance(&mut outputs.open(path)?, (machine, self.model.name()), &answer)
         })

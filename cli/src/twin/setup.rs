@@ -1,7 +1,10 @@
 //! Setup: which machine is asked about, and where its tool is.
 
-use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use crate::printer::Printer;
+use anyhow::{Result, anyhow, bail, ensure};
 use clap::{Args, ValueEnum};
+use corehbot_machine_file::Machine as File;
+use corehbot_sim::belt::layout::Layout;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::Params;
@@ -22,6 +25,10 @@ pub(super) enum MachineArg {
     Corexy,
     /// Two belts, four motors.
     AwdCorexy,
+    /// Four belts over three axes, a motor each.
+    Corexyz,
+    /// The same with three motors and an idle fourth belt.
+    CorexyzThree,
 }
 
 impl From<MachineArg> for Machine {
@@ -31,6 +38,8 @@ impl From<MachineArg> for Machine {
             MachineArg::Hbot => Self::HBot,
             MachineArg::Corexy => Self::CoreXy,
             MachineArg::AwdCorexy => Self::AwdCoreXy,
+            MachineArg::Corexyz => Self::CoreXyz,
+            MachineArg::CorexyzThree => Self::CoreXyzThree,
         }
     }
 }
@@ -69,57 +78,61 @@ impl ModelArg {
     }
 }
 
-/// The machine's numbers.
+/// The machine file of a command that runs no firmware.
 #[derive(Args)]
-pub(super) struct ParamsArgs {
-    /// Other numbers than the nominal ones (docs/research/twin.md has the keys).
-    #[arg(long, value_name = "P.toml")]
-    params: Option<PathBuf>,
+pub(super) struct FileArgs {
+    /// The machine file: its table [twin] has the machine's numbers (docs/reference/settings.md), its motors the run of
+    /// the belts. Without it, the nominal CoreH-bot.
+    #[arg(long, value_name = "M.toml")]
+    settings: Option<PathBuf>,
 }
 
-impl ParamsArgs {
-    /// The files of the numbers.
+impl FileArgs {
+    /// The file.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        self.params.as_deref().into_iter()
+        self.settings.as_deref().into_iter()
     }
 
-    /// The numbers, if the tool of these machines has room with them.
-    pub(super) fn read(&self, machines: &[Machine]) -> Result<Params> {
-        let Some(path) = &self.params else { return Ok(Params::default()) };
-        let file = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
-        let params: Params = toml::from_str(&text).map_err(|error| syntax(&text, &error)).context(file.to_string())?;
-        params.check().with_context(|| file.to_string())?;
-        let has_room = |machine: &Machine| {
-            let reach = workspace(*machine, &params);
-            reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1]
-        };
-        ensure!(machines.iter().all(has_room), "{file}: these pulleys leave the tool no room");
-        Ok(params)
+    /// The machine of the file.
+    pub(super) fn read(&self) -> Result<File> {
+        Printer::new(self.settings.clone(), None).machine()
     }
 }
 
-/// The machine and its numbers.
+/// The run of the belts, where it is not the file's.
 #[derive(Args)]
 pub(super) struct MachineArgs {
-    /// The machine.
-    #[arg(long, value_enum, default_value = "corehbot")]
-    machine: MachineArg,
-    #[command(flatten)]
-    params: ParamsArgs,
+    /// Another run of the belts than the machine's.
+    #[arg(long, value_enum)]
+    machine: Option<MachineArg>,
 }
 
 impl MachineArgs {
-    /// The files of the machine's numbers.
-    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        self.params.files()
-    }
-
     /// The machine and its numbers.
-    pub(super) fn read(&self) -> Result<(Machine, Params)> {
-        let machine = self.machine.into();
-        Ok((machine, self.params.read(&[machine])?))
+    ///
+    /// # Errors
+    /// No belts do what its motors do, or they leave the tool no room.
+    pub(super) fn read(&self, file: &File) -> Result<(Machine, Params)> {
+        let (machine, params) = match self.machine {
+            Some(machine) => (machine.into(), file.twin.params.clone()),
+            None => {
+                let Layout { machine, params, .. } = Layout::new(&file.settings, &file.twin)?;
+                (machine, params)
+            }
+        };
+        has_room(&[machine], &params)?;
+        Ok((machine, params))
     }
+}
+
+/// Whether the tool of these machines has room with these numbers.
+pub(super) fn has_room(machines: &[Machine], params: &Params) -> Result<()> {
+    let has_room = |machine: &Machine| {
+        let reach = workspace(*machine, params);
+        reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1]
+    };
+    ensure!(machines.iter().all(has_room), "twin: these pulleys leave the tool no room");
+    Ok(())
 }
 
 /// The error of a file, in one line.
@@ -134,7 +147,7 @@ pub(super) fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
 pub(super) struct SetupArgs {
     #[command(flatten)]
     pub machine: MachineArgs,
-    /// The tool's place, in mm from motor 1's axis; the middle of its reach without it.
+    /// The tool's place, in mm from motor 1's axis, at half its height; the middle of its reach without it.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     /// The place is in G-code coordinates: X0 Y0 is the lower left corner of the reach.
@@ -156,8 +169,8 @@ impl SetupArgs {
     ///
     /// # Errors
     /// No such file, motor or place.
-    pub(super) fn read(&self) -> Result<Setup> {
-        let (machine, params) = self.machine.read()?;
+    pub(super) fn read(&self, file: &File) -> Result<Setup> {
+        let (machine, params) = self.machine.read(file)?;
         let tool = self.tool(machine, &params)?;
         if let Some(motor) = self.free_motor {
             let motors = machine.motors();
@@ -171,8 +184,8 @@ impl SetupArgs {
     fn tool(&self, machine: Machine, params: &Params) -> Result<Place> {
         let reach = workspace(machine, params);
         let Some([x, y]) = self.at else { return Ok(reach.centre()) };
-        let origin = if self.gcode_frame { reach.origin() } else { Place { x: 0.0, y: 0.0 } };
-        let tool = Place { x: origin.x + x, y: origin.y + y };
+        let origin = if self.gcode_frame { reach.origin() } else { Place::flat(0.0, 0.0) };
+        let tool = reach.at(origin.x + x, origin.y + y);
         if !reach.has(tool) {
             let [x0, x1] = reach.x.map(|v| v - origin.x);
             let [y0, y1] = reach.y.map(|v| v - origin.y);

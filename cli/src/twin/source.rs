@@ -7,8 +7,8 @@ use crate::stop::Stop;
 use crate::watched::Watched;
 use anyhow::{Context as _, Result, bail};
 use corehbot::motors::{Motor, MotorName, MotorSet};
+use corehbot::settings::Settings;
 use corehbot_sim::host::FileHost;
-use corehbot_sim::trace::Header;
 use corehbot_sim::world::{self, Sink};
 use corehbot_twin::steps::{Column, StepTrace, csv};
 use std::fs::File;
@@ -21,7 +21,7 @@ const TRACE: &[u8] = b"# corehbot-trace";
 /// Steps, and where the tool was before, in G-code's coordinates.
 pub(super) struct Source {
     pub steps: StepTrace,
-    pub begin: [f64; 2],
+    pub begin: [f64; 3],
 }
 
 impl Source {
@@ -31,12 +31,11 @@ impl Source {
     /// The file is neither, or the print failed.
     pub(super) fn read(file: &Path, printer: &Printer, stop: &Stop) -> Result<Self> {
         let begin = printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP);
-        let [x, y, _] = begin.map(|mm| mm.to_num());
         let steps = match Self::trace(file)? {
             Some(trace) => trace,
             None => print(file, printer, stop)?,
         };
-        Ok(Self { steps, begin: [x, y] })
+        Ok(Self { steps, begin: begin.map(|mm| mm.to_num()) })
     }
 
     /// Reads a trace; `None` if the file is something else.
@@ -68,7 +67,7 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     let survey = file.survey(|_| if stop.is_set() { bail!("interrupted") } else { Ok(()) })?;
     let name = file.name.clone();
     let mut host = Watched::new(FileHost::reading(file.into_lines()?, survey), stop);
-    let mut log = Log(StepTrace::new(columns(&(&machine.settings).into()), step_mm(&machine.settings)));
+    let mut log = Log(StepTrace::new(columns(&machine.settings), step_mm(&machine.settings)));
     let outcome = match &mut eeprom {
         Some(eeprom) => world::run_with(&machine.settings, printer.assume_homed, eeprom, &mut [&mut host], &mut log),
         None => world::run(&machine.settings, printer.assume_homed, &mut host, &mut log),
@@ -87,18 +86,23 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     Ok(log.0)
 }
 
-pub(super) fn step_mm(settings: &corehbot::settings::Settings) -> f64 {
+pub(super) fn step_mm(settings: &Settings) -> f64 {
     1.0 / settings.axes.x.steps_per_mm.to_num::<f64>()
 }
 
-/// The motors over x and y.
-pub(super) fn columns(header: &Header) -> Vec<Column> {
-    let fitted = header.mechanism.fitted();
-    let column = |((motor, [x, y, ..]), name): ((Motor, [i8; 4]), MotorName)| {
-        let row = if fitted.has(motor) { [x, y] } else { [0, 0] };
-        Column { name: name.to_string(), row }
+/// The motors over x, y and z.
+pub(super) fn columns(settings: &Settings) -> Vec<Column> {
+    let (mechanism, axes) = (settings.mechanism, &settings.axes);
+    let fitted = mechanism.fitted();
+    let steps_per_mm = [&axes.x, &axes.y, &axes.z].map(|axis| axis.steps_per_mm.to_num::<f64>());
+    let column = |((motor, [x, y, z, _]), name): ((Motor, [i8; 4]), MotorName)| {
+        let row = if fitted.has(motor) { [x, y, z] } else { [0; 3] };
+        // All axes of a motor have steps of one size.
+        let steps = mechanism.axis_of(motor).and_then(|axis| steps_per_mm.get(axis));
+        let axis_step = steps.map_or(1.0, |steps| steps_per_mm[0] / steps);
+        Column { name: name.to_string(), row, axis_step }
     };
-    header.mechanism.motors().zip(header.motors).take_while(|(_, name)| !name.is_none()).map(column).collect()
+    mechanism.motors().zip(settings.motor_names).take_while(|(_, name)| !name.is_none()).map(column).collect()
 }
 
 /// Keeps the steps.

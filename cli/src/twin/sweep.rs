@@ -99,12 +99,12 @@ impl Sweep {
 
     /// One number.
     fn vary(&self, Range { key, values }: &Range, file: Option<&Path>) -> Result<u8> {
-        let setup = self.setup.read()?;
+        let setup = self.setup.read(&self.printer.machine()?)?;
         for value in values {
             varied(&setup.params, std::slice::from_ref(key), &[*value])?;
         }
         let stop = Stop::at_signals()?;
-        let begin = self.begin.map(|[x, y]| Place { x, y });
+        let begin = self.begin.map(|[x, y]| Place::flat(x, y));
         let played = |file: &Path| Played::new(file.to_owned(), self.printer.clone());
         let run = file.map(|file| Query::Run { file: played(file), model: self.run_model, begin });
         let study = Study::of_one(setup, key.clone(), values.clone(), run);
@@ -120,7 +120,7 @@ impl Sweep {
             return Ok(status);
         }
         let answer = Answer { key: key.clone(), rows: rows? };
-        self.json.give(&answer, self.setup.machine.files().chain(self.printer.files()).chain(file))
+        self.json.give(&answer, self.printer.files().chain(file))
     }
 }
 

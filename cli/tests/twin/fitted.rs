@@ -49,7 +49,7 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     // It prints a file of parameters.
     let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
     let params = file("fitted.toml", &printed);
-    let modes = json(&format!("modes --model rotors --params {}", params.display()));
+    let modes = json(&format!("modes --model rotors --settings {}", params.display()));
     assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
     // An unweighed belt makes the tension as uncertain as its weight.
     let text = std::fs::read_to_string(&example).unwrap();
@@ -60,8 +60,8 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     assert!((uncertainty(&found) - 0.0445).abs() < 5e-4 && (uncertainty(&unweighed) - 0.1065).abs() < 5e-4, "{found}");
     assert_eq!(unweighed["not_told"][0]["parameter"], "belt_kg_per_m");
     // Numbers that are not sought go through.
-    let other = file("wide.toml", "width_mm = 480\n");
-    let kept = twin(&format!("fit {} --params {}", example.display(), other.display()));
+    let other = file("wide.toml", "[twin]\nwidth_mm = 480\n");
+    let kept = twin(&format!("fit {} --settings {}", example.display(), other.display()));
     assert!(String::from_utf8(kept.stdout).unwrap().contains("width_mm = 480"));
 }
 

@@ -50,14 +50,14 @@ fn the_twin_knows_every_shaper() {
     assert_eq!(corehbot_twin::shaping::shaper::Kind::ALL.len(), kinds.count(), "twin/src/shaping/shaper.rs");
 }
 #[test]
-fn the_keys_of_parameter_files_stand_in_the_documentation() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/research/twin.md");
+fn the_numbers_of_a_machine_stand_in_the_documentation() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/settings.md");
     let docs = std::fs::read_to_string(docs).unwrap();
     let nominal = serde_json::to_value(corehbot_twin::params::Params::default()).unwrap();
     for (key, value) in nominal.as_object().unwrap() {
         let row =
-            docs.lines().find(|line| line.starts_with(&format!("| `{key}` |"))).unwrap_or_else(|| panic!("{key}"));
-        let told: f64 = row.split('|').nth(2).unwrap().trim().parse().unwrap();
+            docs.lines().find(|line| line.starts_with(&format!("| `twin.{key}` |"))).unwrap_or_else(|| panic!("{key}"));
+        let told: f64 = row.split('|').nth(5).unwrap().trim().parse().unwrap();
         assert!(near(value, told, 1e-12), "{row}");
     }
 }
@@ -77,11 +77,16 @@ fn what_is_not_there_is_told_in_one_line() {
     assert!(complaint("modes --machine hbot --free-motor 8").contains("no motor 8"));
     assert!(complaint("slip --motor 3").contains("has 1, 4, 8, 11"));
     assert!(complaint("modes --machine hbot --at 45,100").contains("52.70"));
-    let bad = [("typo.toml", "belt_EA = 1\n", "line 1"), ("negative.toml", "preload_N = -1\n", "preload_N")];
+    let bad = [
+        ("typo.toml", "[twin]\nbelt_EA = 1\n", "did you mean `belt_EA_N`?"),
+        ("negative.toml", "[twin]\npreload_N = -1\n", "2:13: twin.preload_N = -1 is outside 0 to 1000000"),
+        ("alone.toml", "[twin]\nwidth_mm = [470, 470]\n", "2:12: twin.width_mm = [470, 470]: expected a number"),
+        ("routing.toml", "[twin]\nrouting = \"hbt\"\n", "2:11: unknown variant `hbt`"),
+    ];
     for (name, text, word) in bad {
         let path = file(name, text);
-        let told = complaint(&format!("stiffness --params {}", path.display()));
+        let told = complaint(&format!("stiffness --settings {}", path.display()));
         assert!(told.contains(name) && told.contains(word), "{told}");
     }
-    assert!(complaint("stiffness --params nowhere.toml").contains("cannot open"));
+    assert!(complaint("stiffness --settings nowhere.toml").contains("cannot open"));
 }

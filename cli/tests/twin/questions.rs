@@ -36,9 +36,32 @@ fn points_are_answered_with_units_in_the_keys() {
 fn a_free_motor_and_other_numbers_are_taken() {
     let free = json("stiffness --free-motor 4");
     assert!(near(&free["Kxy_N_per_mm"], -70.721, 1e-4), "{free}");
-    let stiff = file("stiff.toml", "belt_EA_N = 60000\n");
-    let k = json(&format!("stiffness --at 235,235 --params {}", stiff.display()));
+    let stiff = file("stiff.toml", "[twin]\nbelt_EA_N = 60000\n");
+    let k = json(&format!("stiffness --at 235,235 --settings {}", stiff.display()));
     assert!(near(&k["Kxx_N_per_mm"], 2.0 * 287.563, 1e-3), "{k}");
+}
+
+/// The machine's own routing and numbers; another routing is for comparison.
+#[test]
+fn a_machine_file_says_which_belts_there_are() {
+    let machine = |name: &str| format!("../examples/machines/{name}.toml");
+    let at = |name: &str| json(&format!("stiffness --at 235,235 --settings {}", machine(name)));
+    assert_eq!(at("hbot")["machine"], "hbot");
+    assert!(near(&at("hbot")["Kxx_N_per_mm"], 153.4, 1e-3));
+    assert_eq!(at("corehbot-two-drivers")["machine"], "corehbot");
+    assert_eq!(at("cartesian-xz")["machine"], "moving-bed");
+    let other = json(&format!("stiffness --at 235,235 --settings {} --machine corexy", machine("hbot")));
+    assert!(near(&other["Kxx_N_per_mm"], 198.1, 1e-3), "{other}");
+    // z is in the answer where belts lift the tool.
+    let xyz = json(&format!("geometry --settings {}", machine("corexyz")));
+    assert_eq!(xyz["motors"][3]["belt_per_mm"].as_array().unwrap().len(), 3, "{xyz}");
+    // Two belts of two kinds.
+    let unlike = file(
+        "unlike.toml",
+        "[mechanism]\nm11 = [1, 1, 0]\nm8 = [1, -1, 0]\nz1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n[axes]\nx.length = 300\ny.length = 300\n[twin]\nbelt_EA_N = [20000, 40000]\n",
+    );
+    let k = json(&format!("stiffness --at 235,235 --settings {}", unlike.display()));
+    assert!(near(&k["Kxx_N_per_mm"], 198.1, 1e-3) && near(&k["Kxy_N_per_mm"], -198.1 / 3.0, 1e-3), "{k}");
 }
 
 #[test]

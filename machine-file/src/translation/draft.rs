@@ -118,7 +118,7 @@ impl Draft {
     fn kind_of(&self, path: &str) -> Option<(rows::Kind, rows::Legal)> {
         match find(&numbered(path, &self.names))?.of {
             Of::Setting { row, text, part } => Some((text.kind, row.legal(part))),
-            Of::List { .. } | Of::Other(_) => None,
+            Of::List { .. } | Of::Other(_) | Of::Twin(_) | Of::Routing => None,
         }
     }
 

@@ -92,7 +92,7 @@ impl std::fmt::Display for CalibrateError {
             Self::NoSuch(parameter, value) => {
                 write!(f, "only a machine with {} = {value:.3} measures like this, ", parameter.key())?;
                 f.write_str("more than ten times from the nominal one; look at the units and measure again, ")?;
-                f.write_str("or give a nearer value by --params if the machine is like that")
+                f.write_str("or give a nearer value in the table [twin] if the machine is like that")
             }
             Self::NotHeld(error) => error.fmt(f),
         }

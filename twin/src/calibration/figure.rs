@@ -103,9 +103,9 @@ impl Figure {
         let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
         Ok(match *self {
             Self::Pluck { length_mm } => {
-                (params.preload_n / span_tension_n(length_mm, params.belt_kg_per_m, 1.0)).sqrt()
+                (params.preload_n.of(0) / span_tension_n(length_mm, params.belt_kg_per_m.of(0), 1.0)).sqrt()
             }
-            Self::BeltMass => params.belt_kg_per_m,
+            Self::BeltMass => params.belt_kg_per_m.of(0),
             Self::Deflection { at, along, force_n } => {
                 let elastic = Elastic::new(machine, params, at, freedom);
                 let force = match along {
@@ -134,7 +134,7 @@ mod tests {
         figure.predict(Machine::CoreHBot, &Params::default()).unwrap()
     }
 
-    const CENTRE: Place = Place { x: 235.0, y: 235.0 };
+    const CENTRE: Place = Place::flat(235.0, 235.0);
 
     /// A string of 0.4 m and 5 g under 40 N: c = sqrt(40 / 0.0125) = 56.57 m/s, f = c / 0.8 m.
     #[test]

@@ -64,31 +64,31 @@ impl Parameter {
         }
     }
 
-    /// Its value on a machine.
+    /// Its value on a machine; of numbers for each belt, the first.
     #[must_use]
-    pub const fn of(self, params: &Params) -> f64 {
+    pub fn of(self, params: &Params) -> f64 {
         match self {
-            Self::BeltStiffness => params.belt_ea_n,
-            Self::Preload => params.preload_n,
-            Self::BeltMass => params.belt_kg_per_m,
+            Self::BeltStiffness => params.belt_ea_n.of(0),
+            Self::Preload => params.preload_n.of(0),
+            Self::BeltMass => params.belt_kg_per_m.of(0),
             Self::HeadMass => params.head_mass_kg,
             Self::BarMass => params.bar_mass_kg,
             Self::HoldingTorque => params.holding_torque_nm,
         }
     }
 
-    /// The machine with another value of it.
+    /// The machine with another value of it; numbers of several belts keep their proportions.
     #[must_use]
     pub fn with(self, value: f64, params: &Params) -> Params {
         let mut params = params.clone();
-        *match self {
-            Self::BeltStiffness => &mut params.belt_ea_n,
-            Self::Preload => &mut params.preload_n,
-            Self::BeltMass => &mut params.belt_kg_per_m,
-            Self::HeadMass => &mut params.head_mass_kg,
-            Self::BarMass => &mut params.bar_mass_kg,
-            Self::HoldingTorque => &mut params.holding_torque_nm,
-        } = value;
+        match self {
+            Self::BeltStiffness => params.belt_ea_n = params.belt_ea_n.with_first(value),
+            Self::Preload => params.preload_n = params.preload_n.with_first(value),
+            Self::BeltMass => params.belt_kg_per_m = params.belt_kg_per_m.with_first(value),
+            Self::HeadMass => params.head_mass_kg = value,
+            Self::BarMass => params.bar_mass_kg = value,
+            Self::HoldingTorque => params.holding_torque_nm = value,
+        }
         params
     }
 }

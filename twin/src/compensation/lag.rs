@@ -53,22 +53,23 @@ impl<'p> Lag<'p> {
     pub fn of(&self, tool: &[[f64; 2]], width_s: f64) -> Ahead {
         let p = self.params;
         let [gaussian, slope, curvature] = kernels(width_s);
-        let masses = [p.head_mass_kg, p.head_mass_kg + p.bar_mass_kg].map(|kg| kg / MM_PER_M);
+        let [along_x, along_y, _] = self.machine.masses_kg(p);
+        let masses = [along_x, along_y].map(|kg| kg / MM_PER_M);
         let guides = [p.guide_x_n_s_per_m, p.guide_y_n_s_per_m].map(|c| c / MM_PER_M);
         let dry = [p.dry_friction_x_n, p.dry_friction_y_n];
-        let field = p.field_stiffness_n_per_mm();
+        let field = p.field_stiffness_n_per_mm(0);
         let mut compliances = BTreeMap::new();
         let mut added = Vec::with_capacity(tool.len());
         let mut greatest_mm = [0.0_f64; 2];
         for sample in 0..tool.len() {
             let [at, v, a] = [&gaussian, &slope, &curvature].map(|kernel| convolved(tool, sample, kernel));
-            let place = Place { x: self.start.x + at[0], y: self.start.y + at[1] };
+            let place = Place::flat(self.start.x + at[0], self.start.y + at[1]);
             let cell = [place.x, place.y].map(|v| (v / CELL_MM).round() as i64);
             let [[xx, xy], [yx, yy]] = *compliances.entry(cell).or_insert_with(|| compliance(self.machine, p, cell));
             let force = [0, 1].map(|i| masses[i] * a[i] + guides[i] * v[i] + dry[i] * (v[i] / CREEP).tanh());
             let ahead = [xx * force[0] + xy * force[1], yx * force[0] + yy * force[1]];
             greatest_mm = [greatest_mm[0].max(ahead[0].abs()), greatest_mm[1].max(ahead[1].abs())];
-            let rotors = [0, 1].map(|i| p.rotor_mass_kg() / MM_PER_M * a[i] + p.rotor_damping_n_s_per_mm() * v[i]);
+            let rotors = [0, 1].map(|i| p.rotor_mass_kg(0) / MM_PER_M * a[i] + p.rotor_damping_n_s_per_mm(0) * v[i]);
             added.push([0, 1].map(|i| ahead[i] + rotors[i] / field));
         }
         Ahead { tool: added, greatest_mm }
@@ -79,7 +80,7 @@ impl<'p> Lag<'p> {
 fn compliance(machine: Machine, params: &Params, cell: [i64; 2]) -> [[f64; 2]; 2] {
     let reach = workspace(machine, params);
     let [x, y] = cell.map(|v| v as f64 * CELL_MM);
-    let at = Place { x: x.clamp(reach.x[0], reach.x[1]), y: y.clamp(reach.y[0], reach.y[1]) };
+    let at = reach.at(x.clamp(reach.x[0], reach.x[1]), y.clamp(reach.y[0], reach.y[1]));
     let freedom = Freedom { rotors: true, ..Freedom::default() };
     // x and y come first.
     let elastic = Elastic::new(machine, params, at, freedom);

@@ -31,6 +31,8 @@ pub struct Path {
     pub(super) columns: Vec<(usize, i8)>,
     /// Steps of the motors per millimetre of the tool.
     pub(super) rows: Vec<[f64; 2]>,
+    /// Weights of the motors: a motor of finer steps counts for as much belt.
+    weights: Vec<f64>,
     /// Its length in s.
     pub(super) duration_s: f64,
 }
@@ -43,11 +45,13 @@ impl Path {
     pub fn new(machine: Machine, params: &Params, trace: &StepTrace) -> Result<Self, NoColumn> {
         let ways = Ways::new(machine, params);
         let mut columns: Vec<(usize, i8)> = Vec::new();
-        let mut rows = Vec::new();
+        let (mut rows, mut weights) = (Vec::new(), Vec::new());
         for (drive, row) in drives(trace, &ways)?.iter().zip(&ways.rows) {
             if columns.iter().all(|(column, _)| *column != drive.column) {
                 columns.push((drive.column, drive.sense));
-                rows.push(row.map(|way| way / trace.step_mm));
+                let finer = f64::from(drive.multiple) / drive.axis_step;
+                rows.push([row[0], row[1]].map(|way| way * finer / trace.step_mm));
+                weights.push(1.0 / (finer * finer));
             }
         }
         let mut motors = vec![vec![(0.0, 0.0)]; columns.len()];
@@ -66,7 +70,7 @@ impl Path {
         for (knots, end) in motors.iter_mut().zip(&before) {
             knots.push((duration_s, *end as f64));
         }
-        Ok(Self { motors, columns, rows, duration_s })
+        Ok(Self { motors, columns, rows, weights, duration_s })
     }
 
     /// The tool 5000 times a second, in mm from the start.
@@ -76,13 +80,14 @@ impl Path {
         let mut tool = vec![[0.0; 2]; count];
         // The columns of the rows are orthogonal: each coordinate is the sum over the motors divided by the square of
         // its column.
-        let squares = [0, 1].map(|axis| self.rows.iter().map(|row| row[axis] * row[axis]).sum::<f64>());
-        for (knots, row) in self.motors.iter().zip(&self.rows) {
+        let rows = || self.rows.iter().zip(&self.weights);
+        let squares = [0, 1].map(|axis| rows().map(|(row, weight)| row[axis] * row[axis] * weight).sum::<f64>());
+        for (knots, (row, weight)) in self.motors.iter().zip(rows()) {
             let mut at = Walk::new(knots);
             for (sample, place) in tool.iter_mut().enumerate() {
                 let steps = at.at(sample as f64 / RATE);
                 for ((value, way), square) in place.iter_mut().zip(row).zip(squares) {
-                    *value += way * steps / square;
+                    *value += way * steps * weight / square;
                 }
             }
         }
@@ -92,7 +97,7 @@ impl Path {
 
 /// The part of the reach that the tool uses if it begins at `start`.
 pub(super) fn taken(tool: &[[f64; 2]], start: Place) -> Workspace {
-    let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+    let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2], z: [start.z; 2] };
     for [x, y] in tool {
         taken.x = [taken.x[0].min(start.x + x), taken.x[1].max(start.x + x)];
         taken.y = [taken.y[0].min(start.y + y), taken.y[1].max(start.y + y)];

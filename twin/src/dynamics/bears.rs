@@ -3,7 +3,7 @@
 //! Tensions are elastic, without damping. Between two steps a held motor is at rest, so damping would show the belt's
 //! whole speed. The motion of the steps themselves is in their impulses.
 
-use super::plant::{Plant, Spring, sum};
+use super::plant::{Field, Plant, Spring, sum};
 use std::f64::consts::TAU;
 
 impl Plant {
@@ -15,8 +15,8 @@ impl Plant {
 
     /// Electrical turns between a rotor and its commanded place: how often it has slipped.
     #[must_use]
-    pub fn slips(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        ((at_mm - sent_mm) / (TAU * self.params.electrical_radian_mm())).round()
+    pub fn slips(&self, motor: usize, at_mm: f64, sent_mm: f64) -> f64 {
+        ((at_mm - sent_mm) / (TAU * self.field(motor).radian_mm)).round()
     }
 
     /// Force of each motor at the belt, in N.
@@ -24,7 +24,7 @@ impl Plant {
         let first = self.first_motor();
         sent_mm.iter().enumerate().map(move |(motor, sent)| {
             if self.are_rotors() {
-                return at.get(first + motor).map_or(0.0, |at| self.field_n(*at, *sent));
+                return at.get(first + motor).map_or(0.0, |at| self.field_n(motor, *at, *sent));
             }
             let pull = |spring: &Spring| {
                 let c: f64 = spring.row.iter().filter(|(i, _)| *i == first + motor).map(|(_, c)| c).sum();
@@ -48,7 +48,7 @@ impl Plant {
         let mut forces = [0.0, force_y];
         self.rub(speeds, &mut forces);
         let arm = self.start().x + at.first().copied().unwrap_or(0.0) - self.params.width_mm / 2.0;
-        let mass = self.params.head_mass_kg + self.params.bar_mass_kg;
+        let mass = self.masses_kg[1];
         belts + self.params.head_mass_kg / mass * forces[1] * arm
     }
 
@@ -61,10 +61,10 @@ impl Plant {
         if !self.are_rotors() {
             return motion + belts;
         }
-        let radian = self.params.electrical_radian_mm();
-        let rotors = at.iter().skip(self.first_motor()).zip(sent_mm);
-        let (holding, detent) = (self.params.holding_force_n() * radian, self.params.detent_force_n() * radian / 4.0);
-        let stored = |(at, sent): (&f64, &f64)| {
+        let rotors = at.iter().skip(self.first_motor()).zip(sent_mm).zip(&self.fields);
+        let stored = |((at, sent), field): ((&f64, &f64), &Field)| {
+            let radian = field.radian_mm;
+            let (holding, detent) = (field.holding_n * radian, field.detent_n * radian / 4.0);
             holding * (1.0 - ((sent - at) / radian).cos()) + detent * (1.0 - (4.0 * at / radian).cos())
         };
         motion + belts + rotors.map(stored).sum::<f64>()

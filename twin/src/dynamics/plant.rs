@@ -1,6 +1,6 @@
 //! Plant: the forces on all moving parts, for given commanded motor positions.
 //!
-//! Coordinates are changes from the start: x, y, idlers, then motors. Motors are either at their commanded positions
+//! Coordinates are changes from the start: x, y, z where belts lift the tool, idlers, then motors. Motors are either at their commanded positions
 //! (*held*), or rotors that their fields pull there. A segment's stiffness follows from its free length at the
 //! commanded positions: motors change the amount of belt in a segment, stretch does not. So stiffness is constant
 //! between two steps, and energy is conserved.
@@ -38,14 +38,32 @@ pub struct Detail {
 pub(super) struct Spring {
     /// Free length at the start, in mm.
     length_mm: f64,
-    /// Its growth per millimetre of the tool in x and y.
-    pub(super) grows: [f64; 2],
+    /// Tensile stiffness of its belt and its tension at rest, in N.
+    ea_n: f64,
+    preload_n: f64,
+    /// Its growth per millimetre of the tool in x, y and z.
+    pub(super) grows: [f64; 3],
     /// Coordinates that stretch it, with their factors.
     pub(super) row: Vec<(usize, f64)>,
     /// The same for a radian of the bar's yaw.
     pub(super) yaw_mm: f64,
     /// Present value, in N/mm.
     pub(super) stiffness: f64,
+}
+
+/// Field and rotor of a motor, at the belt.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Field {
+    /// Its maximum force, in N.
+    pub(super) holding_n: f64,
+    /// The detent's, in N.
+    pub(super) detent_n: f64,
+    /// Belt in mm per electrical radian.
+    pub(super) radian_mm: f64,
+    /// Its stiffness at rest, in N/mm.
+    stiffness: f64,
+    /// Viscous friction of its rotor, in N s/mm.
+    damping: f64,
 }
 
 /// Forces and masses.
@@ -58,9 +76,14 @@ pub struct Plant {
     start: Place,
     /// mm/s^2 per newton, of each moving coordinate.
     pub(super) mobility: Vec<f64>,
-    /// Coordinates: x, y, idlers, motors.
+    /// Coordinates: x, y, z where belts lift the tool, idlers, motors.
     count: usize,
+    /// How many of them are the tool's.
+    axes: usize,
+    /// Mass in kg that moves along x, y and z.
+    pub(super) masses_kg: [f64; 3],
     are_rotors: bool,
+    pub(super) fields: Vec<Field>,
     pub(super) springs: Vec<Spring>,
     /// Names of the spans, and the first spring of each.
     pub(super) spans: Vec<(&'static str, usize)>,
@@ -93,14 +116,18 @@ impl Plant {
         let is_idler = |c: &&Coordinate| matches!(c, Coordinate::Idler(_));
         let idlers = elastic.links.coordinates.iter().filter(is_idler).copied();
         let motors = ways.motors.iter().map(|number| Coordinate::Motor(*number));
-        let order: Vec<Coordinate> = [Coordinate::X, Coordinate::Y].into_iter().chain(idlers).chain(motors).collect();
+        let axes = machine.axes();
+        let tool = Coordinate::TOOL.into_iter().take(axes);
+        let order: Vec<Coordinate> = tool.chain(idlers).chain(motors).collect();
         let index = |c: &Coordinate| elastic.links.index(*c);
         let entry = |link: &Link, c: &Coordinate| index(c).and_then(|i| link.row.get(i)).copied().unwrap_or(0.0);
         let moving = order.len() - if detail.rotors { 0 } else { ways.motors.len() };
         let masses = order.iter().take(moving).filter_map(index).map(|i| elastic.mass[(i, i)]);
         let spring = |link: &Link| Spring {
             length_mm: link.length_mm,
-            grows: [entry(link, &Coordinate::X), entry(link, &Coordinate::Y)],
+            ea_n: params.belt_ea_n.of(link.belt),
+            preload_n: params.preload_n.of(link.belt),
+            grows: Coordinate::TOOL.map(|axis| entry(link, &axis)),
             row: order.iter().enumerate().map(|(i, c)| (i, entry(link, c))).filter(|(_, v)| v.abs() > 0.5).collect(),
             yaw_mm: entry(link, &Coordinate::Yaw),
             stiffness: link.stiffness(params),
@@ -111,8 +138,18 @@ impl Plant {
                 spans.push((link.span, i));
             }
         }
+        let field = |motor: usize| Field {
+            holding_n: params.holding_force_n(motor),
+            detent_n: params.detent_force_n(motor),
+            radian_mm: params.electrical_radian_mm(motor),
+            stiffness: params.field_stiffness_n_per_mm(motor),
+            damping: params.rotor_damping_n_s_per_mm(motor),
+        };
         let mut plant = Self {
             params: params.clone(),
+            axes,
+            masses_kg: machine.masses_kg(params),
+            fields: (0..ways.motors.len()).map(field).collect(),
             start,
             mobility: masses.map(|kg| MM_PER_M / kg).collect(),
             count: order.len(),
@@ -135,10 +172,16 @@ impl Plant {
         self
     }
 
-    /// Coordinates: x, y, idlers, motors.
+    /// Number of all coordinates.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.count
+    }
+
+    /// How many coordinates are the tool's: x, y and maybe z.
+    #[must_use]
+    pub const fn axes(&self) -> usize {
+        self.axes
     }
 
     /// Number of moving coordinates.
@@ -172,10 +215,11 @@ impl Plant {
 
     /// Sets the free lengths for commanded motor positions.
     pub fn send(&mut self, sent_mm: &[f64]) {
-        let [x, y] = self.ways.tool(sent_mm);
+        let [x, y, z] = self.ways.tool(sent_mm);
         for spring in &mut self.springs {
-            let length = spring.length_mm + spring.grows[0] * x + spring.grows[1] * y;
-            spring.stiffness = self.params.belt_ea_n / length.max(SHORTEST_FREE_MM);
+            let [along_x, along_y, up] = spring.grows;
+            let length = spring.length_mm + along_x * x + along_y * y + up * z;
+            spring.stiffness = spring.ea_n / length.max(SHORTEST_FREE_MM);
         }
         self.longest_step_s = self.stable_step_s();
     }
@@ -189,10 +233,10 @@ impl Plant {
     /// A stable step for all vibrations. The square of the highest angular frequency is at most the largest row sum of
     /// stiffness over mass (Gershgorin).
     fn stable_step_s(&self) -> f64 {
-        let field = if self.are_rotors { self.params.field_stiffness_n_per_mm() } else { 0.0 };
         let mut fastest = 0.0_f64;
         for (coordinate, mobility) in self.mobility.iter().enumerate() {
-            let mut sum = if coordinate >= self.first_motor() { field } else { 0.0 };
+            let motor = coordinate.checked_sub(self.first_motor()).filter(|_| self.are_rotors);
+            let mut sum = motor.map_or(0.0, |motor| self.field(motor).stiffness);
             for spring in &self.springs {
                 let own: f64 = spring.row.iter().filter(|(i, _)| *i == coordinate).map(|(_, c)| c.abs()).sum();
                 if own > 0.0 {
@@ -207,8 +251,8 @@ impl Plant {
 
     /// Deceleration rate of creeping parts by dry friction of the guides, in 1/s.
     fn rubs(&self) -> f64 {
-        let dry = [self.params.dry_friction_x_n, self.params.dry_friction_y_n];
-        dry.iter().zip(&self.mobility).map(|(dry, mobility)| dry * mobility / CREEP).fold(0.0, f64::max)
+        let guides = self.params.guides().into_iter().take(self.axes);
+        guides.zip(&self.mobility).map(|((_, dry), mobility)| dry * mobility / CREEP).fold(0.0, f64::max)
     }
 
     /// Effect of a held motor's step on all speeds: the belt's damping passes the sudden turn on as an impulse.
@@ -229,7 +273,7 @@ impl Plant {
 
     /// Elastic tension of a spring; 0 where it is slack.
     pub(super) fn tension(&self, spring: &Spring, at: &[f64]) -> f64 {
-        (self.params.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
+        (spring.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
     }
 
     /// Pull of a spring: its tension, and its damping unless it is slack.
@@ -277,9 +321,8 @@ impl Plant {
 
     /// Guides: viscous and dry friction.
     pub(super) fn rub(&self, speeds: &[f64], forces: &mut [f64]) {
-        let p = &self.params;
-        let guides = [(p.guide_x_n_s_per_m, p.dry_friction_x_n), (p.guide_y_n_s_per_m, p.dry_friction_y_n)];
-        for ((viscous, dry), (speed, force)) in guides.into_iter().zip(speeds.iter().zip(forces)) {
+        let guides = self.params.guides().into_iter().take(self.axes);
+        for ((viscous, dry), (speed, force)) in guides.zip(speeds.iter().zip(forces)) {
             *force -= viscous / MM_PER_M * speed;
             if dry > 0.0 {
                 *force -= dry * (speed / CREEP).tanh();
@@ -289,13 +332,12 @@ impl Plant {
 
     /// Fields, detents and friction of the rotors.
     fn pull(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], outside: &Outside, forces: &mut [f64]) {
-        let damping = self.params.rotor_damping_n_s_per_mm();
         let first = self.first_motor();
         let rotors = at.iter().zip(speeds).skip(first).zip(forces.iter_mut().skip(first));
-        for (motor, (((at, speed), force), sent)) in rotors.zip(sent_mm).enumerate() {
+        for (motor, ((((at, speed), force), sent), field)) in rotors.zip(sent_mm).zip(&self.fields).enumerate() {
             let pull =
-                outside.strength(motor) * self.holding_n(*at, *sent) + self.detent_n(at - outside.zero_mm(motor));
-            *force += pull - damping * speed;
+                outside.strength(motor) * field.holding_n(*at, *sent) + field.detent_n(at - outside.zero_mm(motor));
+            *force += pull - field.damping * speed;
         }
     }
 
@@ -318,24 +360,31 @@ impl Plant {
         *fy -= part * stops[1];
     }
 
-    /// Force of field and detent on a rotor, in N at the belt.
-    #[must_use]
-    pub fn field_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        self.holding_n(at_mm, sent_mm) + self.detent_n(at_mm)
+    pub(super) fn field(&self, motor: usize) -> Field {
+        self.fields.get(motor).copied().unwrap_or_default()
     }
 
+    /// Force of field and detent on a rotor, in N at the belt.
+    #[must_use]
+    pub fn field_n(&self, motor: usize, at_mm: f64, sent_mm: f64) -> f64 {
+        let field = self.field(motor);
+        field.holding_n(at_mm, sent_mm) + field.detent_n(at_mm)
+    }
+}
+
+impl Field {
     /// Force of a full-strength field on a rotor, in N at the belt.
     fn holding_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        self.params.holding_force_n() * ((sent_mm - at_mm) / self.params.electrical_radian_mm()).sin()
+        self.holding_n * ((sent_mm - at_mm) / self.radian_mm).sin()
     }
 
     /// Detent force on a rotor at this distance from a detent position, in N at the belt.
     fn detent_n(&self, off_mm: f64) -> f64 {
-        if self.params.detent_torque_nm == 0.0 {
+        if self.detent_n == 0.0 {
             return 0.0;
         }
         // Four detents an electrical turn: one a full step.
-        -self.params.detent_force_n() * (4.0 * off_mm / self.params.electrical_radian_mm()).sin()
+        -self.detent_n * (4.0 * off_mm / self.radian_mm).sin()
     }
 }
 

@@ -2,17 +2,18 @@
 //!
 //! Between two stops the belt is the straight line tangent to both circles on the sides where it passes. On a pulley it
 //! wraps from one such line to the next. Nothing here assumes lines along x or y; tests find that these machines have
-//! them. [`workspace()`] is the resulting reach.
+//! them. A belt in space runs along the axes, from corner to corner of its line (`upright`). [`workspace()`] is the
+//! resulting reach.
 
 mod segment;
+mod upright;
 mod workspace;
 
 pub use segment::{Segment, Wrap};
 pub use workspace::{Workspace, workspace};
-pub(crate) use workspace::{follows_x, follows_y};
 
 use crate::params::Params;
-use crate::routing::{Belt, Machine, Place, Stop};
+use crate::routing::{Belt, Machine, Place, Runs, Stop};
 use segment::{between, wrap};
 
 /// The belts of a machine with the tool at a place.
@@ -22,7 +23,7 @@ pub struct Layout {
     pub segments: Vec<Segment>,
     /// Wraps on pulleys, in the same order.
     pub wraps: Vec<Wrap>,
-    /// Length of each belt in mm, segments and wraps.
+    /// Length of each belt in mm, segments and wraps, and the belt outside.
     pub belt_lengths_mm: Vec<f64>,
 }
 
@@ -30,13 +31,21 @@ pub struct Layout {
 #[must_use]
 pub fn layout(machine: Machine, params: &Params, tool: Place) -> Layout {
     let mut layout = Layout { segments: Vec::new(), wraps: Vec::new(), belt_lengths_mm: Vec::new() };
-    let mut first = 0;
+    let (mut first, mut span) = (0, 0);
     for belt in machine.belts() {
-        let segments = lay(belt, first, params, tool);
-        let wraps = wraps(belt, &segments);
+        let (segments, wraps) = match belt.runs {
+            Runs::Flat => {
+                let segments = lay(&belt, first, params, tool);
+                let wraps = wraps(&belt, &segments);
+                (segments, wraps)
+            }
+            Runs::Upright => upright::lay(&belt, first, params, tool),
+        };
+        let outside: f64 = (span..span + belt.spans.len()).map(|span| params.outside_mm.of(span)).sum();
+        span += belt.spans.len();
         let straight: f64 = segments.iter().map(|segment| segment.length_mm).sum();
         let wrapped: f64 = wraps.iter().map(|wrap| wrap.angle_rad * params.pulley_radius_mm).sum();
-        layout.belt_lengths_mm.push(straight + wrapped);
+        layout.belt_lengths_mm.push(straight + wrapped + outside);
         layout.segments.extend(segments);
         layout.wraps.extend(wraps);
         first += belt.stops.len();
@@ -49,7 +58,7 @@ fn lay(belt: &Belt, first: usize, params: &Params, tool: Place) -> Vec<Segment> 
     let pairs = belt.stops.iter().zip(belt.stops.iter().skip(1)).enumerate();
     let mut segments: Vec<Segment> =
         pairs.map(|(i, (a, b))| between((first + i, a), (first + i + 1, b), params, tool)).collect();
-    if let (true, [head, .., last]) = (belt.is_closed(), belt.stops) {
+    if let (true, [head, .., last]) = (belt.is_closed(), &*belt.stops) {
         segments.push(between((first + belt.stops.len() - 1, last), (first, head), params, tool));
     }
     segments

@@ -13,10 +13,20 @@ pub struct Segment {
     pub to: usize,
     /// Place where it leaves the first stop, in mm.
     pub begin: [f64; 2],
-    /// The direction of travel, of length 1.
+    /// The direction of travel in x and y; with the rise it has length 1.
     pub heading: [f64; 2],
+    /// The direction of travel in z.
+    pub rise: f64,
     /// Free length in mm; NaN where the stops overlap so far that there is no such line.
     pub length_mm: f64,
+}
+
+impl Segment {
+    /// The direction of travel along x, y and z.
+    #[must_use]
+    pub const fn along(&self) -> [f64; 3] {
+        [self.heading[0], self.heading[1], self.rise]
+    }
 }
 
 /// The part of the belt that lies on a pulley.
@@ -51,11 +61,11 @@ pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params,
     let (a, [dx, dy]) = (from.1.centre(params, tool), apart(tool));
     if dx.hypot(dy) < SAME_PLACE_MM && across == 0.0 {
         // At the end of the reach one pulley lies above the other; the belt keeps its direction.
-        let [dx, dy] = apart(Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 });
+        let [dx, dy] = apart(Place::flat(params.width_mm / 2.0, params.depth_mm / 2.0));
         let heading = [dx / dx.hypot(dy), dy / dx.hypot(dy)];
         let offset = from.1.sign() * radius;
         let begin = [a[0] + offset * heading[1], a[1] - offset * heading[0]];
-        return Segment { from: from.0, to: to.0, begin, heading, length_mm: 0.0 };
+        return Segment { from: from.0, to: to.0, begin, heading, rise: 0.0, length_mm: 0.0 };
     }
     let square = dx * dx + dy * dy;
     // Rounding must not make the square of a segment at its very end negative.
@@ -64,7 +74,7 @@ pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params,
     let heading = [(dx * length_mm + dy * across) / square, (dy * length_mm - dx * across) / square];
     let offset = from.1.sign() * radius;
     let begin = [a[0] + offset * heading[1], a[1] - offset * heading[0]];
-    Segment { from: from.0, to: to.0, begin, heading, length_mm }
+    Segment { from: from.0, to: to.0, begin, heading, rise: 0.0, length_mm }
 }
 
 /// The arc between two segments on a pulley of this sign.

@@ -6,15 +6,17 @@
 
 use super::layout;
 use crate::params::Params;
-use crate::routing::{Block, Machine, Place, Stop};
+use crate::routing::{Machine, Place};
 
-/// A rectangle of tool places, in mm from motor 1's axis.
+/// A rectangle (or box) of tool places, in mm from motor 1's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workspace {
     /// Leftmost and rightmost.
     pub x: [f64; 2],
     /// Foremost and backmost.
     pub y: [f64; 2],
+    /// Lowest and highest, where belts lift the tool; otherwise 0 and 0.
+    pub z: [f64; 2],
 }
 
 impl std::fmt::Display for Workspace {
@@ -30,7 +32,7 @@ impl Workspace {
     pub fn has(&self, tool: Place) -> bool {
         const ROUNDING: f64 = 1e-9;
         let within = |v: f64, [low, high]: [f64; 2]| v >= low - ROUNDING && v <= high + ROUNDING;
-        within(tool.x, self.x) && within(tool.y, self.y)
+        within(tool.x, self.x) && within(tool.y, self.y) && within(tool.z, self.z)
     }
 
     /// Whether a path of this extent stays within it, except for the small distance beyond it at which a switch is
@@ -44,48 +46,52 @@ impl Workspace {
         within(path.x, self.x) && within(path.y, self.y)
     }
 
+    /// A place at half its height.
+    #[must_use]
+    pub const fn at(&self, x: f64, y: f64) -> Place {
+        Place { x, y, z: self.centre().z }
+    }
+
+    /// A place of G-code; its z counts where belts lift the tool.
+    #[must_use]
+    pub fn of_gcode(&self, [x, y, z]: [f64; 3]) -> Place {
+        let Place { x: left, y: front, z: bottom } = self.origin();
+        let lifts = self.z[1] > self.z[0];
+        Place { x: left + x, y: front + y, z: if lifts { bottom + z } else { 0.0 } }
+    }
+
     /// G-code's X0 Y0.
     #[must_use]
     pub const fn origin(&self) -> Place {
-        Place { x: self.x[0], y: self.y[0] }
+        Place { x: self.x[0], y: self.y[0], z: self.z[0] }
     }
 
     /// The middle.
     #[must_use]
     pub const fn centre(&self) -> Place {
-        Place { x: (self.x[0] + self.x[1]) / 2.0, y: (self.y[0] + self.y[1]) / 2.0 }
+        Place { x: (self.x[0] + self.x[1]) / 2.0, y: (self.y[0] + self.y[1]) / 2.0, z: (self.z[0] + self.z[1]) / 2.0 }
     }
 }
 
 /// The reach of a machine; empty (first bounds above second ones) if its pulleys have no room.
 #[must_use]
 pub fn workspace(machine: Machine, params: &Params) -> Workspace {
-    let middle = Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 };
-    let stops: Vec<&Stop> = machine.stops().collect();
-    let mut reach = Workspace { x: [f64::NEG_INFINITY, f64::INFINITY], y: [f64::NEG_INFINITY, f64::INFINITY] };
+    let [x, y, z] = [params.width_mm, params.depth_mm, params.height_mm].map(|length| length / 2.0);
+    let middle = if machine.lifts() { Place { x, y, z } } else { Place::flat(x, y) };
+    let stops = machine.stops();
+    let mut reach = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
     for segment in layout(machine, params, middle).segments {
         let (Some(from), Some(to)) = (stops.get(segment.from), stops.get(segment.to)) else { continue };
-        if segment.length_mm.is_nan() {
-            return Workspace { x: [middle.x, 0.0], y: [middle.y, 0.0] };
+        if segment.length_mm.is_nan() || segment.length_mm <= 0.0 && machine.lifts() {
+            return Workspace { x: [x, 0.0], y: [y, 0.0], z: [0.0; 2] };
         }
-        let [along_x, along_y] = segment.heading;
-        // Growth of the segment per millimetre of the tool.
-        let grows_x = along_x * (follows_x(to) - follows_x(from));
-        let grows_y = along_y * (follows_y(to) - follows_y(from));
-        narrow(&mut reach.x, middle.x, grows_x, segment.length_mm);
-        narrow(&mut reach.y, middle.y, grows_y, segment.length_mm);
+        for (axis, ((range, at), along)) in reach.iter_mut().zip(middle.xyz()).zip(segment.along()).enumerate() {
+            // Growth of the segment per millimetre of the tool.
+            narrow(range, at, along * (to.follows(axis) - from.follows(axis)), segment.length_mm);
+        }
     }
-    reach
-}
-
-/// Motion of a stop in x per millimetre of the tool.
-pub(crate) fn follows_x(stop: &Stop) -> f64 {
-    f64::from(u8::from(stop.block() == Block::Head))
-}
-
-/// Motion of a stop in y per millimetre of the tool.
-pub(crate) fn follows_y(stop: &Stop) -> f64 {
-    f64::from(u8::from(stop.block() != Block::Frame))
+    let [x, y, z] = reach;
+    Workspace { x, y, z: if machine.lifts() { z } else { [0.0; 2] } }
 }
 
 /// Ends a range where a segment with this growth per millimetre has no length left.

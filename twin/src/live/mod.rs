@@ -57,7 +57,8 @@ pub struct Live {
     machine: Machine,
     plant: Plant,
     state: State,
-    step_mm: f64,
+    /// Belt per step of each motor.
+    step_mm: Vec<f64>,
     /// Steps of each motor since the start.
     counts: Vec<i64>,
     /// The same in mm of belt.
@@ -73,9 +74,9 @@ pub struct Live {
 
 impl Live {
     /// A machine at rest with its tool at `start`, at a time in ticks of 0.1 us. No motor has power. A step is
-    /// `step_mm` of belt. `phases_mm` has the magnetic zero of each motor relative to the belt without strain.
+    /// `step_mm` of belt, motor by motor. `phases_mm` has the magnetic zero of each motor relative to the belt without strain.
     #[must_use]
-    pub fn new(machine: Machine, params: &Params, start: Place, step_mm: f64, phases_mm: &[f64], now: u64) -> Self {
+    pub fn new(machine: Machine, params: &Params, start: Place, step_mm: &[f64], phases_mm: &[f64], now: u64) -> Self {
         let detail = Detail { idlers: false, rotors: true };
         let plant = Plant::new(machine, params, start, detail).in_steps_of(LONGEST_STEP_S);
         let motors = plant.ways.motors.len();
@@ -90,7 +91,7 @@ impl Live {
             machine,
             plant,
             state,
-            step_mm,
+            step_mm: step_mm.to_vec(),
             counts: vec![0; motors],
             stepped_mm: vec![0.0; motors],
             given: vec![0.0; motors],
@@ -134,10 +135,10 @@ impl Live {
 
     /// Steps motors now: this many steps each, counter-clockwise.
     pub fn step(&mut self, steps: &[i64]) {
-        let motors = self.counts.iter_mut().zip(steps).zip(&mut self.stepped_mm);
-        for ((count, steps), stepped) in motors {
+        let motors = self.counts.iter_mut().zip(steps).zip(&mut self.stepped_mm).zip(&self.step_mm);
+        for (((count, steps), stepped), step_mm) in motors {
             *count += steps;
-            *stepped = *count as f64 * self.step_mm;
+            *stepped = *count as f64 * step_mm;
         }
         let fields = self.state.sent_mm.iter_mut().zip(&self.state.outside.zeros_mm);
         for ((sent, zero), stepped) in fields.zip(&self.stepped_mm) {
@@ -188,21 +189,20 @@ impl Live {
     /// The tool's place, from motor 1's axis.
     #[must_use]
     pub fn tool(&self) -> Place {
-        let [x, y] = self.xy(&self.state.at);
-        Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
+        self.place_of(self.of_tool(&self.state.at))
     }
 
     /// Its speed, in mm/s.
     #[must_use]
     pub fn velocity_mm_s(&self) -> [f64; 2] {
-        self.xy(&self.state.speeds)
+        let [x, y, _] = self.of_tool(&self.state.speeds);
+        [x, y]
     }
 
     /// The tool's commanded place, from its start and the steps.
     #[must_use]
     pub fn stepped_to(&self) -> Place {
-        let [x, y] = self.plant.ways.tool(&self.stepped_mm);
-        Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
+        self.place_of(self.plant.ways.tool(&self.stepped_mm))
     }
 
     /// Residual of the rotors in mm: the strain of the belt. `None` on a machine that has none.
@@ -239,9 +239,14 @@ impl Live {
         std::mem::take(&mut self.skips)
     }
 
-    /// x and y from positions or speeds.
-    fn xy(&self, of: &[f64]) -> [f64; 2] {
-        [0, 1].map(|axis| of.get(axis).copied().unwrap_or(0.0))
+    /// x, y and z from positions or speeds; z is 0 where no belt lifts the tool.
+    fn of_tool(&self, of: &[f64]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| of.get(axis).copied().filter(|_| axis < self.plant.axes()).unwrap_or(0.0))
+    }
+
+    fn place_of(&self, [x, y, z]: [f64; 3]) -> Place {
+        let start = self.plant.start();
+        Place { x: start.x + x, y: start.y + y, z: start.z + z }
     }
 
     fn look(&mut self) {
@@ -258,11 +263,11 @@ impl Live {
             if *given == 0.0 {
                 continue;
             }
-            *strength = given * pull_out_torque_at_belt_nm(params, *speed) / params.holding_torque_nm;
+            *strength = given * pull_out_torque_at_belt_nm(params, motor, *speed) / params.holding_torque_nm;
             let glance = Glance {
                 tick: self.now,
-                turns: self.plant.slips(*at, *sent),
-                share: ((sent - at) / params.electrical_radian_mm()).sin().abs(),
+                turns: self.plant.slips(motor, *at, *sent),
+                share: ((sent - at) / params.electrical_radian_mm(motor)).sin().abs(),
                 is_at_rest: self.is_at_rest,
                 tool,
             };
@@ -280,8 +285,8 @@ mod tests {
     /// The tool's oscillation in mm, each 0.1 ms for 0.1 s, after a motor has made this many steps at once, 16 a full
     /// step, with another motor braked.
     fn swing(params: &Params, steps: i64, refinement: f64) -> Vec<[f64; 2]> {
-        let start = Place { x: 150.0, y: 300.0 };
-        let mut live = Live::new(Machine::CoreHBot, params, start, params.full_step_mm() / 16.0, &[], 0);
+        let start = Place::flat(150.0, 300.0);
+        let mut live = Live::new(Machine::CoreHBot, params, start, &[params.full_step_mm(0) / 16.0; 4], &[], 0);
         live.state.refinement = refinement;
         (0..4).for_each(|motor| live.give(motor, 1.0));
         live.step(&[steps, 0, 0, 0]);

@@ -16,8 +16,8 @@ const STREAM: u64 = 0x7068_6173; // "phas"
 #[must_use]
 pub fn phases_mm(seed: u64, motors: usize, params: &Params) -> Vec<f64> {
     let mut random = Random::new(seed, STREAM);
-    let most = MOST_FULL_STEPS * params.full_step_mm();
-    (0..motors).map(|_| (2.0 * random.unit() - 1.0) * most).collect()
+    let most = |motor: usize| MOST_FULL_STEPS * params.full_step_mm(motor);
+    (0..motors).map(|motor| (2.0 * random.unit() - 1.0) * most(motor)).collect()
 }
 
 #[cfg(test)]
@@ -28,7 +28,7 @@ mod tests {
     fn phases_fill_four_full_steps_evenly() {
         let params = Params::default();
         let phases: Vec<f64> = (0..1000).flat_map(|seed| phases_mm(seed, 4, &params)).collect();
-        let most = 2.0 * params.full_step_mm();
+        let most = 2.0 * params.full_step_mm(0);
         assert!(phases.iter().all(|phase| phase.abs() <= most));
         let rms = (phases.iter().map(|phase| phase * phase).sum::<f64>() / phases.len() as f64).sqrt();
         // The RMS of a uniform distribution is its half width over the root of three: 0.2303 mm. 4,000 samples

@@ -91,7 +91,7 @@ impl Rotor {
 mod tests {
     use super::*;
 
-    const HERE: Place = Place { x: 1.0, y: 2.0 };
+    const HERE: Place = Place::flat(1.0, 2.0);
 
     fn look(rotor: &mut Rotor, ms: u64, turns: f64) -> Option<(u64, i32, Place)> {
         rotor.look(&Glance { tick: ms * 10_000, turns, share: 0.1, is_at_rest: false, tool: HERE })

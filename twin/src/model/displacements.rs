@@ -23,8 +23,8 @@ const A_PULLEY: usize = 3;
 /// head, dx, dy and r dtheta of each pulley, and the displacement of each piece of belt.
 #[must_use]
 pub fn displacements(machine: Machine, params: &Params) -> DMatrix<f64> {
-    let middle = Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 };
-    let stops: Vec<&Stop> = machine.stops().collect();
+    let middle = Place::flat(params.width_mm / 2.0, params.depth_mm / 2.0);
+    let stops = machine.stops();
     let segments = layout(machine, params, middle).segments;
     let unknowns = BLOCKS + A_PULLEY * stops.len() + segments.len();
     let mut equations: Vec<Vec<(usize, f64)>> = blocks();

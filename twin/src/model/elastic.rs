@@ -64,10 +64,10 @@ impl Elastic {
         let links =
             if freedom.idlers { Links::segments(machine, params, tool) } else { Links::spans(machine, params, tool) };
         let parts = links.coordinates.iter().map(|c| part(*c, freedom)).collect();
-        let held_by: Vec<f64> = links.coordinates.iter().map(|c| held_by(*c, params, freedom)).collect();
+        let held_by: Vec<f64> = links.coordinates.iter().map(|c| held_by(*c, machine, params, freedom)).collect();
         let stiffness = stiffness(&links, &held_by, params);
-        let mass = mass(&links.coordinates, params, tool);
-        let damping = damping(&links, &held_by, &stiffness, params);
+        let mass = mass(&links.coordinates, machine, params, tool);
+        let damping = damping(&links, &held_by, &stiffness, machine, params);
         Self { machine, links, parts, held_by, stiffness, mass, damping }
     }
 
@@ -80,7 +80,7 @@ impl Elastic {
 
 fn part(coordinate: Coordinate, freedom: Freedom) -> Part {
     match coordinate {
-        Coordinate::X | Coordinate::Y => Part::Moves,
+        Coordinate::X | Coordinate::Y | Coordinate::Z | Coordinate::Frame(_) => Part::Moves,
         Coordinate::Yaw if freedom.yaw => Part::Moves,
         Coordinate::Yaw => Part::Held,
         // Spans have none.
@@ -91,11 +91,12 @@ fn part(coordinate: Coordinate, freedom: Freedom) -> Part {
     }
 }
 
-fn held_by(coordinate: Coordinate, params: &Params, freedom: Freedom) -> f64 {
+fn held_by(coordinate: Coordinate, machine: Machine, params: &Params, freedom: Freedom) -> f64 {
     match coordinate {
         Coordinate::Yaw => params.bar_yaw_stiffness_nm_per_rad * MM_PER_M,
+        Coordinate::Frame(axis) => params.frame_stiffness_n_per_mm.of(axis),
         Coordinate::Motor(number) if freedom.rotors && freedom.free_motor != Some(number) => {
-            params.field_stiffness_n_per_mm()
+            params.field_stiffness_n_per_mm(machine.index_of(number))
         }
         _ => 0.0,
     }
@@ -111,32 +112,45 @@ fn stiffness(links: &Links, held_by: &[f64], params: &Params) -> DMatrix<f64> {
 }
 
 /// Belt damping is proportional to belt stiffness; fields have none.
-fn damping(links: &Links, held_by: &[f64], stiffness: &DMatrix<f64>, params: &Params) -> DMatrix<f64> {
+fn damping(
+    links: &Links,
+    held_by: &[f64],
+    stiffness: &DMatrix<f64>,
+    machine: Machine,
+    params: &Params,
+) -> DMatrix<f64> {
     let mut sum = stiffness * params.belt_damping_s;
     for (i, (coordinate, held)) in links.coordinates.iter().zip(held_by).enumerate() {
         sum[(i, i)] -= held * params.belt_damping_s;
         sum[(i, i)] += match coordinate {
             Coordinate::X => params.guide_x_n_s_per_m / MM_PER_M,
             Coordinate::Y => params.guide_y_n_s_per_m / MM_PER_M,
-            Coordinate::Motor(_) => params.rotor_damping_n_s_per_mm(),
-            Coordinate::Yaw | Coordinate::Idler(_) => 0.0,
+            Coordinate::Z => params.guide_z_n_s_per_m / MM_PER_M,
+            Coordinate::Motor(number) => params.rotor_damping_n_s_per_mm(machine.index_of(*number)),
+            Coordinate::Yaw | Coordinate::Frame(_) | Coordinate::Idler(_) => 0.0,
         };
     }
     sum
 }
 
 /// The head rides on the bar: when the bar yaws about its middle, the head moves by its distance from there.
-fn mass(coordinates: &[Coordinate], params: &Params, tool: Place) -> DMatrix<f64> {
+fn mass(coordinates: &[Coordinate], machine: Machine, params: &Params, tool: Place) -> DMatrix<f64> {
     let arm = tool.x - params.width_mm / 2.0;
-    let (head, bar) = (params.head_mass_kg, params.bar_mass_kg);
+    let head = params.head_mass_kg;
+    let [along_x, along_y, up] = machine.masses_kg(params);
     let entry = |a: Coordinate, b: Coordinate| match (a, b) {
-        (Coordinate::X, Coordinate::X) => head,
-        (Coordinate::Y, Coordinate::Y) => head + bar,
-        (Coordinate::Y, Coordinate::Yaw) | (Coordinate::Yaw, Coordinate::Y) => head * arm,
-        // A slender bar as wide as the machine.
-        (Coordinate::Yaw, Coordinate::Yaw) => bar * params.width_mm.powi(2) / 12.0 + head * arm * arm,
+        (Coordinate::X, Coordinate::X) => along_x,
+        (Coordinate::Y, Coordinate::Y) => along_y,
+        (Coordinate::Z, Coordinate::Z) => up,
+        (Coordinate::Y | Coordinate::Frame(1), Coordinate::Yaw)
+        | (Coordinate::Yaw, Coordinate::Y | Coordinate::Frame(1)) => head * arm,
+        (Coordinate::Yaw, Coordinate::Yaw) => params.bar_yaw_inertia_kg_mm2() + head * arm * arm,
+        // x and y are counted from the frame, so what moves along them moves with it too.
+        (Coordinate::Frame(i), Coordinate::Frame(j)) if i == j => params.frame_mass_kg + machine.carried_kg(params),
+        (Coordinate::X, Coordinate::Frame(0)) | (Coordinate::Frame(0), Coordinate::X) => along_x,
+        (Coordinate::Y, Coordinate::Frame(1)) | (Coordinate::Frame(1), Coordinate::Y) => along_y,
         (Coordinate::Idler(i), Coordinate::Idler(j)) if i == j => params.idler_mass_kg(),
-        (Coordinate::Motor(i), Coordinate::Motor(j)) if i == j => params.rotor_mass_kg(),
+        (Coordinate::Motor(i), Coordinate::Motor(j)) if i == j => params.rotor_mass_kg(machine.index_of(i)),
         _ => 0.0,
     };
     DMatrix::from_fn(coordinates.len(), coordinates.len(), |i, j| match (coordinates.get(i), coordinates.get(j)) {

@@ -6,7 +6,7 @@
 
 use super::SHORTEST_FREE_MM;
 use super::coordinate::Coordinate;
-use crate::geometry::{Segment, follows_x, follows_y, layout};
+use crate::geometry::{Segment, layout};
 use crate::params::Params;
 use crate::routing::{Block, Machine, Place, Role, Stop};
 
@@ -15,6 +15,8 @@ use crate::routing::{Block, Machine, Place, Role, Stop};
 pub struct Link {
     /// The span that it is or belongs to.
     pub span: &'static str,
+    /// Its belt, in the order of the machine's belts.
+    pub belt: usize,
     /// Free length in mm.
     pub length_mm: f64,
     /// Its stretch in mm for a unit of each coordinate.
@@ -25,7 +27,7 @@ impl Link {
     /// Its stiffness in N/mm.
     #[must_use]
     pub fn stiffness(&self, params: &Params) -> f64 {
-        params.belt_ea_n / self.length_mm.max(SHORTEST_FREE_MM)
+        params.belt_ea_n.of(self.belt) / self.length_mm.max(SHORTEST_FREE_MM)
     }
 
     /// Adds a link with the same tension.
@@ -46,7 +48,8 @@ impl Link {
 /// All links of a machine for a place of the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Links {
-    /// Coordinates of the rows: x, y, yaw, then the pulleys in the order of the stops.
+    /// Coordinates of the rows: x, y, yaw, z where belts lift the tool, a soft frame, then the pulleys in the order of
+    /// the stops.
     pub coordinates: Vec<Coordinate>,
     /// The links, belt after belt in the direction of travel.
     pub links: Vec<Link>,
@@ -56,11 +59,11 @@ impl Links {
     /// A link for every straight segment.
     #[must_use]
     pub fn segments(machine: Machine, params: &Params, tool: Place) -> Self {
-        let stops: Vec<&Stop> = machine.stops().collect();
-        let coordinates = coordinates(&stops);
+        let stops = machine.stops();
+        let coordinates = coordinates(&stops, machine.lifts(), !params.frame_stiffness_n_per_mm.values().is_empty());
         let segments = layout(machine, params, tool).segments;
-        let link = |(segment, span)| link(segment, span, &stops, &coordinates, params, tool);
-        let links = segments.iter().zip(span_names(machine)).filter_map(link).collect();
+        let link = |(segment, part)| link(segment, part, &stops, &coordinates, params, tool);
+        let links = segments.iter().zip(parts(machine)).filter_map(link).collect();
         Self { coordinates, links }
     }
 
@@ -98,43 +101,61 @@ impl Links {
     }
 }
 
-/// Span of each segment, belt after belt. Motors and clamps end spans.
-fn span_names(machine: Machine) -> Vec<&'static str> {
-    let mut names = Vec::new();
-    for belt in machine.belts() {
-        let mut spans = belt.spans.iter();
-        let mut open = None;
-        let ends = belt.stops.iter().skip(1).chain(belt.is_closed().then(|| belt.stops.first()).flatten());
-        for end in ends {
-            let span = open.take().or_else(|| spans.next().copied()).unwrap_or_default();
-            names.push(span);
-            open = matches!(end.role, Role::Idler(_)).then_some(span);
-        }
-    }
-    names
+/// The part of a belt that a segment is.
+#[derive(Clone, Copy)]
+struct Piece {
+    belt: usize,
+    /// Its span, in the order of the machine's spans, and its name.
+    span: usize,
+    name: &'static str,
+    /// Whether it is the first segment of its span, which the belt outside counts for.
+    is_first: bool,
 }
 
-fn coordinates(stops: &[&Stop]) -> Vec<Coordinate> {
-    let pulley = |(index, stop): (usize, &&Stop)| match stop.role {
+/// Belt and span of each segment, belt after belt. Motors and clamps end spans.
+fn parts(machine: Machine) -> Vec<Piece> {
+    let mut parts = Vec::new();
+    let mut span = 0;
+    for (index, belt) in machine.belts().iter().enumerate() {
+        let mut names = belt.spans.iter();
+        let mut name = names.next().copied().unwrap_or_default();
+        let mut is_first = true;
+        let ends = belt.stops.iter().skip(1).chain(belt.is_closed().then(|| belt.stops.first()).flatten());
+        for end in ends {
+            parts.push(Piece { belt: index, span, name, is_first });
+            is_first = !matches!(end.role, Role::Idler(_));
+            if is_first {
+                span += 1;
+                name = names.next().copied().unwrap_or_default();
+            }
+        }
+    }
+    parts
+}
+
+fn coordinates(stops: &[Stop], lifts: bool, has_soft_frame: bool) -> Vec<Coordinate> {
+    let pulley = |(index, stop): (usize, &Stop)| match stop.role {
         Role::Motor => Some(Coordinate::Motor(stop.number)),
         Role::Idler(_) => Some(Coordinate::Idler(index)),
         Role::Clamp => None,
     };
     let pulleys = stops.iter().enumerate().filter_map(pulley);
-    [Coordinate::X, Coordinate::Y, Coordinate::Yaw].into_iter().chain(pulleys).collect()
+    let lift = lifts.then_some(Coordinate::Z);
+    let frame = [0, 1].into_iter().filter(|_| has_soft_frame).map(Coordinate::Frame);
+    [Coordinate::X, Coordinate::Y, Coordinate::Yaw].into_iter().chain(lift).chain(frame).chain(pulleys).collect()
 }
 
 /// The segment law: see the head of the room.
 fn link(
     segment: &Segment,
-    span: &'static str,
-    stops: &[&Stop],
+    part: Piece,
+    stops: &[Stop],
     coordinates: &[Coordinate],
     params: &Params,
     tool: Place,
 ) -> Option<Link> {
-    let (from, to) = (*stops.get(segment.from)?, *stops.get(segment.to)?);
-    let [along_x, along_y] = segment.heading;
+    let (from, to) = (stops.get(segment.from)?, stops.get(segment.to)?);
+    let [along_x, along_y, up] = segment.along();
     let turns = |index: usize, stop: &Stop, coordinate: Coordinate| match coordinate {
         Coordinate::Idler(idler) if idler == index => stop.sign(),
         Coordinate::Motor(number) if stop.motor() == Some(number) => stop.sign(),
@@ -145,13 +166,17 @@ fn link(
         along_x * x + along_y * y
     };
     let entry = |coordinate: &Coordinate| match coordinate {
-        Coordinate::X => along_x * (follows_x(to) - follows_x(from)),
-        Coordinate::Y => along_y * (follows_y(to) - follows_y(from)),
+        Coordinate::X => along_x * (to.follows(0) - from.follows(0)),
+        Coordinate::Y => along_y * (to.follows(1) - from.follows(1)),
+        // All stops move with it.
+        Coordinate::Frame(_) => 0.0,
+        Coordinate::Z => up * (to.follows(2) - from.follows(2)),
         Coordinate::Yaw => yaws(to) - yaws(from),
         pulley => turns(segment.to, to, *pulley) - turns(segment.from, from, *pulley),
     };
     let row = coordinates.iter().map(entry).collect();
-    Some(Link { span, length_mm: segment.length_mm, row })
+    let outside = if part.is_first { params.outside_mm.of(part.span) } else { 0.0 };
+    Some(Link { span: part.name, belt: part.belt, length_mm: segment.length_mm + outside, row })
 }
 
 /// Motion of a stop's centre per radian of the bar about its middle.

@@ -4,7 +4,7 @@
 //! this on to its block. On an idler the two pulls have no moment about the axis.
 
 use crate::geometry::Layout;
-use crate::routing::{Block, Machine, Place, Stop};
+use crate::routing::{Block, Machine, Place};
 
 /// A force in N and a couple in N mm about a place, counter-clockwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Load {
 /// Load of the belt on a block, about a place, for a tension of every segment.
 #[must_use]
 pub fn load(machine: Machine, layout: &Layout, tensions_n: &[f64], block: Block, about: Place) -> Load {
-    let stops: Vec<&Stop> = machine.stops().collect();
+    let stops = machine.stops();
     let mut load = Load::default();
     for (segment, tension) in layout.segments.iter().zip(tensions_n) {
         for (stop, pull) in [(segment.from, *tension), (segment.to, -tension)] {

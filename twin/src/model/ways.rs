@@ -17,15 +17,15 @@ const NO_WAY: f64 = 1e-6;
 pub struct Ways {
     /// Numbers of the motors, ascending.
     pub motors: Vec<u8>,
-    /// Belt in mm per millimetre of x and of y, motor by motor.
-    pub rows: Vec<[f64; 2]>,
+    /// Belt in mm per millimetre of x, of y and, where belts lift the tool, of z, motor by motor.
+    pub rows: Vec<[f64; 3]>,
 }
 
 impl Ways {
     /// From the routing; the same for every place of the tool.
     #[must_use]
     pub fn new(machine: Machine, params: &Params) -> Self {
-        let middle = Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 };
+        let middle = Place::of_xyz([params.width_mm, params.depth_mm, params.height_mm].map(|length| length / 2.0));
         let spans = Links::spans(machine, params, middle);
         let motors = machine.motors();
         let column = |coordinate: Coordinate| {
@@ -35,19 +35,29 @@ impl Ways {
         };
         let turns: Vec<_> = motors.iter().map(|number| column(Coordinate::Motor(*number))).collect();
         let inverse = DMatrix::from_columns(&turns).pseudo_inverse(NO_WAY).unwrap_or_default();
-        let [x, y] = [Coordinate::X, Coordinate::Y].map(|axis| -(&inverse * column(axis)));
-        let rows = x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect();
+        let [x, y, z] = Coordinate::TOOL.map(|axis| -(&inverse * column(axis)));
+        let rows = x.iter().zip(&y).zip(&z).map(|((x, y), z)| [*x, *y, *z]).collect();
         Self { motors, rows }
     }
 
     /// The tool's displacement for this motor travel, nearest to all motors.
     #[must_use]
-    pub fn tool(&self, turned_mm: &[f64]) -> [f64; 2] {
-        // The two columns are orthogonal on these machines, so each is projected separately.
-        [0, 1].map(|axis| {
-            let square: f64 = self.rows.iter().map(|row| row[axis] * row[axis]).sum();
-            self.rows.iter().zip(turned_mm).map(|(row, turned)| row[axis] * turned).sum::<f64>() / square
-        })
+    pub fn tool(&self, turned_mm: &[f64]) -> [f64; 3] {
+        let axis = |axis: usize| self.rows.iter().map(move |row| row[axis]);
+        let dot = |a: usize, b: usize| axis(a).zip(axis(b)).map(|(a, b)| a * b).sum::<f64>();
+        let along = [0, 1, 2].map(|a| axis(a).zip(turned_mm).map(|(way, turned)| way * turned).sum::<f64>());
+        let squares = [dot(0, 0), dot(1, 1), dot(2, 2)];
+        let mixed = [dot(0, 1), dot(0, 2), dot(1, 2)];
+        if mixed.iter().all(|mixed| mixed.abs() < NO_WAY) {
+            // Each column is projected separately. An axis that no belt moves has none.
+            return [0, 1, 2].map(|i| if squares[i] < NO_WAY { 0.0 } else { along[i] / squares[i] });
+        }
+        let [[xx, yy, zz], [xy, xz, yz]] = [squares, mixed];
+        // An axis without belts stands for itself.
+        let zz = if zz < NO_WAY { 1.0 } else { zz };
+        let normal = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let solved = normal.lu().solve(&nalgebra::Vector3::from(along)).unwrap_or_default();
+        [solved[0], solved[1], solved[2]]
     }
 
     /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm: the
@@ -59,13 +69,14 @@ impl Ways {
         let errors = signs.map(|signs| -> Vec<f64> {
             (0..self.motors.len()).map(|i| if signs >> i & 1 == 1 { belt } else { -belt }).collect()
         });
+        let residuals = machine.residuals();
         let is_legal = |turned: &Vec<f64>| {
-            let residual = |pattern: &&[f64]| pattern.iter().zip(turned).map(|(p, t)| p * t).sum::<f64>();
-            machine.residuals().iter().all(|pattern| residual(pattern).abs() < NO_WAY)
+            let residual = |pattern: &Vec<f64>| pattern.iter().zip(turned).map(|(p, t)| p * t).sum::<f64>();
+            residuals.iter().all(|pattern| residual(pattern).abs() < NO_WAY)
         };
         let far = |turned: Vec<f64>| {
-            let [x, y] = self.tool(&turned);
-            x.hypot(y)
+            let [x, y, z] = self.tool(&turned);
+            x.hypot(y).hypot(z)
         };
         errors.filter(is_legal).map(far).fold(0.0, f64::max)
     }
@@ -75,6 +86,6 @@ impl Ways {
 /// larger one where there are two.
 #[must_use]
 pub fn residual_mm(machine: Machine, turned_mm: &[f64]) -> Option<f64> {
-    let residual = |pattern: &&[f64]| pattern.iter().zip(turned_mm).map(|(p, t)| p * t).sum::<f64>();
+    let residual = |pattern: &Vec<f64>| pattern.iter().zip(turned_mm).map(|(p, t)| p * t).sum::<f64>();
     machine.residuals().iter().map(residual).max_by(|a, b| a.abs().total_cmp(&b.abs()))
 }

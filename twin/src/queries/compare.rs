@@ -77,7 +77,7 @@ impl Compare {
     ) -> Result<Self, NotHeld> {
         let area = area.unwrap_or_else(|| common(params));
         let (xs, ys) = (points(area.x, columns), points(area.y, rows));
-        let places: Vec<Place> = ys.iter().flat_map(|y| xs.iter().map(|x| Place { x: *x, y: *y })).collect();
+        let places: Vec<Place> = ys.iter().flat_map(|y| xs.iter().map(|x| Place::flat(*x, *y))).collect();
         let one = |machine| compared(machine, params, freedom, area.centre(), &places, force_n);
         let machines = COMPARED.into_iter().map(one).collect::<Result<_, _>>()?;
         Ok(Self { x_mm: area.x, y_mm: area.y, force_n, machines })
@@ -88,9 +88,14 @@ impl Compare {
 #[must_use]
 pub fn common(params: &Params) -> Workspace {
     let all = COMPARED.map(|machine| workspace(machine, params));
-    let widest = Workspace { x: [f64::NEG_INFINITY, f64::INFINITY], y: [f64::NEG_INFINITY, f64::INFINITY] };
+    const WIDEST: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let widest = Workspace { x: WIDEST, y: WIDEST, z: WIDEST };
     let both = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.max(c), b.min(d)];
-    all.into_iter().fold(widest, |area, reach| Workspace { x: both(area.x, reach.x), y: both(area.y, reach.y) })
+    all.into_iter().fold(widest, |area, reach| Workspace {
+        x: both(area.x, reach.x),
+        y: both(area.y, reach.y),
+        z: both(area.z, reach.z),
+    })
 }
 
 fn compared(
@@ -166,7 +171,7 @@ impl std::fmt::Display for Compare {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let ([left, right], [front, back]) = (self.x_mm, self.y_mm);
         writeln!(f, "x {left:.1} to {right:.1}, y {front:.1} to {back:.1} mm")?;
-        let name = |key| Machine::ALL.into_iter().find(|m| m.key() == key).map_or(key, Machine::name);
+        let name = Machine::name_of;
         let head: Vec<String> = self.machines.iter().map(|m| format!("{:>18}", name(m.machine))).collect();
         writeln!(f, "  {:<34}{}", "", head.concat())?;
         let mut row = |what: &str, figure: &dyn Fn(&Compared) -> String| {

@@ -80,8 +80,8 @@ pub struct WrapAnswer {
 pub struct MotorAnswer {
     /// Its number.
     pub motor: u8,
-    /// Belt per millimetre of x and of y, counter-clockwise.
-    pub belt_per_mm: [f64; 2],
+    /// Belt per millimetre of x, of y and, where belts lift the tool, of z, counter-clockwise.
+    pub belt_per_mm: Vec<f64>,
 }
 
 impl Geometry {
@@ -91,7 +91,7 @@ impl Geometry {
         let (machine, params) = (setup.machine, &setup.params);
         let Layout { segments, wraps, belt_lengths_mm } = layout(machine, params, setup.tool);
         let reach = workspace(machine, params);
-        let stops: Vec<&Stop> = machine.stops().collect();
+        let stops = machine.stops();
         let number = |index: usize| stops.get(index).map_or(0, |stop| stop.number);
         let segment = |s: &crate::geometry::Segment| SegmentAnswer {
             between: [number(s.from), number(s.to)],
@@ -112,10 +112,12 @@ impl Geometry {
             reach_y_mm: reach.y,
             segments: segments.iter().map(segment).collect(),
             wraps: wraps.iter().map(wrap).collect(),
-            motors: motors.map(|(motor, belt_per_mm)| MotorAnswer { motor, belt_per_mm }).collect(),
+            motors: motors
+                .map(|(motor, row)| MotorAnswer { motor, belt_per_mm: row.into_iter().take(machine.axes()).collect() })
+                .collect(),
             transmission_error_mm: transmission_error_mm(machine, params),
             toothed_pulleys: toothed(machine),
-            machines: Machine::ALL.into_iter().map(|machine| in_short(machine, params)).collect(),
+            machines: Machine::ALL.into_iter().filter(|m| !m.lifts()).map(|m| in_short(m, params)).collect(),
         }
     }
 }
@@ -126,15 +128,15 @@ fn transmission_error_mm(machine: Machine, params: &Params) -> f64 {
 
 /// Numbers of the pulleys on the toothed side of the belt, ascending.
 fn toothed(machine: Machine) -> Vec<u8> {
-    let is_toothed = |stop: &&Stop| matches!(stop.role, Role::Motor | Role::Idler(Side::Inside));
-    let mut numbers: Vec<u8> = machine.stops().filter(is_toothed).map(|stop| stop.number).collect();
+    let is_toothed = |stop: &Stop| matches!(stop.role, Role::Motor | Role::Idler(Side::Inside));
+    let mut numbers: Vec<u8> = machine.stops().into_iter().filter(is_toothed).map(|stop| stop.number).collect();
     numbers.sort_unstable();
     numbers
 }
 
 fn in_short(machine: Machine, params: &Params) -> InShort {
     let reach = workspace(machine, params);
-    let pulleys = machine.stops().filter(|stop| stop.role != Role::Clamp).count();
+    let pulleys = machine.stops().iter().filter(|stop| stop.role != Role::Clamp).count();
     InShort {
         machine: machine.key(),
         belt_mm: layout(machine, params, reach.centre()).belt_lengths_mm.iter().sum(),
@@ -166,8 +168,13 @@ impl std::fmt::Display for Geometry {
         for WrapAnswer { pulley, angle_deg, length_mm } in &self.wraps {
             writeln!(f, "  wrap on {pulley:>2}  {angle_deg:>5.1} degrees {length_mm:>9.3} mm")?;
         }
-        for MotorAnswer { motor, belt_per_mm: [x, y] } in &self.motors {
-            writeln!(f, "  motor {motor:<2} turns {} mm/mm of x, {} of y", shown(*x, 0), shown(*y, 0))?;
+        for MotorAnswer { motor, belt_per_mm } in &self.motors {
+            let of: Vec<String> = belt_per_mm
+                .iter()
+                .zip(["mm/mm of x", "of y", "of z"])
+                .map(|(mm, of)| format!("{} {of}", shown(*mm, 0)))
+                .collect();
+            writeln!(f, "  motor {motor:<2} turns {}", of.join(", "))?;
         }
         writeln!(
             f,
@@ -175,7 +182,7 @@ impl std::fmt::Display for Geometry {
             "", "belt, mm", "x, mm", "y, mm", "error, mm", "toothed of"
         )?;
         for m in &self.machines {
-            let name = Machine::ALL.into_iter().find(|one| one.key() == m.machine).map_or(m.machine, Machine::name);
+            let name = Machine::name_of(m.machine);
             let pair = |[low, high]: [f64; 2]| format!("{low:.1} to {high:.1}");
             let (x, y, [toothed, all]) = (pair(m.reach_x_mm), pair(m.reach_y_mm), m.toothed_of);
             write!(f, "{name:<12}{:>11.3}{x:>16}{y:>16}{:>11.5}", m.belt_mm, m.transmission_error_mm)?;

@@ -8,7 +8,7 @@ use crate::geometry::workspace;
 use crate::model::coordinate::Coordinate;
 use crate::model::ways::Ways;
 use crate::params::Params;
-use crate::routing::{Machine, Place};
+use crate::routing::Machine;
 use crate::solve::NotHeld;
 use crate::solve::balance::balance;
 use crate::solve::modes::{mode_of, modes};
@@ -64,7 +64,7 @@ impl Limits {
         let (xs, ys) = (points(reach.x, GRID), points(reach.y, GRID));
         let mut slowest_hz = [f64::INFINITY; 2];
         let mut tension_n = [0.0_f64; 2];
-        for tool in ys.iter().flat_map(|y| xs.iter().map(|x| Place { x: *x, y: *y })) {
+        for tool in ys.iter().flat_map(|y| xs.iter().map(|x| reach.at(*x, *y))) {
             let elastic = Setup { tool, ..setup.clone() }.elastic();
             let modes = modes(&elastic)?;
             for (axis, coordinate) in [Coordinate::X, Coordinate::Y].into_iter().enumerate() {
@@ -79,7 +79,7 @@ impl Limits {
             }
         }
         let ways = Ways::new(*machine, params);
-        let mass = [params.head_mass_kg, params.head_mass_kg + params.bar_mass_kg];
+        let mass = machine.masses_kg(params);
         let [x, y] = [0, 1].map(|i| {
             let row: Vec<f64> = ways.rows.iter().map(|row| row[i]).collect();
             axis(&row, mass[i], slowest_hz[i], tension_n[i], params, error_mm, torque_part)
@@ -103,14 +103,14 @@ fn axis(
     torque_part: f64,
 ) -> AxisLimits {
     let omega = TAU * slowest_hz;
-    let pull: f64 = row.iter().map(|way| way.abs() * params.holding_force_n()).sum();
-    let rotors: f64 = row.iter().map(|way| way * way * params.rotor_mass_kg()).sum();
+    let pull: f64 = row.iter().map(|way| way.abs() * params.holding_force_n(0)).sum();
+    let rotors: f64 = row.iter().map(|way| way * way * params.rotor_mass_kg(0)).sum();
     // From rest to the angle where a field lets go: twice its force times its electrical radian.
-    let energy_n_mm = 2.0 * params.holding_force_n() * params.electrical_radian_mm() * row.len() as f64;
+    let energy_n_mm = 2.0 * params.holding_force_n(0) * params.electrical_radian_mm(0) * row.len() as f64;
     let moving = mass_kg + rotors;
     AxisLimits {
         torque_acceleration_mm_s2: torque_part * pull / moving * MM_PER_M,
-        slack_acceleration_mm_s2: params.preload_n / (tension_n * mass_kg) * MM_PER_M,
+        slack_acceleration_mm_s2: params.preload_n.of(0) / (tension_n * mass_kg) * MM_PER_M,
         ringing_acceleration_mm_s2: error_mm * omega * omega / 2.0,
         speed_jump_mm_s: error_mm * omega,
         slip_jump_mm_s: (2.0 * energy_n_mm * MM_PER_M / moving).sqrt(),
@@ -119,7 +119,7 @@ fn axis(
 
 impl std::fmt::Display for Limits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = Machine::ALL.into_iter().find(|m| m.key() == self.machine).map_or(self.machine, Machine::name);
+        let name = Machine::name_of(self.machine);
         writeln!(f, "{name}, worst place of the reach{:>20}{:>10}", "x", "y")?;
         let mut row = |what: &str, figure: fn(&AxisLimits) -> f64| {
             writeln!(f, "  {what:<46}{:>9}{:>10}", shown(figure(&self.x), 0), shown(figure(&self.y), 0))

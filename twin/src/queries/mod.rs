@@ -14,6 +14,7 @@ pub mod stiffness;
 mod strain;
 pub mod torque;
 
+use crate::geometry::workspace;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
 use crate::routing::{Machine, Place};
@@ -36,7 +37,9 @@ impl Setup {
     /// The nominal machine with fixed motors and idlers without mass.
     #[must_use]
     pub fn nominal(machine: Machine, x: f64, y: f64) -> Self {
-        Self { machine, params: Params::default(), tool: Place { x, y }, freedom: Freedom::default() }
+        let params = Params::default();
+        let tool = workspace(machine, &params).at(x, y);
+        Self { machine, params, tool, freedom: Freedom::default() }
     }
 
     pub(crate) fn elastic(&self) -> Elastic {
@@ -61,7 +64,7 @@ pub struct At {
 
 impl std::fmt::Display for At {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = Machine::ALL.into_iter().find(|m| m.key() == self.machine).map_or(self.machine, Machine::name);
+        let name = Machine::name_of(self.machine);
         write!(f, "{name} with the tool at ({:.1}, {:.1}) mm", self.x_mm, self.y_mm)
     }
 }

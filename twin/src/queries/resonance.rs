@@ -97,7 +97,7 @@ impl Resonance {
     pub fn new(setup: &Setup, columns: usize, rows: usize) -> Result<Self, NotHeld> {
         let reach = workspace(setup.machine, &setup.params);
         let (x_mm, y_mm) = (points(reach.x, columns), points(reach.y, rows));
-        let at = |x: f64, y: f64| modes(&Setup { tool: Place { x, y }, ..setup.clone() }.elastic());
+        let at = |x: f64, y: f64| modes(&Setup { tool: reach.at(x, y), ..setup.clone() }.elastic());
         let grid = y_mm.iter().map(|y| x_mm.iter().map(|x| at(*x, *y)).collect::<Result<Vec<_>, _>>());
         let grid: Vec<Vec<Vec<Mode>>> = grid.collect::<Result<_, _>>()?;
         let middle = at(reach.centre().x, reach.centre().y)?;
@@ -115,11 +115,12 @@ fn yaw(setup: &Setup, x_mm: &[f64], y_mm: &[f64], y: &AxisResonance) -> Result<Y
         let modes = modes(&Setup { tool, freedom, ..setup.clone() }.elastic())?;
         mode_of(&modes, Coordinate::Yaw).cloned().ok_or(NotHeld)
     };
-    let row = |y: &f64| x_mm.iter().map(|x| Ok(mode(Place { x: *x, y: *y })?.frequency_hz)).collect();
+    let reach = workspace(setup.machine, &setup.params);
+    let row = |y: &f64| x_mm.iter().map(|x| Ok(mode(reach.at(*x, *y))?.frequency_hz)).collect();
     let frequencies_hz = y_mm.iter().map(row).collect::<Result<Vec<Vec<f64>>, NotHeld>>()?;
     let all = || frequencies_hz.iter().flatten().copied();
     let band_hz = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
-    let damping_ratio = mode(workspace(setup.machine, &setup.params).centre())?.damping_ratio;
+    let damping_ratio = mode(reach.centre())?.damping_ratio;
     let left_by_y = y.suggestion.map(|design| {
         let impulses = impulses(design.kind, design.frequency_hz, y.damping_ratio);
         all().map(|hz| residual(&impulses, hz, damping_ratio)).fold(0.0, f64::max)
@@ -157,8 +158,8 @@ fn axis(
     });
     let middle_hz = mode_of(middle, own).map_or(0.0, |mode| mode.frequency_hz);
     let resonant_speeds = ResonantSpeeds {
-        full_step_mm_s: middle_hz * params.full_step_mm(),
-        electrical_turn_mm_s: middle_hz * 4.0 * params.full_step_mm(),
+        full_step_mm_s: middle_hz * params.full_step_mm(0),
+        electrical_turn_mm_s: middle_hz * 4.0 * params.full_step_mm(0),
         tooth_mm_s: middle_hz * TOOTH_MM,
     };
     AxisResonance { frequencies_hz, band_hz, coupling, damping_ratio, suggestion, shapers, line, resonant_speeds }
@@ -166,7 +167,7 @@ fn axis(
 
 impl std::fmt::Display for Resonance {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = Machine::ALL.into_iter().find(|m| m.key() == self.machine).map_or(self.machine, Machine::name);
+        let name = Machine::name_of(self.machine);
         writeln!(f, "{name}, {} places", self.x_mm.len() * self.y_mm.len())?;
         for (letter, axis) in [("x", &self.x), ("y", &self.y)] {
             let [low, high] = axis.band_hz;

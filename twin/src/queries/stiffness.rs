@@ -1,6 +1,8 @@
-//! Stiffness of the tool: the 2x2 matrix in N per millimetre, and its softest direction.
+//! Stiffness of the tool: the matrix of x and y in N per millimetre, its softest direction, and z where belts lift the
+//! tool.
 
 use super::{At, Setup, shown};
+use crate::model::coordinate::Coordinate;
 use crate::solve::NotHeld;
 use crate::solve::balance::condensed;
 use serde::Serialize;
@@ -20,7 +22,10 @@ pub struct Stiffness {
     /// Force in y per millimetre of x.
     #[serde(rename = "Kxy_N_per_mm")]
     pub kxy: f64,
-    /// Stiffness of the softest direction.
+    /// Force in z per millimetre of z; none where no belts lift the tool.
+    #[serde(rename = "Kzz_N_per_mm", skip_serializing_if = "Option::is_none")]
+    pub kzz: Option<f64>,
+    /// Stiffness of the softest direction of x and y.
     #[serde(rename = "softest_N_per_mm")]
     pub softest: f64,
     /// That direction, from x towards y, -90 to 90.
@@ -33,15 +38,19 @@ impl Stiffness {
     /// # Errors
     /// Nothing holds the machine.
     pub fn new(setup: &Setup) -> Result<Self, NotHeld> {
-        // x and y are the first two coordinates of all links.
-        let k = condensed(&setup.elastic(), &[0, 1])?;
+        // x and y are the first two coordinates of all links. Where belts lift the tool, z is held.
+        let elastic = setup.elastic();
+        let up = elastic.links.index(Coordinate::Z);
+        let kept: Vec<usize> = [0, 1].into_iter().chain(up).collect();
+        let k = condensed(&elastic, &kept)?;
         let (kxx, kyy, kxy) = (k[(0, 0)], k[(1, 1)], k[(0, 1)]);
+        let kzz = up.map(|_| k[(2, 2)]);
         let (mean, half) = ((kxx + kyy) / 2.0, (kxx - kyy) / 2.0);
         let turned = half.hypot(kxy);
         // The stiffest direction is at half the angle of (half, kxy), the softest at a right angle to it.
         let stiffest = kxy.atan2(half).to_degrees() / 2.0;
         let softest_direction_deg = if stiffest > 0.0 { stiffest - 90.0 } else { stiffest + 90.0 };
-        Ok(Self { at: setup.at(), kxx, kyy, kxy, softest: mean - turned, softest_direction_deg })
+        Ok(Self { at: setup.at(), kxx, kyy, kxy, kzz, softest: mean - turned, softest_direction_deg })
     }
 }
 
@@ -51,6 +60,9 @@ impl std::fmt::Display for Stiffness {
         writeln!(f, "  Kxx {:>9} N/mm", shown(self.kxx, 3))?;
         writeln!(f, "  Kyy {:>9} N/mm", shown(self.kyy, 3))?;
         writeln!(f, "  Kxy {:>9} N/mm", shown(self.kxy, 3))?;
+        if let Some(kzz) = self.kzz {
+            writeln!(f, "  Kzz {:>9} N/mm", shown(kzz, 3))?;
+        }
         let direction = shown(self.softest_direction_deg, 1);
         writeln!(f, "  softest {:>5} N/mm, at {direction} degrees from x", shown(self.softest, 3))
     }

@@ -98,7 +98,7 @@ impl TorqueLimits {
         Ok(Self {
             margin,
             speeds_mm_s: SPEEDS.to_vec(),
-            pull_out_torque_mnm: SPEEDS.map(|speed| 1000.0 * pull_out_torque_at_belt_nm(params, speed)).to_vec(),
+            pull_out_torque_mnm: SPEEDS.map(|speed| 1000.0 * pull_out_torque_at_belt_nm(params, 0, speed)).to_vec(),
             accelerations_mm_s2: ACCELERATIONS.to_vec(),
             directions,
             settings,

@@ -7,7 +7,7 @@ use super::Belt;
 use super::stop::Mark::{High, Low, Tool};
 use super::stop::Stop;
 
-pub(super) const BELT: Belt = Belt { stops: &STOPS, spans: &["lo", "R", "up", "L"] };
+pub(super) const BELT: Belt = Belt::flat(&STOPS, &["lo", "R", "up", "L"]);
 
 const STOPS: [Stop; 14] = [
     Stop::motor_at(1, Low, Low),

@@ -8,11 +8,11 @@ use super::stop::Mark::{High, Low, Tool};
 use super::stop::Stop;
 
 pub(super) const BELTS: [Belt; 2] =
-    [Belt { stops: &BELT_A, spans: &["A back", "A front"] }, Belt { stops: &BELT_B, spans: &["B front", "B back"] }];
+    [Belt::flat(&BELT_A, &["A back", "A front"]), Belt::flat(&BELT_B, &["B front", "B back"])];
 
 pub(super) const AWD_BELTS: [Belt; 2] = [
-    Belt { stops: &AWD_BELT_A, spans: &["A right", "A back", "A front"] },
-    Belt { stops: &AWD_BELT_B, spans: &["B front", "B back", "B left"] },
+    Belt::flat(&AWD_BELT_A, &["A right", "A back", "A front"]),
+    Belt::flat(&AWD_BELT_B, &["B front", "B back", "B left"]),
 ];
 
 const A_RIGHT: Stop = Stop::clamp((Tool, 0.0, 1.0), (Tool, -1.0, 1.0));

@@ -7,7 +7,7 @@ use super::Belt;
 use super::stop::Mark::{High, Low, Tool};
 use super::stop::Stop;
 
-pub(super) const BELT: Belt = Belt { stops: &STOPS, spans: &["right", "back", "left"] };
+pub(super) const BELT: Belt = Belt::flat(&STOPS, &["right", "back", "left"]);
 
 const STOPS: [Stop; 10] = [
     Stop::clamp((Tool, 0.0, 1.0), (Tool, 1.0, -1.0)),

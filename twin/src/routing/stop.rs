@@ -7,13 +7,15 @@ use crate::params::Params;
 pub enum Mark {
     /// The left or front side: motor 1's axis.
     Low,
-    /// The right or back side: W or D.
+    /// Half way to the other side.
+    Middle,
+    /// The right or back side, or the top: W, D or H.
     High,
     /// The tool.
     Tool,
 }
 
-/// One coordinate of a place: an origin, and radii and half distances (e for x, d for y) beyond it.
+/// One coordinate of a place: an origin, and radii and half distances (e for x, d for y, 0 for z) beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Along {
     /// Its origin.
@@ -25,14 +27,20 @@ pub struct Along {
 }
 
 impl Along {
-    const fn new(from: Mark, radii: f64, halves: f64) -> Self {
+    pub(super) const fn new(from: Mark, radii: f64, halves: f64) -> Self {
         Self { from, radii, halves }
+    }
+
+    /// Exactly at an origin.
+    pub(super) const fn at_mark(from: Mark) -> Self {
+        Self::new(from, 0.0, 0.0)
     }
 
     /// In mm, on an axis of this length with the tool at this place and pulleys at this distance.
     fn at(self, length_mm: f64, tool_mm: f64, distance_mm: f64, radius_mm: f64) -> f64 {
         let from = match self.from {
             Mark::Low => 0.0,
+            Mark::Middle => length_mm / 2.0,
             Mark::High => length_mm,
             Mark::Tool => tool_mm,
         };
@@ -47,6 +55,28 @@ pub struct Place {
     pub x: f64,
     /// Away from the front: the middle of the bar.
     pub y: f64,
+    /// Up, where belts lift the tool; otherwise 0.
+    pub z: f64,
+}
+
+impl Place {
+    /// A place on a machine with belts for x and y alone.
+    #[must_use]
+    pub const fn flat(x: f64, y: f64) -> Self {
+        Self { x, y, z: 0.0 }
+    }
+
+    /// Its coordinates.
+    #[must_use]
+    pub const fn xyz(&self) -> [f64; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// The place at these coordinates.
+    #[must_use]
+    pub const fn of_xyz([x, y, z]: [f64; 3]) -> Self {
+        Self { x, y, z }
+    }
 }
 
 /// The part that a stop moves with.
@@ -100,6 +130,8 @@ pub struct Stop {
     pub x: Along,
     /// Place of its centre, away from the front.
     pub y: Along,
+    /// Place of its centre, up.
+    pub z: Along,
     /// Its role.
     pub role: Role,
 }
@@ -107,7 +139,7 @@ pub struct Stop {
 impl Stop {
     /// A motor of this number at a corner.
     pub(super) const fn motor_at(number: u8, x: Mark, y: Mark) -> Self {
-        Self { number, x: Along::new(x, 0.0, 0.0), y: Along::new(y, 0.0, 0.0), role: Role::Motor }
+        Self::new(number, (x, 0.0, 0.0), (y, 0.0, 0.0), Role::Motor)
     }
 
     /// A pulley on the belt's toothed side.
@@ -126,7 +158,8 @@ impl Stop {
     }
 
     const fn new(number: u8, x: (Mark, f64, f64), y: (Mark, f64, f64), role: Role) -> Self {
-        Self { number, x: Along::new(x.0, x.1, x.2), y: Along::new(y.0, y.1, y.2), role }
+        let z = Along::at_mark(Mark::Low);
+        Self { number, x: Along::new(x.0, x.1, x.2), y: Along::new(y.0, y.1, y.2), z, role }
     }
 
     /// Its number, if it is a motor.
@@ -155,6 +188,13 @@ impl Stop {
         }
     }
 
+    /// Its motion along an axis (0 to 2 for x to z) per millimetre of the tool: 1 or 0.
+    #[must_use]
+    pub fn follows(&self, axis: usize) -> f64 {
+        let along = [self.x, self.y, self.z].get(axis).copied();
+        f64::from(u8::from(along.is_some_and(|along| along.from == Mark::Tool)))
+    }
+
     /// Its centre in mm with the tool at `tool`.
     #[must_use]
     pub fn centre(&self, params: &Params, tool: Place) -> [f64; 2] {
@@ -163,5 +203,11 @@ impl Stop {
             self.x.at(params.width_mm, tool.x, params.head_pulleys_mm, radius),
             self.y.at(params.depth_mm, tool.y, params.bar_pulleys_mm, radius),
         ]
+    }
+
+    /// Its height in mm with the tool at `tool`.
+    #[must_use]
+    pub fn height(&self, params: &Params, tool: Place) -> f64 {
+        self.z.at(params.height_mm, tool.z, 0.0, params.pulley_radius_mm)
     }
 }

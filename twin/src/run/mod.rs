@@ -196,7 +196,7 @@ impl Line {
         let start = plant.start();
         let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
         let mut places = Places::default();
-        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2], z: [start.z; 2] };
         let mut residual_mm = 0.0_f64;
         let mut before = None;
         for (tick, counts) in trace.counted() {
@@ -204,10 +204,11 @@ impl Line {
             if before.as_ref() == Some(&sent) {
                 continue;
             }
-            let [x, y] = plant.ways.tool(&sent);
+            let [x, y, z] = plant.ways.tool(&sent);
             let at = [start.x + x, start.y + y];
             taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
             taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
+            taken.z = [taken.z[0].min(start.z + z), taken.z[1].max(start.z + z)];
             path.add(at, tick);
             places.add(at, tick);
             // In whole steps, so that a residual of zero is exactly 0.
@@ -223,7 +224,7 @@ impl Line {
 /// Commanded position of a motor for these counts, in mm of belt.
 fn sent(drive: &Drive, counts: &[i64; 8], step_mm: f64) -> f64 {
     let count = counts.get(drive.column).copied().unwrap_or(0);
-    (count * i64::from(drive.sense)) as f64 * step_mm
+    (count * i64::from(drive.sense)) as f64 * step_mm / f64::from(drive.multiple) * drive.axis_step
 }
 
 /// Commanded positions of all motors.

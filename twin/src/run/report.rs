@@ -114,7 +114,7 @@ impl Report {
         (duration_s, events): (f64, usize),
         wall_time_s: f64,
     ) -> Self {
-        let names = machine.belts().iter().flat_map(|belt| belt.spans).copied();
+        let names = machine.span_names().into_iter();
         let (mut corners, unseen): (Vec<Corner>, Vec<Corner>) =
             watch.contour.corners.iter().partition(|corner| corner.is_seen());
         corners.sort_by(|a, b| b.worst_mm().total_cmp(&a.worst_mm()));
@@ -131,8 +131,8 @@ impl Report {
         };
         let motor = |(motor, watch): (u8, &super::watch::MotorWatch)| MotorFigures {
             motor,
-            torque_max_mnm: watch.greatest_force_n * params.pulley_radius_mm,
-            margin: 1.0 - watch.greatest_force_n / params.holding_force_n(),
+            torque_max_mnm: watch.greatest_force_n * params.radius_mm(machine.index_of(motor)),
+            margin: 1.0 - watch.greatest_force_n / params.holding_force_n(machine.index_of(motor)),
             margin_at_speed: (watch.greatest_part_at_speed > 0.0).then_some(1.0 - watch.greatest_part_at_speed),
             slips: watch.slips,
             full_steps_off: 4.0 * watch.turns_off,

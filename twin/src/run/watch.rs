@@ -79,7 +79,7 @@ impl Watch {
         Self {
             machine,
             contour,
-            tensions_n: vec![Range::at(plant.params.preload_n); spans],
+            tensions_n: plant.tensions(&[]).map(Range::at).collect(),
             slack: 0,
             is_slack: vec![false; spans],
             motors: vec![MotorWatch::default(); plant.ways.motors.len()],
@@ -127,14 +127,16 @@ impl Watch {
 
     fn look_at_rotors(&mut self, plant: &Plant, at: &[f64], speeds: &[f64], sent_mm: &[f64]) {
         let rotor_speeds = speeds.get(plant.first_motor()..).unwrap_or_default();
-        for ((force, speed), motor) in self.now.forces_n.iter().zip(rotor_speeds).zip(&mut self.motors) {
-            let has_nm = pull_out_torque_at_belt_nm(&plant.params, *speed);
-            let part = force * plant.params.pulley_radius_mm / 1000.0 / has_nm;
+        for (index, ((force, speed), motor)) in
+            self.now.forces_n.iter().zip(rotor_speeds).zip(&mut self.motors).enumerate()
+        {
+            let has_nm = pull_out_torque_at_belt_nm(&plant.params, index, *speed);
+            let part = force * plant.params.radius_mm(index) / 1000.0 / has_nm;
             motor.greatest_part_at_speed = motor.greatest_part_at_speed.max(part);
         }
         let rotors = at.get(plant.first_motor()..).unwrap_or_default();
-        for ((at, sent), motor) in rotors.iter().zip(sent_mm).zip(&mut self.motors) {
-            let turns = plant.slips(*at, *sent);
+        for (index, ((at, sent), motor)) in rotors.iter().zip(sent_mm).zip(&mut self.motors).enumerate() {
+            let turns = plant.slips(index, *at, *sent);
             if turns != motor.turns_off {
                 motor.slips += 1;
                 motor.turns_off = turns;

@@ -74,7 +74,7 @@ fn torques(elastic: &Elastic, params: &Params, tensions_n: &[f64]) -> Vec<f64> {
         let at = elastic.links.index(Coordinate::Motor(number))?;
         let pulls = elastic.links.links.iter().zip(tensions_n);
         let force: f64 = pulls.map(|(link, tension)| link.row.get(at).copied().unwrap_or(0.0) * tension).sum();
-        Some(force * params.pulley_radius_mm)
+        Some(force * params.radius_mm(elastic.machine.index_of(number)))
     };
     elastic.machine.motors().into_iter().map(|number| torque(number).unwrap_or(0.0)).collect()
 }

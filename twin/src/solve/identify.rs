@@ -69,7 +69,7 @@ impl std::fmt::Display for IdentifyError {
                     f,
                     "{measured_hz:.1} Hz, the nearest machine at {says_hz:.1}; measure it again (the slowest strong "
                 )?;
-                f.write_str("peak, x and y not swapped), and give masses that are not the nominal ones by --params")
+                f.write_str("peak, x and y not swapped), and give masses that are not the nominal ones in [twin]")
             }
             Self::NoBelt(belt_ea_n) => {
                 write!(
@@ -79,7 +79,7 @@ impl std::fmt::Display for IdentifyError {
                 f.write_str(
                     "measure again (the slowest strong peak, x and y not swapped), and give masses that are not the ",
                 )?;
-                f.write_str("nominal ones by --params")
+                f.write_str("nominal ones in [twin]")
             }
         }
     }
@@ -146,16 +146,18 @@ pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Iden
     let worst_difference = worst.map_or(0.0, |worst| worst.log().abs());
     match worst {
         Some(worst) if worst_difference > LIKE => Err(IdentifyError::Unlike(worst)),
-        _ if logs[0].abs() > NO_BELT => Err(IdentifyError::NoBelt(found.belt_ea_n)),
-        _ => {
-            Ok(Identified { belt_ea_n: found.belt_ea_n, holding_torque_nm: found.holding_torque_nm, worst_difference })
-        }
+        _ if logs[0].abs() > NO_BELT => Err(IdentifyError::NoBelt(found.belt_ea_n.of(0))),
+        _ => Ok(Identified {
+            belt_ea_n: found.belt_ea_n.of(0),
+            holding_torque_nm: found.holding_torque_nm,
+            worst_difference,
+        }),
     }
 }
 
 fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
     Params {
-        belt_ea_n: params.belt_ea_n * belt.exp(),
+        belt_ea_n: params.belt_ea_n.times(belt.exp()),
         holding_torque_nm: params.holding_torque_nm * torque.exp(),
         ..params.clone()
     }
@@ -204,7 +206,7 @@ mod tests {
         let places = [(235.0, 235.0), (60.0, 50.0)];
         let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
         let ring = |(x, y)| {
-            let at = Place { x, y };
+            let at = Place::flat(x, y);
             let modes = modes(&Elastic::new(Machine::CoreHBot, params, at, freedom)).unwrap();
             Rung { at, frequencies_hz: [Some(modes[1].frequency_hz), Some(modes[0].frequency_hz)] }
         };
@@ -213,7 +215,7 @@ mod tests {
 
     #[test]
     fn belts_and_motors_are_found_again_from_two_places() {
-        let true_params = Params { belt_ea_n: 41_000.0, holding_torque_nm: 0.27, ..Params::default() };
+        let true_params = Params { belt_ea_n: 41_000.0.into(), holding_torque_nm: 0.27, ..Params::default() };
         let found = identify(Machine::CoreHBot, &Params::default(), &measure(&true_params)).unwrap();
         assert!((found.belt_ea_n / 41_000.0 - 1.0).abs() < 1e-5, "{found:?}");
         assert!((found.holding_torque_nm / 0.27 - 1.0).abs() < 1e-5, "{found:?}");
@@ -239,7 +241,7 @@ mod tests {
         let found = |rung: &[[f64; 4]]| {
             let rung: Vec<Rung> = rung
                 .iter()
-                .map(|[x, y, fx, fy]| Rung { at: Place { x: *x, y: *y }, frequencies_hz: [Some(*fx), Some(*fy)] })
+                .map(|[x, y, fx, fy]| Rung { at: Place::flat(*x, *y), frequencies_hz: [Some(*fx), Some(*fy)] })
                 .collect();
             identify(Machine::CoreHBot, &Params::default(), &rung)
         };

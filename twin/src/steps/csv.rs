@@ -12,8 +12,9 @@ const MOST_COLUMNS: usize = 8;
 /// More ticks than any trace has: 115 days.
 const TOO_LATE: u64 = 100_000_000_000_000;
 
-/// Rows of the CoreH-bot's motors over x and y, which a trace names by one word.
-const COREHBOT: [(&str, [i8; 2]); 4] = [("m1", [-1, 1]), ("m4", [-1, -1]), ("m8", [1, -1]), ("m11", [1, 1])];
+/// Rows of the CoreH-bot's motors over x, y and z, which a trace names by one word.
+const COREHBOT: [(&str, [i8; 3]); 4] =
+    [("m1", [-1, 1, 0]), ("m4", [-1, -1, 0]), ("m8", [1, -1, 0]), ("m11", [1, 1, 0])];
 
 /// Why a file is not a trace.
 #[derive(Debug)]
@@ -117,28 +118,44 @@ fn head(comment: &str, header: &str) -> Result<StepTrace, TraceError> {
         return Err(TraceError::Head("has other ticks than 10 MHz"));
     }
     let kinematics = field("kinematics").ok_or(TraceError::Head("does not name the kinematics"))?;
-    let steps: Option<f64> = field("steps_per_mm").and_then(|list| list.split('/').next()?.parse().ok());
-    let steps = steps.filter(|v| v.is_finite() && *v > 0.0).ok_or(TraceError::Head("does not give steps a mm"))?;
+    let listed =
+        field("steps_per_mm").map(|list| list.split('/').map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>());
+    let listed = listed.flatten().filter(|all| all.iter().all(|v| v.is_finite() && *v > 0.0)).unwrap_or_default();
+    // Of a belt, z and e; or of x, y, z and e.
+    let [x, y, z] = match listed[..] {
+        [x, y, z, _] => [x, y, z],
+        [belt, z, _] => [belt, belt, z],
+        [belt, ..] => [belt; 3],
+        [] => return Err(TraceError::Head("does not give steps a mm")),
+    };
+    // All axes of a motor have steps of one size.
+    let axis_step = |row: [i8; 3]| {
+        let axis = row.iter().zip([x, y, z]).find(|(entry, _)| **entry != 0);
+        axis.map_or(1.0, |(_, steps)| x / steps)
+    };
     let names = header.strip_prefix("tick,").ok_or(TraceError::Head("has no row of names"))?;
     let rows = rows(kinematics).ok_or(TraceError::Head("has unknown kinematics"))?;
-    let row_of = |name: &str| rows.iter().find(|(motor, _)| motor == name).map_or([0, 0], |(_, row)| *row);
-    let columns: Vec<Column> =
-        names.split(',').map(|name| Column { name: name.to_owned(), row: row_of(name) }).collect();
+    let row_of = |name: &str| rows.iter().find(|(motor, _)| motor == name).map_or([0; 3], |(_, row)| *row);
+    let columns: Vec<Column> = names
+        .split(',')
+        .map(|name| (name.to_owned(), row_of(name)))
+        .map(|(name, row)| Column { name, row, axis_step: axis_step(row) })
+        .collect();
     if columns.len() > MOST_COLUMNS {
         return Err(TraceError::Head("has more than eight motors"));
     }
-    Ok(StepTrace::new(columns, 1.0 / steps))
+    Ok(StepTrace::new(columns, 1.0 / x))
 }
 
-/// Motors and their rows over x and y: `corehbot`, or `m8(1,-1,0,0);m11(1,1,0,0)`.
-fn rows(kinematics: &str) -> Option<Vec<(String, [i8; 2])>> {
+/// Motors and their rows over x, y and z: `corehbot`, or `m8(1,-1,0,0);m11(1,1,0,0)`.
+fn rows(kinematics: &str) -> Option<Vec<(String, [i8; 3])>> {
     if kinematics == "corehbot" {
         return Some(COREHBOT.map(|(name, row)| (name.to_owned(), row)).to_vec());
     }
     let motor = |text: &str| {
         let (name, row) = text.strip_suffix(')')?.split_once('(')?;
         let mut entries = row.split(',').map(|entry| entry.parse().ok());
-        Some((name.to_owned(), [entries.next()??, entries.next()??]))
+        Some((name.to_owned(), [entries.next()??, entries.next()??, entries.next()??]))
     };
     kinematics.split(';').map(motor).collect()
 }
@@ -170,8 +187,8 @@ mod tests {
     fn a_trace_is_read_with_its_motors() {
         let trace = read(format!("{HEAD}5,-1,-1,1,1,0,0,0\n9,0,0,0,0,0,0,1\n").as_bytes()).unwrap();
         assert!((trace.step_mm - 0.0125).abs() < 1e-15);
-        assert_eq!(trace.columns[2].row, [1, -1]);
-        assert_eq!(trace.columns[6].row, [0, 0]);
+        assert_eq!(trace.columns[2].row, [1, -1, 0]);
+        assert_eq!(trace.columns[6].row, [0, 0, 0]);
         let counted: Vec<_> = trace.counted().collect();
         assert_eq!(counted, [(5, [-1, -1, 1, 1, 0, 0, 0, 0]), (9, [-1, -1, 1, 1, 0, 0, 1, 0])]);
     }
@@ -190,8 +207,18 @@ mod tests {
             steps_per_mm=100/100/400/400\n\
                     tick,m1,m4,m8,m11,z1,z2,e0\n";
         let trace = read(head.as_bytes()).unwrap();
-        assert_eq!((trace.columns[2].row, trace.columns[3].row), ([1, -1], [1, 1]));
-        assert_eq!(trace.columns[0].row, [0, 0]);
+        assert_eq!((trace.columns[2].row, trace.columns[3].row), ([1, -1, 0], [1, 1, 0]));
+        assert_eq!(trace.columns[0].row, [0, 0, 0]);
+    }
+
+    #[test]
+    fn axes_may_have_steps_of_their_own() {
+        let head = "# corehbot-trace v1 tick_hz=10000000 kinematics=m1(1,0,0,0);m4(0,1,0,0) steps_per_mm=80/100/400/400\n\
+                    tick,m1,m4\n";
+        let trace = read(head.as_bytes()).unwrap();
+        // 80 steps/mm of x, 100 of y: a step of m4 is four fifths of a step of m1.
+        assert!((trace.step_mm - 0.0125).abs() < 1e-15);
+        assert_eq!([0, 1].map(|column| trace.columns[column].axis_step), [1.0, 0.8]);
     }
 
     #[test]

@@ -1,19 +1,24 @@
 //! Drive: which column of a trace turns which motor of the twin.
 //!
-//! A motor takes the steps of a column with its own row over x and y, or with the opposite row (a pair in series, or a
-//! motor mounted the other way up). Each column is taken once before any is taken twice. So a trace of four drivers
+//! A motor takes the steps of a column with its own row over x, y and z, or with the opposite row (a pair in series, or
+//! a motor mounted the other way up). The column's row may be a multiple: a motor with a smaller pulley makes more steps
+//! for the same belt. Each column is taken once before any is taken twice. So a trace of four drivers
 //! turns four motors, and so does one of two drivers, or of another machine with the same pairs.
 
 use super::StepTrace;
 use crate::model::ways::Ways;
 
 /// A motor's column and its sense.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Index of the column.
     pub column: usize,
     /// 1 or -1.
     pub sense: i8,
+    /// Steps of this motor for a step of its axes.
+    pub multiple: u8,
+    /// A step of its axes, as a part of the trace's.
+    pub axis_step: f64,
 }
 
 /// No column of the trace has this motor's row.
@@ -21,14 +26,20 @@ pub struct Drive {
 pub struct NoColumn {
     /// The motor.
     pub motor: u8,
-    /// Its steps for a step of x and of y.
-    pub row: [i8; 2],
+    /// Its steps for a step of x, of y and of z.
+    pub row: [i8; 3],
 }
 
 impl std::fmt::Display for NoColumn {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { motor, row: [x, y] } = self;
-        write!(f, "the trace has no motor that turns ({x}, {y}) for x and y, as motor {motor} must")
+        match self {
+            Self { motor, row: [x, y, 0] } => {
+                write!(f, "the trace has no motor that turns ({x}, {y}) for x and y, as motor {motor} must")
+            }
+            Self { motor, row: [x, y, z] } => {
+                write!(f, "the trace has no motor that turns ({x}, {y}, {z}) for x, y and z, as motor {motor} must")
+            }
+        }
     }
 }
 
@@ -43,20 +54,29 @@ pub fn drives(trace: &StepTrace, ways: &Ways) -> Result<Vec<Drive>, NoColumn> {
     let mut drives = Vec::new();
     for (motor, row) in ways.motors.iter().zip(&ways.rows) {
         let row = row.map(|entry| entry.round() as i8);
-        let sense = |column: [i8; 2]| match column {
-            same if same == row => Some(1),
-            other if other == row.map(|entry| -entry) => Some(-1),
-            _ => None,
+        let sense = |column: [i8; 3]| {
+            let multiple = multiple(column);
+            match column.map(|entry| entry / multiple.max(1)) {
+                same if same == row => Some((1, multiple)),
+                other if other == row.map(|entry| -entry) => Some((-1, multiple)),
+                _ => None,
+            }
         };
         let fits = trace.columns.iter().enumerate().filter_map(|(i, c)| Some((i, sense(c.row)?)));
-        let best = fits.min_by_key(|(i, sense)| (taken.get(*i).copied(), -sense));
-        let (column, sense) = best.ok_or(NoColumn { motor: *motor, row })?;
+        let best = fits.min_by_key(|(i, (sense, _))| (taken.get(*i).copied(), -sense));
+        let (column, (sense, multiple)) = best.ok_or(NoColumn { motor: *motor, row })?;
+        let axis_step = trace.columns.get(column).map_or(1.0, |column| column.axis_step);
         if let Some(taken) = taken.get_mut(column) {
             *taken += 1;
         }
-        drives.push(Drive { column, sense });
+        drives.push(Drive { column, sense, multiple: multiple.unsigned_abs(), axis_step });
     }
     Ok(drives)
+}
+
+/// The number that all entries of a row are times -1, 0 or 1.
+fn multiple(row: [i8; 3]) -> i8 {
+    row.into_iter().map(i8::saturating_abs).max().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -67,7 +87,8 @@ mod tests {
     use crate::steps::Column;
 
     fn trace(rows: &[[i8; 2]]) -> StepTrace {
-        let columns = rows.iter().map(|row| Column { name: String::new(), row: *row }).collect();
+        let columns =
+            rows.iter().map(|[x, y]| Column { name: String::new(), row: [*x, *y, 0], axis_step: 1.0 }).collect();
         StepTrace::new(columns, 0.0125)
     }
 
@@ -85,6 +106,13 @@ mod tests {
         assert_eq!(found(Machine::CoreHBot, &two), [(1, -1), (0, -1), (1, 1), (0, 1)]);
         let cartesian = trace(&[[1, 0], [0, 1]]);
         let error = drives(&cartesian, &Ways::new(Machine::HBot, &Params::default())).unwrap_err();
-        assert_eq!(error, NoColumn { motor: 1, row: [1, 1] });
+        assert_eq!(error, NoColumn { motor: 1, row: [1, 1, 0] });
+    }
+    /// Equation 8 of the paper: 20 teeth on one motor and 16 on the other are 4 and 5 steps for a step of the axes.
+    #[test]
+    fn motors_with_pulleys_of_two_sizes_make_multiple_steps() {
+        let drives = drives(&trace(&[[4, 4], [5, -5]]), &Ways::new(Machine::CoreXy, &Params::default())).unwrap();
+        let found: Vec<_> = drives.into_iter().map(|d| (d.column, d.sense, d.multiple)).collect();
+        assert_eq!(found, [(0, 1, 4), (1, 1, 5)]);
     }
 }

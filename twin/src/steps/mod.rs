@@ -14,8 +14,10 @@ pub const TICKS_PER_SECOND: f64 = 1e7;
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// Steps per step of x and of y.
-    pub row: [i8; 2],
+    /// Steps per step of x, of y and of z.
+    pub row: [i8; 3],
+    /// A step of its axes, as a part of the trace's `step_mm`: other than 1 where axes have other steps than x.
+    pub axis_step: f64,
 }
 
 /// An instant in which motors step.

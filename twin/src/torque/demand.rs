@@ -30,6 +30,7 @@ const HALVINGS: usize = 60;
 #[derive(Clone, Debug)]
 pub struct Demand {
     params: Params,
+    machine: Machine,
     ways: Ways,
     /// For each place and motor: its torque in N m per newton that the tool needs along x and along y.
     shares: Vec<Vec<[f64; 2]>>,
@@ -50,7 +51,7 @@ impl Demand {
     pub fn new(machine: Machine, params: &Params) -> Result<Self, NotHeld> {
         let reach = workspace(machine, params);
         let point = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / (GRID - 1) as f64;
-        let places = (0..GRID * GRID).map(|i| Place { x: point(reach.x, i % GRID), y: point(reach.y, i / GRID) });
+        let places = (0..GRID * GRID).map(|i| reach.at(point(reach.x, i % GRID), point(reach.y, i / GRID)));
         let freedom = Freedom { rotors: true, ..Freedom::default() };
         let share = |tool: Place| {
             let elastic = Elastic::new(machine, params, tool, freedom);
@@ -60,26 +61,28 @@ impl Demand {
             Ok(both.map(|(x, y)| [x / MM_PER_M, y / MM_PER_M]).collect())
         };
         let shares = places.map(share).collect::<Result<_, NotHeld>>()?;
-        Ok(Self { params: params.clone(), ways: Ways::new(machine, params), shares })
+        Ok(Self { params: params.clone(), machine, ways: Ways::new(machine, params), shares })
     }
 
     /// Every motor at every place, for a direction (of length 1) and a speed of the tool in mm/s.
     fn lines(&self, [dx, dy]: [f64; 2], speed_mm_s: f64) -> impl Iterator<Item = Line> {
         let p = &self.params;
         let force = |mass: f64| mass / MM_PER_M;
-        let inertia = [force(p.head_mass_kg) * dx, force(p.head_mass_kg + p.bar_mass_kg) * dy];
+        let [along_x, along_y, _] = self.machine.masses_kg(p);
+        let inertia = [force(along_x) * dx, force(along_y) * dy];
         // Friction acts like acceleration; at rest it also opposes the move.
         let sign = |d: f64| if d.abs() < 1e-9 { 0.0 } else { d.signum() };
         let rub = |viscous: f64, dry: f64, d: f64| viscous * d * speed_mm_s / MM_PER_M + dry * sign(d);
         let friction =
             [rub(p.guide_x_n_s_per_m, p.dry_friction_x_n, dx), rub(p.guide_y_n_s_per_m, p.dry_friction_y_n, dy)];
-        let radius_m = p.pulley_radius_mm / MM_PER_M;
-        let rotor = move |way: f64| {
-            let inertia = p.rotor_inertia_kg_m2 * way / p.pulley_radius_mm;
+        let rotor = move |motor: usize, way: f64| {
+            let radius_m = p.radius_mm(motor) / MM_PER_M;
+            let inertia = p.rotor_inertia_kg_m2 * way / p.radius_mm(motor);
             let drag = p.rotor_damping_nm_s * way * speed_mm_s / MM_PER_M / radius_m;
-            (inertia, drag, pull_out_torque_at_belt_nm(p, way * speed_mm_s))
+            (inertia, drag, pull_out_torque_at_belt_nm(p, motor, way * speed_mm_s))
         };
-        let rotors: Vec<_> = self.ways.rows.iter().map(|[x, y]| rotor(x * dx + y * dy)).collect();
+        let rotors: Vec<_> =
+            self.ways.rows.iter().enumerate().map(|(i, [x, y, _])| rotor(i, x * dx + y * dy)).collect();
         self.shares.iter().flat_map(move |motors| {
             let line = move |(share, (inertia_nm, drag, available)): (&[f64; 2], &(f64, f64, f64))| {
                 let of = |force: [f64; 2]| share[0] * force[0] + share[1] * force[1];
@@ -143,7 +146,7 @@ impl Demand {
     /// Travel of the fastest belt per millimetre of the tool.
     #[must_use]
     pub fn belt_per_mm(&self, [dx, dy]: [f64; 2]) -> f64 {
-        self.ways.rows.iter().map(|[x, y]| (x * dx + y * dy).abs()).fold(0.0, f64::max)
+        self.ways.rows.iter().map(|[x, y, _]| (x * dx + y * dy).abs()).fold(0.0, f64::max)
     }
 }
 

@@ -33,15 +33,16 @@ pub fn pull_out_torque_nm(params: &Params, speed_rad_s: f64) -> f64 {
     let impedance_sq = resistance * resistance + reactance * reactance;
     let voltage = Disc {
         centre: [-back_emf * resistance / impedance_sq, back_emf * reactance / impedance_sq],
-        radius: params.supply_v / impedance_sq.sqrt(),
+        // Motors in series share the supply.
+        radius: params.supply_v / params.motors_in_series / impedance_sq.sqrt(),
     };
     (constant * greatest_real(current, &voltage)).max(0.0)
 }
 
-/// The same at a speed of the belt in mm/s.
+/// The same of a motor (by its place in the order of the motors' numbers) at a speed of its belt in mm/s.
 #[must_use]
-pub fn pull_out_torque_at_belt_nm(params: &Params, belt_mm_s: f64) -> f64 {
-    pull_out_torque_nm(params, belt_mm_s / params.pulley_radius_mm)
+pub fn pull_out_torque_at_belt_nm(params: &Params, motor: usize, belt_mm_s: f64) -> f64 {
+    pull_out_torque_nm(params, belt_mm_s / params.radius_mm(motor))
 }
 
 /// A disc in the plane of complex currents, in A.

@@ -93,13 +93,14 @@ mod tests {
         let mut course = Course::default();
         for second in 0..3600_u64 {
             let share = if second == 1234 { 0.9 } else { 0.2 };
-            let seen = CourseBin { shares: [share, 0.1, 0.0, 0.0], residual_mm: second as f32 / 1e4 };
+            let seen =
+                CourseBin { shares: [share, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], residual_mm: second as f32 / 1e4 };
             course.add(second * u64::from(TICKS_PER_SECOND), seen);
         }
         assert!(course.bins().len() <= MOST_BINS && course.bin_s() * course.bins().len() as f64 > 3599.0);
         // A bin was shorter than a second then, so the previous one may have been filled, too.
         assert!((1..=2).contains(&course.bins().iter().filter(|bin| bin.shares[0] == 0.9).count()));
-        assert_eq!(course.bins()[(1234.0 / course.bin_s()) as usize].shares, [0.9, 0.1, 0.0, 0.0]);
+        assert_eq!(course.bins()[(1234.0 / course.bin_s()) as usize].shares[..4], [0.9, 0.1, 0.0, 0.0]);
         assert!((course.bins().iter().map(|b| b.residual_mm).fold(0.0, f32::max) - 0.3599).abs() < 1e-6);
     }
 }

@@ -26,6 +26,9 @@ pub struct BeltFigures {
     pub off_mm: Option<f64>,
     /// The same in x and y.
     pub off_xy_mm: Option<[f64; 2]>,
+    /// In z, where belts lift the tool.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub off_z_mm: Option<f64>,
     /// The largest position error since homing, in mm.
     pub largest_off_mm: f64,
     /// Hits at places that the tool never reached.
@@ -71,8 +74,9 @@ impl BeltPlant {
             motors: self.layout.drives.iter().zip(self.live.rotors()).map(motor).collect(),
             skips: self.skips.iter().map(skip).collect(),
             residual_mm: self.live.residual_mm().map(rounded),
-            off_mm: off.map(|[x, y]| rounded(x.hypot(y))),
-            off_xy_mm: off.map(|off| off.map(rounded)),
+            off_mm: off.map(|[x, y, z]| rounded(x.hypot(y).hypot(z))),
+            off_xy_mm: off.map(|[x, y, _]| [x, y].map(rounded)),
+            off_z_mm: off.filter(|_| self.live.machine().lifts()).map(|[_, _, z]| rounded(z)),
             largest_off_mm: rounded(self.largest_off_mm),
             missed_hits: self.hits.iter().filter(|hit| **hit == AccidentState::Waiting).count(),
         }
@@ -98,7 +102,8 @@ impl fmt::Display for BeltFigures {
         match self.off_xy_mm.zip(self.off_mm) {
             Some(([x, y], off)) => {
                 let at_most = self.largest_off_mm;
-                writeln!(f, "{:<18} {off:.3} mm off (x {x:.3}, y {y:.3}), {at_most:.3} at most", "tool")?;
+                let z = self.off_z_mm.map_or_else(String::new, |z| format!(", z {z:.3}"));
+                writeln!(f, "{:<18} {off:.3} mm off (x {x:.3}, y {y:.3}{z}), {at_most:.3} at most", "tool")?;
             }
             None => writeln!(f, "{:<18} no homing is known of", "tool")?,
         }

@@ -43,8 +43,8 @@ use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
+use corehbot_twin::description::Description;
 use corehbot_twin::live::{Live, phases_mm};
-use corehbot_twin::params::Params;
 use corehbot_twin::routing::Place;
 use course::{Course, CourseBin};
 use field::Field;
@@ -53,8 +53,8 @@ use layout::{Layout, LayoutError};
 use load::Load;
 use timeline::Timeline;
 
-/// The endstops of the belt's axes.
-const SWITCHES: [EndstopSet; 2] = [EndstopSet::X, EndstopSet::Y];
+/// The endstops of the belt's axes: of z too where belts lift the tool.
+const SWITCHES: [EndstopSet; 3] = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
 
 /// How long a machine rings out, in ticks: 0.5 s, in which 0.1 mm at 57 Hz and 4 % damping become 0.1 um.
 const RING_OUT: u64 = 5_000_000;
@@ -86,8 +86,8 @@ impl Chips for &Drivers {
 /// The setup of the belt plant besides the machine's settings.
 #[derive(Clone, Debug, Default)]
 pub struct BeltSetup {
-    /// The machine's numbers.
-    pub params: Params,
+    /// The machine's belts and numbers, as its file has them.
+    pub twin: Description,
     /// Seed of the phases at power-up, and of the noise of load measurements; without one all phases are 0.
     pub seed: Option<u64>,
     /// Its accidents.
@@ -103,7 +103,7 @@ pub struct BeltPlant {
     layout: Layout,
     /// Where G-code's X0 Y0 is for the twin.
     origin: Place,
-    switches: [Endstop; 2],
+    switches: [Endstop; 3],
     /// Motors with a direction line that is low for forward.
     reversed: MotorSet,
     powered: MotorSet,
@@ -115,7 +115,7 @@ pub struct BeltPlant {
     /// Whether homing or printing has begun.
     has_begun: bool,
     /// The tool's position error where each switch was met; `None` before.
-    met: [Option<f64>; 2],
+    met: [Option<f64>; 3],
     largest_off_mm: f64,
     loads: Vec<Load>,
     fields: Vec<Field>,
@@ -144,17 +144,22 @@ impl BeltPlant {
         setup: BeltSetup,
         now: u64,
     ) -> Result<Self, LayoutError> {
-        let BeltSetup { params, seed, accidents } = setup;
+        let BeltSetup { twin, seed, accidents } = setup;
         let place = place.unwrap_or(AT_POWER_UP);
-        let layout = Layout::new(settings, &params)?;
-        let (origin, start) = layout.places(settings, &params, place)?;
+        let layout = Layout::new(settings, &twin)?;
+        let (origin, start) = layout.places(settings, place)?;
         let motors = layout.drives.len();
-        let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &params));
-        // Axes that share motors have steps of one size.
-        let step_mm = 1.0 / settings.axes.x.steps_per_mm.to_num::<f64>();
+        let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &layout.params));
+        // A motor's steps are those of the axes that it moves.
+        let axes = [&settings.axes.x, &settings.axes.y, &settings.axes.z].map(|axis| axis.steps_per_mm.to_num::<f64>());
+        let step_mm = |drive: &layout::MotorDrive| {
+            let axis = settings.mechanism.axis_of(drive.motor).and_then(|axis| axes.get(axis));
+            1.0 / axis.copied().unwrap_or(axes[0]) / f64::from(drive.multiple)
+        };
+        let step_mm: Vec<f64> = layout.drives.iter().map(step_mm).collect();
         let noise = seed.unwrap_or_default();
         Ok(Self {
-            live: Live::new(layout.machine, &params, start, step_mm, &phases, now),
+            live: Live::new(layout.machine, &layout.params, start, &step_mm, &phases, now),
             rig: Rig::new(settings, Some(place)),
             inputs: EndstopSet::SWITCHES,
             loads: (0..motors).map(|motor| Load::new(noise, motor)).collect(),
@@ -162,7 +167,7 @@ impl BeltPlant {
             course: Course::default(),
             layout,
             origin,
-            switches: [settings.endstops.x, settings.endstops.y],
+            switches: [settings.endstops.x, settings.endstops.y, settings.endstops.z],
             reversed: reversed(settings),
             powered: MotorSet::NONE,
             filament: settings.mechanism.motors_of(3),
@@ -170,7 +175,7 @@ impl BeltPlant {
             brakes: vec![AccidentState::Waiting; accidents.brakes.len()],
             accidents,
             has_begun: is_known,
-            met: [is_known.then_some(0.0); 2],
+            met: [is_known.then_some(0.0); 3],
             largest_off_mm: 0.0,
             timeline: Timeline::default(),
             skips: Vec::new(),
@@ -205,7 +210,7 @@ impl BeltPlant {
         self.attend(now, chips.powered());
         self.timeline.event(now, tick);
         self.rig.step(steps, forward);
-        self.has_begun |= steps.intersects(self.filament) || self.met.iter().all(Option::is_some);
+        self.has_begun |= steps.intersects(self.filament) || self.met.iter().take(self.axes()).all(Option::is_some);
         if self.layout.drives.iter().all(|drive| !steps.has(drive.motor)) {
             return;
         }
@@ -227,10 +232,11 @@ impl BeltPlant {
     /// The endstops that are pressed at `now`.
     pub fn endstops(&mut self, now: u64) -> EndstopSet {
         self.advance(now);
-        let tool = self.tool_mm();
-        let others = self.rig.endstops().0 & !(EndstopSet::X.0 | EndstopSet::Y.0);
+        let tool = self.place_mm();
+        let own = || SWITCHES.into_iter().take(self.axes());
+        let others = self.rig.endstops().0 & !own().fold(0, |all, set| all | set.0);
         let mut pressed = EndstopSet(others);
-        for ((at, switch), set) in tool.into_iter().zip(self.switches).zip(SWITCHES) {
+        for ((at, switch), set) in tool.into_iter().zip(self.switches).zip(own()) {
             let inside = at - switch.position.to_num::<f64>();
             let is_met = match switch.end {
                 AxisEnd::Min => inside <= 0.0,
@@ -246,14 +252,15 @@ impl BeltPlant {
     /// Whether a switch of x or y may be met or left before the tool has gone far.
     #[must_use]
     pub fn is_near_switch(&self) -> bool {
-        let both = self.tool_mm().into_iter().zip(self.switches);
-        both.map(|(at, switch)| at - switch.position.to_num::<f64>()).any(|inside| inside.abs() < NEAR_MM)
+        let all = self.place_mm().into_iter().zip(self.switches).take(self.axes());
+        all.map(|(at, switch)| at - switch.position.to_num::<f64>()).any(|inside| inside.abs() < NEAR_MM)
     }
 
     /// A switch has ended a motion: its axis is from now on where the switch is.
     pub(crate) fn meet(&mut self, met: EndstopSet) {
-        let (tool, stepped) = (self.tool_mm(), self.stepped_mm());
-        for ((set, at), (tool, stepped)) in SWITCHES.into_iter().zip(&mut self.met).zip(tool.into_iter().zip(stepped)) {
+        let (tool, stepped, axes) = (self.place_mm(), self.in_gcode(self.live.stepped_to()), self.axes());
+        let all = SWITCHES.into_iter().zip(&mut self.met).zip(tool.into_iter().zip(stepped));
+        for ((set, at), (tool, stepped)) in all.take(axes) {
             if !met.and(set).is_empty() {
                 *at = Some(tool - stepped);
                 self.largest_off_mm = 0.0;
@@ -264,14 +271,25 @@ impl BeltPlant {
     /// Where the tool is, in x and y of G-code.
     #[must_use]
     pub fn tool_mm(&self) -> [f64; 2] {
+        let [x, y, _] = self.place_mm();
+        [x, y]
+    }
+
+    /// The same with z, which is 0 where no belts lift the tool.
+    fn place_mm(&self) -> [f64; 3] {
         self.in_gcode(self.live.tool())
+    }
+
+    /// Axes that belts move.
+    fn axes(&self) -> usize {
+        self.layout.machine.axes()
     }
 
     /// Where the nozzle is, in mm.
     #[must_use]
     pub fn nozzle(&self) -> [f64; 3] {
-        let ([x, y], [_, _, z]) = (self.tool_mm(), self.rig.nozzle());
-        [x, y, z]
+        let ([x, y, lifted], [_, _, z]) = (self.place_mm(), self.rig.nozzle());
+        [x, y, if self.layout.machine.lifts() { lifted } else { z }]
     }
 
     /// Steps of each motor.
@@ -283,15 +301,19 @@ impl BeltPlant {
     /// Where it would be if it had gone from its start as the steps say.
     #[must_use]
     pub fn stepped_mm(&self) -> [f64; 2] {
-        self.in_gcode(self.live.stepped_to())
+        let [x, y, _] = self.in_gcode(self.live.stepped_to());
+        [x, y]
     }
 
-    /// The tool's position error in x and y; `None` before homing.
+    /// The tool's position error in x, y and, where belts lift it, z; `None` before homing.
     #[must_use]
-    pub fn off_mm(&self) -> Option<[f64; 2]> {
-        let [x, y] = self.met;
-        let (tool, stepped) = (self.tool_mm(), self.stepped_mm());
-        Some([tool[0] - stepped[0] - x?, tool[1] - stepped[1] - y?])
+    pub fn off_mm(&self) -> Option<[f64; 3]> {
+        let (tool, stepped) = (self.place_mm(), self.in_gcode(self.live.stepped_to()));
+        let mut off = [0.0; 3];
+        for (((off, tool), stepped), met) in off.iter_mut().zip(tool).zip(stepped).zip(self.met).take(self.axes()) {
+            *off = tool - stepped - met?;
+        }
+        Some(off)
     }
 
     /// Shares and residual over motion time.
@@ -318,8 +340,8 @@ impl BeltPlant {
         self.live.push([0.0; 2]);
     }
 
-    fn in_gcode(&self, place: Place) -> [f64; 2] {
-        [place.x - self.origin.x, place.y - self.origin.y]
+    fn in_gcode(&self, place: Place) -> [f64; 3] {
+        [place.x - self.origin.x, place.y - self.origin.y, place.z - self.origin.z]
     }
 
     /// Moves on to `now`, with the ends of accidents on the way.
@@ -337,11 +359,11 @@ impl BeltPlant {
                 motor: drive.name,
                 turns: skip.turns * i32::from(drive.sense),
                 time_s: self.timeline.motion_s(skip.tick),
-                at_mm: self.in_gcode(skip.tool),
+                at_mm: [skip.tool.x - self.origin.x, skip.tool.y - self.origin.y],
             }));
         }
-        if let Some([x, y]) = self.off_mm() {
-            self.largest_off_mm = self.largest_off_mm.max(x.hypot(y));
+        if let Some([x, y, z]) = self.off_mm() {
+            self.largest_off_mm = self.largest_off_mm.max(x.hypot(y).hypot(z));
         }
     }
 
@@ -384,12 +406,19 @@ impl BeltPlant {
 
     /// Drivers measure the load of motors that have stepped.
     fn measure(&mut self, now: u64, steps: MotorSet, chips: &mut impl Chips) {
-        for (index, (drive, load)) in self.layout.drives.iter().zip(&mut self.loads).enumerate() {
-            if steps.has(drive.motor) {
+        let drives = &self.layout.drives;
+        for (index, (drive, load)) in drives.iter().zip(&mut self.loads).enumerate() {
+            // Of motors in series the driver sees the sum, which the first one stands for.
+            let is_first = drives.iter().take(index).all(|other| other.motor != drive.motor);
+            if is_first && steps.has(drive.motor) {
                 let count = self.live.counts().get(index).copied().unwrap_or(0);
                 let forward = count * i64::from(drive.sense);
+                let series = || drives.iter().enumerate().filter(|(_, other)| other.motor == drive.motor);
                 chips.with(drive.motor, &mut |chip| {
-                    load.step(now, count, chip, || self.live.take_share(index));
+                    load.step(now, count, chip, || {
+                        let sum: f64 = series().map(|(motor, _)| self.live.take_share(motor)).sum();
+                        sum / series().count() as f64
+                    });
                     // A direction line is high for forward, unless its motor is reversed.
                     chip.step_to(if self.reversed.has(drive.motor) { forward } else { -forward });
                 });

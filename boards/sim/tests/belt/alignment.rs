@@ -19,7 +19,7 @@ const SIXTEENTH_MM: f64 = 0.2 / 16.0;
 fn params_of(seed: u64) -> Params {
     let mut params = Params::default();
     let part = (seed * 7 % 16) as f64 / 15.0;
-    params.belt_ea_n *= 0.5 * 4.0_f64.powf(part);
+    params.belt_ea_n = params.belt_ea_n.times(0.5 * 4.0_f64.powf(part));
     params
 }
 

@@ -7,6 +7,7 @@ mod buzz;
 mod ended;
 mod limp;
 mod loads;
+mod machines;
 mod phases;
 mod power;
 mod printer;

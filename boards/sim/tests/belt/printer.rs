@@ -100,7 +100,7 @@ pub fn print(start: Option<[f64; 3]>, accidents: Accidents, lines: &[&str]) -> (
 
 /// A CoreH-bot with a belt of another stiffness.
 pub fn plant_of(params: Params, start: [f64; 3], seed: u64, accidents: Accidents) -> Option<Box<BeltPlant>> {
-    let setup = BeltSetup { params, seed: Some(seed), accidents };
+    let setup = BeltSetup { twin: params.into(), seed: Some(seed), accidents };
     let place = Some(start.map(Mm::from_num));
     Some(Box::new(BeltPlant::new(&Settings::prototype(), place, true, setup, 0).unwrap()))
 }

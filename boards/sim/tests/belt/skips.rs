@@ -6,6 +6,7 @@ use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::{Accidents, Brake};
 use corehbot_sim::belt::figures::SkipFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
+use corehbot_twin::description::Description;
 use corehbot_twin::params::Params;
 use corehbot_twin::sampling::random::Random;
 use std::collections::BTreeMap;
@@ -146,7 +147,7 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     let again = ["M915 R", "G28 X Y", "M915 D", "G1 X195 Y208.8 F6000", "M400"];
     let lines: Vec<&str> = lines.into_iter().chain(again).collect();
     let setup = BeltSetup {
-        params: Params::default(),
+        twin: Description::default(),
         seed: Some(7),
         accidents: Accidents { hits: vec![], brakes: vec!["m11,170,57.36,14".parse().unwrap()] },
     };
@@ -168,7 +169,7 @@ fn the_tool_is_back_where_it_was_after_a_repair() {
     let end = ["M25", "M915 R", "M915 D", "M24", "M400", "M114"];
     let lines: Vec<&str> = begin.into_iter().chain(end).collect();
     let setup = BeltSetup {
-        params: Params::default(),
+        twin: Description::default(),
         seed: Some(7),
         accidents: Accidents { hits: vec![], brakes: vec!["m11,170,57.36,14".parse().unwrap()] },
     };
@@ -199,7 +200,7 @@ fn the_example_in_the_documentation_is_what_happens() {
             hits: hit.into_iter().map(|hit| hit.parse().unwrap()).collect(),
             brakes: vec![brake.parse().unwrap()],
         };
-        let setup = BeltSetup { params: Params::default(), seed: Some(7), accidents };
+        let setup = BeltSetup { twin: Description::default(), seed: Some(7), accidents };
         let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
         let printed = print_as(&Settings::prototype(), &mut plant, None, &lines);
         let figures = plant.unwrap().figures();

@@ -8,6 +8,7 @@ use crate::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::{Accidents, Brake};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
+use corehbot_twin::description::Description;
 use corehbot_twin::params::Params;
 use corehbot_twin::sampling::random::Random;
 
@@ -180,7 +181,7 @@ fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
             brakes: vec![format!("{},70,57", names[index as usize].0).parse().unwrap()],
             ..Accidents::default()
         };
-        let setup = BeltSetup { params: Params::default(), seed: Some(5), accidents };
+        let setup = BeltSetup { twin: Description::default(), seed: Some(5), accidents };
         let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
         print_as(&Settings::prototype(), &mut plant, None, &SEIZED).heard
     });

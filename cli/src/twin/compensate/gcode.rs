@@ -160,7 +160,7 @@ impl Played {
 pub(super) fn run(gcode: &str, printer: &Printer, stop: &Stop) -> Result<(StepTrace, Vec<usize>)> {
     let machine = printer.machine()?;
     let count = Cell::new(0);
-    let steps = StepTrace::new(columns(&(&machine.settings).into()), step_mm(&machine.settings));
+    let steps = StepTrace::new(columns(&machine.settings), step_mm(&machine.settings));
     let mut log = Counted { steps, count: &count };
     let host = Watched::new(FileHost::new(gcode), stop);
     let mut host = Marked { host, count: &count, ends: Vec::new(), is_resting: false };
@@ -266,7 +266,7 @@ impl Cursor {
 
     fn place(&self, start: Place) -> Place {
         let [x, y, ..] = self.at();
-        Place { x: start.x + x, y: start.y + y }
+        Place::flat(start.x + x, start.y + y)
     }
 }
 

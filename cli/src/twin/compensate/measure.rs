@@ -83,7 +83,7 @@ impl Measured {
 
 fn times_as_stiff(params: &Params, times: f64) -> Params {
     Params {
-        belt_ea_n: times * params.belt_ea_n,
+        belt_ea_n: params.belt_ea_n.times(times),
         holding_torque_nm: times * params.holding_torque_nm,
         ..params.clone()
     }

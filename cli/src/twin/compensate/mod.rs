@@ -11,7 +11,7 @@ use super::source::Source;
 use crate::input;
 use crate::printer::Printer;
 use crate::stop::Stop;
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot_twin::compensation::{Compensated, compensate};
 use corehbot_twin::geometry::workspace;
@@ -103,7 +103,8 @@ impl Given {
 
 impl Compensate {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = self.machine.read()?;
+        let (machine, params) = self.machine.read(&self.printer.machine()?)?;
+        ensure!(!machine.lifts(), "the tool's lag is known in x and y only: belts that lift it are not compensated");
         let stop = Stop::at_signals()?;
         let told = self.told(machine, &params, &stop).with_context(|| self.file.display().to_string());
         if let Some(status) = stop.status() {
@@ -111,7 +112,7 @@ impl Compensate {
             return Ok(status);
         }
         let (answer, text) = told?;
-        let inputs = self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]);
+        let inputs = self.printer.files().chain([self.file.as_path()]);
         self.json.give_with(&answer, inputs, |outputs| {
             let mut out = outputs.open(&self.output)?;
             out.write_all(&text).and_then(|()| out.flush()).context("cannot write what was compensated")
@@ -163,9 +164,8 @@ impl Compensate {
     }
 
     fn start(&self, machine: Machine, params: &Params) -> Place {
-        let [x, y, _] = self.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(|mm| mm.to_num::<f64>());
-        let origin = workspace(machine, params).origin();
-        Place { x: origin.x + x, y: origin.y + y }
+        let begin = self.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(|mm| mm.to_num::<f64>());
+        workspace(machine, params).of_gcode(begin)
     }
 }
 

@@ -4,11 +4,10 @@ use super::query::{Places, Query};
 use crate::stop::Stop;
 use anyhow::Result;
 use corehbot_twin::geometry::workspace;
-use corehbot_twin::params::{Params, ParamsError};
+use corehbot_twin::params::{Params, ParamsError, ROWS, Row};
 use corehbot_twin::queries::Setup;
 use corehbot_twin::routing::Machine;
 use corehbot_twin::sampling::Design;
-use serde_json::Value;
 use std::path::PathBuf;
 
 /// Most samples of a study, for the memory of their table.
@@ -117,23 +116,20 @@ pub(in crate::twin) enum NotVaried {
     Unknown { key: String, known: Vec<String> },
     /// No machine has the number.
     Illegal(ParamsError),
-    /// It is not a finite number.
-    NotFinite,
 }
 
 /// Numbers with others by their keys.
 pub(in crate::twin) fn varied(params: &Params, keys: &[String], values: &[f64]) -> Result<Params, NotVaried> {
-    let mut all = serde_json::to_value(params).map_err(|_| NotVaried::NotFinite)?;
+    let mut params = params.clone();
     for (key, value) in keys.iter().zip(values) {
-        match all.get_mut(key) {
-            Some(entry) => *entry = Value::from(*value),
-            None => {
-                let known = all.as_object().map(|all| all.keys().cloned().collect()).unwrap_or_default();
-                return Err(NotVaried::Unknown { key: key.clone(), known });
-            }
-        }
+        let row = Row::of(key).ok_or_else(|| NotVaried::Unknown {
+            key: key.clone(),
+            known: ROWS.iter().map(|row| row.key.to_owned()).collect(),
+        })?;
+        // Numbers of several belts or motors keep their proportions.
+        let varied = row.values(&params).with_first(*value);
+        (row.field)(&mut params).set(varied);
     }
-    let params: Params = serde_json::from_value(all).map_err(|_| NotVaried::NotFinite)?;
     params.check().map_err(NotVaried::Illegal)?;
     Ok(params)
 }
@@ -143,7 +139,6 @@ impl std::fmt::Display for NotVaried {
         match self {
             Self::Unknown { key, known } => write!(f, "there is no `{key}`; there are {}", known.join(", ")),
             Self::Illegal(error) => error.fmt(f),
-            Self::NotFinite => f.write_str("only finite numbers can be varied"),
         }
     }
 }

@@ -101,8 +101,7 @@ impl Query {
             }
             Self::Run { file, model, begin } => {
                 let source = file.source().ok_or(NoAnswer::NotLoaded)?;
-                let origin = workspace(machine, params).origin();
-                let firmware = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
+                let firmware = workspace(machine, params).of_gcode(source.begin);
                 let start = begin.unwrap_or(firmware);
                 let (report, _) = played(machine, params, start, *model, (&source.steps, None), |_| !stop.is_set())?;
                 Ok(run_figures(&report))
@@ -121,13 +120,13 @@ impl Query {
         let reach = workspace(machine, params);
         let [columns, rows] = match *places {
             Places::Centre => return Ok(at(reach.centre())?),
-            Places::At(tool) if reach.has(tool) => return Ok(at(tool)?),
+            Places::At(tool) if reach.has(reach.at(tool.x, tool.y)) => return Ok(at(reach.at(tool.x, tool.y))?),
             Places::At(tool) => return Err(NoAnswer::OutOfReach(tool)),
             Places::Worst(grid) => grid,
         };
         let (xs, ys) = (levels(reach.x, columns), levels(reach.y, rows));
         let mut worst = vec![f64::NAN; self.figures().len()];
-        for tool in ys.iter().flat_map(|y| xs.iter().map(|x| Place { x: *x, y: *y })) {
+        for tool in ys.iter().flat_map(|y| xs.iter().map(|x| reach.at(*x, *y))) {
             for ((worst, column), figure) in worst.iter_mut().zip(self.figures()).zip(at(tool)?) {
                 *worst = column.worse(*worst, figure);
             }
@@ -192,7 +191,7 @@ impl From<RunError> for NoAnswer {
 impl std::fmt::Display for NoAnswer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::OutOfReach(Place { x, y }) => write!(f, "the tool does not reach ({x:.1}, {y:.1})"),
+            Self::OutOfReach(Place { x, y, .. }) => write!(f, "the tool does not reach ({x:.1}, {y:.1})"),
             Self::NotHeld(error) => error.fmt(f),
             Self::NotLoaded => f.write_str("the G-code to play was not read"),
             Self::Run(error) => error.fmt(f),

@@ -89,7 +89,7 @@ const IDENTITY: usize = 8;
 fn query(query: QueryToml, form: &StudyToml, path: &Path) -> Option<Query> {
     let freedom = form.model.unwrap_or_else(|| model(query)).freedom();
     let places = match (form.at, form.worst_of) {
-        (Some([x, y]), _) => Places::At(Place { x, y }),
+        (Some([x, y]), _) => Places::At(Place::flat(x, y)),
         (None, Some(grid)) => Places::Worst(grid),
         (None, None) => Places::Centre,
     };
@@ -118,6 +118,6 @@ fn played(run: &RunToml, path: &Path) -> Query {
     let settings = run.settings.as_deref().map(|file| beside(path, file));
     let printer = Printer::new(settings, run.assume_homed.map(|place| place.map(Mm::from_num)));
     let file = Played::new(beside(path, &run.file), printer);
-    let begin = run.begin.map(|[x, y]| Place { x, y });
+    let begin = run.begin.map(|[x, y]| Place::flat(x, y));
     Query::Run { file, model: run.model, begin }
 }

@@ -218,7 +218,12 @@ fn the_study_in_the_documentation_is_one() {
     let sample = study.sample(1, &Stop::default()).unwrap().outcome.unwrap();
     let figure = |name| sample[study.figures().position(|known| known == name).unwrap()].unwrap();
     let values = study.point(1).unwrap().values;
-    let params = Params { belt_ea_n: values[0], holding_torque_nm: values[1], preload_n: 50.0, ..Params::default() };
+    let params = Params {
+        belt_ea_n: values[0].into(),
+        holding_torque_nm: values[1],
+        preload_n: 50.0.into(),
+        ..Params::default()
+    };
     let reach = corehbot_twin::geometry::workspace(Machine::CoreXy, &params);
     let freedom = crate::twin::setup::ModelArg::Rotors.freedom();
     let setup = |tool| Setup { machine: Machine::CoreXy, params: params.clone(), tool, freedom };

@@ -1,0 +1,105 @@
+//! Row: what there is to know about a number of a machine.
+
+use super::{Each, Params};
+
+/// A number of the machine.
+pub struct Row {
+    /// Its key in the table `[twin]` of a machine file.
+    pub key: &'static str,
+    /// Its unit; empty for a count.
+    pub unit: &'static str,
+    /// Its nominal value; `None` where another one counts in its place, as `source` says.
+    pub default: Option<f64>,
+    /// Whether it may be 0.
+    pub may_be_zero: bool,
+    /// Its meaning.
+    pub meaning: &'static str,
+    /// Where the nominal value comes from.
+    pub source: &'static str,
+    /// Its place among the numbers.
+    pub field: fn(&mut Params) -> Field<'_>,
+}
+
+/// The place of a number.
+pub enum Field<'p> {
+    /// One number.
+    One(&'p mut f64),
+    /// One number, or none.
+    Maybe(&'p mut Option<f64>),
+    /// A number for all parts of a kind, or a list.
+    Each(&'p mut Each),
+}
+
+impl Field<'_> {
+    /// Whether a list of numbers is legal.
+    #[must_use]
+    pub const fn is_list(&self) -> bool {
+        matches!(self, Self::Each(_))
+    }
+
+    /// Its numbers.
+    #[must_use]
+    pub fn values(&self) -> Each {
+        match self {
+            Self::One(value) => Each::all(**value),
+            Self::Maybe(value) => value.map_or(Each::NONE, Each::all),
+            Self::Each(each) => **each,
+        }
+    }
+
+    /// Sets it; of a list only an `Each` keeps more than the first number.
+    pub fn set(self, values: Each) {
+        match self {
+            Self::One(value) => *value = values.get(0).unwrap_or(*value),
+            Self::Maybe(value) => *value = values.get(0),
+            Self::Each(each) => *each = values,
+        }
+    }
+}
+
+impl std::fmt::Debug for Row {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.key)
+    }
+}
+
+impl Row {
+    /// The greatest legal value of any number.
+    pub const MOST: f64 = 1e6;
+
+    /// Its numbers on a machine.
+    #[must_use]
+    pub fn values(&self, params: &Params) -> Each {
+        (self.field)(&mut params.clone()).values()
+    }
+
+    /// Whether a list of numbers is legal.
+    #[must_use]
+    pub fn is_list(&self) -> bool {
+        (self.field)(&mut Params::default()).is_list()
+    }
+
+    /// Whether a number is legal.
+    #[must_use]
+    pub fn allows(&self, value: f64) -> bool {
+        value <= Self::MOST && (value > 0.0 || self.may_be_zero && value == 0.0)
+    }
+
+    /// What another value must be.
+    #[must_use]
+    pub const fn wanted(&self, value: f64) -> &'static str {
+        if value > Self::MOST {
+            "must be at most 1000000"
+        } else if self.may_be_zero {
+            "must not be below 0"
+        } else {
+            "must be above 0"
+        }
+    }
+
+    /// The legal values in words.
+    #[must_use]
+    pub const fn legal(&self) -> &'static str {
+        if self.may_be_zero { "0 to 1000000" } else { "above 0, to 1000000" }
+    }
+}
