@@ -17,7 +17,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     debug_sockets: &[],
     outputs: OutputSet::NONE,
     sensors: &[],
-    fans: 0,
+    fans: &[],
     has_servo: false,
     is_bench: true,
     is_simulated: false,

@@ -6,7 +6,7 @@
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB. `LINES` of the core allows no more.
 
 use crate::Entry;
-use corehbot::connectors::{BoardConnectors, ConnectorName, FANS, Output, OutputSet, Sensor};
+use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet, Sensor};
 use corehbot_wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Mark, Pin, Port, SerialPort, Slot, SupplySwitch,
     ThermistorPin, Usart,
@@ -25,7 +25,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     debug_sockets: &ConnectorName::all(["M7"]),
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
-    fans: FANS,
+    fans: &[Some(1), Some(9), Some(4), Some(4), Some(4), Some(4)],
     has_servo: true,
     is_bench: false,
     is_simulated: false,

@@ -7,8 +7,12 @@ use corehbot::connectors::BoardConnectors;
 use corehbot_wiring::{Board, FanPin, FanTimer, Mark, Pin, Port};
 
 /// The names printed on it.
-pub const CONNECTORS: BoardConnectors =
-    BoardConnectors { key: "spider-v1", name: "Fysetc Spider V1", ..spider::CONNECTORS };
+pub const CONNECTORS: BoardConnectors = BoardConnectors {
+    key: "spider-v1",
+    name: "Fysetc Spider V1",
+    fans: &[Some(1), Some(1), None],
+    ..spider::CONNECTORS
+};
 
 /// The board.
 pub static BOARD: Board = Board {

@@ -25,7 +25,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     debug_sockets: &[],
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
-    fans: 3,
+    fans: &[None; 3],
     has_servo: false,
     is_bench: false,
     is_simulated: false,

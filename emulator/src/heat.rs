@@ -5,7 +5,7 @@
 //! noise of its own. A machine without heaters costs nothing here.
 
 use crate::board::Emulated;
-use crate::wiring::Wiring;
+use crate::wiring::{Pin, Wiring};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet};
 use corehbot::port::ThermalPort;
 use corehbot::settings::Settings;
@@ -13,6 +13,7 @@ use corehbot_cli::serve::WARM;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::PlantFaults;
 use corehbot_sim::heat_plant::{Accident, HeatSetup};
+use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 
 /// The plant advances in steps of 1 ms, a fifth of its own longest part.
@@ -31,6 +32,8 @@ pub struct Climate {
     pub start: Option<[f64; 2]>,
     /// Something of it breaks.
     pub mishap: Option<Mishap>,
+    /// A fan, and the pin that its tachometer is on.
+    pub tachometer: Option<(usize, Pin)>,
 }
 
 /// Something of the plant that breaks.
@@ -96,8 +99,11 @@ pub struct HeatWatch {
     mishap: Option<Mishap>,
     /// Accidents to come, by time.
     accidents: VecDeque<Accident>,
+    tachometer: Option<(usize, Pin)>,
     heaters: [Meter; OUTPUTS],
     fans: [Meter; FANS],
+    /// How often the level of each fan's pin changed.
+    pub fan_edges: [u32; FANS],
     /// When the step of the plant that is under way began, in ns, and its number.
     begun: u64,
     steps: u32,
@@ -134,8 +140,10 @@ impl HeatWatch {
             is_heated: settings.thermal.has_heater(),
             mishap: climate.mishap,
             accidents: setup.accidents.iter().copied().collect(),
+            tachometer: climate.tachometer,
             heaters: [Meter::default(); OUTPUTS],
             fans: [Meter::default(); FANS],
+            fan_edges: [0; FANS],
             begun: 0,
             steps: 0,
             broken: None,
@@ -163,8 +171,10 @@ impl HeatWatch {
                 self.edges.push(Edge { at, output, is_high });
             }
         }
-        for (meter, load) in self.fans.iter_mut().zip(self.wiring.fans.iter().copied()) {
-            meter.set(at, f64::from(board.drives(load)));
+        for ((meter, edges), load) in
+            self.fans.iter_mut().zip(&mut self.fan_edges).zip(self.wiring.fans.iter().copied())
+        {
+            *edges += u32::from(meter.set(at, f64::from(board.drives(load))));
         }
         if at >= self.begun + STEP_NS {
             self.step(board, at, extruded);
@@ -194,6 +204,9 @@ impl HeatWatch {
             self.heat.set_fan(fan, (share * FULL).round() as u16);
         }
         self.heat.advance(extruded, (at - begin) as f64 / 1e9);
+        if let Some((fan, pin)) = self.tachometer {
+            board.drive(VirtualNanos(at), pin, self.heat.is_tachometer_high(fan));
+        }
         let Some(plant) = self.heat.plant() else { return };
         let mishap = self.mishap.take_if(|mishap| at >= mishap.after);
         let accident = self.accidents.pop_front_if(|accident| at as f64 / 1e9 >= accident.at_s);

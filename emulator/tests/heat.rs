@@ -20,7 +20,7 @@ type Breakage = fn(&mut PlantFaults);
 
 /// Says `gcode` to a heated machine; hotend and bed have had the temperatures `start` for long.
 fn talk(gcode: &str, start: Option<[f64; 2]>, mishap: Option<Mishap>) -> Seen {
-    let bench = Bench { climate: Climate { start, mishap }, ..heated_bench() };
+    let bench = Bench { climate: Climate { start, mishap, ..Climate::default() }, ..heated_bench() };
     let seen = print_on(&firmware(), gcode, &bench);
     assert!(seen.safety.dangers.is_empty(), "{:?}", seen.safety.dangers);
     assert!(seen.gaps.found.is_empty(), "{:?}", seen.gaps.found);
@@ -218,7 +218,7 @@ fn f10_a_stuck_switch_costs_the_supply_and_all_fans_run() {
     let model = &mut settings.thermal.heaters.hotend.model;
     (model.heater_lag, model.sensor_lag) = (Seconds::lit("0.1"), Seconds::lit("0.1"));
     let mishap = Mishap { after: 1000 * MS, what: |faults| faults.hotend_heater = HeaterFault::STUCK_ON };
-    let climate = Climate { start: None, mishap: Some(mishap) };
+    let climate = Climate { start: None, mishap: Some(mishap), ..Climate::default() };
     let seen = print_on(&firmware(), "G4 S6\n", &Bench { climate, ..bench_of(settings) });
     assert!(seen.resets.is_empty() && seen.safety.dangers.is_empty());
     let at = seen.heat.broken.expect("it broke");

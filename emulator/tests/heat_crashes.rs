@@ -30,7 +30,7 @@ const AFTER: u64 = 1500 * MS;
 fn bench(injection: Injection) -> Bench<'static> {
     Bench {
         injection: Some(injection),
-        climate: Climate { start: Some([100.0, 25.0]), mishap: None },
+        climate: Climate { start: Some([100.0, 25.0]), mishap: None, ..Climate::default() },
         after_reset: 60 * MS,
         ..heated_bench()
     }
@@ -185,7 +185,7 @@ fn f30_f38_a_control_period_that_hangs_is_ended_within_a_second_by_the_slowest_w
 fn f38_a_quick_watchdog_bites_nobody_who_is_well() {
     // Start, drivers, EEPROM, motion and heat.
     let gcode = "M104 S120\nM17\nG92 X0 Y0 Z0\nG1 X20 Y20 F9000\nM500\nM122\nG4 P500\n";
-    let climate = Climate { start: Some([118.0, 25.0]), mishap: None };
+    let climate = Climate { start: Some([118.0, 25.0]), mishap: None, ..Climate::default() };
     let seen = print_on(&firmware(), gcode, &Bench { slow_oscillator: Some(47_000), climate, ..heated_bench() });
     assert_eq!((seen.end, seen.resets.len()), (End::Done, 0), "{:?}", seen.line.said);
     assert!(seen.virtual_ns > 2000 * MS && seen.heat.edges.len() > 100);

@@ -5,6 +5,7 @@ mod bringup;
 mod clocks;
 mod common;
 mod drivers;
+mod fans;
 mod faults;
 mod heat;
 mod heat_crashes;

@@ -25,7 +25,7 @@ fn bench(hotend: Output, start: [f64; 2]) -> Bench<'static> {
     let mut settings: Settings = machine_file::load("board = \"spider\"\n").unwrap();
     settings.thermal = heated().thermal;
     settings.thermal.heaters.hotend.output = hotend;
-    let climate = Climate { start: Some(start), mishap: None };
+    let climate = Climate { start: Some(start), mishap: None, ..Climate::default() };
     Bench { wiring: &SPIDER, drivers: DriverLines::new(&SPIDER), climate, ..bench_of(settings) }
 }
 

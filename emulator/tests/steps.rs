@@ -141,7 +141,7 @@ fn tail(events: &[StepEvent], count: usize) -> Vec<(u32, MotorSet, MotorSet)> {
 /// of its first homing on, which begins elsewhere, it steps as the first one did.
 #[test]
 fn a_print_that_heats_steps_the_same_twice_as_on_the_host() {
-    let climate = Climate { start: Some([198.0, 58.0]), mishap: None };
+    let climate = Climate { start: Some([198.0, 58.0]), mishap: None, ..Climate::default() };
     let bench = Bench { climate, ..heated_bench() };
     let seen = check_on(&firmware(), &bench, "a heated print twice", &HEATED_PRINT.repeat(2));
     let length = |gcode: &str| scheduled(gcode, &bench.settings).unwrap().len();

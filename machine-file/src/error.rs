@@ -242,11 +242,16 @@ fn plugged(error: &ConnectorError) -> String {
                 Plugged::Endstop(axis) => format!("endstops.{axis}"),
                 Plugged::Probe => "endstops.probe".to_owned(),
                 Plugged::Filament => "endstops.filament".to_owned(),
+                Plugged::Tachometer(fan) => format!("fans.fan{fan}.tachometer"),
             }
         }
         ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),
         ConnectorError::NoSuchSensor(heater, ..) => format!("heaters.{}.sensor", heater.name()),
         ConnectorError::NoServo(_) => "probe.kind".to_owned(),
         ConnectorError::NoSuchExtraSensor(place, ..) => format!("sensors.{place}.sensor"),
+        ConnectorError::NoSuchFan(fan, _) => format!("fans.fan{fan}"),
+        ConnectorError::FixedFan(fan, _) | ConnectorError::SharedTimer(fan, ..) => {
+            format!("fans.fan{fan}.frequency")
+        }
     }
 }

@@ -104,6 +104,9 @@ const PEERS: &[Peer] = &[
     Peer("verify_heater", Use("guards", "in [heaters.hotend] and so on")),
     Peer("kick_start_time", Use("kick_ms", "in ms")),
     Peer("off_below", Use("least", "the duty at the lowest speed")),
+    Peer("cycle_time", Use("frequency", "of a fan, in Hz: 1 / cycle_time")),
+    Peer("tachometer_pin", Use("tachometer", "the input of the board, such as \"E0DET\"")),
+    Peer("tachometer_ppr", Use("pulses", "in [fans], for all of them")),
     Peer("fan", Use("fans", "[fans.fan0] and so on")),
     Peer("idle_timeout", Use("idle_min", "in [thermal], in minutes")),
     // What there is not.

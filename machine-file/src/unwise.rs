@@ -121,6 +121,25 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     if s.thermal.heaters.hotend.is_fitted && !s.thermal.fans.iter().any(|fan| fan.role == FanRole::Hotend) {
         warn("heaters.hotend.is_fitted", "no fan has the role hotend, so nothing cools the cold end".to_owned());
     }
+    if let Some(board) = machine.board {
+        let shared = s.fan_frequencies(board);
+        for (fan, plug) in s.fans.iter().enumerate().filter(|(_, plug)| plug.frequency > 0) {
+            let timer = board.fans.get(fan).copied().flatten();
+            let others: Vec<_> = (0..shared.len())
+                .filter(|other| board.fans.get(*other).copied().flatten() == timer && s.fans[*other].frequency == 0)
+                .map(|other| format!("fan{other}"))
+                .collect();
+            if timer.is_some() && !others.is_empty() {
+                let key = format!("fans.fan{fan}.frequency");
+                let text = format!(
+                    "{} share the timer of fan{fan}, so they have its {} Hz",
+                    others.join(", "),
+                    plug.frequency
+                );
+                warn(&key, text);
+            }
+        }
+    }
     found
 }
 

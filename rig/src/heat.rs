@@ -6,8 +6,8 @@ use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::port::ThermalPort;
 use corehbot::settings::{
-    EXTRA_SENSORS, ExtraSensor, FanRole, HeaterSettings, Law, SensorSource, Settings, ThermalSettings,
-    Thermistor as Kind, part_fans,
+    EXTRA_SENSORS, ExtraSensor, FanPlug, FanRole, HeaterSettings, Law, SensorSource, Settings, Tachometer,
+    ThermalSettings, Thermistor as Kind, part_fans,
 };
 use corehbot::units::Celsius;
 
@@ -16,6 +16,10 @@ const ROOM: u16 = 62594;
 
 /// The processor of a board in this room.
 const MCU: Celsius = Celsius::const_from_int(40);
+
+/// A fan of 40 mm at full speed, 4800 turns a minute [estimate], and the duty below which it stands.
+const FAN_TURNS_PER_S: f64 = 80.0;
+const LEAST_FAN_DUTY: f64 = 0.1;
 
 /// Cross-section of filament of 1.75 mm, mm2.
 const FILAMENT: f64 = 2.405;
@@ -31,6 +35,10 @@ pub struct Heat {
     steps_per_mm: f64,
     duties: [u16; OUTPUTS],
     fans: [u16; FANS],
+    plugs: [FanPlug; FANS],
+    fan_pulses: u8,
+    /// Pulses that each fan's tachometer would have given.
+    pulses: [f64; FANS],
     is_supplied: bool,
     /// The extruder's steps at the last advance.
     extruded: i32,
@@ -55,6 +63,9 @@ impl Heat {
             steps_per_mm: settings.axes.e.steps_per_mm.to_num(),
             duties: [0; OUTPUTS],
             fans: [0; FANS],
+            plugs: settings.fans,
+            fan_pulses: settings.fan_pulses,
+            pulses: [0.0; FANS],
             is_supplied: true,
             extruded: 0,
         }
@@ -101,6 +112,30 @@ impl Heat {
         if let Some(plant) = &mut self.plant {
             plant.step(&drive, seconds);
         }
+        self.turn(parts, seconds);
+    }
+
+    /// The fans turn for a while.
+    fn turn(&mut self, parts: [bool; FANS], seconds: f64) {
+        let broken =
+            self.plant.as_mut().map(|plant| [plant.faults().hotend_fan_broken, plant.faults().part_fan_broken]);
+        let [hotend_fan, part_fan] = broken.unwrap_or_default();
+        for (fan, pulses) in self.pulses.iter_mut().enumerate() {
+            let is_broken = match self.settings.fans[fan].role {
+                FanRole::Hotend => hotend_fan,
+                _ => parts[fan] && part_fan,
+            };
+            let duty = f64::from(self.fans[fan]) / 65_535.0;
+            if self.is_supplied && !is_broken && duty >= LEAST_FAN_DUTY {
+                *pulses += duty * FAN_TURNS_PER_S * f64::from(self.fan_pulses) * seconds;
+            }
+        }
+    }
+
+    /// Whether the line of a fan's tachometer is high: in the second half of each pulse.
+    #[must_use]
+    pub fn is_tachometer_high(&self, fan: usize) -> bool {
+        self.pulses.get(fan).is_none_or(|pulses| (2.0 * pulses) as u64 % 2 == 1)
     }
 
     /// The plant, if there are heaters: to read, and to break.
@@ -243,6 +278,11 @@ impl ThermalPort for Heat {
         if let Some(place) = self.fans.get_mut(fan) {
             *place = duty;
         }
+    }
+
+    fn tachometer(&self, fan: usize) -> Option<u16> {
+        self.plugs.get(fan).filter(|plug| plug.tachometer != Tachometer::NONE)?;
+        self.pulses.get(fan).map(|pulses| *pulses as u64 as u16)
     }
 
     fn filament(&self) -> Option<bool> {

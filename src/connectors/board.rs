@@ -23,8 +23,9 @@ pub struct BoardConnectors {
     pub outputs: OutputSet,
     /// Inputs for temperature sensors.
     pub sensors: &'static [Sensor],
-    /// Fan outputs, FAN0 and so on.
-    pub fans: usize,
+    /// The timer of each fan output, FAN0 and so on. Fans on one timer share its frequency; without a number a fan's
+    /// frequency is fixed.
+    pub fans: &'static [Option<u8>],
     /// It has the line of a servo, which a BLTouch needs.
     pub has_servo: bool,
     /// A bench rig: motors that it has no socket for are counted, and do not turn.
@@ -44,7 +45,7 @@ impl BoardConnectors {
         debug_sockets: &[],
         outputs: OutputSet::NONE,
         sensors: &[],
-        fans: 0,
+        fans: &[],
         has_servo: true,
         is_bench: true,
         is_simulated: true,
@@ -68,7 +69,7 @@ impl BoardConnectors {
 #[cfg(test)]
 pub(crate) mod samples {
     use super::*;
-    use crate::connectors::{FANS, Output};
+    use crate::connectors::Output;
 
     const fn names<const N: usize>(texts: [&'static str; N]) -> [ConnectorName; N] {
         ConnectorName::all(texts)
@@ -86,7 +87,7 @@ pub(crate) mod samples {
         debug_sockets: &names(["M7"]),
         outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
         sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
-        fans: FANS,
+        fans: &[Some(1), Some(9), Some(4), Some(4), Some(4), None],
         has_servo: true,
         is_bench: false,
         is_simulated: false,
@@ -112,7 +113,7 @@ pub(crate) mod samples {
         inputs: &names(["X", "Y", "Z"]),
         outputs: OutputSet::NONE,
         sensors: &[],
-        fans: 0,
+        fans: &[],
         is_bench: true,
         ..OTHER
     };

@@ -5,9 +5,8 @@
 //! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
 //! rows. Other places that depend on a setting:
 //!
-//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `pause`, `probe`, `shaping`, `drivers`,
-//!   `thermal`,
-//!   `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
+//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`, `probe`,
+//!   `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
 //! - Command and M503: from the [line](mod@line) of the row, if its number is [`plain`]. A code with a condition is in
@@ -29,6 +28,7 @@ mod check;
 mod corner;
 mod drivers;
 mod endstops;
+mod fan_plugs;
 mod job;
 mod kept;
 pub mod line;
@@ -57,6 +57,7 @@ pub use check::SettingsError;
 pub use corner::CornerRule;
 pub use drivers::{DriverGroups, DriverSettings, OwnDriver};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
+pub use fan_plugs::{FanPlug, Tachometer};
 pub use job::{JobSettings, OnFailure};
 pub use kept::{Kept, sum};
 pub use mesh::MeshSettings;
@@ -74,6 +75,7 @@ pub use thermal::{
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
+use crate::connectors::FANS;
 use crate::kinematics::{Mechanism, SCREWS, multiple};
 use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
@@ -167,6 +169,10 @@ pub struct Settings {
     pub mesh: MeshSettings,
     /// Screws of z, in the order of the motors that turn them.
     pub screws: [Screw; SCREWS],
+    /// How each fan is connected.
+    pub fans: [FanPlug; FANS],
+    /// Pulses of a fan's tachometer in a turn.
+    pub fan_pulses: u8,
 }
 
 impl Settings {
@@ -236,6 +242,8 @@ impl Settings {
             sensors: ExtraSensor::prototype(),
             mesh: MeshSettings::prototype(),
             screws: Screw::prototype(),
+            fans: [FanPlug::PLAIN; FANS],
+            fan_pulses: fan_plugs::USUAL_PULSES,
         }
     }
 
@@ -311,6 +319,8 @@ impl Settings {
             sensors: _,
             mesh: _,
             screws: _,
+            fans,
+            fan_pulses: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring
@@ -318,6 +328,7 @@ impl Settings {
             && probe_plug == other.probe_plug
             && kind == other.probe.kind
             && filament == other.filament
+            && fans == other.fans
             && is_closed == other.belt.is_closed
     }
 

@@ -1,8 +1,8 @@
 //! Whether a board has the connectors that a machine uses. Checked for machine files and images, by MACHINE_STORE and
 //! when a board starts. M-codes are not checked, because none of them changes a plug.
 
-use super::{PLACES, ProbeKind, SensorSource, Settings, Wiring};
-use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
+use super::{FanPlug, PLACES, ProbeKind, SensorSource, Settings, Wiring};
+use crate::connectors::{BoardConnectors, ConnectorName, FANS, Heater, Output, Sensor};
 use crate::motors::MotorName;
 use core::fmt::{self, Display};
 
@@ -17,6 +17,8 @@ pub enum Plugged {
     Probe,
     /// The filament sensor.
     Filament,
+    /// The tachometer of a fan.
+    Tachometer(u8),
 }
 
 /// A part plugged in at an impossible connector.
@@ -36,6 +38,12 @@ pub enum ConnectorError {
     NoServo(&'static BoardConnectors),
     /// Nor for the sensor without a heater at this place.
     NoSuchExtraSensor(&'static str, SensorSource, &'static BoardConnectors),
+    /// The board has no such fan for a fan with a frequency or a tachometer.
+    NoSuchFan(u8, &'static BoardConnectors),
+    /// The board cannot change the frequency of this fan.
+    FixedFan(u8, &'static BoardConnectors),
+    /// An earlier fan on the timer of this one has another frequency, this one in Hz.
+    SharedTimer(u8, u16),
 }
 
 impl Settings {
@@ -69,10 +77,12 @@ impl Settings {
         let is_needed = |part: Plugged| match part {
             Plugged::Probe => self.probe.is_fitted(),
             Plugged::Endstop("z") => !self.homes_z_by_probe(),
-            Plugged::Filament => false,
+            Plugged::Filament | Plugged::Tachometer(_) => false,
             Plugged::Endstop(_) | Plugged::Motor(_) => true,
         };
-        let contacts = switches.chain(others).filter(|(part, connector)| !connector.is_none() || is_needed(*part));
+        let tachometers = (0..).zip(self.fans).map(|(fan, plug)| (Plugged::Tachometer(fan), plug.tachometer.input()));
+        let contacts = switches.chain(others).chain(tachometers);
+        let contacts = contacts.filter(|(part, connector)| !connector.is_none() || is_needed(*part));
         check(contacts, board, BoardConnectors::is_one_line)?;
         if board.is_simulated {
             return Ok(());
@@ -81,6 +91,7 @@ impl Settings {
             return Err(ConnectorError::NoServo(board));
         }
         Heater::ALL.into_iter().try_for_each(|heater| self.check_heater(heater, board))?;
+        self.check_fans(board)?;
         let has = |source| match source {
             SensorSource::At(sensor) => board.sensors.contains(&sensor),
             SensorSource::Mcu => board.has_mcu_sensor(),
@@ -89,6 +100,35 @@ impl Settings {
             Some(((place, _), extra)) => Err(ConnectorError::NoSuchExtraSensor(place, extra.sensor, board)),
             None => Ok(()),
         }
+    }
+
+    /// Each fan with a frequency is on a timer that has no other.
+    fn check_fans(&self, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
+        let shared = self.fan_frequencies(board);
+        for (fan, (plug, has)) in (0..).zip(self.fans.into_iter().zip(shared)) {
+            match board.fans.get(usize::from(fan)) {
+                _ if plug == FanPlug::PLAIN => {}
+                None => return Err(ConnectorError::NoSuchFan(fan, board)),
+                Some(None) if plug.frequency > 0 => return Err(ConnectorError::FixedFan(fan, board)),
+                Some(_) if plug.frequency > 0 && plug.frequency != has => {
+                    return Err(ConnectorError::SharedTimer(fan, has));
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The frequency of each fan of a board in Hz: its own, or that of a fan on the same timer; 0 is the board's.
+    #[must_use]
+    pub fn fan_frequencies(&self, board: &BoardConnectors) -> [u16; FANS] {
+        let mut all = [0; FANS];
+        for (timer, plug) in board.fans.iter().zip(self.fans) {
+            for (place, _) in all.iter_mut().zip(board.fans).filter(|(_, other)| timer.is_some() && *other == timer) {
+                *place = if *place == 0 { plug.frequency } else { *place };
+            }
+        }
+        all
     }
 
     fn check_heater(&self, heater: Heater, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
@@ -130,7 +170,7 @@ impl Plugged {
     const fn connectors_of(self, board: &BoardConnectors) -> &'static [ConnectorName] {
         match self {
             Self::Motor(_) => board.sockets,
-            Self::Endstop(_) | Self::Probe | Self::Filament => board.inputs,
+            Self::Endstop(_) | Self::Probe | Self::Filament | Self::Tachometer(_) => board.inputs,
         }
     }
 }
@@ -142,6 +182,7 @@ impl Display for Plugged {
             Self::Endstop(axis) => write!(f, "endstop of {axis}"),
             Self::Probe => f.write_str("probe"),
             Self::Filament => f.write_str("filament sensor"),
+            Self::Tachometer(fan) => write!(f, "tachometer of fan{fan}"),
         }
     }
 }
@@ -175,6 +216,14 @@ impl Display for ConnectorError {
             Self::NoSuchExtraSensor(place, sensor, board) => {
                 write!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
                 list(f, board.sensors.iter().map(|sensor| sensor.name()))
+            }
+            Self::NoSuchFan(fan, board) | Self::FixedFan(fan, board) => {
+                let is_fixed = matches!(self, Self::FixedFan(..));
+                let but = if is_fixed { "fixes its frequency" } else { "has no such fan" };
+                write!(f, "fan{fan}: the {} {but}", board.name)
+            }
+            Self::SharedTimer(fan, has) => {
+                write!(f, "fan{fan}: another fan on its timer has {has} Hz")
             }
         }
     }

@@ -47,6 +47,8 @@ files! {
     pause,
     probe,
     probe::home,
+    fan_plugs,
+    fan_plugs::pulses,
     probe::offset,
     mesh,
     screws,

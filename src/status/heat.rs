@@ -91,6 +91,8 @@ pub struct Heat {
     /// Of 65,535.
     duties: [AtomicU16; HEATERS],
     fans: [AtomicU16; FANS],
+    /// One more than the pulses of each fan's tachometer in the last window, and [`STILL`]; 0 without one.
+    tachometers: [AtomicU32; FANS],
     /// One more than whether filament presses the switch of its sensor; 0 without a sensor.
     filament: AtomicU8,
     /// Control periods since start.
@@ -109,6 +111,9 @@ pub struct Heat {
     /// Heartbeats of the StepGenerator.
     generator_beats: AtomicU8,
 }
+
+/// The bit of a fan that stands still though it is driven.
+const STILL: u32 = 1 << 31;
 
 /// A stored temperature.
 fn celsius(place: &AtomicI32) -> Option<Celsius> {
@@ -131,6 +136,7 @@ impl Heat {
             ailments: [const { AtomicU8::new(0) }; HEATERS],
             duties: [const { AtomicU16::new(0) }; HEATERS],
             fans: [const { AtomicU16::new(0) }; FANS],
+            tachometers: [const { AtomicU32::new(0) }; FANS],
             filament: AtomicU8::new(0),
             periods: AtomicU32::new(0),
             tuning: AtomicU32::new(0),
@@ -184,6 +190,19 @@ impl Heat {
     #[must_use]
     pub fn fan(&self, fan: usize) -> u16 {
         self.fans.get(fan).map_or(0, |duty| duty.load(Relaxed))
+    }
+
+    /// The pulses of a fan's tachometer in the last window of 2 s; `None` without a tachometer.
+    #[must_use]
+    pub fn tachometer(&self, fan: usize) -> Option<u16> {
+        Some((self.tachometers.get(fan)?.load(Relaxed) & !STILL).checked_sub(1)? as u16)
+    }
+
+    /// Fans that stand still though they are driven, a bit each.
+    #[must_use]
+    pub fn still_fans(&self) -> u8 {
+        let fans = self.tachometers.iter().rev();
+        fans.fold(0, |bits, fan| bits << 1 | u8::from(fan.load(Relaxed) & STILL != 0))
     }
 
     /// Whether filament presses the switch of its sensor; `None` without a sensor.
@@ -251,6 +270,12 @@ impl Heat {
     pub(crate) fn set_fan(&self, fan: usize, duty: u16) {
         if let Some(place) = self.fans.get(fan) {
             place.store(duty, Relaxed);
+        }
+    }
+
+    pub(crate) fn set_tachometer(&self, fan: usize, pulses: u16, is_still: bool) {
+        if let Some(place) = self.tachometers.get(fan) {
+            place.store(u32::from(pulses) + 1 | if is_still { STILL } else { 0 }, Relaxed);
         }
     }
 

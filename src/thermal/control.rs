@@ -14,7 +14,7 @@ use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
-use crate::settings::{Bounds, ThermalSettings, part_fans, sum};
+use crate::settings::{Bounds, FanRole, ThermalSettings, part_fans, sum};
 use crate::status::{Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
@@ -377,10 +377,14 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             }
             self.port.set_fan(place, duty);
             self.status.heat().set_fan(place, duty);
-            let alarm = self.port.tachometer(place).and_then(|pulses| self.fan_turns[place].look(duty, pulses));
-            if let Some(alarm) = alarm {
+            let Some(pulses) = self.port.tachometer(place) else { continue };
+            let turns = &mut self.fan_turns[place];
+            let alarm = turns.look(duty, pulses);
+            let is_of_hotend = fan.settings().role == FanRole::Hotend;
+            if let Some(alarm) = alarm.filter(|_| is_of_hotend) {
                 standing = Some((place as u8, alarm));
             }
+            self.status.heat().set_tachometer(place, turns.pulses(), turns.is_still() && !is_of_hotend);
         }
         if let Some((fan, alarm)) = standing {
             self.fail(fan, alarm);

@@ -4,7 +4,7 @@ use crate::printer::{Printer, settings};
 use crate::{break_it, cold, constants, printing, soak_hours, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
-use corehbot::settings::Control;
+use corehbot::settings::{Control, FanRole};
 use corehbot::thermal::Order;
 use corehbot::units::{Celsius, Watts};
 use corehbot_rig::plant::{HeaterFault, Plant, SensorFault};
@@ -271,6 +271,29 @@ fn f18_a_hotend_fan_with_a_tachometer_that_stands_still_switches_off() {
     printer.set(Heater::Hotend, 215.0);
     assert_eq!(until_off(&mut printer, 60.0).0, Cause::FanFailed);
     assert!(printer.hotend() < 150.0, "{}", printer.hotend());
+}
+
+/// A print without its part fan, or drivers without theirs, is no danger.
+#[test]
+fn f18_any_other_fan_that_stands_still_is_reported_and_stops_nothing() {
+    for role in [FanRole::Part, FanRole::Commanded, FanRole::Controller] {
+        let mut settings = settings();
+        settings.fans[1].role = role;
+        let mut printer = Printer::with(Plant::hot(&constants(), 215.0, 25.0), settings);
+        printer.bench.borrow_mut().tachometer = Some(0);
+        printer.set(Heater::Hotend, 215.0);
+        printer.order(Order::Fan(1, u16::MAX));
+        printer.run(10.0);
+        let heat = printer.status.heat();
+        assert_eq!((heat.tachometer(0), heat.tachometer(1), heat.still_fans()), (None, Some(200), 0));
+        printer.bench.borrow_mut().is_stuck = true;
+        printer.run(20.0);
+        let heat = printer.status.heat();
+        assert_eq!((printer.fault(), heat.tachometer(1), heat.still_fans()), (None, Some(0), 1 << 1), "{role:?}");
+        printer.bench.borrow_mut().is_stuck = false;
+        printer.run(5.0);
+        assert_eq!(printer.status.heat().still_fans(), 0);
+    }
 }
 
 /// Reproducer: the hotend's open sensor was reported first, in every period, so a bed that could not be switched off

@@ -290,6 +290,7 @@ fn report(f: &mut Formatter<'_>, command: ReportCommand<'_>, line: &[u8]) -> fmt
         ReportCommand::Message => f.write_str("M117"),
         ReportCommand::ReportEndstops => f.write_str("M119"),
         ReportCommand::Diagnose => f.write_str("M122"),
+        ReportCommand::FanTurns(seconds) => switch(f, "M123", seconds),
         ReportCommand::AutoReport(seconds) => switch(f, "M155", seconds),
         ReportCommand::AutoPosition(seconds) => switch(f, "M154", seconds),
         ReportCommand::Tell { form, to, text } => {

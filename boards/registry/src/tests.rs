@@ -4,7 +4,7 @@ use super::*;
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::{Coupling, prototype};
 use corehbot::port::GroupSet;
-use corehbot::settings::Settings;
+use corehbot::settings::{Settings, Tachometer};
 use corehbot_wiring::port_writes::StepWrites;
 use corehbot_wiring::{Board, Pin, Port};
 use std::path::Path;
@@ -69,7 +69,20 @@ fn connectors_offer_what_the_table_has() {
         let connectors = board.connectors;
         assert_eq!(connectors.outputs, board.outputs());
         assert!(connectors.sensors.iter().eq(board.thermistors.iter().map(|thermistor| &thermistor.sensor)));
-        assert_eq!(connectors.fans, board.fans.len());
+        assert!(connectors.fans.iter().copied().eq(board.fans.iter().map(|fan| fan.timer.number())), "{}", board.name);
+    }
+}
+
+#[test]
+fn any_input_of_a_board_with_fans_may_have_a_tachometer() {
+    for connectors in entries().map(|entry| entry.board.connectors).filter(|board| !board.fans.is_empty()) {
+        for name in connectors.inputs {
+            let tachometer = Tachometer::at(name.as_str());
+            assert!(
+                tachometer.is_some_and(|at| at.input() == *name),
+                "{name} in Tachometer (src/settings/fan_plugs.rs)"
+            );
+        }
     }
 }
 

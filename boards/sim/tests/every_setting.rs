@@ -156,7 +156,7 @@ fn key_of(path: &str) -> String {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.strip_prefix("axis_min.").map_or(path.clone(), |axis| format!("axes.{axis}.min"));
-    let path = path.replace("homing_order", "homing.order");
+    let path = path.replace("homing_order", "homing.order").replace("fan_pulses", "fans.pulses");
     let path = match path.as_str() {
         "probe_plug" => "endstops.probe".to_owned(),
         "filament" => "endstops.filament".to_owned(),
@@ -203,6 +203,7 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
         "controller",
         "max",
         "warning",
+        "E3DET",
     ]
     .map(toml::Value::from);
     let (order, phases) = (toml::Value::from(["z", "x", "y"].to_vec()), toml::Value::from([517, 3].to_vec()));
@@ -271,6 +272,8 @@ fn is_of_all_machines(path: &str) -> bool {
         && !path.starts_with("job.")
         && !path.starts_with("probe.")
         && !path.starts_with("screws.")
+        && !path.starts_with("fans.")
+        && path != "fan_pulses"
         && !path.starts_with("wiring.")
 }
 

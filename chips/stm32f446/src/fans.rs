@@ -1,27 +1,24 @@
-//! Fans: pulse-width modulation at 98 Hz.
+//! Fans: pulse-width modulation at 98 Hz, or at a frequency that the machine names.
 //!
 //! A fan with two wires is switched on and off with its supply, and its motor's electronics have to start each time:
 //! Klipper's default is a cycle of 10 ms (Config reference, `cycle_time` of a fan). One duty is one step of the timer,
-//! so 0 is off and 65,535 is on without a gap.
+//! so 0 is off and 65,535 is on without a gap. Fans on one timer have one frequency, which the core checks.
 //!
 //! A fan on TIM2 gets 15 Hz, the rate at which the time's counter goes round. Marlin's software modulation has half of
 //! that (`SOFT_PWM_SCALE` 0). A fan without a timer is on while its duty is not 0.
 
+use corehbot::port::FANS;
 use embassy_stm32::pac::timer::vals::Ocm;
 use embassy_stm32::pac::{RCC, TIM1, TIM2, TIM4, TIM9};
 
+use crate::fan_cycle::{Cycle, compare};
 use crate::ports;
 use crate::resources::fan_timer;
 use crate::wiring::{FanPin, FanTimer};
 
-/// The last count: one less than the highest duty, which so is never reached and leaves the output on (RM0390, PWM mode
-/// 1).
-const LAST: u16 = u16::MAX - 1;
-
-/// 180 MHz (APB2) over 28 and over 65,535 counts, and 90 MHz (APB1) over 14: 98.1 Hz (RM0390, 6.2: clocks of the
-/// timers).
-const PRESCALER_180: u16 = 28 - 1;
-const PRESCALER_90: u16 = 14 - 1;
+/// The timers' rates in MHz on APB2 and APB1 (RM0390, 6.2: clocks of the timers).
+const ON_APB2: u32 = 180;
+const ON_APB1: u32 = 90;
 
 /// Two channels in PWM mode 1 (OCxM 110), with compare values that take effect at the end of a cycle (OCxPE).
 const MODULATED: u32 = 0x6868;
@@ -39,9 +36,10 @@ pub struct Fans {
 
 /// Sets the rest of a timer's registers: the types differ, the layout does not.
 macro_rules! run {
-    ($timer:ident, $prescaler:expr, $pairs:expr, $outputs:expr) => {{
-        $timer.psc().write_value($prescaler);
-        $timer.arr().write(|w| w.set_arr(LAST));
+    ($timer:ident, $cycle:expr, $pairs:expr, $outputs:expr) => {{
+        let cycle = $cycle;
+        $timer.psc().write_value(cycle.prescaler);
+        $timer.arr().write(|w| w.set_arr(cycle.last));
         for pair in 0..$pairs {
             $timer.ccmr_output(pair).write(|w| w.0 = MODULATED as _);
         }
@@ -52,8 +50,12 @@ macro_rules! run {
 }
 
 impl Fans {
-    /// Lets the timers run, and hands them the pins: all fans off.
-    pub fn start(wired: &'static [FanPin]) -> Self {
+    /// Lets the timers run at these frequencies in Hz, and hands them the pins: all fans off.
+    pub fn start(wired: &'static [FanPin], frequencies: [u16; FANS]) -> Self {
+        let cycle = |mhz, number| {
+            let mut fans = wired.iter().zip(frequencies).filter(|(fan, _)| fan.timer.number() == Some(number));
+            Cycle::of(mhz, fans.next().map_or(0, |(_, hz)| hz))
+        };
         // The bits of outputs in CCER: CC1E is bit 0, CC1NE bit 2, and so on (RM0390, TIM1 and TIM8, CCER).
         let of = |timer| wired.iter().filter(move |fan| fan.timer == timer).map(|fan| 4 * (fan.channel - 1));
         let has = |timer| of(timer).next().is_some();
@@ -67,7 +69,7 @@ impl Fans {
         if has_tim1 {
             run!(
                 TIM1,
-                PRESCALER_180,
+                cycle(ON_APB2, 1),
                 2,
                 of(FanTimer::One).chain(of(FanTimer::OneComplementary).map(|output| output + 2))
             );
@@ -84,10 +86,10 @@ impl Fans {
             TIM2.ccer().modify(|w| w.set_cce(LAST_CHANNEL, true));
         }
         if has(FanTimer::Four) {
-            run!(TIM4, PRESCALER_90, 2, of(FanTimer::Four));
+            run!(TIM4, cycle(ON_APB1, 4), 2, of(FanTimer::Four));
         }
         if has(FanTimer::Nine) {
-            run!(TIM9, PRESCALER_180, 1, of(FanTimer::Nine));
+            run!(TIM9, cycle(ON_APB2, 9), 1, of(FanTimer::Nine));
         }
         for fan in wired {
             // A fan without a timer has an output of its own already (`safe_levels`).
@@ -108,9 +110,11 @@ impl Fans {
         let Some(fan) = self.wired.get(fan) else { return };
         let channel = usize::from(fan.channel).saturating_sub(1);
         match fan.timer {
-            FanTimer::One | FanTimer::OneComplementary => TIM1.ccr(channel).write(|w| w.set_ccr(duty)),
-            FanTimer::Four => TIM4.ccr(channel).write(|w| w.set_ccr(duty)),
-            FanTimer::Nine => TIM9.ccr(channel).write(|w| w.set_ccr(duty)),
+            FanTimer::One | FanTimer::OneComplementary => {
+                TIM1.ccr(channel).write(|w| w.set_ccr(compare(duty, TIM1.arr().read().arr())));
+            }
+            FanTimer::Four => TIM4.ccr(channel).write(|w| w.set_ccr(compare(duty, TIM4.arr().read().arr()))),
+            FanTimer::Nine => TIM9.ccr(channel).write(|w| w.set_ccr(compare(duty, TIM9.arr().read().arr()))),
             // One more than the counter reaches is on without a gap.
             FanTimer::Two => TIM2.ccr(channel).write_value(u32::from(duty) + u32::from(duty == u16::MAX)),
             FanTimer::None => ports::put(fan.pin, duty != 0),

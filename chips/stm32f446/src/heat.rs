@@ -7,6 +7,7 @@ use cortex_m::peripheral::DWT;
 use crate::fans::Fans;
 use crate::heater_timer::HeaterTimer;
 use crate::reference_voltage::ReferenceVoltage;
+use crate::tachometers::Tachometers;
 use crate::thermistors::Thermistors;
 use crate::wiring::{Contact, Plugged, SupplySwitch};
 use crate::{ports, reset_reason, watchdog};
@@ -20,6 +21,7 @@ pub struct BoardHeat {
     fans: Fans,
     supply_switch: Option<SupplySwitch>,
     filament: Option<Contact>,
+    tachometers: Tachometers,
     /// All sensors that were asked for in this period have delivered.
     is_sampled: bool,
     /// The cycle counter when the watchdog was fed last.
@@ -43,9 +45,10 @@ impl BoardHeat {
             thermistors,
             reference,
             timer: HeaterTimer::start(board.heaters),
-            fans: Fans::start(board.fans),
+            fans: Fans::start(board.fans, plugged.frequencies),
             supply_switch: board.supply_switch,
             filament: plugged.filament,
+            tachometers: Tachometers::start(plugged.tachometers),
             is_sampled: true,
             cycles: DWT::cycle_count(),
         }
@@ -91,6 +94,10 @@ impl ThermalPort for BoardHeat {
 
     fn set_fan(&mut self, fan: usize, duty: u16) {
         self.fans.set_fan(fan, duty);
+    }
+
+    fn tachometer(&self, fan: usize) -> Option<u16> {
+        self.tachometers.pulses(fan)
     }
 
     fn filament(&self) -> Option<bool> {

@@ -9,6 +9,7 @@
 //! | 0x00 | PVD | the end, when the supply falls |
 //! | 0x20 | TIM3, during an order to a BLTouch | the edges of its pulses |
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM2 | bytes, USB packets, embassy's time |
+//! | 0x40 | TIM7, every 0.5 ms if a fan has a tachometer | its pulses |
 //! | 0x40 | TIM8, during an exchange with a motor driver | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | 0xC0 | TIM5, at the end of the heaters' pulses, every 20 ms | ThermalControl, which feeds the watchdog |
@@ -25,6 +26,7 @@
 
 pub use corehbot_wiring as wiring;
 
+pub mod fan_cycle;
 pub mod heater_pulses;
 pub mod resources;
 
@@ -97,6 +99,8 @@ mod step_pins;
 mod step_timer;
 #[cfg(target_os = "none")]
 mod supply;
+#[cfg(target_os = "none")]
+mod tachometers;
 #[cfg(target_os = "none")]
 mod thermistors;
 #[cfg(target_os = "none")]

@@ -8,10 +8,10 @@ use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
 use crate::resources::SOURCES;
-use crate::{contexts, driver_uart, heater_timer, otg, servo, supply};
+use crate::{contexts, driver_uart, heater_timer, otg, servo, supply, tachometers};
 
-/// Priority shared by the host lines, the drivers' UART and embassy's time: below the Stepper and a servo's edges,
-/// above everything else.
+/// Priority shared by the host lines, the drivers' UART, tachometers and embassy's time: below the Stepper and a
+/// servo's edges, above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// The step timer's exception, which is always enabled.
@@ -30,6 +30,7 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     (Interrupt::DMA1_STREAM5, LINK),
     (otg::IRQ, LINK),
     (driver_uart::IRQ, LINK),
+    (tachometers::IRQ, LINK),
     (contexts::GENERATOR_IRQ, Priority::P8),
     (heater_timer::IRQ, Priority::P12),
 ];

@@ -63,14 +63,26 @@ pub const fn receiver(usart: Usart) -> Channel {
 }
 
 /// Timers, and the bus that each is on: APB1 or APB2.
-pub const TIMERS: [(&str, u8); 8] =
-    [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), (SERVO, 1), ("TIM4", 1), ("TIM9", 2), ("TIM12", 1)];
+pub const TIMERS: [(&str, u8); 9] = [
+    (TIME, 1),
+    (DRIVER_BITS, 2),
+    (HEAT, 1),
+    (TACHOMETERS, 1),
+    ("TIM1", 2),
+    (SERVO, 1),
+    ("TIM4", 1),
+    ("TIM9", 2),
+    ("TIM12", 1),
+];
 
 /// embassy's time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no
 /// board here needs a channel of TIM2 for a heater.
 pub const TIME: &str = "TIM2";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";
+
+/// Looks at tachometers.
+pub const TACHOMETERS: &str = "TIM7";
 
 /// The control period, and the pulses of heaters on its pins. Besides TIM2 this is the only timer with 32 bits on the
 /// Octopus's heater pins, and on TIM2 two pairs of heaters would share channels.
@@ -96,7 +108,7 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
 
 /// The interrupts in use besides the core's own timer (SysTick), which triggers steps. The supply's interrupt comes
 /// through line 16 of EXTI, which the chip description leaves out, so it goes by its name.
-pub const SOURCES: [Source; 11] = [
+pub const SOURCES: [Source; 12] = [
     source("PVD", "", 1),
     source(SERVO, "UP", 29),
     source(TIME, "UP", 28),
@@ -106,6 +118,7 @@ pub const SOURCES: [Source; 11] = [
     source("DMA1", "CH5", 16),
     source("USB_OTG_FS", "GLOBAL", 67),
     source(DRIVER_BITS, "UP", 44),
+    source(TACHOMETERS, "UP", 55),
     source("CAN2", "SCE", 66),
     source(HEAT, "UP", 50),
 ];

@@ -6,7 +6,7 @@ use corehbot::app::StepPorts;
 use corehbot::fault::{Cause, Fault, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, Serial as _};
+use corehbot::port::{FANS, Lines, Serial as _};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::Instant;
@@ -88,7 +88,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     if let Some(record) = past.record.filter(Record::is_series) {
         // Stored settings may cause the faults, so they are not read here, not even for the baud rate.
         let (lines, usb) = open_lines(board, found, None, past.reason);
-        let mut fans = Fans::start(board.fans);
+        let mut fans = Fans::start(board.fans, [0; FANS]);
         (0..fans.len()).for_each(|fan| fans.set_fan(fan, u16::MAX));
         contexts::only_talk(lines, usb, series(record.fault));
     }
@@ -99,7 +99,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         lines.iter_mut().for_each(|line| _ = line.send(SUPPLY_OFF.as_bytes()));
     }
     // Of two connectors on one pin, the one in use decides.
-    pull(plugged.contacts().map(|contact| contact.input));
+    pull(plugged.inputs());
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let coupling = Groups::new(&settings.mechanism).coupling();

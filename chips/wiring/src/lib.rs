@@ -248,6 +248,17 @@ pub enum FanTimer {
 }
 
 impl FanTimer {
+    /// Its number, if its frequency may change.
+    #[must_use]
+    pub const fn number(self) -> Option<u8> {
+        match self {
+            Self::One | Self::OneComplementary => Some(1),
+            Self::Four => Some(4),
+            Self::Nine => Some(9),
+            Self::Two | Self::None => None,
+        }
+    }
+
     /// Its channels for fans (RM0390, main features of the timers).
     #[must_use]
     pub const fn channels(self) -> RangeInclusive<u8> {

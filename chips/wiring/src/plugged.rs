@@ -1,6 +1,6 @@
 //! A board with a machine plugged into it.
 
-use corehbot::connectors::ConnectorName;
+use corehbot::connectors::{ConnectorName, FANS};
 use corehbot::motors::{MOTORS, prototype};
 use corehbot::port::{Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
@@ -24,6 +24,10 @@ pub struct Plugged {
     pub filament: Option<Contact>,
     /// The line of the servo, if the machine has a probe with one.
     pub servo: Option<Pin>,
+    /// The tachometer of each fan that has one.
+    pub tachometers: [Option<Input>; FANS],
+    /// The frequency of each fan in Hz; 0 is the board's own.
+    pub frequencies: [u16; FANS],
 }
 
 impl Board {
@@ -35,7 +39,17 @@ impl Board {
         prototype.zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
         let mut endstops = [Input::plain(Port::A, 0).contact(false); 3];
         endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = input.contact(false));
-        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, filament: None, servo: None }
+        Plugged {
+            board: self,
+            slots,
+            reversed: MotorSet::NONE,
+            endstops,
+            probe: None,
+            filament: None,
+            servo: None,
+            tachometers: [None; FANS],
+            frequencies: [0; FANS],
+        }
     }
 
     /// The board with a machine plugged in.
@@ -60,6 +74,8 @@ impl Board {
         plugged.probe = self.contact(machine.probe_plug);
         plugged.filament = self.contact(machine.filament);
         plugged.servo = self.servo.filter(|_| machine.has_servo());
+        plugged.tachometers = machine.fans.map(|fan| self.input(fan.tachometer.input()));
+        plugged.frequencies = machine.fan_frequencies(self.connectors);
         Ok(plugged)
     }
 
@@ -71,16 +87,21 @@ impl Board {
 
     /// The contact of that plug, at its input.
     fn contact(&self, plug: EndstopPlug) -> Option<Contact> {
+        Some(self.input(plug.connector)?.contact(plug.is_normally_open))
+    }
+
+    /// The input of that name.
+    fn input(&self, name: ConnectorName) -> Option<Input> {
         let mut inputs = self.connectors.inputs.iter().zip(self.inputs);
-        let input = inputs.find_map(|(name, input)| (*name == plug.connector).then_some(*input))?;
-        Some(input.contact(plug.is_normally_open))
+        inputs.find_map(|(known, input)| (*known == name).then_some(*input))
     }
 }
 
 impl Plugged {
-    /// Everything with a contact.
-    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
-        self.endstops.into_iter().chain(self.probe).chain(self.filament)
+    /// Every input in use.
+    pub fn inputs(&self) -> impl Iterator<Item = Input> {
+        let contacts = self.endstops.into_iter().chain(self.probe).chain(self.filament);
+        contacts.map(|contact| contact.input).chain(self.tachometers.into_iter().flatten())
     }
 
     /// Step pins by motor.

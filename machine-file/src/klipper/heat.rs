@@ -4,6 +4,7 @@ use super::work::Work;
 use crate::pattern::matches;
 use crate::translation::{Kind, Verdict};
 use corehbot::settings::PLACES;
+use corehbot_wiring::Circuit;
 use toml::Value as Toml;
 
 /// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.
@@ -296,7 +297,7 @@ fn fans(work: &mut Work<'_>) {
             fan(work, section, role);
         }
     }
-    for number in 0..work.pins.connectors.fans {
+    for number in 0..work.pins.connectors.fans.len() {
         let role = format!("fans.fan{number}.role");
         if work.lines.get(&role).is_none() {
             work.lines.set(&role, "commanded".into(), "no section has it");
@@ -328,6 +329,8 @@ fn fan(work: &mut Work<'_>, section: &str, role: &str) {
         work.take_number(entry, &format!("{fan}.least"), least);
         work.say(entry, Kind::Approximated, "the lowest speed has that duty; Klipper switches the fan off below it");
     }
+    frequency(work, section, number);
+    tachometer(work, section, &fan);
     if role == "hotend" {
         match work.value(section, "heater") {
             Some((entry, "extruder")) => work.say(entry, Kind::Taken, "the role hotend"),
@@ -349,5 +352,56 @@ fn fan(work: &mut Work<'_>, section: &str, role: &str) {
                 work.say(entry, Kind::Approximated, "it runs with any motor or heater");
             }
         }
+    }
+}
+
+/// The frequency of a fan, if its output has a timer; of fans on one timer the first one's.
+fn frequency(work: &mut Work<'_>, section: &str, number: usize) {
+    let Some((entry, seconds)) = work.number(section, "cycle_time").filter(|(_, seconds)| *seconds > 0.0) else {
+        return;
+    };
+    let timers = work.pins.connectors.fans;
+    let timer = timers.get(number).copied().flatten();
+    if timer.is_none() {
+        return work.say(entry, Kind::NotYet, "the frequency of this output is fixed");
+    }
+    let path = |fan: usize| format!("fans.fan{fan}.frequency");
+    let hertz = (1.0 / seconds).round();
+    let mut others = timers.iter().enumerate().filter(|(fan, other)| *fan != number && **other == timer);
+    let other = others.find_map(|(fan, _)| Some((fan, work.lines.number(&path(fan))?)));
+    match other.filter(|(_, its)| *its != hertz) {
+        Some((fan, its)) => {
+            let text =
+                format!("it shares a timer with fan{fan}, and so its {its} Hz: plug it in elsewhere to have another");
+            work.say(entry, Kind::Decide, text);
+        }
+        None => work.take_number(entry, &path(number), hertz),
+    }
+}
+
+/// The key of all tachometers.
+const PULSES: &str = "fans.pulses";
+
+/// The tachometer of a fan.
+fn tachometer(work: &mut Work<'_>, section: &str, fan: &str) {
+    let Some((entry, pin)) = work.pin(section, "tachometer_pin") else { return };
+    if !work.is_here(entry, &pin) {
+        return;
+    }
+    let Some(input) = work.pins.input(&pin, Circuit::Plain) else {
+        let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
+        return work.say(entry, Kind::Decide, text);
+    };
+    work.take(entry, &format!("{fan}.tachometer"), input.name.to_string());
+    if let Some((entry, pulses)) = work.number(section, "tachometer_ppr") {
+        match work.lines.number(PULSES).filter(|others| *others != pulses) {
+            Some(others) => {
+                work.say(entry, Kind::Decide, format!("all fans have the same, and an earlier one {others}"))
+            }
+            None => work.take_number(entry, PULSES, pulses),
+        }
+    }
+    if let Some((entry, _)) = work.value(section, "tachometer_poll_interval") {
+        work.say(entry, Kind::NotNeeded, "an input is looked at every 0.5 ms");
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn heat(work: &mut Work<'_>, board: Option<&'static BoardConnectors>)
         let what = format!("true when output, sensor, thermistor{power} and most of {heater} are filled in");
         work.fill_in(&[(key("is_fitted"), false.into())], &what);
     }
-    if board.is_none_or(|board| board.fans > 0) {
+    if board.is_none_or(|board| !board.fans.is_empty()) {
         work.open.push("fans.fan0.role and so on: which output cools the part, the hotend and the board".to_owned());
     }
 }

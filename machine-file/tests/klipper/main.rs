@@ -199,6 +199,36 @@ fn the_processors_own_sensor_has_a_place() {
 }
 
 #[test]
+fn fans_have_frequencies_and_tachometers() {
+    let fan = |section: &str, pin: &str, more: &str| format!("[{section}]\npin: {pin}\n{more}");
+    let text = [
+        fan("fan", "PD12", "cycle_time: 0.00004\nhardware_pwm: true\n"),
+        fan("heater_fan hotend", "PE5", "tachometer_pin: ^PG13\ntachometer_ppr: 4\ntachometer_poll_interval: 0.001\n"),
+        fan("controller_fan drivers", "PD13", "cycle_time: 0.010\n"),
+        fan("fan_generic lid", "PD14", "cycle_time: 0.00004\ntachometer_pin: PA9\n"),
+    ];
+    let done = of_text(&text.concat());
+    for lines in [
+        "[fans.fan2]\nrole = \"part\"  # printer.cfg:2\nfrequency = 25000",
+        "[fans.fan1]\nrole = \"hotend\"  # printer.cfg:6\ntachometer = \"E1DET\"  # printer.cfg:7\n",
+        "[fans]\npulses = 4  # printer.cfg:8\n",
+        "[fans.fan3]\nrole = \"controller\"  # printer.cfg:11\n\n",
+        "[fans.fan4]\nrole = \"commanded\"  # printer.cfg:14\nfrequency = 25000",
+    ] {
+        assert!(done.text.contains(lines), "{lines}: {}", done.text);
+    }
+    let report = done.report.to_string();
+    for said in [
+        "hardware_pwm = true -> a timer modulates",
+        "tachometer_poll_interval = 0.001 -> an input is looked at",
+        "cycle_time = 0.010 -> it shares a timer with fan2, and so its 25000 Hz",
+        "tachometer_pin = PA9 -> PA9 is no input of the BTT Octopus",
+    ] {
+        assert!(report.contains(said), "{said}: {report}");
+    }
+}
+
+#[test]
 fn a_probes_input_has_the_name_of_its_header() {
     for (text, plug) in [
         ("[probe]\npin: ~!PB7", "PROBE"),

@@ -338,7 +338,7 @@ pin: PD12
 cycle_time: 0.00002
 hardware_pwm: true
 ",
-        needs: &[("fan", "pin", Taken, "fans.fan2"), ("fan", "cycle_time", NotYet, "98 Hz")],
+        needs: &[("fan", "pin", Taken, "fans.fan2"), ("fan", "cycle_time", Taken, "fans.fan2.frequency = 50000")],
         is_machine: true,
         decisions: 0,
     },

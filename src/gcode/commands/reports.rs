@@ -36,6 +36,8 @@ pub enum ReportCommand<'a> {
     ReportEndstops,
     /// M122: report the state of the machine's parts.
     Diagnose,
+    /// M123: report the turns of fans, or do it every given number of seconds.
+    FanTurns(Option<Number>),
     /// M154: report the real position every given number of seconds.
     AutoPosition(Option<Number>),
     /// M155: report temperatures every given number of seconds.
@@ -55,6 +57,9 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[118], |_, text| report(tell(text))).does("A E P", "says the text to hosts"),
     Described::m(&[119], |_, _| report(ReportCommand::ReportEndstops)).does("", "endstops and probe"),
     Described::m(&[122], |_, _| report(ReportCommand::Diagnose)).does("", "drivers, heaters, faults, overload"),
+    Described::m(&[123], |_, text| report(ReportCommand::FanTurns(number(text, b'S'))))
+        .grammar(SECONDS)
+        .does("S", "turns of fans with a tachometer, or every S s"),
     Described::m(&[154, 155], |code, text| {
         let seconds = number(text, b'S');
         report(if code == 154 { ReportCommand::AutoPosition(seconds) } else { ReportCommand::AutoReport(seconds) })

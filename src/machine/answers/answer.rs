@@ -51,6 +51,8 @@ pub(in crate::machine) enum Answer<'a> {
     NotHomed,
     /// M290: the offset of z.
     ZOffset,
+    /// M123: how fast fans turn.
+    FanTurns,
     /// M105, in the line of the `ok`.
     Temperatures,
     /// The first lines after a reset.

@@ -33,12 +33,14 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
             Answer::Endstops(main_loop.status.endstops())
         }
         ReportCommand::Diagnose => return diagnose(main_loop).await,
+        ReportCommand::FanTurns(None) => Answer::FanTurns,
+        ReportCommand::FanTurns(seconds) => report_every(main_loop, clamps, Report::FanTurns, seconds),
         ReportCommand::AutoPosition(seconds) => report_every(main_loop, clamps, Report::Position, seconds),
         ReportCommand::AutoReport(seconds) => report_every(main_loop, clamps, Report::Temperatures, seconds),
     })
 }
 
-/// M154, M155. Without S nothing changes.
+/// M123, M154, M155. Without S nothing changes.
 fn report_every<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,

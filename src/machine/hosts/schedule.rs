@@ -1,4 +1,4 @@
-//! When reports come by themselves: M154 and M155, to the host that requested them and at its interval.
+//! When reports come by themselves: M123, M154 and M155, to the host that requested them and at its interval.
 //!
 //! A report is a whole line, and it is queued only after all earlier output has left. So it comes neither inside a line
 //! nor between the lines of one answer, and it does not fill the buffer of a host that does not read.
@@ -16,6 +16,8 @@ pub(in crate::machine) enum Report {
     Position,
     /// How hot everything is.
     Temperatures,
+    /// How fast fans turn.
+    FanTurns,
 }
 
 impl Report {
@@ -24,6 +26,7 @@ impl Report {
         match self {
             Self::Position => "M154",
             Self::Temperatures => "M155",
+            Self::FanTurns => "M123",
         }
     }
 }
@@ -32,27 +35,27 @@ impl Report {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Schedule {
     /// The period in seconds, 0 for never; and when the next report is due.
-    reports: [(u8, Instant); 2],
+    reports: [(u8, Instant); 3],
 }
 
 impl Schedule {
     /// Nothing.
     pub const fn new() -> Self {
-        Self { reports: [(0, Instant(0)); 2] }
+        Self { reports: [(0, Instant(0)); 3] }
     }
 
     const fn of(&mut self, report: Report) -> &mut (u8, Instant) {
-        let [position, temperatures] = &mut self.reports;
+        let [position, temperatures, fan_turns] = &mut self.reports;
         match report {
             Report::Position => position,
             Report::Temperatures => temperatures,
+            Report::FanTurns => fan_turns,
         }
     }
 
     /// Whether no report is scheduled.
-    pub const fn is_empty(&self) -> bool {
-        let [(position, _), (temperatures, _)] = self.reports;
-        position | temperatures == 0
+    pub fn is_empty(&self) -> bool {
+        self.reports.iter().all(|(period_s, _)| *period_s == 0)
     }
 
     /// From `now` on every `period_s`.

@@ -52,6 +52,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
         Command::Report(
             ReportCommand::AutoPosition(_)
                 | ReportCommand::AutoReport(_)
+                | ReportCommand::FanTurns(Some(_))
                 | ReportCommand::Message
                 | ReportCommand::ReportPosition { .. }
         ) | Command::Job(JobCommand::Debug(_) | JobCommand::Progress { .. })

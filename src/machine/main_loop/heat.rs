@@ -29,6 +29,8 @@ pub(in crate::machine) struct Heaters<'m> {
     orders: HeatOrders,
     fans: FanSchedule,
     self_tests: SelfTests,
+    /// Fans that stand still and were told, a bit each.
+    still_fans: u8,
     /// When heaters were last used.
     used: Instant,
     /// When the heat work, and the filament report to the heater control, are due next.
@@ -44,6 +46,7 @@ impl<'m> Heaters<'m> {
             orders: HeatOrders::new(thermal),
             fans: FanSchedule::new(),
             self_tests: SelfTests::new(),
+            still_fans: 0,
             used: now,
             due: now,
             ahead_due: now,
@@ -124,6 +127,15 @@ impl<'m> Heaters<'m> {
         self.self_tests.begin(subject, is_asked);
         self.orders.test();
         self.send_orders(thermal);
+    }
+
+    /// A fan that has come to stand still though it is driven, once; the others are told in the next turns.
+    pub fn follow_still_fans(&mut self) -> Option<u32> {
+        let still = self.status.still_fans();
+        self.still_fans &= still;
+        let fan = (still & !self.still_fans).trailing_zeros();
+        self.still_fans |= 1_u8.checked_shl(fan)?;
+        Some(fan)
     }
 
     /// Whether a self-test is under way.

@@ -18,6 +18,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::reports::belt_report::report_belt;
 use crate::machine::reports::buzz_report::report_buzz;
 use crate::machine::reports::driver_report::{report_driver, report_driver_values, report_own_driver_values};
+use crate::machine::reports::fan_report::{FanTurns, report_fan_turns};
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
 use crate::machine::reports::machine_report::report_machine;
@@ -119,6 +120,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
             Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
             Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.is_stored(s)),
+            Answer::FanTurns => report_fan_turns(to, s, status.heat()),
             Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
@@ -234,6 +236,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         if self.hosts.is_due(Report::Temperatures, now) {
             let temperatures = self.temperatures();
             self.hosts.report(Report::Temperatures, now, format_args!(" {temperatures}"));
+        }
+        if self.hosts.is_due(Report::FanTurns, now) {
+            let turns = FanTurns { settings: &self.settings, heat: self.status.heat() };
+            if turns.has_any() {
+                self.hosts.report(Report::FanTurns, now, format_args!("{turns}"));
+            }
         }
         if self.hosts.is_due(Report::Position, now) {
             let position = self.position(true);

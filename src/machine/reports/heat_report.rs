@@ -1,5 +1,6 @@
 //! Reports of heat: temperatures (M105, M155, waits), heaters and the fault (M122), the result of a tuning (M303).
 
+use super::fan_report::report_fans;
 use super::report::Hundredths;
 use super::sensors::{Extra, ExtraReadings, extra_readings, report_extra, report_sensors};
 use crate::connectors::{HEATERS, Heater};
@@ -83,6 +84,7 @@ pub(in crate::machine) fn report_heat(
         }
     }
     report_extra(to, &extra_readings(settings, heat));
+    report_fans(to, settings, heat);
     report_sensors(to, heat);
 }
 

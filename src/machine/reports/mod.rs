@@ -20,6 +20,7 @@
 pub(in crate::machine) mod belt_report;
 pub(in crate::machine) mod buzz_report;
 pub(in crate::machine) mod driver_report;
+pub(in crate::machine) mod fan_report;
 pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod heat_settings_report;
 pub(in crate::machine) mod machine_report;

@@ -55,7 +55,7 @@ const fn hinted(code: &'static str, hint: &'static str) -> Rule {
 const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
 
 /// All words with a rule other than keeping the old value, or with a hint.
-const RULES: [Rule; 16] = [
+const RULES: [Rule; 17] = [
     // F: axes have limits anyway, so the fastest speed fulfils a faster F, the slowest a slower F. F0 and less mean no
     // motion at all, so the feed stays (`feed`).
     edge(""),
@@ -65,6 +65,7 @@ const RULES: [Rule; 16] = [
     // Seconds between messages: a smaller interval becomes the smallest possible; Marlin does the same (M113.cpp,
     // M155.cpp).
     edge("M113"),
+    edge("M123"),
     edge("M154"),
     edge("M155"),
     // A step of a host's buttons.

@@ -6,7 +6,7 @@ use super::*;
 use crate::connectors::samples::{BENCH, OTHER, PRINTER};
 use crate::kinematics::Mechanism;
 use crate::motors::{Motor, prototype};
-use crate::settings::Wiring;
+use crate::settings::{Tachometer, Wiring};
 use std::format;
 use std::string::{String, ToString};
 
@@ -133,6 +133,48 @@ fn a_filament_sensor_is_plugged_in_at_an_input_of_its_own() {
     assert_eq!(error(&s, &PRINTER), "probe and filament sensor have the same connector, E0DET");
     s.filament.connector = ConnectorName::lit("FIL");
     assert_eq!(error(&s, &PRINTER), format!("filament sensor: the sample has no connector FIL; it has {INPUTS}"));
+}
+
+#[test]
+fn a_tachometer_has_an_input_of_its_own() {
+    let mut s = Settings::prototype();
+    s.fans[2].tachometer = Tachometer::at("E0DET").unwrap();
+    assert_eq!(s.check_connectors(&PRINTER), Ok(()));
+    s.fans[4].tachometer = Tachometer::at("E0DET").unwrap();
+    for board in [&PRINTER, &BoardConnectors::ANY] {
+        assert_eq!(error(&s, board), "tachometer of fan2 and tachometer of fan4 have the same connector, E0DET");
+    }
+    s.fans[4].tachometer = Tachometer::at("X-STOP").unwrap();
+    assert_eq!(error(&s, &PRINTER), "endstop of x and tachometer of fan4 have the same connector, X-STOP");
+    s.fans[4].tachometer = Tachometer::at("X-MIN").unwrap();
+    assert_eq!(error(&s, &PRINTER), format!("tachometer of fan4: the sample has no connector X-MIN; it has {INPUTS}"));
+    assert_eq!(Tachometer::at("FAN"), None);
+}
+
+#[test]
+fn fans_of_one_timer_have_one_frequency() {
+    let with = |frequencies: [u16; FANS]| {
+        let mut s = Settings::prototype();
+        s.fans.iter_mut().zip(frequencies).for_each(|(fan, hz)| fan.frequency = hz);
+        s
+    };
+    for (frequencies, have) in [
+        ([0; FANS], [0; FANS]),
+        ([25_000, 98, 0, 1000, 0, 0], [25_000, 98, 1000, 1000, 1000, 0]),
+        ([0, 0, 200, 0, 200, 0], [0, 0, 200, 200, 200, 0]),
+    ] {
+        let s = with(frequencies);
+        assert_eq!((s.check_connectors(&PRINTER), s.fan_frequencies(&PRINTER)), (Ok(()), have));
+    }
+    assert_eq!(error(&with([0, 0, 200, 0, 201, 0]), &PRINTER), "fan4: another fan on its timer has 200 Hz");
+    let fixed = "fan5: the sample fixes its frequency";
+    assert_eq!(error(&with([0, 0, 0, 0, 0, 98]), &PRINTER), fixed);
+    const FEW: BoardConnectors = BoardConnectors { fans: &[Some(1)], ..PRINTER };
+    assert_eq!(error(&with([0, 98, 0, 0, 0, 0]), &FEW), "fan1: the sample has no such fan");
+    let mut s = with([98, 0, 0, 0, 0, 0]);
+    assert_eq!(s.check_connectors(&FEW), Ok(()));
+    s.fans[3].tachometer = Tachometer::at("E0DET").unwrap();
+    assert_eq!(error(&s, &FEW), "fan3: the sample has no such fan");
 }
 
 #[test]

@@ -1,13 +1,7 @@
-//! Fan turns: a driven fan that does not turn, where its connector has a tachometer.
+//! Fan turns: how fast a fan with a tachometer turns, and whether it stands still though it is driven.
 //!
-//! No board counts pulses yet: `ThermalPort::tachometer` is `None` except in tests. A board that does needs
-//!
-//! - the pin in its `FanPin` (`chips/wiring/src/lib.rs`), where the compiler leads to the checks; it may be one
-//!   of `inputs` so far;
-//! - a count by an interrupt or a timer, because pulses are faster than a control period (`resources.rs`,
-//!   `priorities.rs`); `heat.rs` there returns it;
-//! - a setting for the presence of a tachometer in the connected fan (`FanSettings` in `settings/thermal/fans.rs`);
-//! - the pin in `emulator/src/wiring.rs` and pulses in `heat.rs` there; otherwise every driven fan counts as stopped.
+//! A standing fan of a hotend is a fault, because the cold end then melts what it holds. Any other is reported (M123,
+//! M122), and the print goes on: a print without its part fan is spoilt at most, and drivers watch their own heat.
 //!
 //! The pulses are counted over windows of 2 s. A fan of a 3D printer gives two a turn and makes some 1000 turns a
 //! minute at its slowest. So one turn in a window is far below any working fan. (4-wire fans: Intel, "4-Wire Pulse
@@ -37,19 +31,41 @@ pub struct FanTurns {
     before: u16,
     elapsed: u32,
     still: u8,
+    /// The same of the windows that go on while the fan is off, and the pulses in the last one.
+    measured: (u16, u32),
+    pulses: u16,
+}
+
+/// Turns a minute, from the pulses in a window and those in a turn.
+#[must_use]
+pub fn turns_a_minute(pulses: u16, in_a_turn: u8) -> u32 {
+    u32::from(pulses) * (60 * periods(1) / WINDOW) / u32::from(in_a_turn.max(1))
 }
 
 impl FanTurns {
     /// A fan that was not driven yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { before: 0, elapsed: 0, still: 0 }
+        Self { before: 0, elapsed: 0, still: 0, measured: (0, 0), pulses: 0 }
+    }
+
+    /// The pulses in the last window that is over.
+    #[must_use]
+    pub const fn pulses(&self) -> u16 {
+        self.pulses
+    }
+
+    /// Whether it stands still though it is driven.
+    #[must_use]
+    pub const fn is_still(&self) -> bool {
+        self.still >= MOST_STILL
     }
 
     /// One control period: the duty of 65,535, and the tachometer's count of pulses, wrapping.
     pub fn look(&mut self, duty: u16, pulses: u16) -> Option<Alarm> {
+        self.measure(pulses);
         if duty < DRIVEN {
-            *self = Self { before: pulses, ..Self::new() };
+            (self.before, self.elapsed, self.still) = (pulses, 0, 0);
             return None;
         }
         self.elapsed += 1;
@@ -58,9 +74,19 @@ impl FanTurns {
         }
         let stands = pulses.wrapping_sub(self.before) < LEAST;
         (self.before, self.elapsed) = (pulses, 0);
-        self.still = if stands { self.still + 1 } else { 0 };
+        self.still = if stands { self.still.saturating_add(1) } else { 0 };
         let alarm = Alarm { cause: Cause::FanFailed, value: Celsius::ZERO, limit: Celsius::ZERO };
-        (self.still >= MOST_STILL).then_some(alarm)
+        self.is_still().then_some(alarm)
+    }
+
+    fn measure(&mut self, pulses: u16) {
+        let (before, elapsed) = self.measured;
+        self.measured = if elapsed + 1 < WINDOW {
+            (before, elapsed + 1)
+        } else {
+            self.pulses = pulses.wrapping_sub(before);
+            (pulses, 0)
+        };
     }
 }
 
@@ -82,6 +108,21 @@ mod tests {
         assert_eq!(alarm_after(&mut FanTurns::new(), u16::MAX, u16::MAX, 1), None, "two pulses in 2 s are a turn");
         assert_eq!(alarm_after(&mut FanTurns::new(), DRIVEN, 0, 0), Some(4));
         assert_eq!(alarm_after(&mut FanTurns::new(), DRIVEN - 1, 0, 0), None);
+    }
+
+    #[test]
+    fn turns_are_measured_at_any_duty() {
+        for duty in [0, u16::MAX] {
+            let mut fan = FanTurns::new();
+            // 3000 turns a minute, two pulses each, are two in a period; the count wraps.
+            let count = |period: u32| (u16::MAX - 60).wrapping_add(2 * period as u16);
+            (0..=periods(4)).for_each(|period| assert_eq!(fan.look(duty, count(period)), None));
+            assert_eq!((fan.pulses(), turns_a_minute(fan.pulses(), 2)), (200, 3000));
+            // It stops.
+            (0..periods(4)).for_each(|_| _ = fan.look(duty, 7));
+            assert_eq!(fan.pulses(), 0);
+        }
+        assert_eq!([turns_a_minute(1, 1), turns_a_minute(1, 2), turns_a_minute(u16::MAX, 0)], [30, 15, 1_966_050]);
     }
 
     #[test]

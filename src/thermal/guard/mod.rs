@@ -59,7 +59,7 @@ mod window;
 
 pub use at_target::AtTarget;
 pub use episode::Episode;
-pub use fan_turns::FanTurns;
+pub use fan_turns::{FanTurns, turns_a_minute};
 pub use floor::{Floor, Gain};
 pub use frozen::Frozen;
 pub use heat_balance::{HeatBalance, Numbers};

@@ -148,6 +148,7 @@ const ROWS: &[Row] = &[
     ("M221 S5000", &["echo:M221 ignored: S5000 is out of range (10 to 999), stays 100"]),
     ("M113 S99", &["echo:M113 S99 is out of range, set to 60"]),
     ("M155 S99", &["echo:M155 S99 is out of range, set to 60"]),
+    ("M123 S61", &["echo:M123 S61 is out of range, set to 60"]),
     ("M154 S-1", &["echo:M154 S-1 is out of range, set to 0"]),
     (
         "M593 F5 D2",
@@ -216,6 +217,8 @@ const ROWS: &[Row] = &[
     ("M118 hi", &["hi"]),
     ("M118 ok", &["echo:ok"]),
     ("M119", &["Reporting endstop status", "x_min: open", "y_min: open", "z_min: open"]),
+    ("M123", &["echo:no fan has a tachometer"]),
+    ("M123 S5", SILENCE),
     ("M154 S5", SILENCE),
     ("M155 S2", SILENCE),
     ("M73 P5 R10", SILENCE),

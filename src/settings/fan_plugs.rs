@@ -1,0 +1,103 @@
+//! Fans as a board drives them: the frequency of their modulation, and the inputs of their tachometers. A board takes
+//! them when it starts, as the places of all plugs. What a fan does is in [`FanSettings`](super::FanSettings).
+
+use super::rows::{Choice, Chosen, Spec, rows};
+use super::{Range, Settings};
+use crate::connectors::{ConnectorName, FANS};
+use serde::{Deserialize, Serialize};
+
+/// How a fan is connected.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct FanPlug {
+    /// The frequency of its modulation in Hz; 0 is the board's own.
+    pub frequency: u16,
+    /// Its tachometer, if it has one.
+    pub tachometer: Tachometer,
+}
+
+/// The input of a tachometer, by its place in a list: a record has no room for six names.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct Tachometer(u8);
+
+impl Choice for Tachometer {
+    /// None, and the inputs of all boards with fans. Records have their places, so those of another board come last.
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self(0), "none"),
+        (Self(1), "X-STOP"),
+        (Self(2), "Y-STOP"),
+        (Self(3), "Z-STOP"),
+        (Self(4), "Z2-STOP"),
+        (Self(5), "E0DET"),
+        (Self(6), "E1DET"),
+        (Self(7), "E2DET"),
+        (Self(8), "E3DET"),
+        (Self(9), "BLTOUCH"),
+        (Self(10), "PROBE"),
+        (Self(11), "X-MIN"),
+        (Self(12), "Y-MIN"),
+        (Self(13), "Z-MIN"),
+        (Self(14), "X-MAX"),
+        (Self(15), "Y-MAX"),
+        (Self(16), "Z-MAX"),
+    ];
+}
+
+impl Tachometer {
+    /// No tachometer.
+    pub const NONE: Self = Self(0);
+
+    /// A tachometer at that input of a board; `None` if the list does not have it.
+    #[must_use]
+    pub fn at(input: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, name)| *name == input).map(|(tachometer, _)| *tachometer)
+    }
+
+    /// The name of its input; the empty name if there is none.
+    #[must_use]
+    pub fn input(self) -> ConnectorName {
+        let known = Self::ALL.iter().find(|(other, _)| *other == self && self != Self::NONE);
+        known.and_then(|(_, name)| ConnectorName::new(name)).unwrap_or(ConnectorName::NONE)
+    }
+}
+
+impl FanPlug {
+    /// A fan of two wires.
+    pub const PLAIN: Self = Self { frequency: 0, tachometer: Tachometer::NONE };
+}
+
+/// The slowest is 10 Hz, at which a fan of two wires starts and stops. Fans of four wires take 21 to 28 kHz (Intel,
+/// "4-Wire Pulse Width Modulation Controlled Fans", rev 1.3, section 3.2), and some machines have 50 kHz.
+const FREQUENCY: Range<u16> = Range { least: 10, most: 50_000 };
+
+/// Pulses of any tachometer in a turn: two for nearly all fans (the same, section 3.1).
+pub(super) const USUAL_PULSES: u8 = 2;
+const PULSES: Range<u8> = Range { least: 1, most: 12 };
+
+fn parts(s: &mut Settings) -> [&mut FanPlug; FANS] {
+    s.fans.each_mut()
+}
+
+rows! {
+    for fan in parts, named &["fans.fan0", "fans.fan1", "fans.fan2", "fans.fan3", "fans.fan4", "fans.fan5"];
+
+    /// Frequency of the modulation, where the board can change it; 0 is the board's own. Fans on one timer share it.
+    127 "frequency" = fan.frequency, "Hz", [FREQUENCY.spec().or_zero()];
+    /// Input of the fan's tachometer. M123 reports it. A hotend fan that stands still is a fault.
+    128 "tachometer" = Chosen(&mut fan.tachometer), "", [Spec::choice::<Tachometer>()];
+}
+
+/// The row of all tachometers.
+pub(super) mod pulses {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut u8; 1] {
+        [&mut s.fan_pulses]
+    }
+
+    rows! {
+        for pulses in parts, named &["fans"];
+
+        /// Pulses of a tachometer in a turn.
+        129 "pulses" = *pulses, "", [PULSES.spec()];
+    }
+}
