@@ -92,6 +92,7 @@ fn check_all(s: &Settings) {
         let least = changed(s, path, &LEAST);
         let may_be_0 = [&ANY[..], &MAY_BE_0].iter().any(|names| is_one_of(path, names))
             || path.starts_with("/advance/time")
+            || path.starts_with("/fans/")
             || (path.starts_with("/thermal/fans") && path.contains("/least"))
             || path.starts_with("/minimum_cruise_ratio");
         let is_unsigned = least == with(s, path, 0).unwrap();
