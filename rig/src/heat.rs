@@ -281,7 +281,7 @@ impl ThermalPort for Heat {
     }
 
     fn tachometer(&self, fan: usize) -> Option<u16> {
-        self.plugs.get(fan).filter(|plug| plug.tachometer != Tachometer::NONE)?;
+        self.plugs.get(fan).filter(|plug| plug.tachometer != Tachometer::None)?;
         self.pulses.get(fan).map(|pulses| *pulses as u64 as u16)
     }
 

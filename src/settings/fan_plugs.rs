@@ -17,35 +17,67 @@ pub struct FanPlug {
 
 /// The input of a tachometer, by its place in a list: a record has no room for six names.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
-pub struct Tachometer(u8);
+pub enum Tachometer {
+    /// No tachometer.
+    None,
+    /// At X-STOP.
+    XStop,
+    /// At Y-STOP.
+    YStop,
+    /// At Z-STOP.
+    ZStop,
+    /// At Z2-STOP.
+    Z2Stop,
+    /// At E0DET.
+    E0Det,
+    /// At E1DET.
+    E1Det,
+    /// At E2DET.
+    E2Det,
+    /// At E3DET.
+    E3Det,
+    /// At BLTOUCH.
+    BlTouch,
+    /// At PROBE.
+    Probe,
+    /// At X-MIN.
+    XMin,
+    /// At Y-MIN.
+    YMin,
+    /// At Z-MIN.
+    ZMin,
+    /// At X-MAX.
+    XMax,
+    /// At Y-MAX.
+    YMax,
+    /// At Z-MAX.
+    ZMax,
+}
 
 impl Choice for Tachometer {
     /// None, and the inputs of all boards with fans. Records have their places, so those of another board come last.
     const ALL: &'static [(Self, &'static str)] = &[
-        (Self(0), "none"),
-        (Self(1), "X-STOP"),
-        (Self(2), "Y-STOP"),
-        (Self(3), "Z-STOP"),
-        (Self(4), "Z2-STOP"),
-        (Self(5), "E0DET"),
-        (Self(6), "E1DET"),
-        (Self(7), "E2DET"),
-        (Self(8), "E3DET"),
-        (Self(9), "BLTOUCH"),
-        (Self(10), "PROBE"),
-        (Self(11), "X-MIN"),
-        (Self(12), "Y-MIN"),
-        (Self(13), "Z-MIN"),
-        (Self(14), "X-MAX"),
-        (Self(15), "Y-MAX"),
-        (Self(16), "Z-MAX"),
+        (Self::None, "none"),
+        (Self::XStop, "X-STOP"),
+        (Self::YStop, "Y-STOP"),
+        (Self::ZStop, "Z-STOP"),
+        (Self::Z2Stop, "Z2-STOP"),
+        (Self::E0Det, "E0DET"),
+        (Self::E1Det, "E1DET"),
+        (Self::E2Det, "E2DET"),
+        (Self::E3Det, "E3DET"),
+        (Self::BlTouch, "BLTOUCH"),
+        (Self::Probe, "PROBE"),
+        (Self::XMin, "X-MIN"),
+        (Self::YMin, "Y-MIN"),
+        (Self::ZMin, "Z-MIN"),
+        (Self::XMax, "X-MAX"),
+        (Self::YMax, "Y-MAX"),
+        (Self::ZMax, "Z-MAX"),
     ];
 }
 
 impl Tachometer {
-    /// No tachometer.
-    pub const NONE: Self = Self(0);
-
     /// A tachometer at that input of a board; `None` if the list does not have it.
     #[must_use]
     pub fn at(input: &str) -> Option<Self> {
@@ -55,14 +87,14 @@ impl Tachometer {
     /// The name of its input; the empty name if there is none.
     #[must_use]
     pub fn input(self) -> ConnectorName {
-        let known = Self::ALL.iter().find(|(other, _)| *other == self && self != Self::NONE);
+        let known = Self::ALL.iter().find(|(other, _)| *other == self && self != Self::None);
         known.and_then(|(_, name)| ConnectorName::new(name)).unwrap_or(ConnectorName::NONE)
     }
 }
 
 impl FanPlug {
     /// A fan of two wires.
-    pub const PLAIN: Self = Self { frequency: 0, tachometer: Tachometer::NONE };
+    pub const PLAIN: Self = Self { frequency: 0, tachometer: Tachometer::None };
 }
 
 /// The slowest is 10 Hz, at which a fan of two wires starts and stops. Fans of four wires take 21 to 28 kHz (Intel,
