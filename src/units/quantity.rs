@@ -105,14 +105,14 @@ macro_rules! quantity {
 
             /// The sum, within the range.
             #[must_use]
-            #[inline(always)]
+            #[inline(never)]
             pub const fn saturating_add(self, other: Self) -> Self {
                 Self(self.0.saturating_add(other.0))
             }
 
             /// The difference, within the range.
             #[must_use]
-            #[inline(always)]
+            #[inline(never)]
             pub const fn saturating_sub(self, other: Self) -> Self {
                 Self(self.0.saturating_sub(other.0))
             }
