@@ -26,14 +26,17 @@ fn corehbot(arguments: &[&str]) -> Output {
 
 #[test]
 fn a_bad_value_is_one_line_and_nothing_is_begun() {
-    let cartesian = examples("machines/cartesian.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let unbelted = folder.path().join("machine.toml");
+    let cartesian = std::fs::read_to_string(examples("machines/cartesian.toml")).unwrap();
+    std::fs::write(&unbelted, cartesian + "\n[twin]\nrouting = \"corehbot\"\n").unwrap();
     for (arguments, said) in [
         (&["--hit", "1,2,3"][..], "--hit 1,2,3: expected X,Y,N,MS"),
         (&["--brake", "z1,3"], "--brake z1,3: `z1` is not a belt motor: m1, m4, m8, m11"),
         (&["--brake", "m1,-3"], "--brake m1,-3: `-3` is not a force of 0 to 10,000 N"),
         (
-            &["--settings", cartesian.to_str().unwrap()],
-            "--plant belt: the belt plant knows CoreH-bot, CoreXY and AWD CoreXY; this mechanism is none of them",
+            &["--settings", unbelted.to_str().unwrap()],
+            "--plant belt: twin.routing = \"corehbot\": no motor turns (-1, 1, 0) for x, y and z, as its motor 1 must",
         ),
         (&["--assume-homed", "389,900,1"], "--plant belt: the belt plant's tool cannot begin at X389.00 Y900.00"),
     ] {

@@ -7,10 +7,16 @@ use serde::{Deserialize, Serialize, Serializer};
 pub const MOST_PARTS: usize = 16;
 
 /// A number of each part.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Each {
     listed: [f64; MOST_PARTS],
     count: usize,
+}
+
+impl PartialEq for Each {
+    fn eq(&self, other: &Self) -> bool {
+        self.values() == other.values()
+    }
 }
 
 impl Each {
