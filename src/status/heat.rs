@@ -275,7 +275,7 @@ impl Heat {
 
     pub(crate) fn set_tachometer(&self, fan: usize, pulses: u16, is_still: bool) {
         if let Some(place) = self.tachometers.get(fan) {
-            place.store(u32::from(pulses) + 1 | if is_still { STILL } else { 0 }, Relaxed);
+            place.store((u32::from(pulses) + 1) | if is_still { STILL } else { 0 }, Relaxed);
         }
     }
 
