@@ -377,8 +377,8 @@ fn a_step_is_done_again_at_a_port_that_has_come_back() {
     assert!(led.report.contains("## 2. Supply voltages: passed"), "{}", led.said);
 }
 
-/// Reproducer: the hotend still rose after its hand, while the bed was in the next one, and the guide took the plugs for
-/// exchanged.
+/// Reproducer: the hotend still rose after its hand, while the bed was in the next one, and the guide took the plugs
+/// for exchanged.
 #[test]
 fn a_sensor_that_still_rises_is_not_taken_for_the_next_one() {
     let mut bench = Bench::new(&[]);

@@ -1,8 +1,8 @@
 //! A serial line to a host: bytes at the pace of the firmware's own baud rate, lines to a scripted host. Or to a host
 //! outside, which [`crate::terminal`] brings in.
 //!
-//! A scripted host waits for the greeting before it sends, and answers at once: the delays of a computer and its adapter are
-//! no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
+//! A scripted host waits for the greeting before it sends, and answers at once: the delays of a computer and its
+//! adapter are no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
 
 use crate::timer::NS_PER_TICK;
 use crate::usb_line::UsbHabits;

@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 /// An answer that takes less is no wait, in ns of emulated time: a host that asks again and again sees time go on.
 const SHORT: u64 = 100_000_000;
 
-/// A board that works on a line says so every 2 s (M113). After twice that silence in ns it waits for its host, whatever
-/// was not answered: a line that is no command, or M112.
+/// A board that works on a line says so every 2 s (M113). After twice that silence in ns it waits for its host,
+/// whatever was not answered: a line that is no command, or M112.
 const SILENCE: u64 = 4_000_000_000;
 
 /// How long a wait in real time may keep from looking at signals and the hand.

@@ -29,8 +29,8 @@ const COREHBOT: &str = "name = \"first hour\"\nboard = \"octopus\"\n";
 const COREXY: &str = "name = \"first hour\"\nboard = \"octopus\"\n\
                       [mechanism]\nm11 = [1, 1, 0]\nm8 = [1, -1, 0]\nz1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n";
 
-/// The silence that the guide bears, in s. A board at work says `busy` every 2 s of its own time, and half a dozen tests
-/// on a slow computer make a minute of them.
+/// The silence that the guide bears, in s. A board at work says `busy` every 2 s of its own time, and half a dozen
+/// tests on a slow computer make a minute of them.
 const PATIENCE: &str = "120";
 
 const STEPS: [&str; 11] = [

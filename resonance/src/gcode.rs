@@ -1,8 +1,8 @@
 //! G-code of a sweep, for a machine without a firmware that makes one.
 //!
 //! A half period is one move from rest to rest, `d = a / (16 f^2)` long. With the acceleration a it lasts half a
-//! period, and the next one goes back. So every firmware with a limit of acceleration can shake its machine. The slow swing of
-//! Klipper's sweep is left out, for moves begin and end at rest.
+//! period, and the next one goes back. So every firmware with a limit of acceleration can shake its machine. The slow
+//! swing of Klipper's sweep is left out, for moves begin and end at rest.
 
 use crate::label::Axis;
 use crate::sweep::Sweep;

@@ -151,7 +151,8 @@ impl<'m, W: Pend> Link<'m, W> {
         self.has_shifted && self.status.z_offset().ordered() != self.status.z_offset().reached()
     }
 
-    /// Tells the generator how long moves are slow in z. Call it in every turn while z [is shifting](Self::is_shifting).
+    /// Tells the generator how long moves are slow in z. Call it in every turn while z [is
+    /// shifting](Self::is_shifting).
     pub fn help_shift(&mut self) {
         let [fast, calm, all] = [self.fast_left, self.calm, self.left].map(|time| time.whole_ticks() as u32);
         let now = self.seen;

@@ -1,11 +1,11 @@
 //! Bed Visualizer, a plugin of OctoPrint, draws the mesh from the printer's answers: the form that it demands.
 //!
-//! Checked once, on 2026-11-26: the plugin's own expressions (commit 0219e5f) ran over all lines that this test hears, and
-//! took each mesh from them. The rules here say the same in our words; the plugin is not part of the project.
-//! They hold from the plugin's command to the first line with `ok` in it:
+//! Checked once, on 2026-11-26: the plugin's own expressions (commit 0219e5f) ran over all lines that this test hears,
+//! and took each mesh from them. The rules here say the same in our words; the plugin is not part of the project. They
+//! hold from the plugin's command to the first line with `ok` in it:
 //!
 //! - A row is a line of nothing but numbers: whole ones, each followed by a space, and decimal ones with a sign or
-//!   without, with at most a space before and any spaces after. Points, bars, brackets and `nan` may stand between them.
+//! without, with at most a space before and any spaces after. Points, bars, brackets and `nan` may stand between them.
 //! - A line that begins with `Bed`, `Llit` or `G33` counts as a row, too, whatever follows.
 //! - The row's heights are its decimal numbers. A whole number is its index, and is not counted.
 //! - Two places in brackets, `(x, y)`, in a line give the mesh another box, so no line may have them.
@@ -109,8 +109,8 @@ fn p13_g29_and_m420_v_are_drawn_with_reports_of_temperature_and_busy_lines_betwe
             let near = |(a, b): (&f64, &f64)| (a - b).abs() < 0.003;
             assert!(again.iter().flatten().zip(rows.iter().flatten()).all(near), "{line}: {again:?}");
         }
-        // A table, too, as Marlin's, which begins at the back: a switch of the plugin turns it round. Its title counts as
-        // a row without heights.
+        // A table, too, as Marlin's, which begins at the back: a switch of the plugin turns it round. Its title counts
+        // as a row without heights.
         let table = answer(life, "M420 V1 T1");
         let mut table = drawn(table.strip_prefix(&["Bed Topography Report for CSV:".to_owned()]).unwrap());
         table.reverse();

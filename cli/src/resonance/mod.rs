@@ -39,8 +39,8 @@ pub(crate) struct Resonance {
     /// Growth of the sweep's frequency, in Hz per second.
     #[arg(long, value_name = "HZ_PER_S", value_parser = number(0.1, 10.0), default_value = "1")]
     growth: f64,
-    /// Amplitude of a sweep by `resonance sweep`, if it is one: acceleration over frequency in mm/s^2 per Hz, and length
-    /// of a step in mm.
+    /// Amplitude of a sweep by `resonance sweep`, if it is one: acceleration over frequency in mm/s^2 per Hz, and
+    /// length of a step in mm.
     #[arg(long, value_name = "MM_S2_PER_HZ,MM", value_parser = parse_moves)]
     by_moves: Option<[f64; 2]>,
     /// Uncertainty of the frequency in percent. Without it the fit says it, but at least 5: one place is not all.

@@ -9,8 +9,8 @@
 //! | `reset` | presses the board's reset button |
 //! | `off` | switches the printer off |
 //!
-//! `reset in 2 s` does so two seconds of the printer's time later. So an act falls into the middle of a wait, however fast
-//! the computer is.
+//! `reset in 2 s` does so two seconds of the printer's time later. So an act falls into the middle of a wait, however
+//! fast the computer is.
 
 use corehbot::connectors::Heater;
 use corehbot::motors::EndstopSet;

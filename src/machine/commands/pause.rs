@@ -353,7 +353,8 @@ async fn go_on<P: PortSet, W: Pend>(
     if restores {
         restore(main_loop, modal, &program).await?;
     }
-    // Where an axis is that was lost then and is homed now, the program has never been. The line finds its place itself.
+    // Where an axis is that was lost then and is homed now, the program has never been. The line finds its place
+    // itself.
     if kept == Some(Kept::Failed) && main_loop.homed.axes() != homed {
         main_loop.commanded.stand_at(from);
     } else {

@@ -1,5 +1,5 @@
-//! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET); and home offsets (M428;
-//! M206 is plain).
+//! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET); and home offsets
+//! (M428; M206 is plain).
 //!
 //! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). Without P0 the change
 //! is kept over homing, and M500 stores it.

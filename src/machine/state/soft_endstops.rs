@@ -6,7 +6,8 @@ use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::Mm;
 
 /// `position` inside the reachable space, and whether it had to be moved by more than rounding. An axis that was not
-/// homed has no known edges; those of `z` depend on its offset. One that comes `from` outside, where its switch may be, may stay there or come in.
+/// homed has no known edges; those of `z` depend on its offset. One that comes `from` outside, where its switch may be,
+/// may stay there or come in.
 pub(in crate::machine) fn clamp(
     position: [Mm; 4],
     from: [Mm; 4],

@@ -1,8 +1,8 @@
 //! Upright: a belt in space, which runs along the axes from corner to corner of its line.
 //!
 //! A pulley rounds a right angle off: each of the two lines ends a radius before the corner, and a quarter of a turn
-//! lies on the pulley. Where the belt comes back the way it went, the corner is the pulley's axis, and both lines are as
-//! long as they look.
+//! lies on the pulley. Where the belt comes back the way it went, the corner is the pulley's axis, and both lines are
+//! as long as they look.
 
 use super::segment::{Segment, Wrap};
 use crate::params::Params;

@@ -74,7 +74,8 @@ pub struct Live {
 
 impl Live {
     /// A machine at rest with its tool at `start`, at a time in ticks of 0.1 us. No motor has power. A step is
-    /// `step_mm` of belt, motor by motor. `phases_mm` has the magnetic zero of each motor relative to the belt without strain.
+    /// `step_mm` of belt, motor by motor. `phases_mm` has the magnetic zero of each motor relative to the belt without
+    /// strain.
     #[must_use]
     pub fn new(machine: Machine, params: &Params, start: Place, step_mm: &[f64], phases_mm: &[f64], now: u64) -> Self {
         let detail = Detail { idlers: false, rotors: true };

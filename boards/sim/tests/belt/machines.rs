@@ -1,4 +1,5 @@
-//! Every machine of `examples/machines` is pulled by its belts: it homes, prints without skips and ends where it should.
+//! Every machine of `examples/machines` is pulled by its belts: it homes, prints without skips and ends where it
+//! should.
 
 use crate::printer::print_as;
 use corehbot::units::Mm;
