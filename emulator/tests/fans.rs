@@ -56,7 +56,7 @@ fn a_tachometers_pulses_are_counted() {
     assert_eq!((seen.end, seen.line.failure.as_ref()), (End::Done, None), "{:?}", seen.line.said);
     let told = seen.line.said.iter().find_map(|line| line.strip_prefix("E0:")).expect("a report");
     let (turns, rest) = told.split_once(' ').unwrap();
-    assert!((4740..=4830).contains(&turns.parse().unwrap()), "{told}");
+    assert!((4740..=4830).contains(&turns.parse::<i32>().unwrap()), "{told}");
     assert_eq!(rest, "RPM E0@:255");
     assert!(seen.line.said.iter().any(|line| line.starts_with("echo:fans E0:4") && line.ends_with(" E0@:255")));
 }

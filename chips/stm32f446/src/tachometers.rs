@@ -18,6 +18,7 @@ use embassy_stm32::interrupt;
 use embassy_stm32::pac::{Interrupt, RCC, TIM7};
 
 use crate::ports;
+use crate::storm::{CallRate, count_call};
 use crate::wiring::Input;
 
 /// The interrupt of the look.
@@ -29,6 +30,8 @@ const LAST: u16 = 500 - 1;
 
 /// Pulses of each fan's tachometer, wrapping; the interrupt alone writes them.
 static PULSES: [AtomicU16; FANS] = [const { AtomicU16::new(0) }; FANS];
+
+static RATE: CallRate = CallRate::new();
 
 static INPUTS: Handover<[Option<Tachometer>; FANS]> = Handover::new();
 
@@ -68,6 +71,7 @@ impl Tachometers {
 /// It is time for a look.
 #[interrupt]
 fn TIM7() {
+    count_call(IRQ, &RATE);
     TIM7.sr().write(|w| w.0 = 0);
     INPUTS.with(|inputs| {
         for (tachometer, pulses) in inputs.iter_mut().zip(&PULSES) {
