@@ -5,7 +5,7 @@
 //! window ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset
 //! line.
 //!
-//! TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
+//! TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
 //!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the
@@ -20,7 +20,7 @@ use crate::clock_tree::{ClockTree, Defect, Supply};
 use crate::flash::FlashSectors;
 use crate::flash_interface::FlashInterface;
 use crate::line::HostLine;
-use crate::small_timers::{self, SmallTimer, WithRegisters};
+use crate::small_timers::{self, BasicTimer, SmallTimer, WithRegisters};
 use crate::usb_port::{UsbPort, window};
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
 use rigless::emulator::Access;
@@ -49,6 +49,8 @@ pub struct Chip {
     supply: Supply,
     lines: Lines,
     small_timers: [SmallTimer; small_timers::ALL.len()],
+    basic_timer: BasicTimer,
+    basic_slot: Option<usize>,
     /// The flash interface of a board that keeps settings in flash.
     pub flash: Option<FlashInterface>,
     /// A bus with that board's memory, which gives the emulator its map before it starts.
@@ -99,6 +101,7 @@ impl Chip {
         let slot_of = |name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name);
         let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH"].map(slot_of);
         let timer_slots = small_timers::ALL.map(|timer| slot_of(timer.name));
+        let basic_slot = slot_of(small_timers::BASIC);
         Ok(Self {
             part,
             usb_reset: UsbReset::default(),
@@ -108,6 +111,8 @@ impl Chip {
             supply: Supply::new(),
             lines: Lines,
             small_timers: small_timers::new(),
+            basic_timer: small_timers::basic(),
+            basic_slot,
             flash: None,
             map: None,
             slots,
@@ -225,6 +230,9 @@ impl Mcu for Chip {
         if let Some(place) = self.timer_slots.iter().position(|mine| *mine == Some(slot)) {
             return (self.part.bus_mut(), Some(&mut self.small_timers[place]));
         }
+        if self.basic_slot == Some(slot) {
+            return (self.part.bus_mut(), Some(&mut self.basic_timer));
+        }
         let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
             Some(0) => &mut self.usb_reset,
             Some(1) => &mut self.clock_tree,
@@ -241,6 +249,7 @@ impl Mcu for Chip {
         self.usb.reset();
         self.supply = Supply::new();
         self.small_timers = small_timers::new();
+        self.basic_timer = small_timers::basic();
         if let Some(slot) = self.slots[1] {
             self.clock_tree.restarted(cause, self.part.bus_mut().slot_mut(slot).registers_mut());
         }

@@ -1,6 +1,7 @@
-//! Small timers: TIM9 and TIM12, which the crate has as registers only.
+//! Small timers: TIM7, TIM9 and TIM12, which the crate has as registers only.
 //!
-//! They have two channels, count 16 bits up, and have the one-pulse mode (RM0390 rev 6, the chapter of TIM9 to TIM14).
+//! TIM7 has no channel, and an interrupt at the end of each period (RM0390 rev 6, the chapter of TIM6 and TIM7). The
+//! others have two channels, count 16 bits up, and have the one-pulse mode (RM0390 rev 6, the chapter of TIM9 to TIM14).
 //! The crate models such a timer for another part (its `Kind::TwoChannelSlave`); here it answers from the F427's
 //! layout. It runs at the rate that the image's clocks give the timer. Neither timer runs before that, and a rule of
 //! [`clock_rules`](crate::clock_rules) finds an access without a clock. The reset bits of RCC do not reach it; a reset
@@ -8,7 +9,7 @@
 
 use rigless::device::RegisterFile;
 use rigless::soc::st::tim::{Counter, Family, Kind, Part, Tim, Timer};
-use rigless::soc::stm32f427::generated::tim9;
+use rigless::soc::stm32f427::generated::{tim6, tim9};
 use rigless::soc::stm32f427::peripherals::tim::PART;
 
 /// Timers with two channels.
@@ -24,6 +25,29 @@ impl Family for TwoChannels {
 
 /// A timer of this kind.
 pub type SmallTimer = Tim<TwoChannels>;
+
+/// Timers without channels.
+#[derive(Clone, Copy, Debug)]
+pub struct NoChannels;
+
+impl Family for NoChannels {
+    type Register = tim6::Register;
+    type Instance = Timer;
+    const PART: &'static Part = &PART;
+    const KINDS: &'static [Kind] = &[Kind::Basic];
+}
+
+/// A timer of this kind.
+pub type BasicTimer = Tim<NoChannels>;
+
+/// The name of the basic timer that the firmware uses.
+pub const BASIC: &str = "TIM7";
+
+/// It out of reset, at its rate once the image's clocks run (RM0390 rev 6, section 6.2).
+#[must_use]
+pub fn basic() -> BasicTimer {
+    Tim::with_clock(90_000_000, Timer::new(BASIC, Counter::Narrow, Kind::Basic))
+}
 
 /// A timer and its registers.
 pub type WithRegisters<'a> = (&'a mut SmallTimer, &'a mut RegisterFile);

@@ -18,7 +18,7 @@ fn talk(settings: Settings, gcode: &str, climate: Climate) -> Seen {
 /// FAN4 have the frequency of FAN3, whose timer they share.
 #[test]
 fn a_fan_runs_at_the_frequency_of_its_timer() {
-    const HZ: [u16; 3] = [500, 1000, 2000];
+    const HZ: [u16; 3] = [4000, 1000, 2000];
     let mut settings = heated();
     for fan in &mut settings.thermal.fans {
         fan.role = corehbot::settings::FanRole::Commanded;
