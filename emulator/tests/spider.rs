@@ -44,15 +44,16 @@ fn fans_blow_on_either_version() {
         let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(settings) };
         let gcode: String = ["0", "84", "255", "0"]
             .into_iter()
-            .map(|speed| (0..3).map(|fan| format!("M106 P{fan} S{speed}\n")).collect::<String>() + "G4 P400\n")
+            .map(|speed| (0..3).map(|fan| format!("M106 P{fan} S{speed}\n")).collect::<String>() + "G4 P1320\n")
             .collect();
         let seen = print_on(&firmware, &gcode, &bench);
         assert_eq!((seen.end, &seen.line.failure, &seen.gaps.found), (End::Done, &None, &vec![]));
-        // Some turns of 15 Hz in the middle of each of the four.
+        // In the middle of each of the four. The samples are 20 ms apart, so they run through all phases of 98 Hz in half a
+        // second.
         let end = seen.virtual_ns;
         let mean = |turn: u64| {
             let at = |sample: &&Sample| {
-                (end - 400 * MS * (4 - turn) + 120 * MS..end - 400 * MS * (3 - turn) - 60 * MS).contains(&sample.at)
+                (end - 1320 * MS * (4 - turn) + 120 * MS..end - 1320 * MS * (3 - turn) - 60 * MS).contains(&sample.at)
             };
             let samples: Vec<_> = seen.heat.samples.iter().filter(at).collect();
             [0, 1, 2].map(|fan| samples.iter().map(|sample| sample.fans[fan]).sum::<f64>() / samples.len() as f64)
