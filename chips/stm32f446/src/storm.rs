@@ -1,6 +1,6 @@
 //! Interrupt storms: a flag that cannot be cleared makes its handler run again and again. Then no less urgent context
-//! runs: no heat control, no generator, no Console. Each handler above the generator counts its calls. An interrupt that
-//! comes too often is masked at its source, and the machine stops with a fault that names it.
+//! runs: no heat control, no generator, no Console. Each handler above the generator counts its calls. An interrupt
+//! that comes too often is masked at its source, and the machine stops with a fault that names it.
 //!
 //! Queued steps do not suffer, because their interrupt is above all of these. Two storms escape the count: an interrupt
 //! without a count (embassy's time), and a handler too slow to be called that often. Then heaters go off by their timer
