@@ -23,7 +23,7 @@ use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
 use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
-use corehbot::port::Storage;
+use corehbot::port::{NoAccelerometer, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::surface::Mesh;
@@ -252,6 +252,7 @@ impl<'w> World<'w> {
             drivers: drivers.bus(&shared.now),
             clock: Timer(shared),
             storage,
+            accelerometer: NoAccelerometer,
         };
         let plant = heat.truth.as_ref().map_or_else(|| Heat::new(settings), |truth| Heat::with(settings, truth));
         let plant = plant.standing_on(left.take().map(|plant| *plant));

@@ -6,7 +6,7 @@ use corehbot::app::StepPorts;
 use corehbot::fault::{Cause, Fault, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
-use corehbot::port::{FANS, Lines, Serial as _};
+use corehbot::port::{FANS, Lines, NoAccelerometer, Serial as _};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::Instant;
@@ -104,7 +104,8 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let coupling = Groups::new(&settings.mechanism).coupling();
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
-    let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
+    let drivers = Drivers::start(plugged, refusal, spare);
+    let ports = Ports { serial: lines, drivers, clock: BoardClock, storage, accelerometer: NoAccelerometer };
     let heat = BoardHeat::start(plugged, !past.is_supply_off);
     // After the heaters, which take their timers.
     if let Some(servo) = plugged.servo {

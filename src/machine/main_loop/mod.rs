@@ -76,7 +76,7 @@ use crate::machine::state::position::Homed;
 use crate::machine::state::probing::Probing;
 use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
-use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
+use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
 use crate::settings::Settings;
 use crate::status::Status;
@@ -113,6 +113,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub heat: Heaters<'m>,
     /// Memory for settings.
     pub storage: P::Storage,
+    pub accelerometer: P::Accelerometer,
     /// The atomics that all contexts share.
     pub status: &'m Status,
     clock: P::Clock,
@@ -128,7 +129,15 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     is_to_restart: bool,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Ports<S, D, K, T>, W> {
+impl<'m, S, D, K, T, A, W> MainLoop<'m, Ports<S, D, K, T, A>, W>
+where
+    S: Serial,
+    D: DriverBus,
+    K: Clock,
+    T: Storage,
+    A: Accelerometer,
+    W: Pend,
+{
     /// The main loop of a machine with these groups of motors. If `start` is known, the machine stands there as if
     /// homed.
     pub fn new(
@@ -138,10 +147,10 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,
-        ports: Ports<S, D, K, T>,
+        ports: Ports<S, D, K, T, A>,
     ) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let Ports { serial, drivers: bus, clock, storage } = ports;
+        let Ports { serial, drivers: bus, clock, storage, accelerometer } = ports;
         let (now, status) = (clock.now(), link.status());
         Self {
             hosts: Hosts::new(serial),
@@ -159,6 +168,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             power: Power::new(bus, &settings, now),
             heat: Heaters::new(status.heat(), orders, &settings.thermal, now),
             storage,
+            accelerometer,
             status,
             clock,
             comes_again: false,
