@@ -21,8 +21,8 @@ mod parse;
 mod parts;
 
 pub use commands::{
-    BedCommand, Command, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand, RefusedCommand,
-    ReportCommand, SettingCommand, ShaperName, Text, Treatment, codes, described, names, places,
+    BedCommand, Command, Forgets, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand,
+    RefusedCommand, ReportCommand, SettingCommand, ShaperName, Text, Treatment, codes, described, names, places,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;

@@ -6,9 +6,9 @@ mod words;
 use core::fmt::{self, Display, Formatter};
 
 use corehbot::gcode::{
-    ArcShape, ArcWords, Audience, BedCommand, Command, Form, GridWords, HeatCommand, HomeWords, JobCommand, LevelWords,
-    MachineRecord, MeshPoint, MotionCommand, MotorCommand, Number, ParkWords, PlainWords, Plane, ProbeCommand,
-    RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
+    ArcShape, ArcWords, Audience, BedCommand, Command, Forgets, Form, GridWords, HeatCommand, HomeWords, JobCommand,
+    LevelWords, MachineRecord, MeshPoint, MotionCommand, MotorCommand, Number, ParkWords, PlainWords, Plane,
+    ProbeCommand, RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -378,7 +378,11 @@ fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -> fmt::Resu
             f.write_str("EXCLUDE_OBJECT_DEFINE POLYGON=")?;
             write_text(f, outline)
         }
-        BedCommand::Forget => f.write_str("G29 J"),
+        BedCommand::Forget(which) => f.write_str(match which {
+            Forgets::Present => "BED_MESH_CLEAR",
+            Forgets::PresentThenKept => "G29 J",
+            Forgets::Kept => "BED_MESH_PROFILE REMOVE=1",
+        }),
         BedCommand::CleanNozzle => f.write_str("G29 P9"),
         BedCommand::Report => f.write_str("BED_MESH_OUTPUT"),
         BedCommand::Save => f.write_str("BED_MESH_PROFILE SAVE=1"),

@@ -116,6 +116,33 @@ fn after_m502_z_follows_no_mesh_and_m420_says_so() {
 }
 
 #[test]
+fn a_kept_mesh_is_forgotten_when_the_owner_says_so_and_stays_away_after_a_start() {
+    let s = probed();
+    let bed = bed_plant::read("tilt.x=0.001", &s).unwrap();
+    let mut memory = Eeprom::blank();
+    let invalid = "echo:Invalid mesh. G29 measures one".to_owned();
+    let forgotten = "echo:Stored mesh forgotten".to_owned();
+    let mut start = |lines: &[(&str, Option<&String>)], is_there: bool| {
+        over(&s, &bed, &mut memory, |life| {
+            assert_eq!(!said(life, "M420 V").contains(&invalid), is_there);
+            for (line, expected) in lines {
+                let answer = said(life, line);
+                assert!(expected.is_none_or(|expected| answer.contains(expected)), "{line}: {answer:?}");
+            }
+        });
+    };
+    start(&[("G29", None), ("M500", None)], false);
+    // A macro of the start clears it for one print, and settings are saved.
+    start(&[("BED_MESH_CLEAR", None), ("M420 V", Some(&invalid)), ("M500", None)], true);
+    start(&[("G29 J", None), ("M420 V", Some(&invalid))], true);
+    start(&[("G29 J", None), ("M501", None), ("M500", None)], true);
+    start(&[("G29 J", None), ("M500", Some(&forgotten)), ("M501", None), ("M420 V", Some(&invalid))], true);
+    start(&[("M500", None), ("G29 J", None), ("G29", None), ("M500", None)], false);
+    start(&[("BED_MESH_PROFILE REMOVE=default", Some(&forgotten)), ("M420 L S1", None)], true);
+    start(&[("BED_MESH_PROFILE REMOVE=default", Some(&forgotten))], false);
+}
+
+#[test]
 fn a_part_of_the_bed_is_measured_around_objects_and_not_kept() {
     let s = probed();
     let bed = bed_plant::read("bowl=0.3", &s).unwrap();

@@ -14,8 +14,8 @@ use crate::gcode::parts::{Flaw, GridWords, LevellingWords, MeshPoint, PointWords
 pub enum BedCommand<'a> {
     /// G29, G80, BED_MESH_CALIBRATE: measures the bed.
     Measure(GridWords),
-    /// G29 J, BED_MESH_CLEAR: forgets the mesh.
-    Forget,
+    /// Forgets the mesh.
+    Forget(Forgets),
     /// G29 P9: cleans the nozzle, which needs a place for it.
     CleanNozzle,
     /// M420, G29 A: uses the mesh or not, or reports.
@@ -46,11 +46,22 @@ pub enum BedCommand<'a> {
     NoObjects,
 }
 
+/// Which mesh is forgotten.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Forgets {
+    /// BED_MESH_CLEAR: the present one.
+    Present,
+    /// G29 J: the present one; M500 then forgets the kept one, as in Marlin.
+    PresentThenKept,
+    /// BED_MESH_PROFILE REMOVE=: the present one and the kept one.
+    Kept,
+}
+
 pub(super) const ROWS: &[Described] = &[
     Described::g(&[29], |_, text| bed(grid(text))).grammar(&Grammar::numbers(b"FBLRHIZ")).does(
         "X Y W H, F B L R H, O A D J N E V S, W I J Z",
         "measures the bed at the points of a mesh, or in an area; O: only if no mesh is on; A: M420 S1; D: only \
-            reports; J: forgets; N: homes first; E: the probe is taken in between; V4: names each point; W: sets one",
+            reports; J: forgets, and M500 the kept one too; N: homes first; E: the probe is taken in between; V4: names each point; W: sets one",
     ),
     Described::g(&[42], |_, text| {
         let point = [b'I', b'J'].map(|letter| number(text, letter));
@@ -75,10 +86,11 @@ pub(super) const ROWS: &[Described] = &[
         .does("X Y W H", "area that the print needs (Prusa): the next G29 measures no more"),
     Described::name(&["BED_MESH_CALIBRATE"], |_, text| Some(calibrate(text)))
         .does("ADAPTIVE= ADAPTIVE_MARGIN=", "measures the bed; ADAPTIVE=1: around the objects of the print"),
-    Described::name(&["BED_MESH_CLEAR"], |_, _| bed(BedCommand::Forget)).does("", "forgets the mesh, as G29 J"),
+    Described::name(&["BED_MESH_CLEAR"], |_, _| bed(BedCommand::Forget(Forgets::Present)))
+        .does("", "forgets the mesh; M500 leaves the kept one"),
     Described::name(&["BED_MESH_OUTPUT"], |_, _| bed(BedCommand::Report)).does("", "reports the mesh, as M420 V"),
     Described::name(&["BED_MESH_PROFILE"], |_, text| Some(profile(text)))
-        .does("LOAD= SAVE= REMOVE=", "takes the kept mesh, keeps the present one, forgets it; there is one"),
+        .does("LOAD= SAVE= REMOVE=", "takes the kept mesh, keeps the present one, forgets both; there is one"),
     Described::name(&["EXCLUDE_OBJECT_DEFINE"], |_, text| Some(object(text))).does(
         "NAME= CENTER= POLYGON= RESET=",
         "an object of the print: a mesh can be measured around them; none is skipped",
@@ -110,7 +122,7 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
         _ => {}
     }
     if flag(b'J') {
-        return BedCommand::Forget;
+        return BedCommand::Forget(Forgets::PresentThenKept);
     }
     if flag(b'A') && phase.is_none() {
         return BedCommand::Levelling(LevellingWords { on: Some(true), ..LevellingWords::default() });
@@ -186,7 +198,7 @@ fn profile(text: &[u8]) -> Command<'_> {
                 return Command::Bed(BedCommand::Levelling(words));
             }
             name if name.eq_ignore_ascii_case(b"SAVE") => return Command::Bed(BedCommand::Save),
-            name if name.eq_ignore_ascii_case(b"REMOVE") => return Command::Bed(BedCommand::Forget),
+            name if name.eq_ignore_ascii_case(b"REMOVE") => return Command::Bed(BedCommand::Forget(Forgets::Kept)),
             _ => {}
         }
     }

@@ -26,7 +26,7 @@ mod silent;
 pub(super) mod table;
 
 use super::parts::Flaw;
-pub use bed::{BedCommand, places};
+pub use bed::{BedCommand, Forgets, places};
 pub use heat::HeatCommand;
 pub use jobs::JobCommand;
 pub use motion::MotionCommand;

@@ -31,6 +31,8 @@ pub(in crate::machine) enum MeshAnswer {
     NoFade(Mm),
     /// The mesh is kept.
     Kept,
+    /// The kept mesh is forgotten.
+    Forgotten,
     /// It covers a part of the bed, so it is not kept.
     Part,
     /// It was not kept.

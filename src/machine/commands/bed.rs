@@ -3,9 +3,9 @@
 use super::levelling::{level, report, use_mesh};
 use super::measure::measure;
 use super::mesh_points::{change_point, go_to_point};
-use super::settings::kept_mesh::keep_mesh;
+use super::settings::kept_mesh::{forget_kept_mesh, keep_mesh};
 use super::states::States;
-use crate::gcode::BedCommand;
+use crate::gcode::{BedCommand, Forgets};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::interrupt::Interrupt;
@@ -22,10 +22,13 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(match *command {
         BedCommand::Measure(ref words) => return measure(main_loop, states, words).await,
-        BedCommand::Forget => {
+        BedCommand::Forget(which) => {
             use_mesh(main_loop, false).await?;
-            main_loop.bed.forget();
-            Answer::Nothing
+            main_loop.bed.forget(which == Forgets::PresentThenKept);
+            match which {
+                Forgets::Kept => Answer::Mesh(forget_kept_mesh(main_loop).await?),
+                Forgets::Present | Forgets::PresentThenKept => Answer::Nothing,
+            }
         }
         BedCommand::CleanNozzle => Answer::Line("echo:G29 P9 ignored: this firmware does not clean the nozzle"),
         BedCommand::Levelling(ref words) => return level(main_loop, states, words).await,

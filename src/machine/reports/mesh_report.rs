@@ -90,6 +90,7 @@ pub(in crate::machine) fn report_mesh(
             to.say(format_args!("echo:Fade height {fade} is too short for a mesh of {deviation} mm: it does not fade"));
         }
         MeshAnswer::Kept => to.say(format_args!("echo:Mesh stored")),
+        MeshAnswer::Forgotten => to.say(format_args!("echo:Stored mesh forgotten")),
         MeshAnswer::Part => {
             to.say(format_args!("echo:Mesh not stored: it covers a part of the bed. G29 without an area measures all"));
         }

@@ -13,12 +13,14 @@ pub(in crate::machine) struct KnownBed {
     is_part: bool,
     /// M500 has kept it, or it was taken from there.
     is_kept: bool,
+    /// M500 forgets the kept mesh, since the present one was forgotten for good.
+    forgets_kept: bool,
 }
 
 impl KnownBed {
     /// Nothing.
     pub const fn new() -> Self {
-        Self { mesh: None, is_part: false, is_kept: false }
+        Self { mesh: None, is_part: false, is_kept: false, forgets_kept: false }
     }
 
     /// The mesh.
@@ -28,12 +30,12 @@ impl KnownBed {
 
     /// A mesh was measured or changed.
     pub const fn know(&mut self, mesh: StoredMesh, is_part: bool) {
-        *self = Self { mesh: Some(mesh), is_part, is_kept: false };
+        *self = Self { mesh: Some(mesh), is_part, is_kept: false, forgets_kept: false };
     }
 
     /// A kept mesh was taken.
     pub const fn take_kept(&mut self, mesh: StoredMesh) {
-        *self = Self { mesh: Some(mesh), is_part: false, is_kept: true };
+        *self = Self { mesh: Some(mesh), is_part: false, is_kept: true, forgets_kept: false };
     }
 
     /// It has been kept.
@@ -51,9 +53,14 @@ impl KnownBed {
         self.is_part
     }
 
-    /// It is forgotten.
-    pub const fn forget(&mut self) {
-        *self = Self::new();
+    /// It is forgotten, and the kept one with the next M500 if so.
+    pub const fn forget(&mut self, forgets_kept: bool) {
+        *self = Self { forgets_kept, ..Self::new() };
+    }
+
+    /// Whether the next M500 forgets the kept mesh.
+    pub const fn forgets_kept(&self) -> bool {
+        self.forgets_kept
     }
 }
 

@@ -10,12 +10,16 @@ use crate::machine::ports::PortSet;
 use crate::port::{Pend, StorageError};
 use crate::storage::{self, MeshRejected};
 
-/// Keeps the mesh if there is one that is not kept yet. Motion rests.
+/// Keeps the mesh if there is one that is not kept yet, or forgets the kept one if the present one was forgotten for
+/// good. Motion rests.
 pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Option<MeshAnswer>, Interrupt> {
     if main_loop.bed.is_part() {
         return Ok(Some(MeshAnswer::Part));
+    }
+    if main_loop.bed.forgets_kept() {
+        return forget_kept_mesh(main_loop).await.map(Some);
     }
     let Some(mesh) = main_loop.bed.unsaved().copied() else { return Ok(None) };
     main_loop.finish().await?;
@@ -30,6 +34,23 @@ pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
         }
         Err(why) => MeshAnswer::NotKept(why),
     }))
+}
+
+/// Forgets the kept mesh. Motion rests.
+pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<MeshAnswer, Interrupt> {
+    main_loop.finish().await?;
+    let mut paced = Paced::new(main_loop);
+    let forgotten = storage::forget_mesh(&mut paced).await;
+    paced.into_result()?;
+    Ok(match forgotten {
+        Ok(()) => {
+            main_loop.bed.forget(false);
+            MeshAnswer::Forgotten
+        }
+        Err(why) => MeshAnswer::NotKept(why.into()),
+    })
 }
 
 /// Takes the kept mesh; or why there is none, and then the present one stays. What the settings say of its use comes
