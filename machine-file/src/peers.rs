@@ -13,9 +13,11 @@ enum Answer {
     Use(&'static str, &'static str),
     /// Nothing so far, and what that means.
     NotYet(&'static str),
+    /// What is missing elsewhere in the file.
+    Missing(&'static str),
 }
 
-use Answer::{NotYet, Use};
+use Answer::{Missing, NotYet, Use};
 
 /// The peers' keys, in small letters; the first that fits counts.
 const PEERS: &[Peer] = &[
@@ -120,6 +122,8 @@ const PEERS: &[Peer] = &[
         Use("endstops.filament", "its input; M119 reports it, and nothing stops at the end of the filament"),
     ),
     Peer("gcode_macro", NotYet("no macros")),
+    // A motor of ours that the machine does not have.
+    Peer("[xyze][0123456789]", Missing("`names` in [motors] lists the motors of a machine, and this one is not there")),
 ];
 
 /// The answer to a key that is unknown: a peer's, or one of ours in another table.
@@ -129,6 +133,7 @@ pub(crate) fn answer(key: &str) -> Option<String> {
         Use(ours, "") => format!("use `{ours}` instead"),
         Use(ours, how) => format!("use `{ours}` instead: {how}"),
         NotYet(meaning) => format!("not there yet: {meaning}"),
+        Missing(what) => (*what).to_owned(),
     });
     peer.or_else(|| {
         let ends = |path: &String| path.rsplit_once('.').is_some_and(|(_, leaf)| leaf == key);
