@@ -52,6 +52,10 @@ struct Data<'a> {
     error: Vec<f64>,
     spans: Vec<Curve>,
     torques: Vec<Curve>,
+    /// Of all motors together on the frame, in mN m.
+    motors_torque: Curve,
+    /// Displacement of a soft frame in x and y, in um; nothing of a rigid one.
+    frame: Vec<Curve>,
     path: Path,
     trail: Trail,
     resonance: Resonance,
@@ -113,6 +117,13 @@ pub fn write(
         low: Vec::new(),
         high: bins.iter().map(|bin| bin.forces_n.get(i).map_or(0.0, |f| f * params.radius_mm(i))).map(fine).collect(),
     };
+    let motors = |end: usize| bins.iter().map(|bin| bin.motors_torque_n_mm[end]).map(fine).collect();
+    let moved = |(axis, name): (usize, &str)| Curve {
+        name: name.to_owned(),
+        low: Vec::new(),
+        high: bins.iter().map(|bin| fine(1000.0 * bin.frame_mm[axis])).collect(),
+    };
+    let frame = ["x", "y"].into_iter().enumerate().filter(|_| watch.frame_mm.is_some());
     let spans = machine.span_names().into_iter().enumerate();
     let data = Data {
         file,
@@ -124,6 +135,8 @@ pub fn write(
         error: bins.iter().map(|bin| (bin.error_mm * 1e5).round() / 1e5).collect(),
         spans: spans.map(span).collect(),
         torques: machine.motors().into_iter().enumerate().map(torque).collect(),
+        motors_torque: Curve { name: "all".to_owned(), low: motors(0), high: motors(1) },
+        frame: frame.map(moved).collect(),
         path: path(watch),
         trail: trail(watch),
         resonance: Resonance::new(&setup, GRID, GRID)?,

@@ -56,6 +56,8 @@ pub struct Params {
     pub frame_mass_kg: f64,
     /// Stiffness with which the ground holds the frame in x and in y; none if the frame is rigid.
     pub frame_stiffness_n_per_mm: Each,
+    /// Damping ratio of the frame on the ground, with all that it carries.
+    pub frame_damping_ratio: f64,
     /// Inertia of an idler.
     pub idler_inertia_kg_m2: f64,
     /// Inertia of a motor's rotor with its pulley.
@@ -114,6 +116,7 @@ const EMPTY: Params = Params {
     bar_yaw_stiffness_nm_per_rad: 0.0,
     frame_mass_kg: 0.0,
     frame_stiffness_n_per_mm: Each::NONE,
+    frame_damping_ratio: 0.0,
     idler_inertia_kg_m2: 0.0,
     rotor_inertia_kg_m2: 0.0,
     holding_torque_nm: 0.0,
@@ -152,6 +155,7 @@ impl Params {
     pub fn undamped(self) -> Self {
         Self {
             belt_damping_s: 0.0,
+            frame_damping_ratio: 0.0,
             rotor_damping_nm_s: 0.0,
             guide_x_n_s_per_m: 0.0,
             guide_y_n_s_per_m: 0.0,
@@ -210,6 +214,13 @@ impl Params {
     #[must_use]
     pub fn rotor_damping_n_s_per_mm(&self, motor: usize) -> f64 {
         self.rotor_damping_nm_s * MM_PER_M / self.radius_mm(motor).powi(2)
+    }
+
+    /// Damping of the frame along x (0) or y (1), in N s/mm, with this mass of the frame and all on it.
+    #[must_use]
+    pub fn frame_damping_n_s_per_mm(&self, axis: usize, kg: f64) -> f64 {
+        // 2 z (k m)^(1/2); a kg is N s^2/mm through 1000.
+        2.0 * self.frame_damping_ratio * (self.frame_stiffness_n_per_mm.of(axis) * kg / MM_PER_M).sqrt()
     }
 
     /// Belt in mm per full step of a motor: a quarter of an electrical turn.

@@ -173,6 +173,49 @@ fn motors_with_pulleys_of_two_sizes_differ_at_the_belt() {
     assert!(near(found.kxx, a + b, 1e-3) && near(found.kxy, a - b, 0.05), "{found:?} {a} {b}");
 }
 
+/// Equation 8 of the CoreH-bot paper with four radii: motors with pulleys of 20, 16, 40 and 32 teeth make 80, 100, 40
+/// and 50 steps for a mm of belt. Each turns by its own row over its own radius, and the tool comes to its place. With
+/// the same radius on all of them, the same steps would strain the belt and lead elsewhere.
+#[test]
+fn four_pulleys_of_four_sizes_pull_the_tool_to_its_place() {
+    use corehbot_twin::dynamics::plant::Detail;
+    use corehbot_twin::run::Run;
+    use corehbot_twin::steps::{Column, StepTrace};
+    let rows = [[-8, 8, 0], [-10, -10, 0], [4, -4, 0], [5, 5, 0]];
+    let columns = rows.map(|row| Column { name: String::new(), row, axis_step: 1.0 });
+    let mut trace = StepTrace::new(columns.to_vec(), 0.1);
+    // x goes by 4 mm and y by 1 mm in 0.5 s: (-3, -5, 3, 5) mm of belt, each motor evenly in its own steps.
+    let belts = [-3.0_f64, -5.0, 3.0, 5.0];
+    let mut events: Vec<(u64, usize)> = Vec::new();
+    for (motor, (belt, per_mm)) in belts.into_iter().zip([80.0, 100.0, 40.0, 50.0]).enumerate() {
+        let steps = (belt.abs() * per_mm) as u64;
+        events.extend((0..steps).map(|step| ((2 * step + 1) * 5_000_000 / (2 * steps), motor)));
+    }
+    events.sort_unstable();
+    for (tick, motor) in events {
+        trace.add(tick, 1 << motor, 0b1100);
+    }
+    let start = Place::flat(200.0, 200.0);
+    let played = |params: &Params| {
+        let detail = Detail { idlers: false, rotors: true };
+        Run::new(Machine::CoreHBot, params, start, detail, &trace).unwrap().play(|_| true).unwrap()
+    };
+    let radii = [20.0, 16.0, 40.0, 32.0].map(|teeth| teeth / std::f64::consts::PI);
+    for radii in [Each::NONE, Each::listed(&radii).unwrap()] {
+        let watch = played(&Params { motor_radius_mm: radii, ..Params::default() });
+        let [x, y] = watch.contour.vertices.last().unwrap().at;
+        assert!((x - 204.0).abs() < 1e-6 && (y - 201.0).abs() < 1e-6, "{x} {y}");
+        assert!(watch.contour.greatest_mm < 0.1 && watch.residual_mm < 0.1, "{}", watch.residual_mm);
+        assert!(watch.motors.iter().all(|motor| motor.slips == 0));
+    }
+    // 20 teeth everywhere: 3, 6.25, 1.5 and 3.125 mm. x is a quarter of 3 + 6.25 + 1.5 + 3.125, y of -3 + 6.25 - 1.5
+    // + 3.125, and equation 11 is off by -3 + 6.25 + 1.5 - 3.125.
+    let same = played(&Params { motor_radius_mm: Each::all(20.0 / std::f64::consts::PI), ..Params::default() });
+    let [x, y] = same.contour.vertices.last().unwrap().at;
+    assert!((x - 200.0 - 13.875 / 4.0).abs() < 1e-6 && (y - 200.0 - 4.875 / 4.0).abs() < 1e-6, "{x} {y}");
+    assert!((same.commanded_residual_mm - 1.625).abs() < 0.05, "{}", same.commanded_residual_mm);
+}
+
 /// Two motors in series share the supply, so torque falls at half the speed: the paper's machine.
 #[test]
 fn motors_in_series_share_the_supply() {

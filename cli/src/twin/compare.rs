@@ -125,6 +125,12 @@ impl std::fmt::Display for Answer {
             format!("{:.1}", run.motors.iter().map(|motor| motor.torque_max_mnm).fold(0.0, f64::max))
         })?;
         row("slips", |run| run.motors.iter().map(|motor| motor.slips).sum::<u32>().to_string())?;
-        row("yaw torque, N m", |run| format!("{:.3}", run.yaw_torque_nm))
+        row("yaw torque, N m", |run| format!("{:.3}", run.yaw_torque_nm))?;
+        row("torque on the frame, N m", |run| format!("{:.4}", run.frame_torque_nm))?;
+        if self.runs.iter().any(|run| run.frame_mm.is_some()) {
+            let moved = |run: &Report| run.frame_mm.map_or(String::new(), |[x, y]| format!("{x:.4} / {y:.4}"));
+            row("frame moves in x / y, mm", moved)?;
+        }
+        Ok(())
     }
 }

@@ -14,7 +14,7 @@ function colour(part) {
 // ---- Resonance: a map and shapers for each axis
 function drawResonance() {
   $("resonance").replaceChildren();
-  for (const letter of ["x", "y"]) {
+  for (const letter of ["x", "y", "z"].filter(axis => D.resonance[axis])) {
     const A = D.resonance[letter], [low, high] = A.band_Hz;
     const map = make("table", { className: "heatmap" });
     [...A.frequencies_Hz].reverse().forEach((line, j) => {
@@ -37,8 +37,10 @@ function drawResonance() {
       make("h2", { textContent: "Frequency of " + letter + " over the reach, Hz, " + (D.model || "with idlers and rotors") }), map, shapers, make("pre", { textContent: A.line }),
       make("span", { className: "sub", textContent: "Rings at " + v.full_step_mm_s.toFixed(1) + " mm/s (full steps), " + v.electrical_turn_mm_s.toFixed(1) + " (electrical turns), " + v.tooth_mm_s.toFixed(1) + " (teeth)." })));
   }
+  const panel = (title, text) => $("resonance").append(make("div", { className: "card panel" }, make("h2", { textContent: title }), make("span", { className: "sub", textContent: text })));
+  (D.resonance.frame || []).forEach((F, i) => panel("Frame in " + "xy"[i], F.band_Hz.map(v => v.toFixed(1)).join(" to ") + " Hz, " + (100 * F.part).toFixed(1) + " % of the tool's ringing after a jump of speed." + (F.left_by_shaper === null ? "" : " The line for " + "XY"[i] + " leaves up to " + (100 * F.left_by_shaper).toFixed(0) + " % of it.")));
+  if (!D.resonance.yaw) return;
   const Y = D.resonance.yaw, [least, most] = Y.band_Hz;
-  $("resonance").append(make("div", { className: "card panel" }, make("h2", { textContent: "Yaw of the bar on its guides" }),
-    make("span", { className: "sub", textContent: least.toFixed(1) + " to " + most.toFixed(1) + " Hz. Moves along y excite it, the more so the further the head is from the middle. No line here is made for it" + (Y.left_by_y === null ? "." : "; that for Y leaves up to " + (100 * Y.left_by_y).toFixed(0) + " % of it.") })));
+  panel("Yaw of the bar on its guides", least.toFixed(1) + " to " + most.toFixed(1) + " Hz. Moves along y excite it, the more so the further the head is from the middle. No line here is made for it" + (Y.left_by_y === null ? "." : "; that for Y leaves up to " + (100 * Y.left_by_y).toFixed(0) + " % of it."));
 }
 

@@ -109,8 +109,8 @@ impl Figure {
             Self::Deflection { at, along, force_n } => {
                 let elastic = Elastic::new(machine, params, at, freedom);
                 let force = match along {
-                    Direction::X => [force_n, 0.0],
-                    Direction::Y => [0.0, force_n],
+                    Direction::X => [force_n, 0.0, 0.0],
+                    Direction::Y => [0.0, force_n, 0.0],
                 };
                 balance(&elastic, params, force, &[])?.of(&elastic, along.into())
             }

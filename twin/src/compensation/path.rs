@@ -46,7 +46,7 @@ impl Path {
         let ways = Ways::new(machine, params);
         let mut columns: Vec<(usize, i8)> = Vec::new();
         let (mut rows, mut weights) = (Vec::new(), Vec::new());
-        for (drive, row) in drives(trace, &ways)?.iter().zip(&ways.rows) {
+        for (drive, row) in drives(trace, &ways, params)?.iter().zip(&ways.rows) {
             if columns.iter().all(|(column, _)| *column != drive.column) {
                 columns.push((drive.column, drive.sense));
                 let finer = f64::from(drive.multiple) / drive.axis_step;

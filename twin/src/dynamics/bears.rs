@@ -1,8 +1,9 @@
-//! Bears: loads of belts, motors and guides on a plant in motion.
+//! Bears: loads of belts, motors, guides and frame on a plant in motion.
 //!
 //! Tensions are elastic, without damping. Between two steps a held motor is at rest, so damping would show the belt's
 //! whole speed. The motion of the steps themselves is in their impulses.
 
+use super::frame::{FrameAxis, MM_PER_M};
 use super::plant::{Field, Plant, Spring, sum};
 use std::f64::consts::TAU;
 
@@ -34,10 +35,21 @@ impl Plant {
         })
     }
 
+    /// Torque of all motors together in N mm, counter-clockwise on their rotors; the frame bears the opposite one. \[H\],
+    /// after equation 38.
+    #[must_use]
+    pub fn motors_torque_n_mm(&self, at: &[f64], sent_mm: &[f64]) -> f64 {
+        let forces = self.motor_forces(at, sent_mm).enumerate();
+        forces.map(|(motor, force)| force * self.params.radius_mm(motor)).sum()
+    }
+
     /// Torque in N mm with which the guides keep the bar square, against the belts and the head's inertia off the
-    /// middle.
+    /// middle; 0 where the bar does not move in y.
     #[must_use]
     pub fn yaw_torque_n_mm(&self, at: &[f64], speeds: &[f64]) -> f64 {
+        if !self.has_yawing_bar {
+            return 0.0;
+        }
         let (mut belts, mut force_y) = (0.0, 0.0);
         for spring in &self.springs {
             let tension = self.tension(spring, at);
@@ -57,7 +69,7 @@ impl Plant {
     pub fn energy_n_mm(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64]) -> f64 {
         let motion: f64 = speeds.iter().zip(&self.mobility).map(|(v, mobility)| v * v / mobility / 2.0).sum();
         let stored = |spring: &Spring| spring.stiffness * sum(&spring.row, at).powi(2) / 2.0;
-        let belts: f64 = self.springs.iter().map(stored).sum();
+        let belts: f64 = self.springs.iter().map(stored).sum::<f64>() + self.frame_energy_n_mm(at, speeds);
         if !self.are_rotors() {
             return motion + belts;
         }
@@ -68,5 +80,17 @@ impl Plant {
             holding * (1.0 - ((sent - at) / radian).cos()) + detent * (1.0 - (4.0 * at / radian).cos())
         };
         motion + belts + rotors.map(stored).sum::<f64>()
+    }
+
+    /// The part of the energy that a soft frame adds: its spring, and the motion that the tool shares with it.
+    fn frame_energy_n_mm(&self, at: &[f64], speeds: &[f64]) -> f64 {
+        let Some(frame) = &self.frame else { return 0.0 };
+        let first = self.first_frame();
+        let of = |all: &[f64], index: usize| all.get(index).copied().unwrap_or(0.0);
+        let axis = |(axis, (frame, kg)): (usize, (&FrameAxis, &f64))| {
+            let moved = of(at, first + axis);
+            frame.stiffness * moved * moved / 2.0 + kg / MM_PER_M * of(speeds, axis) * of(speeds, first + axis)
+        };
+        frame.0.iter().zip(&self.masses_kg).enumerate().map(axis).sum()
     }
 }

@@ -10,11 +10,13 @@
 //! | file | content |
 //! |---|---|
 //! | [`plant`] | forces and masses |
-//! | `bears` | loads of belts, motors and guides |
+//! | `frame` | a soft frame on the ground |
+//! | `bears` | loads of belts, motors, guides and frame |
 //! | [`outside`] | power, phases, pushes and friction |
 //! | [`state`] | positions and speeds, and the classical Runge-Kutta step |
 
 mod bears;
+mod frame;
 pub mod outside;
 pub mod plant;
 pub mod state;

@@ -1,10 +1,11 @@
 //! Plant: the forces on all moving parts, for given commanded motor positions.
 //!
-//! Coordinates are changes from the start: x, y, z where belts lift the tool, idlers, then motors. Motors are either at
+//! Coordinates are changes from the start: x, y, z where belts lift the tool, idlers, a soft frame's, then motors. Motors are either at
 //! their commanded positions (*held*), or rotors that their fields pull there. A segment's stiffness follows from its
 //! free length at the commanded positions: motors change the amount of belt in a segment, stretch does not. So
 //! stiffness is constant between two steps, and energy is conserved.
 
+use super::frame::{Frame, FrameAxis, MM_PER_M};
 use super::outside::Outside;
 use crate::model::SHORTEST_FREE_MM;
 use crate::model::coordinate::Coordinate;
@@ -13,9 +14,6 @@ use crate::model::links::Link;
 use crate::model::ways::Ways;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
-
-/// N over kg in mm/s^2.
-const MM_PER_M: f64 = 1000.0;
 
 /// Dry friction changes its sign over this speed, in mm/s.
 pub(crate) const CREEP: f64 = 1.0;
@@ -76,13 +74,16 @@ pub struct Plant {
     start: Place,
     /// mm/s^2 per newton, of each moving coordinate.
     pub(super) mobility: Vec<f64>,
-    /// Coordinates: x, y, z where belts lift the tool, idlers, motors.
+    /// Coordinates: x, y, z where belts lift the tool, idlers, frame, motors.
     count: usize,
     /// How many of them are the tool's.
     axes: usize,
     /// Mass in kg that moves along x, y and z.
     pub(super) masses_kg: [f64; 3],
+    /// The frame, if it is soft.
+    pub(super) frame: Option<Frame>,
     are_rotors: bool,
+    pub(super) has_yawing_bar: bool,
     pub(super) fields: Vec<Field>,
     pub(super) springs: Vec<Spring>,
     /// Names of the spans, and the first spring of each.
@@ -113,12 +114,13 @@ impl Plant {
         let freedom = Freedom { idlers: detail.idlers, rotors: detail.rotors, yaw: false, free_motor: None };
         let elastic = Elastic::new(machine, params, start, freedom);
         let ways = Ways::new(machine, params);
-        let is_idler = |c: &&Coordinate| matches!(c, Coordinate::Idler(_));
-        let idlers = elastic.links.coordinates.iter().filter(is_idler).copied();
+        let are = |wanted: fn(&Coordinate) -> bool| elastic.links.coordinates.iter().copied().filter(wanted);
+        let idlers = are(|c| matches!(c, Coordinate::Idler(_)));
+        let frame = are(|c| matches!(c, Coordinate::Frame(_)));
         let motors = ways.motors.iter().map(|number| Coordinate::Motor(*number));
         let axes = machine.axes();
         let tool = Coordinate::TOOL.into_iter().take(axes);
-        let order: Vec<Coordinate> = tool.chain(idlers).chain(motors).collect();
+        let order: Vec<Coordinate> = tool.chain(idlers).chain(frame).chain(motors).collect();
         let index = |c: &Coordinate| elastic.links.index(*c);
         let entry = |link: &Link, c: &Coordinate| index(c).and_then(|i| link.row.get(i)).copied().unwrap_or(0.0);
         let moving = order.len() - if detail.rotors { 0 } else { ways.motors.len() };
@@ -149,6 +151,7 @@ impl Plant {
             params: params.clone(),
             axes,
             masses_kg: machine.masses_kg(params),
+            frame: Frame::new(machine, params),
             fields: (0..ways.motors.len()).map(field).collect(),
             start,
             mobility: masses.map(|kg| MM_PER_M / kg).collect(),
@@ -159,6 +162,7 @@ impl Plant {
             most_step_s: if detail.idlers { LONGEST_STEP_OF_IDLERS_S } else { LONGEST_STEP_S },
             longest_step_s: LONGEST_STEP_S,
             ways,
+            has_yawing_bar: machine.has_yawing_bar(),
         };
         plant.send(&vec![0.0; plant.ways.motors.len()]);
         plant
@@ -194,6 +198,29 @@ impl Plant {
     #[must_use]
     pub const fn first_motor(&self) -> usize {
         self.count - self.ways.motors.len()
+    }
+
+    /// Index of the first coordinate of a soft frame.
+    pub(super) fn first_frame(&self) -> usize {
+        self.first_motor() - self.frame.map_or(0, |frame| frame.0.len())
+    }
+
+    /// Displacement of a soft frame on the ground along x and y, in mm; of others 0.
+    #[must_use]
+    pub fn frame_mm(&self, at: &[f64]) -> [f64; 2] {
+        let first = self.first_frame();
+        [0, 1].map(|axis| at.get(first + axis).copied().filter(|_| self.frame.is_some()).unwrap_or(0.0))
+    }
+
+    /// Whether the frame is soft.
+    #[must_use]
+    pub const fn has_soft_frame(&self) -> bool {
+        self.frame.is_some()
+    }
+
+    /// The frame along an axis of the tool, if it is soft.
+    fn frame_under(&self, coordinate: usize) -> Option<&FrameAxis> {
+        self.frame.as_ref()?.0.get(coordinate)
     }
 
     /// Whether motors are rotors in their fields.
@@ -244,6 +271,10 @@ impl Plant {
                 }
             }
             fastest = fastest.max(sum * mobility);
+            if let Some(frame) = self.frame_under(coordinate) {
+                // The frame gives way to the same springs, and to the ground's.
+                fastest = fastest.max(sum * mobility + (2.0 * sum + frame.stiffness) * frame.mobility);
+            }
         }
         let settling = MOST_SETTLING / (self.params.belt_damping_s * fastest).max(self.rubs()).max(f64::MIN_POSITIVE);
         self.most_step_s.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
@@ -266,6 +297,13 @@ impl Plant {
             for (i, c) in &spring.row {
                 if let (Some(speed), Some(mobility)) = (speeds.get_mut(*i), self.mobility.get(*i)) {
                     *speed -= c * set_fan * mobility;
+                }
+                if let Some(moved) = self.frame_under(*i).map(|frame| c * set_fan * frame.mobility) {
+                    for (coordinate, moved) in [(*i, -moved), (self.first_frame() + i, moved)] {
+                        if let Some(speed) = speeds.get_mut(coordinate) {
+                            *speed += moved;
+                        }
+                    }
                 }
             }
         }
@@ -314,8 +352,18 @@ impl Plant {
         if outside.obstacle_n > 0.0 {
             self.obstruct(speeds, outside.obstacle_n, accelerations);
         }
+        let first = self.first_frame();
+        let [places, speeds] = [at, speeds].map(|all| all.get(first..).unwrap_or_default());
+        let frame = self.frame.map(|frame| frame.accelerations(places, speeds, accelerations, outside.push_n));
         for (acceleration, mobility) in accelerations.iter_mut().zip(&self.mobility) {
             *acceleration *= mobility;
+        }
+        for (axis, moves) in frame.into_iter().flatten().enumerate() {
+            for (coordinate, added) in [(axis, -moves), (first + axis, moves)] {
+                if let Some(acceleration) = accelerations.get_mut(coordinate) {
+                    *acceleration += added;
+                }
+            }
         }
     }
 

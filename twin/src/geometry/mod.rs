@@ -10,7 +10,7 @@ mod upright;
 mod workspace;
 
 pub use segment::{Segment, Wrap};
-pub use workspace::{Workspace, workspace};
+pub use workspace::{Workspace, points, workspace};
 
 use crate::params::Params;
 use crate::routing::{Belt, Machine, Place, Runs, Stop};

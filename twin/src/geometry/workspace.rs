@@ -60,6 +60,20 @@ impl Workspace {
         Place { x: left + x, y: front + y, z: if lifts { bottom + z } else { 0.0 } }
     }
 
+    /// Its lowest, middle and highest place along z; 0 alone where no belts lift the tool.
+    #[must_use]
+    pub fn heights(&self) -> Vec<f64> {
+        if self.z[1] > self.z[0] { points(self.z, 3) } else { vec![0.0] }
+    }
+
+    /// Places at this many columns and rows of each height, up to its ends.
+    #[must_use]
+    pub fn grid(&self, columns: usize, rows: usize) -> Vec<Place> {
+        let (xs, ys) = (points(self.x, columns), points(self.y, rows));
+        let at = |z: f64| ys.iter().flat_map(|y| xs.iter().map(|x| [*x, *y])).map(move |[x, y]| Place { x, y, z });
+        self.heights().into_iter().flat_map(at).collect()
+    }
+
     /// G-code's X0 Y0.
     #[must_use]
     pub const fn origin(&self) -> Place {
@@ -70,6 +84,15 @@ impl Workspace {
     #[must_use]
     pub const fn centre(&self) -> Place {
         Place { x: (self.x[0] + self.x[1]) / 2.0, y: (self.y[0] + self.y[1]) / 2.0, z: (self.z[0] + self.z[1]) / 2.0 }
+    }
+}
+
+/// Evenly from one end to the other.
+#[must_use]
+pub fn points([low, high]: [f64; 2], count: usize) -> Vec<f64> {
+    match count {
+        0 | 1 => vec![(low + high) / 2.0],
+        _ => (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect(),
     }
 }
 

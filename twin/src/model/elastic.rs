@@ -127,7 +127,10 @@ fn damping(
             Coordinate::Y => params.guide_y_n_s_per_m / MM_PER_M,
             Coordinate::Z => params.guide_z_n_s_per_m / MM_PER_M,
             Coordinate::Motor(number) => params.rotor_damping_n_s_per_mm(machine.index_of(*number)),
-            Coordinate::Yaw | Coordinate::Frame(_) | Coordinate::Idler(_) => 0.0,
+            Coordinate::Frame(axis) => {
+                params.frame_damping_n_s_per_mm(*axis, params.frame_mass_kg + machine.carried_kg(params))
+            }
+            Coordinate::Yaw | Coordinate::Idler(_) => 0.0,
         };
     }
     sum

@@ -14,7 +14,7 @@ impl Row {
 }
 
 /// All numbers, in the order of documents and files.
-pub static ROWS: [Row; 37] = [
+pub static ROWS: [Row; 38] = [
     Row {
         key: "width_mm",
         unit: "mm",
@@ -194,9 +194,18 @@ pub static ROWS: [Row; 37] = [
         unit: "N/mm",
         default: None,
         may_be_zero: false,
-        meaning: "Stiffness with which the ground holds the frame in x and in y; it adds the frame to `twin modes`",
+        meaning: "Stiffness with which the ground holds the frame in x and in y; the frame then vibrates too",
         source: "a rigid frame",
         field: |p| Field::Each(&mut p.frame_stiffness_n_per_mm),
+    },
+    Row {
+        key: "frame_damping_ratio",
+        unit: "",
+        default: Some(0.03),
+        may_be_zero: true,
+        meaning: "Damping ratio of the frame on the ground with all that it carries, where it has a stiffness",
+        source: "assumed",
+        field: |p| Field::One(&mut p.frame_damping_ratio),
     },
     Row {
         key: "idler_inertia_kg_m2",

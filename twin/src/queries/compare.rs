@@ -1,6 +1,6 @@
 //! Compare: mechanisms of one size, with one belt and the same masses, over one area.
 
-use super::resonance::points;
+use super::frame::FrameTorque;
 use super::stiffness::Stiffness;
 use super::{Setup, shown};
 use crate::geometry::{Workspace, layout, workspace};
@@ -10,7 +10,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use crate::solve::balance::condensed;
-use crate::solve::modes::modes;
+use crate::solve::modes::{Ringing, modes};
 use nalgebra::DVector;
 use serde::Serialize;
 
@@ -61,6 +61,13 @@ pub struct Compared {
     pub racking_x_um_per_m_s2: f64,
     /// The same along y.
     pub racking_y_um_per_m_s2: f64,
+    /// Torque of all motors on the frame, along x.
+    pub frame_torque_x: FrameTorque,
+    /// The same along y.
+    pub frame_torque_y: FrameTorque,
+    /// Lowest frequency of a soft frame in x and in y; none of a rigid one.
+    #[serde(rename = "frame_modes_Hz", skip_serializing_if = "Option::is_none")]
+    pub frame_modes_hz: Option<[f64; 2]>,
 }
 
 impl Compare {
@@ -76,8 +83,7 @@ impl Compare {
         force_n: f64,
     ) -> Result<Self, NotHeld> {
         let area = area.unwrap_or_else(|| common(params));
-        let (xs, ys) = (points(area.x, columns), points(area.y, rows));
-        let places: Vec<Place> = ys.iter().flat_map(|y| xs.iter().map(|x| Place::flat(*x, *y))).collect();
+        let places = area.grid(columns, rows);
         let one = |machine| compared(machine, params, freedom, area.centre(), &places, force_n);
         let machines = COMPARED.into_iter().map(one).collect::<Result<_, _>>()?;
         Ok(Self { x_mm: area.x, y_mm: area.y, force_n, machines })
@@ -110,13 +116,19 @@ fn compared(
     let mut softest_n_per_mm = [f64::INFINITY, 0.0];
     let mut first_mode_hz = [f64::INFINITY, 0.0];
     let mut coupling_n_per_mm = 0.0_f64;
+    let mut frame_modes_hz = params.frame_stiffness_n_per_mm.get(0).map(|_| [f64::INFINITY; 2]);
     let take = |range: &mut [f64; 2], v: f64| *range = [range[0].min(v), range[1].max(v)];
     for place in places {
         let setup = setup(*place);
         let stiffness = Stiffness::new(&setup)?;
         take(&mut softest_n_per_mm, stiffness.softest);
         coupling_n_per_mm = coupling_n_per_mm.max(stiffness.kxy.abs());
-        take(&mut first_mode_hz, modes(&setup.elastic())?.first().map_or(0.0, |mode| mode.frequency_hz));
+        let modes = modes(&setup.elastic())?;
+        take(&mut first_mode_hz, modes.first().map_or(0.0, |mode| mode.frequency_hz));
+        for (lowest, axis) in frame_modes_hz.iter_mut().flatten().zip(Coordinate::TOOL) {
+            let frame = Ringing::of(&modes, axis).and_then(|ringing| ringing.frame);
+            *lowest = lowest.min(frame.map_or(f64::INFINITY, |mode| mode.frequency_hz));
+        }
     }
     let mut racking = [0.0_f64; 2];
     for place in places {
@@ -126,6 +138,7 @@ fn compared(
     }
     let middle = Stiffness::new(&setup(centre))?;
     let reach = workspace(machine, params);
+    let [frame_torque_x, frame_torque_y] = FrameTorque::new(machine, params, centre)?;
     Ok(Compared {
         machine: machine.key(),
         belt_mm: layout(machine, params, centre).belt_lengths_mm.iter().sum(),
@@ -138,6 +151,9 @@ fn compared(
         belt_yaw_stiffness_nm_per_rad: belt_yaw(machine, params, centre)?,
         racking_x_um_per_m_s2: racking[0],
         racking_y_um_per_m_s2: racking[1],
+        frame_torque_x,
+        frame_torque_y,
+        frame_modes_hz,
     })
 }
 
@@ -188,6 +204,14 @@ impl std::fmt::Display for Compare {
         row("first mode, Hz", &|m| pair(m.first_mode_hz, " to "))?;
         row("belts resist yaw, N m/rad", &|m| shown(m.belt_yaw_stiffness_nm_per_rad, 0))?;
         row("racking by 1 m/s2 of x, um", &|m| shown(m.racking_x_um_per_m_s2, 1))?;
-        row("racking by 1 m/s2 of y, um", &|m| shown(m.racking_y_um_per_m_s2, 1))
+        row("racking by 1 m/s2 of y, um", &|m| shown(m.racking_y_um_per_m_s2, 1))?;
+        row("torque on the frame, x, mN m", &|m| shown(m.frame_torque_x.belts_mnm, 2))?;
+        row("  as the paper prints it", &|m| shown(m.frame_torque_x.printed_mnm, 2))?;
+        row("  with rotors", &|m| shown(m.frame_torque_x.belts_mnm + m.frame_torque_x.rotors_mnm, 2))?;
+        row("torque on the frame, y, mN m", &|m| shown(m.frame_torque_y.belts_mnm, 2))?;
+        if self.machines.iter().any(|m| m.frame_modes_hz.is_some()) {
+            row("frame in x / y, Hz", &|m| m.frame_modes_hz.map_or(String::new(), |hz| pair(hz, " / ")))?;
+        }
+        Ok(())
     }
 }

@@ -1,24 +1,23 @@
 //! Limits: how hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
 //!
-//! The worst place of the reach counts. Torque is at standstill; [`super::torque`] has it at speed.
+//! The worst place of the reach counts. Torque is at standstill; [`super::torque`] has it at speed. Where the frame is
+//! soft, its own mode is a part of the ringing.
 
-use super::resonance::points;
 use super::{Setup, shown};
 use crate::geometry::workspace;
 use crate::model::coordinate::Coordinate;
 use crate::model::ways::Ways;
 use crate::params::Params;
-use crate::routing::Machine;
+use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use crate::solve::balance::balance;
-use crate::solve::modes::{mode_of, modes};
+use crate::solve::modes::{Ringing, modes};
 use serde::Serialize;
-use std::f64::consts::TAU;
 
 /// Columns and rows of the grid of places.
 const GRID: usize = 7;
 
-/// Limits of both axes.
+/// Limits of all axes that belts move.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Limits {
     /// The machine.
@@ -31,8 +30,15 @@ pub struct Limits {
     pub x: AxisLimits,
     /// Along y.
     pub y: AxisLimits,
-    /// Error of the tool in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar.
-    pub yaw_error_um_per_m_s2: f64,
+    /// Along z, where belts lift the tool.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<AxisLimits>,
+    /// Error of the tool in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar. None where
+    /// the bar does not move in y.
+    pub yaw_error_um_per_m_s2: Option<f64>,
+    /// Displacement of a soft frame for a lasting 1 m/s^2 along x and along y; none of a rigid one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame_um_per_m_s2: Option<[f64; 2]>,
 }
 
 /// Limits of an axis.
@@ -53,6 +59,17 @@ pub struct AxisLimits {
 /// mm in an m: N over kg to mm/s^2.
 const MM_PER_M: f64 = 1000.0;
 
+/// The worst of an axis over all places.
+#[derive(Clone, Copy)]
+struct Worst {
+    /// Error in mm for a jump of speed of 1 mm/s.
+    per_speed_s: f64,
+    /// The same for a jump of acceleration of 1 mm/s^2.
+    per_acceleration_s2: f64,
+    /// Force in N that takes a span's whole preload.
+    slack_n: f64,
+}
+
 impl Limits {
     /// For an allowed error by ringing and a usable part of the holding torque.
     ///
@@ -61,58 +78,68 @@ impl Limits {
     pub fn new(setup: &Setup, error_mm: f64, torque_part: f64) -> Result<Self, NotHeld> {
         let Setup { machine, params, .. } = setup;
         let reach = workspace(*machine, params);
-        let (xs, ys) = (points(reach.x, GRID), points(reach.y, GRID));
-        let mut slowest_hz = [f64::INFINITY; 2];
-        let mut tension_n = [0.0_f64; 2];
-        for tool in ys.iter().flat_map(|y| xs.iter().map(|x| reach.at(*x, *y))) {
-            let elastic = Setup { tool, ..setup.clone() }.elastic();
-            let modes = modes(&elastic)?;
-            for (axis, coordinate) in [Coordinate::X, Coordinate::Y].into_iter().enumerate() {
-                let hz = mode_of(&modes, coordinate).map_or(f64::INFINITY, |mode| mode.frequency_hz);
-                let push = [0, 1].map(|i| if i == axis { 1.0 } else { 0.0 });
-                let pulled = balance(&elastic, params, push, &[])?.tensions_n.into_iter().map(f64::abs);
-                let most = pulled.fold(0.0, f64::max);
-                if let (Some(slowest), Some(tension)) = (slowest_hz.get_mut(axis), tension_n.get_mut(axis)) {
-                    *slowest = slowest.min(hz);
-                    *tension = tension.max(most);
-                }
-            }
-        }
+        let worst = worst(setup, &reach.grid(GRID, GRID))?;
         let ways = Ways::new(*machine, params);
-        let mass = machine.masses_kg(params);
-        let [x, y] = [0, 1].map(|i| {
-            let row: Vec<f64> = ways.rows.iter().map(|row| row[i]).collect();
-            axis(&row, mass[i], slowest_hz[i], tension_n[i], params, error_mm, torque_part)
-        });
+        let masses_kg = machine.masses_kg(params);
+        let limits = |axis: usize| {
+            let row: Vec<f64> = ways.rows.iter().map(|row| row[axis]).collect();
+            limits(&row, masses_kg[axis], worst[axis], params, error_mm, torque_part)
+        };
         let arm = (reach.x[1] - reach.x[0]) / 2.0;
-        let stiffness = params.bar_yaw_stiffness_nm_per_rad * MM_PER_M;
+        let yaw_stiffness = params.bar_yaw_stiffness_nm_per_rad * MM_PER_M;
         // 1 m/s^2 and 1 kg are 1 N.
-        let yaw_error_um_per_m_s2 = MM_PER_M * params.head_mass_kg * arm * arm / stiffness;
-        Ok(Self { machine: machine.key(), error_mm, torque_part, x, y, yaw_error_um_per_m_s2 })
+        let yaw_error_um = MM_PER_M * params.head_mass_kg * arm * arm / yaw_stiffness;
+        let frame = params.frame_stiffness_n_per_mm;
+        Ok(Self {
+            machine: machine.key(),
+            error_mm,
+            torque_part,
+            x: limits(0),
+            y: limits(1),
+            z: machine.lifts().then(|| limits(2)),
+            yaw_error_um_per_m_s2: machine.has_yawing_bar().then_some(yaw_error_um),
+            frame_um_per_m_s2: frame.get(0).map(|_| [0, 1].map(|axis| MM_PER_M * masses_kg[axis] / frame.of(axis))),
+        })
     }
 }
 
-/// From the motor travel, the moving mass, the lowest frequency, and the tension per N.
-fn axis(
-    row: &[f64],
-    mass_kg: f64,
-    slowest_hz: f64,
-    tension_n: f64,
-    params: &Params,
-    error_mm: f64,
-    torque_part: f64,
-) -> AxisLimits {
-    let omega = TAU * slowest_hz;
-    let pull: f64 = row.iter().map(|way| way.abs() * params.holding_force_n(0)).sum();
-    let rotors: f64 = row.iter().map(|way| way * way * params.rotor_mass_kg(0)).sum();
+/// The worst of each axis over these places.
+fn worst(setup: &Setup, places: &[Place]) -> Result<[Worst; 3], NotHeld> {
+    let mut all = [Worst { per_speed_s: 0.0, per_acceleration_s2: 0.0, slack_n: f64::INFINITY }; 3];
+    for tool in places {
+        let elastic = Setup { tool: *tool, ..setup.clone() }.elastic();
+        let modes = modes(&elastic)?;
+        let axes = all.iter_mut().zip(Coordinate::TOOL).take(setup.machine.axes());
+        for (worst, coordinate) in axes {
+            let ringing = Ringing::of(&modes, coordinate).ok_or(NotHeld)?;
+            worst.per_speed_s = worst.per_speed_s.max(ringing.over_frequency(1));
+            worst.per_acceleration_s2 = worst.per_acceleration_s2.max(ringing.over_frequency(2));
+            let push = Coordinate::TOOL.map(|axis| if axis == coordinate { 1.0 } else { 0.0 });
+            let pulled = balance(&elastic, &setup.params, push, &[])?.tensions_n;
+            for (link, tension) in elastic.links.links.iter().zip(pulled) {
+                worst.slack_n = worst.slack_n.min(setup.params.preload_n.of(link.belt) / tension.abs());
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// From the motor travel, the moving mass, and the worst place.
+fn limits(row: &[f64], mass_kg: f64, worst: Worst, params: &Params, error_mm: f64, torque_part: f64) -> AxisLimits {
+    let turning = || row.iter().enumerate().filter(|(_, way)| way.abs() > 0.5);
+    // The belt loads all motors alike, so the one with the largest pulley gives way first.
+    let weakest = turning().map(|(motor, _)| params.holding_force_n(motor)).fold(f64::INFINITY, f64::min);
+    let pull: f64 = turning().map(|(_, way)| way.abs() * weakest).sum();
+    let rotors: f64 = turning().map(|(motor, way)| way * way * params.rotor_mass_kg(motor)).sum();
     // From rest to the angle where a field lets go: twice its force times its electrical radian.
-    let energy_n_mm = 2.0 * params.holding_force_n(0) * params.electrical_radian_mm(0) * row.len() as f64;
+    let energy = |motor: usize| 2.0 * params.holding_force_n(motor) * params.electrical_radian_mm(motor);
+    let energy_n_mm: f64 = turning().map(|(motor, _)| energy(motor)).sum();
     let moving = mass_kg + rotors;
     AxisLimits {
         torque_acceleration_mm_s2: torque_part * pull / moving * MM_PER_M,
-        slack_acceleration_mm_s2: params.preload_n.of(0) / (tension_n * mass_kg) * MM_PER_M,
-        ringing_acceleration_mm_s2: error_mm * omega * omega / 2.0,
-        speed_jump_mm_s: error_mm * omega,
+        slack_acceleration_mm_s2: worst.slack_n / mass_kg * MM_PER_M,
+        ringing_acceleration_mm_s2: error_mm / (2.0 * worst.per_acceleration_s2),
+        speed_jump_mm_s: error_mm / worst.per_speed_s,
         slip_jump_mm_s: (2.0 * energy_n_mm * MM_PER_M / moving).sqrt(),
     }
 }
@@ -120,9 +147,11 @@ fn axis(
 impl std::fmt::Display for Limits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = Machine::name_of(self.machine);
-        writeln!(f, "{name}, worst place of the reach{:>20}{:>10}", "x", "y")?;
+        let up = self.z.map_or(String::new(), |_| format!("{:>10}", "z"));
+        writeln!(f, "{name}, worst place of the reach{:>20}{:>10}{up}", "x", "y")?;
         let mut row = |what: &str, figure: fn(&AxisLimits) -> f64| {
-            writeln!(f, "  {what:<46}{:>9}{:>10}", shown(figure(&self.x), 0), shown(figure(&self.y), 0))
+            let up = self.z.map_or(String::new(), |z| format!("{:>10}", shown(figure(&z), 0)));
+            writeln!(f, "  {what:<46}{:>9}{:>10}{up}", shown(figure(&self.x), 0), shown(figure(&self.y), 0))
         };
         let (torque, um) = (100.0 * self.torque_part, 1000.0 * self.error_mm);
         row(&format!("acceleration with {torque:.0} % of the torque, mm/s2"), |a| a.torque_acceleration_mm_s2)?;
@@ -130,6 +159,15 @@ impl std::fmt::Display for Limits {
         row(&format!("ramp that rings by {um:.0} um, mm/s2"), |a| a.ringing_acceleration_mm_s2)?;
         row(&format!("jump of speed that makes {um:.0} um, mm/s"), |a| a.speed_jump_mm_s)?;
         row("jump of speed at which motors slip, mm/s", |a| a.slip_jump_mm_s)?;
-        writeln!(f, "  yaw of the bar at the side: {:.1} um for 1 m/s2 along y", self.yaw_error_um_per_m_s2)
+        if let Some(um) = self.yaw_error_um_per_m_s2 {
+            writeln!(f, "  yaw of the bar at the side: {um:.1} um for 1 m/s2 along y")?;
+        }
+        if let Some([x, y]) = self.frame_um_per_m_s2 {
+            writeln!(
+                f,
+                "  the frame gives way by {x:.1} um for 1 m/s2 along x, {y:.1} along y; it rings in the rows above"
+            )?;
+        }
+        Ok(())
     }
 }

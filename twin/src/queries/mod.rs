@@ -1,9 +1,10 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`].
-//! About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`].
+//! About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`]. [`frame`] has the torque on the frame.
 
 pub mod compare;
+pub mod frame;
 pub mod geometry;
 pub mod limits;
 pub mod modes;

@@ -27,7 +27,8 @@ impl Push {
     /// Nothing holds the machine.
     pub fn new(setup: &Setup, force_n: [f64; 2]) -> Result<Self, NotHeld> {
         let elastic = setup.elastic();
-        let balance = balance(&elastic, &setup.params, force_n, &[])?;
+        let [x, y] = force_n;
+        let balance = balance(&elastic, &setup.params, [x, y, 0.0], &[])?;
         Ok(Self { at: setup.at(), force_n, strain: Strain::new(setup, &elastic, &balance) })
     }
 }

@@ -6,18 +6,21 @@
 //!
 //! The bar also yaws on its guides, on a CoreH-bot at a lower frequency than both axes. No shaper is made for it. Only
 //! moves along y excite it, the more the further the head is from the middle. The answer has its frequency, and the
-//! part that the shaper of y leaves.
+//! part that the shaper of y leaves. A soft frame has a mode in x and one in y, each with its part of the tool's ringing
+//! after a jump of speed and the part that the axis' shaper leaves.
+//!
+//! Where belts lift the tool, the maps are at half its height. Bands have its lowest and highest places too.
 
 use super::{Setup, shown};
-use crate::geometry::workspace;
+use crate::geometry::{points, workspace};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::Freedom;
-use crate::params::Params;
+use crate::model::ways::Ways;
 use crate::routing::{Machine, Place};
 use crate::shaping::design::{Design, designs};
 use crate::shaping::shaper::{impulses, residual};
 use crate::solve::NotHeld;
-use crate::solve::modes::{Mode, mode_of, modes};
+use crate::solve::modes::{Mode, Ringing, mode_of, modes};
 use serde::Serialize;
 
 /// Pitch of the belt's teeth: GT2, \[H\] table 2.
@@ -36,8 +39,28 @@ pub struct Resonance {
     pub x: AxisResonance,
     /// Results for y.
     pub y: AxisResonance,
-    /// The bar's yaw on its guides, for which no shaper is made.
-    pub yaw: YawResonance,
+    /// Results for z, where belts lift the tool.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<AxisResonance>,
+    /// The bar's yaw on its guides, for which no shaper is made; none where the bar does not move in y.
+    pub yaw: Option<YawResonance>,
+    /// A soft frame in x and in y; none of a rigid one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<[FrameResonance; 2]>,
+}
+
+/// The mode of a soft frame along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameResonance {
+    /// Its lowest and highest frequency over the reach.
+    #[serde(rename = "band_Hz")]
+    pub band_hz: [f64; 2],
+    /// Viscous damping ratio in the middle of the reach.
+    pub damping_ratio: f64,
+    /// Its largest part of the tool's ringing after a jump of speed, of 1.
+    pub part: f64,
+    /// The part of this mode that the suggested shaper of the axis leaves at the worst place, of 1.
+    pub left_by_shaper: Option<f64>,
 }
 
 /// Yaw frequencies of the bar.
@@ -64,7 +87,7 @@ pub struct AxisResonance {
     /// Lowest and highest of them.
     #[serde(rename = "band_Hz")]
     pub band_hz: [f64; 2],
-    /// Part of the other axis in the vibration at the worst place, of 1.
+    /// Part of the other axes in the vibration at the worst place, of 1.
     pub coupling: f64,
     /// Viscous damping ratio in the middle of the reach.
     pub damping_ratio: f64,
@@ -97,14 +120,84 @@ impl Resonance {
     pub fn new(setup: &Setup, columns: usize, rows: usize) -> Result<Self, NotHeld> {
         let reach = workspace(setup.machine, &setup.params);
         let (x_mm, y_mm) = (points(reach.x, columns), points(reach.y, rows));
-        let at = |x: f64, y: f64| modes(&Setup { tool: reach.at(x, y), ..setup.clone() }.elastic());
-        let grid = y_mm.iter().map(|y| x_mm.iter().map(|x| at(*x, *y)).collect::<Result<Vec<_>, _>>());
-        let grid: Vec<Vec<Vec<Mode>>> = grid.collect::<Result<_, _>>()?;
-        let middle = at(reach.centre().x, reach.centre().y)?;
-        let [x, y] = [("X", Coordinate::X, Coordinate::Y), ("Y", Coordinate::Y, Coordinate::X)]
-            .map(|(letter, own, other)| axis(letter, own, other, &grid, &middle, &setup.params));
-        let yaw = yaw(setup, &x_mm, &y_mm, &y)?;
-        Ok(Self { machine: setup.machine.key(), x_mm, y_mm, x, y, yaw })
+        let at = |tool: Place| modes(&Setup { tool, ..setup.clone() }.elastic());
+        let all = reach.grid(columns, rows).into_iter().map(at).collect::<Result<_, _>>()?;
+        let seen = Seen { setup, columns, rows, all, middle: at(reach.centre())? };
+        let [x, y] =
+            [(Coordinate::X, Some("X")), (Coordinate::Y, Some("Y"))].map(|(own, letter)| seen.axis(own, letter));
+        // The firmware has no shaper for z.
+        let z = setup.machine.lifts().then(|| seen.axis(Coordinate::Z, None));
+        let yaw = setup.machine.has_yawing_bar().then(|| yaw(setup, &x_mm, &y_mm, &y)).transpose()?;
+        let frame = seen.frame(Coordinate::X, &x).zip(seen.frame(Coordinate::Y, &y)).map(|(x, y)| [x, y]);
+        Ok(Self { machine: setup.machine.key(), x_mm, y_mm, x, y, z, yaw, frame })
+    }
+}
+
+/// The modes all over the reach.
+struct Seen<'s> {
+    setup: &'s Setup,
+    columns: usize,
+    rows: usize,
+    /// At each place of the grid, height after height.
+    all: Vec<Vec<Mode>>,
+    middle: Vec<Mode>,
+}
+
+/// Lowest and highest.
+fn band(all: impl Iterator<Item = f64>) -> [f64; 2] {
+    all.fold([f64::INFINITY, 0.0], |[low, high], hz| [low.min(hz), high.max(hz)])
+}
+
+impl Seen<'_> {
+    fn axis(&self, own: Coordinate, letter: Option<&str>) -> AxisResonance {
+        let frequency = |modes: &Vec<Mode>| mode_of(modes, own).map_or(0.0, |mode| mode.frequency_hz);
+        let each: Vec<f64> = self.all.iter().map(frequency).collect();
+        // The heights are as many below the map's as above it.
+        let a_map = self.columns * self.rows;
+        let below = a_map * (each.len() / a_map / 2);
+        let map = each.iter().copied().skip(below).take(a_map).collect::<Vec<_>>();
+        let band_hz = band(each.into_iter());
+        let others = || Coordinate::TOOL.into_iter().filter(|other| *other != own);
+        let part = |modes: &Vec<Mode>| {
+            mode_of(modes, own).map_or(0.0, |mode| others().map(|other| mode.share(other)).sum::<f64>())
+        };
+        let coupling = self.all.iter().map(part).fold(0.0, f64::max);
+        let damping_ratio = mode_of(&self.middle, own).map_or(0.0, |mode| mode.damping_ratio);
+        let (shapers, suggestion) = designs(band_hz, damping_ratio);
+        let line = suggestion.zip(letter).map_or_else(String::new, |(design, letter)| {
+            let (frequency, kind) = (design.frequency_hz, design.kind.number());
+            format!("M593 {letter} F{frequency:.1} D{damping_ratio:.3} T{kind}")
+        });
+        let middle_hz = mode_of(&self.middle, own).map_or(0.0, |mode| mode.frequency_hz);
+        let full_step_mm = self.full_step_mm(own);
+        let resonant_speeds = ResonantSpeeds {
+            full_step_mm_s: middle_hz * full_step_mm,
+            electrical_turn_mm_s: middle_hz * 4.0 * full_step_mm,
+            tooth_mm_s: middle_hz * TOOTH_MM,
+        };
+        let frequencies_hz = map.chunks(self.columns).map(<[f64]>::to_vec).collect();
+        AxisResonance { frequencies_hz, band_hz, coupling, damping_ratio, suggestion, shapers, line, resonant_speeds }
+    }
+
+    /// A full step of the first motor that moves an axis.
+    fn full_step_mm(&self, own: Coordinate) -> f64 {
+        let Setup { machine, params, .. } = self.setup;
+        let axis = Coordinate::TOOL.iter().position(|known| *known == own).unwrap_or_default();
+        let moves = |row: &[f64; 3]| row.get(axis).is_some_and(|way| way.abs() > 0.5);
+        params.full_step_mm(Ways::new(*machine, params).rows.iter().position(moves).unwrap_or_default())
+    }
+
+    /// The frame's mode along an axis of the tool, if it is soft.
+    fn frame(&self, own: Coordinate, axis: &AxisResonance) -> Option<FrameResonance> {
+        let each: Vec<Ringing> = self.all.iter().filter_map(|modes| Ringing::of(modes, own)).collect();
+        let all = || each.iter().filter_map(|ringing| Some(ringing.frame?.frequency_hz));
+        let damping_ratio = Ringing::of(&self.middle, own)?.frame?.damping_ratio;
+        let left_by_shaper = axis.suggestion.map(|design| {
+            let impulses = impulses(design.kind, design.frequency_hz, axis.damping_ratio);
+            all().map(|hz| residual(&impulses, hz, damping_ratio)).fold(0.0, f64::max)
+        });
+        let part = each.iter().map(Ringing::part_of_frame).fold(0.0, f64::max);
+        Some(FrameResonance { band_hz: band(all()), damping_ratio, part, left_by_shaper })
     }
 }
 
@@ -119,7 +212,7 @@ fn yaw(setup: &Setup, x_mm: &[f64], y_mm: &[f64], y: &AxisResonance) -> Result<Y
     let row = |y: &f64| x_mm.iter().map(|x| Ok(mode(reach.at(*x, *y))?.frequency_hz)).collect();
     let frequencies_hz = y_mm.iter().map(row).collect::<Result<Vec<Vec<f64>>, NotHeld>>()?;
     let all = || frequencies_hz.iter().flatten().copied();
-    let band_hz = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
+    let band_hz = band(all());
     let damping_ratio = mode(reach.centre())?.damping_ratio;
     let left_by_y = y.suggestion.map(|design| {
         let impulses = impulses(design.kind, design.frequency_hz, y.damping_ratio);
@@ -128,48 +221,12 @@ fn yaw(setup: &Setup, x_mm: &[f64], y_mm: &[f64], y: &AxisResonance) -> Result<Y
     Ok(YawResonance { frequencies_hz, band_hz, damping_ratio, left_by_y })
 }
 
-/// Evenly from one end to the other.
-pub(super) fn points([low, high]: [f64; 2], count: usize) -> Vec<f64> {
-    match count {
-        0 | 1 => vec![(low + high) / 2.0],
-        _ => (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect(),
-    }
-}
-
-fn axis(
-    letter: &str,
-    own: Coordinate,
-    other: Coordinate,
-    grid: &[Vec<Vec<Mode>>],
-    middle: &[Mode],
-    params: &Params,
-) -> AxisResonance {
-    let frequency = |modes: &Vec<Mode>| mode_of(modes, own).map_or(0.0, |mode| mode.frequency_hz);
-    let frequencies_hz: Vec<Vec<f64>> = grid.iter().map(|row| row.iter().map(frequency).collect()).collect();
-    let all = || frequencies_hz.iter().flatten().copied();
-    let band_hz = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
-    let part = |modes: &Vec<Mode>| mode_of(modes, own).map_or(0.0, |mode| mode.share(other));
-    let coupling = grid.iter().flatten().map(part).fold(0.0, f64::max);
-    let damping_ratio = mode_of(middle, own).map_or(0.0, |mode| mode.damping_ratio);
-    let (shapers, suggestion) = designs(band_hz, damping_ratio);
-    let line = suggestion.map_or_else(String::new, |design| {
-        let (frequency, kind) = (design.frequency_hz, design.kind.number());
-        format!("M593 {letter} F{frequency:.1} D{damping_ratio:.3} T{kind}")
-    });
-    let middle_hz = mode_of(middle, own).map_or(0.0, |mode| mode.frequency_hz);
-    let resonant_speeds = ResonantSpeeds {
-        full_step_mm_s: middle_hz * params.full_step_mm(0),
-        electrical_turn_mm_s: middle_hz * 4.0 * params.full_step_mm(0),
-        tooth_mm_s: middle_hz * TOOTH_MM,
-    };
-    AxisResonance { frequencies_hz, band_hz, coupling, damping_ratio, suggestion, shapers, line, resonant_speeds }
-}
-
 impl std::fmt::Display for Resonance {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = Machine::name_of(self.machine);
         writeln!(f, "{name}, {} places", self.x_mm.len() * self.y_mm.len())?;
-        for (letter, axis) in [("x", &self.x), ("y", &self.y)] {
+        for (letter, axis) in [("x", Some(&self.x)), ("y", Some(&self.y)), ("z", self.z.as_ref())] {
+            let Some(axis) = axis else { continue };
             let [low, high] = axis.band_hz;
             let (damping, coupling) = (100.0 * axis.damping_ratio, shown(100.0 * axis.coupling, 0));
             write!(f, "  {letter}  {low:.1} to {high:.1} Hz, damping {damping:.1} %")?;
@@ -181,12 +238,26 @@ impl std::fmt::Display for Resonance {
                 let left = 100.0 * design.worst_residual;
                 writeln!(f, "   {mark} {kind:<9} {frequency:>6.1} Hz  leaves {left:>4.1} %  rounds {smoothing:.3} mm")?;
             }
-            writeln!(f, "     {}", axis.line)?;
+            let line = if letter == "z" { "the firmware has no shaper for z" } else { &axis.line };
+            writeln!(f, "     {line}")?;
             let ResonantSpeeds { full_step_mm_s, electrical_turn_mm_s, tooth_mm_s } = axis.resonant_speeds;
             write!(f, "     rings at {full_step_mm_s:.1} mm/s (full steps), ")?;
             writeln!(f, "{electrical_turn_mm_s:.1} (electrical turns), {tooth_mm_s:.1} (teeth)")?;
         }
-        let YawResonance { band_hz: [low, high], damping_ratio, left_by_y, .. } = &self.yaw;
+        for (letter, frame) in ["x", "y"].into_iter().zip(self.frame.iter().flatten()) {
+            let FrameResonance { band_hz: [low, high], damping_ratio, part, left_by_shaper } = frame;
+            let [damping, part] = [damping_ratio, part].map(|of| 100.0 * of);
+            write!(
+                f,
+                "  frame in {letter}  {low:.1} to {high:.1} Hz, damping {damping:.1} %, {part:.1} % of the ringing"
+            )?;
+            let left =
+                left_by_shaper.map_or(String::new(), |left| format!(", {:.0} % with the line above", 100.0 * left));
+            writeln!(f, "{left}")?;
+        }
+        let Some(YawResonance { band_hz: [low, high], damping_ratio, left_by_y, .. }) = &self.yaw else {
+            return Ok(());
+        };
         let damping = 100.0 * damping_ratio;
         writeln!(f, "  yaw of the bar on its guides  {low:.1} to {high:.1} Hz, damping {damping:.1} %")?;
         writeln!(

@@ -61,7 +61,7 @@ impl Slip {
         }
         let elastic = setup.elastic();
         let belt_mm = full_steps * setup.params.full_step_mm(setup.machine.index_of(motor));
-        let balance = balance(&elastic, &setup.params, [0.0; 2], &[(motor, belt_mm)]).map_err(SlipError::NotHeld)?;
+        let balance = balance(&elastic, &setup.params, [0.0; 3], &[(motor, belt_mm)]).map_err(SlipError::NotHeld)?;
         Ok(Self { at: setup.at(), motor, full_steps, belt_mm, strain: Strain::new(setup, &elastic, &balance) })
     }
 }

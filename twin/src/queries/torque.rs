@@ -14,11 +14,19 @@ use serde::Serialize;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Directions and their names.
-const DIRECTIONS: [(&str, [f64; 2]); 4] = [
-    ("x", [1.0, 0.0]),
-    ("y", [0.0, 1.0]),
-    ("x+y", [FRAC_1_SQRT_2, FRAC_1_SQRT_2]),
-    ("x-y", [FRAC_1_SQRT_2, -FRAC_1_SQRT_2]),
+const DIRECTIONS: [(&str, [f64; 3]); 4] = [
+    ("x", [1.0, 0.0, 0.0]),
+    ("y", [0.0, 1.0, 0.0]),
+    ("x+y", [FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]),
+    ("x-y", [FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0]),
+];
+
+/// More of them where belts lift the tool.
+const UP: [(&str, [f64; 3]); 4] = [
+    ("z", [0.0, 0.0, 1.0]),
+    ("x+z", [FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2]),
+    ("y+z", [0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2]),
+    ("x+y+z", [0.577_350_269_189_625_8; 3]),
 ];
 
 /// Speeds of the tool for which accelerations are given, in mm/s.
@@ -68,6 +76,9 @@ pub struct TorqueSettings {
     pub acceleration_mm_s2: f64,
     /// The direction that limits it, from x towards y.
     pub worst_direction_deg: f64,
+    /// Its rise above the plane of x and y; none where no belts lift the tool.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_rise_deg: Option<f64>,
     /// The corresponding acceleration of a belt.
     pub belt_acceleration_mm_s2: f64,
 }
@@ -79,19 +90,21 @@ impl TorqueLimits {
     /// Nothing holds the machine.
     pub fn new(machine: Machine, params: &Params, margin: f64, belt_speed_mm_s: f64) -> Result<Self, NotHeld> {
         let demand = Demand::new(machine, params)?;
-        let direction = |(name, along): (&'static str, [f64; 2])| DirectionLimits {
+        let known = || DIRECTIONS.into_iter().chain(UP.into_iter().filter(|_| machine.lifts()));
+        let direction = |(name, along): (&'static str, [f64; 3])| DirectionLimits {
             direction: name,
             acceleration_mm_s2: SPEEDS.map(|speed| demand.acceleration_mm_s2(along, speed, margin)).to_vec(),
             speed_mm_s: ACCELERATIONS.map(|a| demand.speed_mm_s(along, a, margin)).to_vec(),
         };
-        let directions = DIRECTIONS.map(direction).to_vec();
-        let diagonal = DIRECTIONS.map(|(_, along)| demand.belt_per_mm(along)).into_iter().fold(0.0, f64::max);
+        let directions = known().map(direction).collect();
+        let diagonal = known().map(|(_, along)| demand.belt_per_mm(along)).fold(0.0, f64::max);
         let settings = demand.worst(belt_speed_mm_s, margin).and_then(|(worst, least)| {
             let acceleration_mm_s2 = (least / WHOLE).floor() * WHOLE;
             (acceleration_mm_s2 > 0.0).then(|| TorqueSettings {
                 belt_speed_mm_s,
                 acceleration_mm_s2,
                 worst_direction_deg: worst[1].atan2(worst[0]).to_degrees(),
+                worst_rise_deg: machine.lifts().then(|| worst[2].asin().to_degrees()),
                 belt_acceleration_mm_s2: (acceleration_mm_s2 * diagonal).ceil(),
             })
         });
@@ -128,15 +141,19 @@ impl std::fmt::Display for TorqueLimits {
         let Some(settings) = self.settings else {
             return writeln!(f, "At the belt speed asked for, no acceleration leaves {left} % in every direction.");
         };
-        let TorqueSettings { belt_speed_mm_s: v, acceleration_mm_s2: a, worst_direction_deg, belt_acceleration_mm_s2 } =
-            settings;
-        let worst = shown(worst_direction_deg, 0);
-        writeln!(f, "Settings that leave {left} % in every direction ({worst} degrees from x is the worst):")?;
-        writeln!(f, "  M203 X{v} Y{v}")?;
-        writeln!(f, "  M201 X{a} Y{a}")?;
+        let TorqueSettings { belt_speed_mm_s: v, acceleration_mm_s2: a, .. } = settings;
+        let worst = shown(settings.worst_direction_deg, 0);
+        let rise = settings.worst_rise_deg.map_or(String::new(), |rise| format!(", {} upward,", shown(rise, 0)));
+        writeln!(f, "Settings that leave {left} % in every direction ({worst} degrees from x{rise} is the worst):")?;
+        let all = |value: f64| {
+            let up = if settings.worst_rise_deg.is_some() { format!(" Z{value}") } else { String::new() };
+            format!("X{value} Y{value}{up}")
+        };
+        writeln!(f, "  M203 {}", all(v))?;
+        writeln!(f, "  M201 {}", all(a))?;
         writeln!(f, "  M204 P{a} T{a}")?;
         writeln!(f, "and in a machine file, as no line sets them:")?;
         writeln!(f, "  motor_max_speed = {v}")?;
-        writeln!(f, "  motor_max_acceleration = {belt_acceleration_mm_s2}")
+        writeln!(f, "  motor_max_acceleration = {}", settings.belt_acceleration_mm_s2)
     }
 }

@@ -188,6 +188,12 @@ impl Machine {
         2 + usize::from(self.lifts())
     }
 
+    /// Whether its bar moves in y on two guides, on which it may yaw.
+    #[must_use]
+    pub const fn has_yawing_bar(self) -> bool {
+        !matches!(self, Self::Own(Own { has_moving_bed: true, .. }))
+    }
+
     /// Mass in kg of all that moves on the frame.
     #[must_use]
     pub fn carried_kg(self, params: &Params) -> f64 {

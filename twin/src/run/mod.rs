@@ -91,7 +91,7 @@ impl<'t> Run<'t> {
         trace: &'t StepTrace,
     ) -> Result<Self, RunError> {
         let plant = Plant::new(machine, params, start, detail);
-        let drives = drives(trace, &plant.ways).map_err(RunError::NoColumn)?;
+        let drives = drives(trace, &plant.ways, params).map_err(RunError::NoColumn)?;
         let line = Line::new(machine, &plant, &drives, trace);
         let reach = workspace(machine, params);
         if !reach.bears(&line.taken) {
@@ -109,7 +109,7 @@ impl<'t> Run<'t> {
     /// # Errors
     /// The other trace is of another kind of machine.
     pub fn against(mut self, meant: &StepTrace) -> Result<Self, RunError> {
-        let meant_drives = drives(meant, &self.plant.ways).map_err(RunError::NoColumn)?;
+        let meant_drives = drives(meant, &self.plant.ways, &self.plant.params).map_err(RunError::NoColumn)?;
         let machine = self.watch.machine();
         let line = Line::new(machine, &self.plant, &meant_drives, meant);
         let own = Line::new(machine, &self.plant, &self.drives, self.trace);

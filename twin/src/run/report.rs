@@ -43,6 +43,12 @@ pub struct Report {
     /// Largest torque with which the guides kept the bar square.
     #[serde(rename = "yaw_torque_Nm")]
     pub yaw_torque_nm: f64,
+    /// Largest torque with which all motors together turned the frame, as \[H\] has it after equation 38.
+    #[serde(rename = "frame_torque_Nm")]
+    pub frame_torque_nm: f64,
+    /// Largest displacement of a soft frame on the ground along x and y; none of a rigid one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame_mm: Option<[f64; 2]>,
     /// Computing time.
     pub wall_time_s: f64,
     /// Speed relative to the real machine.
@@ -152,6 +158,8 @@ impl Report {
             commanded_residual_mm: watch.commanded_residual_mm,
             residual_mm: watch.residual_mm,
             yaw_torque_nm: watch.yaw_torque_n_mm / 1000.0,
+            frame_torque_nm: watch.motors_torque_n_mm / 1000.0,
+            frame_mm: watch.frame_mm,
             wall_time_s,
             times_real_time: duration_s / wall_time_s.max(1e-9),
         }
@@ -214,6 +222,11 @@ impl std::fmt::Display for Report {
             writeln!(f)?;
         }
         writeln!(f, "  belt residual   {:.4} mm commanded, {:.4} mm", self.commanded_residual_mm, self.residual_mm)?;
-        writeln!(f, "  yaw torque      {:.3} N m at most", self.yaw_torque_nm)
+        writeln!(f, "  yaw torque      {:.3} N m at most", self.yaw_torque_nm)?;
+        writeln!(f, "  torque of all motors on the frame  {:.4} N m at most", self.frame_torque_nm)?;
+        if let Some([x, y]) = self.frame_mm {
+            writeln!(f, "  frame moves by  {x:.4} mm in x, {y:.4} mm in y at most, under the tool's errors above")?;
+        }
+        Ok(())
     }
 }

@@ -15,12 +15,21 @@ pub struct Bin {
     pub tensions_n: Vec<[f64; 2]>,
     /// Force at the belt of each motor.
     pub forces_n: Vec<f64>,
+    /// Torque of all motors together, and 0.
+    pub motors_torque_n_mm: [f64; 2],
+    /// Displacement of a soft frame along x and y.
+    pub frame_mm: [f64; 2],
 }
 
 impl Bin {
     /// Merges results of the same time.
     fn join(&mut self, other: &Self) {
         self.error_mm = self.error_mm.max(other.error_mm);
+        let ([low, high], [least, greatest]) = (self.motors_torque_n_mm, other.motors_torque_n_mm);
+        self.motors_torque_n_mm = [low.min(least), high.max(greatest)];
+        for (moved, other) in self.frame_mm.iter_mut().zip(other.frame_mm) {
+            *moved = moved.max(other);
+        }
         if self.tensions_n.is_empty() {
             self.tensions_n.clone_from(&other.tensions_n);
             self.forces_n.clone_from(&other.forces_n);
@@ -85,7 +94,7 @@ mod tests {
         let mut series = Series::default();
         for tick in (0..1_000_000_000).step_by(100_000) {
             let error_mm = if tick == 700_000_000 { 2.0 } else { 0.1 };
-            series.add(tick, &Bin { error_mm, tensions_n: vec![[30.0, 50.0]], forces_n: vec![1.0] });
+            series.add(tick, &Bin { error_mm, tensions_n: vec![[30.0, 50.0]], forces_n: vec![1.0], ..Bin::default() });
         }
         assert!(series.bins.len() <= MOST);
         let worst = series.bins.iter().position(|bin| bin.error_mm > 1.0).unwrap_or_default();

@@ -66,6 +66,10 @@ pub struct Watch {
     pub residual_mm: f64,
     /// Largest torque with which the guides kept the bar square.
     pub yaw_torque_n_mm: f64,
+    /// Largest torque of all motors together on the frame.
+    pub motors_torque_n_mm: f64,
+    /// Largest displacement of a soft frame on the ground along x and y; none of a rigid one.
+    pub frame_mm: Option<[f64; 2]>,
     /// Results over time.
     pub series: Series,
     /// Present values, kept to avoid allocation at each look.
@@ -86,6 +90,8 @@ impl Watch {
             commanded_residual_mm,
             residual_mm: 0.0,
             yaw_torque_n_mm: 0.0,
+            motors_torque_n_mm: 0.0,
+            frame_mm: plant.has_soft_frame().then_some([0.0; 2]),
             series: Series::default(),
             now: Bin::default(),
         }
@@ -119,6 +125,13 @@ impl Watch {
             self.look_at_rotors(plant, at, speeds, sent_mm);
         } else {
             self.residual_mm = self.commanded_residual_mm;
+        }
+        let torque = plant.motors_torque_n_mm(at, sent_mm);
+        self.motors_torque_n_mm = self.motors_torque_n_mm.max(torque.abs());
+        self.now.motors_torque_n_mm = [torque.min(0.0), torque.max(0.0)];
+        self.now.frame_mm = plant.frame_mm(at).map(f64::abs);
+        for (most, moved) in self.frame_mm.iter_mut().flatten().zip(self.now.frame_mm) {
+            *most = most.max(moved);
         }
         self.series.add(tick, &self.now);
         self.yaw_torque_n_mm = self.yaw_torque_n_mm.max(plant.yaw_torque_n_mm(at, speeds).abs());

@@ -29,20 +29,20 @@ impl Balance {
     }
 }
 
-/// Equilibrium with this force on the tool in N, and these motor movements in mm of belt.
+/// Equilibrium with this force on the tool along x, y and z in N, and these motor movements in mm of belt.
 ///
 /// # Errors
 /// Nothing holds the machine.
 pub fn balance(
     elastic: &Elastic,
     params: &Params,
-    force_n: [f64; 2],
+    force_n: [f64; 3],
     sent_mm: &[(u8, f64)],
 ) -> Result<Balance, NotHeld> {
     let count = elastic.parts.len();
     let mut force = DVector::<f64>::zeros(count);
     let mut moved = DVector::<f64>::zeros(count);
-    for (coordinate, f) in [Coordinate::X, Coordinate::Y].into_iter().zip(force_n) {
+    for (coordinate, f) in Coordinate::TOOL.into_iter().zip(force_n) {
         if let Some(at) = elastic.links.index(coordinate) {
             force[at] += f;
         }

@@ -48,6 +48,43 @@ pub fn mode_of(modes: &[Mode], coordinate: Coordinate) -> Option<&Mode> {
     modes.iter().max_by(|a, b| a.share(coordinate).total_cmp(&b.share(coordinate)))
 }
 
+/// How the tool rings along an axis: in a mode of its own and, where the frame is soft, with the frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Ringing<'m> {
+    axis: Coordinate,
+    /// The mode of the axis.
+    pub own: &'m Mode,
+    /// The frame's.
+    pub frame: Option<&'m Mode>,
+}
+
+impl<'m> Ringing<'m> {
+    /// The modes of a coordinate of the tool.
+    #[must_use]
+    pub fn of(modes: &'m [Mode], axis: Coordinate) -> Option<Self> {
+        let own = mode_of(modes, axis)?;
+        let frame = Coordinate::Frame(Coordinate::TOOL.iter().position(|known| *known == axis)?);
+        let others = modes.iter().filter(|mode| *mode != own && mode.shares.iter().any(|(c, _)| *c == frame));
+        let frame = others.max_by(|a, b| a.share(frame).total_cmp(&b.share(frame)));
+        Some(Self { axis, own, frame })
+    }
+
+    /// The frame's part of the ringing after a jump of the tool's speed, of 1: a mode's part is its shape's way times
+    /// its momentum.
+    #[must_use]
+    pub fn part_of_frame(&self) -> f64 {
+        self.frame.map_or(0.0, |mode| mode.share(self.axis).clamp(0.0, 1.0))
+    }
+
+    /// Sum of both parts over a power of their angular frequencies: 1 for a jump of speed, 2 for one of acceleration.
+    #[must_use]
+    pub fn over_frequency(&self, power: i32) -> f64 {
+        let over = |mode: &Mode| (TAU * mode.frequency_hz).powi(-power);
+        let part = self.part_of_frame();
+        (1.0 - part) * over(self.own) + self.frame.map_or(0.0, |mode| part * over(mode))
+    }
+}
+
 /// N/mm over kg, in 1/s^2: 1 N moves 1 kg by 1000 mm/s^2.
 const MM_PER_M: f64 = 1000.0;
 

@@ -4,9 +4,13 @@
 //! a motor mounted the other way up). The column's row may be a multiple: a motor with a smaller pulley makes more
 //! steps for the same belt. Each column is taken once before any is taken twice. So a trace of four drivers turns four
 //! motors, and so does one of two drivers, or of another machine with the same pairs.
+//!
+//! Pulleys of different sizes (\[H\] equation 8) are in the multiples as the firmware has them, and in the machine's
+//! radii as they are. The first motor's pulley counts as the steps say, and every other one has its own share of it.
 
 use super::StepTrace;
 use crate::model::ways::Ways;
+use crate::params::Params;
 
 /// A motor's column and its sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +21,7 @@ pub struct Drive {
     pub sense: i8,
     /// Steps of this motor for a step of its axes.
     pub multiple: u8,
-    /// A step of its axes, as a part of the trace's.
+    /// Belt of a step of its axes, as a part of the trace's.
     pub axis_step: f64,
 }
 
@@ -49,7 +53,7 @@ impl std::error::Error for NoColumn {}
 ///
 /// # Errors
 /// A motor without a column in the trace.
-pub fn drives(trace: &StepTrace, ways: &Ways) -> Result<Vec<Drive>, NoColumn> {
+pub fn drives(trace: &StepTrace, ways: &Ways, params: &Params) -> Result<Vec<Drive>, NoColumn> {
     let mut taken = vec![0_u32; trace.columns.len()];
     let mut drives = Vec::new();
     for (motor, row) in ways.motors.iter().zip(&ways.rows) {
@@ -71,7 +75,21 @@ pub fn drives(trace: &StepTrace, ways: &Ways) -> Result<Vec<Drive>, NoColumn> {
         }
         drives.push(Drive { column, sense, multiple: multiple.unsigned_abs(), axis_step });
     }
+    with_radii(&mut drives, params);
     Ok(drives)
+}
+
+/// A motor's step moves as much belt as its pulley is large, and the steps say 1 / multiple of it.
+fn with_radii(drives: &mut [Drive], params: &Params) {
+    if params.motor_radius_mm.values().is_empty() {
+        return;
+    }
+    let belt = |(motor, drive): (usize, &Drive)| params.radius_mm(motor) * f64::from(drive.multiple);
+    let belts: Vec<f64> = drives.iter().enumerate().map(belt).collect();
+    let first = belts.first().copied().unwrap_or(1.0);
+    for (drive, belt) in drives.iter_mut().zip(belts) {
+        drive.axis_step *= belt / first;
+    }
 }
 
 /// The number that all entries of a row are times -1, 0 or 1.
@@ -82,7 +100,7 @@ fn multiple(row: [i8; 3]) -> i8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::Params;
+    use crate::params::Each;
     use crate::routing::Machine;
     use crate::steps::Column;
 
@@ -96,7 +114,8 @@ mod tests {
     fn motors_find_their_columns() {
         let four = trace(&[[-1, 1], [-1, -1], [1, -1], [1, 1]]);
         let found = |machine, trace: &StepTrace| {
-            let drives = drives(trace, &Ways::new(machine, &Params::default())).unwrap();
+            let params = Params::default();
+            let drives = drives(trace, &Ways::new(machine, &params), &params).unwrap();
             drives.into_iter().map(|d| (d.column, d.sense)).collect::<Vec<_>>()
         };
         assert_eq!(found(Machine::CoreHBot, &four), [(0, 1), (1, 1), (2, 1), (3, 1)]);
@@ -105,14 +124,23 @@ mod tests {
         let two = trace(&[[1, 1], [1, -1]]);
         assert_eq!(found(Machine::CoreHBot, &two), [(1, -1), (0, -1), (1, 1), (0, 1)]);
         let cartesian = trace(&[[1, 0], [0, 1]]);
-        let error = drives(&cartesian, &Ways::new(Machine::HBot, &Params::default())).unwrap_err();
+        let params = Params::default();
+        let error = drives(&cartesian, &Ways::new(Machine::HBot, &params), &params).unwrap_err();
         assert_eq!(error, NoColumn { motor: 1, row: [1, 1, 0] });
     }
     /// Equation 8 of the paper: 20 teeth on one motor and 16 on the other are 4 and 5 steps for a step of the axes.
     #[test]
     fn motors_with_pulleys_of_two_sizes_make_multiple_steps() {
-        let drives = drives(&trace(&[[4, 4], [5, -5]]), &Ways::new(Machine::CoreXy, &Params::default())).unwrap();
-        let found: Vec<_> = drives.into_iter().map(|d| (d.column, d.sense, d.multiple)).collect();
+        let with =
+            |params: &Params| drives(&trace(&[[4, 4], [5, -5]]), &Ways::new(Machine::CoreXy, params), params).unwrap();
+        let found: Vec<_> = with(&Params::default()).into_iter().map(|d| (d.column, d.sense, d.multiple)).collect();
         assert_eq!(found, [(0, 1, 4), (1, 1, 5)]);
+        // Radii that the steps agree with change nothing; a pulley of 20 teeth in the place of 16 pulls 5/4 of the belt.
+        let belts = |radii: &[f64]| {
+            let params = Params { motor_radius_mm: Each::listed(radii).unwrap(), ..Params::default() };
+            with(&params).into_iter().map(|d| d.axis_step).collect::<Vec<_>>()
+        };
+        assert!(belts(&[6.35, 5.08]).iter().all(|part| (part - 1.0).abs() < 1e-12));
+        assert!(belts(&[6.35, 6.35]).iter().zip([1.0, 1.25]).all(|(part, expected)| (part - expected).abs() < 1e-12));
     }
 }

@@ -32,8 +32,8 @@ pub struct Demand {
     params: Params,
     machine: Machine,
     ways: Ways,
-    /// For each place and motor: its torque in N m per newton that the tool needs along x and along y.
-    shares: Vec<Vec<[f64; 2]>>,
+    /// For each place and motor: its torque in N m per newton that the tool needs along x, y and z.
+    shares: Vec<Vec<[f64; 3]>>,
 }
 
 /// A motor's torque in N m as the tool's acceleration times a slope, plus a constant.
@@ -50,42 +50,38 @@ impl Demand {
     /// Nothing holds the machine.
     pub fn new(machine: Machine, params: &Params) -> Result<Self, NotHeld> {
         let reach = workspace(machine, params);
-        let point = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / (GRID - 1) as f64;
-        let places = (0..GRID * GRID).map(|i| reach.at(point(reach.x, i % GRID), point(reach.y, i / GRID)));
         let freedom = Freedom { rotors: true, ..Freedom::default() };
         let share = |tool: Place| {
             let elastic = Elastic::new(machine, params, tool, freedom);
             // The force that accelerates the tool equals the force that holds it against the opposite one.
-            let [x, y] = [[-1.0, 0.0], [0.0, -1.0]].map(|force| balance(&elastic, params, force, &[]));
-            let both = x?.torques_mnm.into_iter().zip(y?.torques_mnm);
-            Ok(both.map(|(x, y)| [x / MM_PER_M, y / MM_PER_M]).collect())
+            let along = |axis: usize| [0, 1, 2].map(|other| if other == axis { -1.0 } else { 0.0 });
+            let [x, y, z] = [0, 1, 2].map(|axis| balance(&elastic, params, along(axis), &[]));
+            let all = x?.torques_mnm.into_iter().zip(y?.torques_mnm).zip(z?.torques_mnm);
+            Ok(all.map(|((x, y), z)| [x, y, z].map(|torque| torque / MM_PER_M)).collect())
         };
-        let shares = places.map(share).collect::<Result<_, NotHeld>>()?;
+        let shares = reach.grid(GRID, GRID).into_iter().map(share).collect::<Result<_, NotHeld>>()?;
         Ok(Self { params: params.clone(), machine, ways: Ways::new(machine, params), shares })
     }
 
     /// Every motor at every place, for a direction (of length 1) and a speed of the tool in mm/s.
-    fn lines(&self, [dx, dy]: [f64; 2], speed_mm_s: f64) -> impl Iterator<Item = Line> {
+    fn lines(&self, along: [f64; 3], speed_mm_s: f64) -> impl Iterator<Item = Line> {
         let p = &self.params;
-        let force = |mass: f64| mass / MM_PER_M;
-        let [along_x, along_y, _] = self.machine.masses_kg(p);
-        let inertia = [force(along_x) * dx, force(along_y) * dy];
+        let (masses_kg, guides) = (self.machine.masses_kg(p), p.guides());
+        let inertia = [0, 1, 2].map(|axis| masses_kg[axis] / MM_PER_M * along[axis]);
         // Friction acts like acceleration; at rest it also opposes the move.
         let sign = |d: f64| if d.abs() < 1e-9 { 0.0 } else { d.signum() };
-        let rub = |viscous: f64, dry: f64, d: f64| viscous * d * speed_mm_s / MM_PER_M + dry * sign(d);
-        let friction =
-            [rub(p.guide_x_n_s_per_m, p.dry_friction_x_n, dx), rub(p.guide_y_n_s_per_m, p.dry_friction_y_n, dy)];
+        let rub = |(viscous, dry): (f64, f64), d: f64| viscous * d * speed_mm_s / MM_PER_M + dry * sign(d);
+        let friction = [0, 1, 2].map(|axis| rub(guides[axis], along[axis]));
         let rotor = move |motor: usize, way: f64| {
             let radius_m = p.radius_mm(motor) / MM_PER_M;
             let inertia = p.rotor_inertia_kg_m2 * way / p.radius_mm(motor);
             let drag = p.rotor_damping_nm_s * way * speed_mm_s / MM_PER_M / radius_m;
             (inertia, drag, pull_out_torque_at_belt_nm(p, motor, way * speed_mm_s))
         };
-        let rotors: Vec<_> =
-            self.ways.rows.iter().enumerate().map(|(i, [x, y, _])| rotor(i, x * dx + y * dy)).collect();
+        let rotors: Vec<_> = self.ways.rows.iter().enumerate().map(|(i, row)| rotor(i, dot(row, &along))).collect();
         self.shares.iter().flat_map(move |motors| {
-            let line = move |(share, (inertia_nm, drag, available)): (&[f64; 2], &(f64, f64, f64))| {
-                let of = |force: [f64; 2]| share[0] * force[0] + share[1] * force[1];
+            let line = move |(share, (inertia_nm, drag, available)): (&[f64; 3], &(f64, f64, f64))| {
+                let of = |force: [f64; 3]| dot(share, &force);
                 Line { slope: of(inertia) + inertia_nm, own: of(friction) + drag, available: *available }
             };
             motors.iter().zip(rotors.clone()).map(move |(share, rotor)| line((share, &rotor)))
@@ -94,14 +90,14 @@ impl Demand {
 
     /// Smallest remaining part of its torque that a motor keeps anywhere, of 1; below 0 it slips.
     #[must_use]
-    pub fn margin(&self, direction: [f64; 2], speed_mm_s: f64, acceleration_mm_s2: f64) -> f64 {
+    pub fn margin(&self, direction: [f64; 3], speed_mm_s: f64, acceleration_mm_s2: f64) -> f64 {
         let kept = |line: Line| 1.0 - (line.slope * acceleration_mm_s2 + line.own).abs() / line.available;
         self.lines(direction, speed_mm_s).map(kept).fold(1.0, f64::min)
     }
 
     /// Maximum acceleration in mm/s^2 at a speed with which every motor keeps this part of its torque, if there is one.
     #[must_use]
-    pub fn acceleration_mm_s2(&self, direction: [f64; 2], speed_mm_s: f64, margin: f64) -> Option<f64> {
+    pub fn acceleration_mm_s2(&self, direction: [f64; 3], speed_mm_s: f64, margin: f64) -> Option<f64> {
         let most = |line: Line| {
             let [slope, own] = if line.slope < 0.0 { [-line.slope, -line.own] } else { [line.slope, line.own] };
             ((1.0 - margin) * line.available - own) / slope.max(f64::MIN_POSITIVE)
@@ -113,7 +109,7 @@ impl Demand {
     /// Maximum speed in mm/s at which every motor keeps this part of its torque with this acceleration, if there is
     /// one.
     #[must_use]
-    pub fn speed_mm_s(&self, direction: [f64; 2], acceleration_mm_s2: f64, margin: f64) -> Option<f64> {
+    pub fn speed_mm_s(&self, direction: [f64; 3], acceleration_mm_s2: f64, margin: f64) -> Option<f64> {
         if self.margin(direction, 0.0, acceleration_mm_s2) < margin {
             return None;
         }
@@ -132,22 +128,33 @@ impl Demand {
     /// The direction (of length 1) with the smallest remaining acceleration at this belt speed, and that acceleration;
     /// none if a direction has none left.
     #[must_use]
-    pub fn worst(&self, belt_mm_s: f64, margin: f64) -> Option<([f64; 2], f64)> {
-        /// Directions over half a turn.
-        const DIRECTIONS: usize = 180;
-        let all = (0..DIRECTIONS).map(|i| std::f64::consts::PI * i as f64 / DIRECTIONS as f64).map(|angle| {
-            let direction = [angle.cos(), angle.sin()];
+    pub fn worst(&self, belt_mm_s: f64, margin: f64) -> Option<([f64; 3], f64)> {
+        let all = self.directions().into_iter().map(|direction| {
             self.acceleration_mm_s2(direction, belt_mm_s / self.belt_per_mm(direction), margin).map(|a| (direction, a))
         });
-        let least = |worst: ([f64; 2], f64), one: ([f64; 2], f64)| if one.1 < worst.1 { one } else { worst };
+        let least = |worst: ([f64; 3], f64), one: ([f64; 3], f64)| if one.1 < worst.1 { one } else { worst };
         all.collect::<Option<Vec<_>>>()?.into_iter().reduce(least)
+    }
+
+    /// Directions all round, one of each two opposites: a degree apart, or five where belts lift the tool.
+    fn directions(&self) -> Vec<[f64; 3]> {
+        let (degrees, rises) = if self.machine.lifts() { (5, -90..=90) } else { (1, 0..=0) };
+        let turns = || (0..180).step_by(degrees).map(|angle| f64::from(angle).to_radians());
+        let rises = rises.step_by(degrees).map(|rise: i32| f64::from(rise).to_radians());
+        rises
+            .flat_map(|rise| turns().map(move |angle| [angle.cos() * rise.cos(), angle.sin() * rise.cos(), rise.sin()]))
+            .collect()
     }
 
     /// Travel of the fastest belt per millimetre of the tool.
     #[must_use]
-    pub fn belt_per_mm(&self, [dx, dy]: [f64; 2]) -> f64 {
-        self.ways.rows.iter().map(|[x, y, _]| (x * dx + y * dy).abs()).fold(0.0, f64::max)
+    pub fn belt_per_mm(&self, direction: [f64; 3]) -> f64 {
+        self.ways.rows.iter().map(|row| dot(row, &direction).abs()).fold(0.0, f64::max)
     }
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
@@ -160,11 +167,11 @@ mod tests {
     }
 
     /// Torque of each motor in mN m at 10 m/s^2 in the middle of the reach.
-    fn in_the_middle(direction: [f64; 2]) -> Vec<f64> {
+    fn in_the_middle([x, y]: [f64; 2]) -> Vec<f64> {
         let demand = demand();
         let motors = demand.ways.motors.len();
         let middle = motors * (GRID * GRID / 2);
-        let lines = demand.lines(direction, 0.0).skip(middle).take(motors);
+        let lines = demand.lines([x, y, 0.0], 0.0).skip(middle).take(motors);
         lines.map(|line| (1e4 * line.slope + line.own) * 1000.0).collect()
     }
 
@@ -193,7 +200,8 @@ mod tests {
     #[test]
     fn limits_leave_just_the_margin() {
         let demand = Demand::new(Machine::CoreHBot, &Params::default()).unwrap();
-        for direction in [[1.0, 0.0], [0.0, -1.0], [FRAC_1_SQRT_2, -FRAC_1_SQRT_2], [0.6, 0.8]] {
+        for [x, y] in [[1.0, 0.0], [0.0, -1.0], [FRAC_1_SQRT_2, -FRAC_1_SQRT_2], [0.6, 0.8]] {
+            let direction = [x, y, 0.0];
             for speed in [0.0, 150.0, 400.0] {
                 let a = demand.acceleration_mm_s2(direction, speed, 0.5).unwrap();
                 assert!((demand.margin(direction, speed, a) - 0.5).abs() < 1e-9);
@@ -209,6 +217,6 @@ mod tests {
         assert!(Demand::new(Machine::CoreHBot, &series).unwrap().worst(300.0, 0.5).unwrap().1 < 0.6 * a);
         // Where drag and friction take more than the margin leaves, there is no acceleration.
         assert_eq!(demand.worst(2000.0, 0.5), None);
-        assert_eq!(demand.speed_mm_s([1.0, 0.0], 1e6, 0.5), None);
+        assert_eq!(demand.speed_mm_s([1.0, 0.0, 0.0], 1e6, 0.5), None);
     }
 }

@@ -4,7 +4,7 @@
 //! its motion for a time. The force opposes motion up to a limit in newtons; a tool that has stopped is held, and not
 //! thrown back. A brake rubs on a rotor from some motion time on, for good or for a time.
 
-use corehbot::motors::{Motor, prototype};
+use corehbot::motors::MotorName;
 use corehbot::units::TICKS_PER_MS;
 
 /// The tool is at a place when it is so near, in mm.
@@ -39,8 +39,8 @@ pub struct Hit {
 /// Dry friction on a rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brake {
-    /// The braked motor.
-    pub motor: Motor,
+    /// The braked motor, which must have a belt.
+    pub motor: MotorName,
     /// How strong, at the belt.
     pub force_n: f64,
     /// From which motion time on.
@@ -65,7 +65,7 @@ pub enum AccidentError {
     Parts(&'static str),
     /// A part that is not a legal number: the allowed values, and the given text.
     Number(&'static str, String),
-    /// The belt motor is unknown.
+    /// No motor can have this name.
     Motor(String),
 }
 
@@ -74,7 +74,7 @@ impl std::fmt::Display for AccidentError {
         match self {
             Self::Parts(wanted) => write!(f, "expected {wanted}"),
             Self::Number(what, text) => write!(f, "`{text}` is not a {what}"),
-            Self::Motor(name) => write!(f, "`{name}` is not a belt motor: m1, m4, m8, m11"),
+            Self::Motor(name) => write!(f, "`{name}` is not the name of a motor"),
         }
     }
 }
@@ -118,11 +118,9 @@ impl std::str::FromStr for Brake {
             [motor, force, from, ms] => (motor, force, from, Some(ms)),
             _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS")),
         };
-        let belt = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
-        let found = belt.into_iter().find(|known| prototype::NAMES[known.index()].as_str() == motor.trim());
         let from_s = number(from, "time in s", [0.0, LATEST_S])?;
         Ok(Self {
-            motor: found.ok_or_else(|| AccidentError::Motor(motor.to_owned()))?,
+            motor: MotorName::new(motor.trim()).ok_or_else(|| AccidentError::Motor(motor.to_owned()))?,
             force_n: force_of(force)?,
             from_s,
             ms: ms.map(duration_ms).transpose()?,
@@ -199,12 +197,16 @@ pub(super) fn force_n(states: &[AccidentState]) -> f64 {
 mod tests {
     use super::*;
 
+    fn named(name: &str) -> MotorName {
+        MotorName::new(name).unwrap()
+    }
+
     #[test]
     fn accidents_are_read_or_named() {
         assert_eq!("100,85.5,200,30".parse(), Ok(Hit { at_mm: [100.0, 85.5], force_n: 200.0, ms: 30.0 }));
-        assert_eq!("m11,40".parse(), Ok(Brake { motor: prototype::M11, force_n: 40.0, from_s: 0.0, ms: None }));
-        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: prototype::M1, force_n: 40.0, from_s: 2.5, ms: None }));
-        let brief = Brake { motor: prototype::M8, force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
+        assert_eq!("m11,40".parse(), Ok(Brake { motor: named("m11"), force_n: 40.0, from_s: 0.0, ms: None }));
+        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: named("m1"), force_n: 40.0, from_s: 2.5, ms: None }));
+        let brief = Brake { motor: named("m8"), force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
         assert_eq!("m8,40,2.5,30".parse(), Ok(brief));
         let hit = |text: &str| text.parse::<Hit>().unwrap_err().to_string();
         assert_eq!(hit("1,2,3"), "expected X,Y,N,MS");
@@ -212,7 +214,7 @@ mod tests {
         assert_eq!(hit("1,2,-3,4"), "`-3` is not a force of 0 to 10,000 N");
         assert_eq!(hit("1,2,3,inf"), "`inf` is not a time of 0 to 60,000 ms");
         let brake = |text: &str| text.parse::<Brake>().unwrap_err().to_string();
-        assert_eq!(brake("z1,3"), "`z1` is not a belt motor: m1, m4, m8, m11");
+        assert_eq!(brake("a motor,3"), "`a motor` is not the name of a motor");
         assert_eq!(brake("m1"), "expected MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS");
         assert_eq!(brake("m1,3,-1"), "`-1` is not a time in s");
     }

@@ -19,7 +19,7 @@ pub const MOST_MOTORS: usize = MOTORS;
 const BEYOND_MM: f64 = 2.0;
 
 /// The drive of a motor of the twin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorDrive {
     /// The firmware's motor.
     pub motor: Motor,
@@ -29,6 +29,8 @@ pub struct MotorDrive {
     pub sense: i8,
     /// Its steps for a step of its axes: above 1 with a smaller pulley than others.
     pub multiple: u8,
+    /// Belt of its step as a part of what the steps say: other than 1 where `motor_radius_mm` says otherwise.
+    pub belt_part: f64,
 }
 
 /// A machine of the twin, motor by motor.
@@ -60,6 +62,8 @@ pub enum LayoutError {
     },
     /// The tool begins where it cannot be, in G-code's coordinates.
     OutOfReach(Vec<f64>),
+    /// A brake for a motor without a belt; these have one.
+    NoBrake(MotorName, Vec<MotorName>),
 }
 
 impl std::fmt::Display for LayoutError {
@@ -81,6 +85,10 @@ impl std::fmt::Display for LayoutError {
                 by(axes),
                 by(reach)
             ),
+            Self::NoBrake(name, known) => {
+                let known: Vec<&str> = known.iter().map(MotorName::as_str).collect();
+                write!(f, "brake: `{name}` is not a belt motor: {}", known.join(", "))
+            }
             Self::OutOfReach(place) => {
                 let place: Vec<String> =
                     place.iter().zip("XYZ".chars()).map(|(mm, axis)| format!("{axis}{mm:.2}")).collect();
@@ -109,7 +117,8 @@ impl Layout {
         let machine = twin.machine(&rows).ok_or(LayoutError::NoMachine)?;
         let columns =
             belt.iter().map(|(_, [x, y, z, _])| Column { name: String::new(), row: [*x, *y, *z], axis_step: 1.0 });
-        let turned = drives(&StepTrace::new(columns.collect(), 1.0), &Ways::new(machine, &twin.params));
+        let ways = Ways::new(machine, &twin.params);
+        let turned = drives(&StepTrace::new(columns.collect(), 1.0), &ways, &twin.params);
         let turned = turned.map_err(|missing| LayoutError::NoMotor(machine, missing))?;
         for (index, (motor, _)) in belt.iter().enumerate() {
             if turned.iter().all(|drive| drive.column != index) {
@@ -122,11 +131,27 @@ impl Layout {
                 name: settings.name_of(*motor),
                 sense: drive.sense,
                 multiple: drive.multiple,
+                belt_part: drive.axis_step,
             })
         };
         let drives: Vec<MotorDrive> = turned.iter().filter_map(drive).collect();
-        let params = with_room(machine, with_radii(twin.params.clone(), &drives), settings);
+        let params = with_room(machine, with_radii(twin.params.clone(), &drives, settings), settings);
         Ok(Self { machine, params, drives })
+    }
+
+    /// Checks that the motor of a brake has a belt.
+    ///
+    /// # Errors
+    /// It has none.
+    pub(super) fn check_brake(&self, name: MotorName) -> Result<(), LayoutError> {
+        // A driver may turn two of the twin's motors.
+        let mut known: Vec<MotorName> = Vec::new();
+        for drive in &self.drives {
+            if !known.contains(&drive.name) {
+                known.push(drive.name);
+            }
+        }
+        if known.contains(&name) { Ok(()) } else { Err(LayoutError::NoBrake(name, known)) }
     }
 
     /// Where G-code's X0 Y0 and the tool are for the twin.
@@ -167,12 +192,20 @@ fn lengths_of(settings: &Settings) -> [f64; 3] {
     [settings.axes.x.length, settings.axes.y.length, settings.axes.z.length].map(Mm::to_num)
 }
 
-/// Motors that make more steps for the same belt have smaller pulleys, unless the file has their radii.
-fn with_radii(mut params: Params, drives: &[MotorDrive]) -> Params {
-    let least = drives.iter().map(|drive| drive.multiple).min().unwrap_or(1);
-    let has_two_sizes = drives.iter().any(|drive| drive.multiple != least);
+/// Motors that make more steps for the same belt have smaller pulleys, unless the file has their radii. The pulleys of
+/// the machine's radius are those that come nearest to it by their steps.
+fn with_radii(mut params: Params, drives: &[MotorDrive], settings: &Settings) -> Params {
+    let turn_steps = 4.0 * params.pole_pairs * f64::from(settings.drivers.belt.microsteps);
+    let steps_per_mm = settings.axes.x.steps_per_mm.to_num::<f64>();
+    let off = |multiple: u8| {
+        let by_steps = turn_steps / (steps_per_mm * f64::from(multiple)) / std::f64::consts::TAU;
+        (by_steps / params.pulley_radius_mm).ln().abs()
+    };
+    let multiples = || drives.iter().map(|drive| drive.multiple);
+    let nearest = multiples().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1);
+    let has_two_sizes = multiples().any(|multiple| multiple != nearest);
     if has_two_sizes && params.motor_radius_mm.values().is_empty() {
-        let radius = |drive: &MotorDrive| params.pulley_radius_mm * f64::from(least) / f64::from(drive.multiple);
+        let radius = |drive: &MotorDrive| params.pulley_radius_mm * f64::from(nearest) / f64::from(drive.multiple);
         let radii: Vec<f64> = drives.iter().map(radius).collect();
         params.motor_radius_mm = Each::listed(&radii).unwrap_or(Each::NONE);
     }
@@ -221,7 +254,8 @@ mod tests {
         let corehbot = of("prototype.toml");
         let each = prototype::BELT
             .iter()
-            .map(|motor| MotorDrive { motor, name: prototype::NAMES[motor.index()], sense: 1, multiple: 1 })
+            .map(|motor| (motor, prototype::NAMES[motor.index()]))
+            .map(|(motor, name)| MotorDrive { motor, name, sense: 1, multiple: 1, belt_part: 1.0 })
             .collect::<Vec<_>>();
         assert_eq!(corehbot, Layout { machine: Machine::CoreHBot, params: Params::default(), drives: each.to_vec() });
         let motors = |layout: Layout| layout.drives.iter().map(|d| (d.motor, d.sense)).collect::<Vec<_>>();
@@ -265,6 +299,34 @@ mod tests {
         // 16 of 20 teeth.
         let radii = layout.params.motor_radius_mm.values().to_vec();
         assert!((radii[0] - 6.35).abs() < 1e-12 && (radii[1] - 5.08).abs() < 1e-12, "{radii:?}");
+    }
+
+    #[test]
+    fn a_brake_rubs_on_a_motor_with_a_belt_by_the_name_of_its_file() {
+        let why = |file: &str, name: &str| {
+            layout(file).unwrap().check_brake(MotorName::new(name).unwrap()).map_err(|error| error.to_string())
+        };
+        assert_eq!(why("prototype.toml", "m8"), Ok(()));
+        assert_eq!(why("prototype.toml", "z1"), Err("brake: `z1` is not a belt motor: m1, m4, m8, m11".to_owned()));
+        // Motors of other machines have other names, and two of a pair share one.
+        assert_eq!(why("dual-y.toml", "m1").is_err(), !named("dual-y.toml").contains(&"m1".to_owned()));
+        for file in ["cartesian.toml", "dual-y.toml", "corexz.toml", "corehbot-two-drivers.toml", "corexyz.toml"] {
+            for name in named(file) {
+                assert_eq!(why(file, &name), Ok(()), "{file}");
+            }
+            assert!(why(file, "e0").is_err_and(|error| error.ends_with(&named(file).join(", "))), "{file}");
+        }
+    }
+
+    /// The different names of the belt motors of a machine.
+    fn named(file: &str) -> Vec<String> {
+        let names = layout(file).unwrap().drives.into_iter().map(|drive| drive.name.to_string());
+        names.fold(Vec::new(), |mut all, name| {
+            if !all.contains(&name) {
+                all.push(name);
+            }
+            all
+        })
     }
 
     #[test]

@@ -147,6 +147,7 @@ impl BeltPlant {
         let BeltSetup { twin, seed, accidents } = setup;
         let place = place.unwrap_or(AT_POWER_UP);
         let layout = Layout::new(settings, &twin)?;
+        accidents.brakes.iter().try_for_each(|brake| layout.check_brake(brake.motor))?;
         let (origin, start) = layout.places(settings, place)?;
         let motors = layout.drives.len();
         let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &layout.params));
@@ -154,7 +155,7 @@ impl BeltPlant {
         let axes = [&settings.axes.x, &settings.axes.y, &settings.axes.z].map(|axis| axis.steps_per_mm.to_num::<f64>());
         let step_mm = |drive: &layout::MotorDrive| {
             let axis = settings.mechanism.axis_of(drive.motor).and_then(|axis| axes.get(axis));
-            1.0 / axis.copied().unwrap_or(axes[0]) / f64::from(drive.multiple)
+            drive.belt_part / axis.copied().unwrap_or(axes[0]) / f64::from(drive.multiple)
         };
         let step_mm: Vec<f64> = layout.drives.iter().map(step_mm).collect();
         let noise = seed.unwrap_or_default();
@@ -389,7 +390,7 @@ impl BeltPlant {
     fn rub(&mut self) {
         for (index, drive) in self.layout.drives.iter().enumerate() {
             let both = self.brakes.iter().zip(&self.accidents.brakes);
-            let force_n = both.filter(|(_, brake)| brake.motor == drive.motor).map(|(state, _)| state.force_n()).sum();
+            let force_n = both.filter(|(_, brake)| brake.motor == drive.name).map(|(state, _)| state.force_n()).sum();
             self.live.brake(index, force_n);
         }
     }

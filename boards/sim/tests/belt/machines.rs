@@ -61,3 +61,62 @@ fn each_machine_homes_on_the_switches_that_its_tool_meets() {
         assert!(plant.figures().off_mm.unwrap() < 0.06, "{file}: {}", plant.figures());
     }
 }
+
+/// A CoreH-bot with pulleys of 20 teeth on motors 1 and 8 and of 16 on motors 4 and 11: 80 and 100 steps/mm, which have
+/// the common measure of 20. Four different sizes would be more groups than the firmware has.
+const TWO_SIZES: &str = "
+[mechanism]
+m1 = [-4, 4, 0]
+m4 = [-5, -5, 0]
+m8 = [4, -4, 0]
+m11 = [5, 5, 0]
+z1 = [0, 0, 1]
+e0 = [0, 0, 0, 1]
+
+[axes.x]
+steps_per_mm = 20
+
+[axes.y]
+steps_per_mm = 20
+
+[axes.z]
+steps_per_mm = 400
+
+[twin]
+motor_radius_mm = ";
+
+/// Radii of a belt with 2 mm between teeth.
+fn radii(teeth: [f64; 4]) -> String {
+    format!("{:?}", teeth.map(|teeth| 2.0 * teeth / std::f64::consts::TAU))
+}
+
+/// Equation 8 of the CoreH-bot paper: each motor turns by its own travel over its own radius.
+#[test]
+fn pulleys_of_two_sizes_pull_a_corehbot_to_its_place() {
+    let start = Some([100.0, 100.0, 10.0]);
+    let lines = ["M204 P1000 T1000", "G1 X130 F3000", "G1 Y140", "G1 X115 Y108 F1200", "G4 P300", "M400"];
+    let printed = |radii: &str| {
+        let machine = machine_file::parse(&[TWO_SIZES, radii].concat()).unwrap();
+        let mut plant = plant_of(&machine, start, None);
+        let printed = print_as(&machine.settings, &mut plant, start, &lines);
+        assert!(printed.events.len() > 1000);
+        plant.unwrap()
+    };
+    // Without radii the steps say them, and a table of the right ones agrees with the steps.
+    for radii in ["[]", &radii([20.0, 16.0, 20.0, 16.0])] {
+        let plant = printed(radii);
+        // (-x + y, -x - y, x - y, x + y) for x = 15 and y = 8, in 80 and 100 steps/mm.
+        let expected = [-7.0 * 80.0, -23.0 * 100.0, 7.0 * 80.0, 23.0 * 100.0];
+        let steps = plant.live().counts();
+        assert!(steps.iter().zip(expected).all(|(count, wanted)| (*count as f64 - wanted).abs() <= 1.0), "{steps:?}");
+        let [x, y] = plant.tool_mm();
+        assert!((x - 115.0).abs() < 0.03 && (y - 108.0).abs() < 0.03, "{x} {y}");
+        let figures = plant.figures();
+        assert!(figures.skips.is_empty() && figures.residual_mm.is_some_and(|mm| mm < 0.05), "{figures}");
+    }
+    // 18 teeth on motors 4 and 11, which the firmware takes for 16: x + y is 23 * 18 / 16 mm, so x and y are each
+    // 23 / 16 mm too far.
+    let plant = printed(&radii([20.0, 18.0, 20.0, 18.0]));
+    let [x, y] = plant.tool_mm();
+    assert!((x - 115.0 - 23.0 / 16.0).abs() < 0.03 && (y - 108.0 - 23.0 / 16.0).abs() < 0.03, "{x} {y}");
+}

@@ -93,7 +93,7 @@ impl Query {
             Self::Limits { freedom, error_mm, torque_part } => {
                 let limits = Limits::new(&middle(*freedom), *error_mm, *torque_part)?;
                 let figures = [axis_limits(&limits.x), axis_limits(&limits.y)].concat();
-                Ok([figures, vec![limits.yaw_error_um_per_m_s2]].concat())
+                Ok([figures, vec![limits.yaw_error_um_per_m_s2.unwrap_or(f64::NAN)]].concat())
             }
             Self::Resonance { freedom, grid: [columns, rows] } => {
                 let resonance = Resonance::new(&middle(*freedom), *columns, *rows)?;

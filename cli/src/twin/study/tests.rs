@@ -229,7 +229,7 @@ fn the_study_in_the_documentation_is_one() {
     let setup = |tool| Setup { machine: Machine::CoreXy, params: params.clone(), tool, freedom };
     let limits = Limits::new(&setup(reach.centre()), 0.025, 0.5).unwrap();
     assert_eq!(figure("y_slack_acceleration_mm_s2"), limits.y.slack_acceleration_mm_s2);
-    assert_eq!(figure("yaw_error_um_per_m_s2"), limits.yaw_error_um_per_m_s2);
+    assert_eq!(Some(figure("yaw_error_um_per_m_s2")), limits.yaw_error_um_per_m_s2);
     let resonance = Resonance::new(&setup(reach.centre()), 3, 3).unwrap();
     assert_eq!([figure("y_lowest_Hz"), figure("y_highest_Hz")], resonance.y.band_hz);
     let pushed = Push::new(&setup(reach.centre()), [5.0, 0.0]).unwrap().strain.dx_mm;
