@@ -1,10 +1,13 @@
-//! Watched: a host that shows its progress, and that can be stopped.
+//! Watched: progress of long work, and a host that shows it and can be stopped.
 
 use crate::stop::Stop;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// A bar on a terminal, and no bar elsewhere.
 pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
@@ -16,6 +19,59 @@ pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+/// Progress of pieces of work of known weights, which may go on at the same time: a bar on a terminal. Elsewhere a line
+/// says how long it takes, once this is known and worth a line.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    begin: Instant,
+    /// Weight of each piece, and its done part, of 1.
+    pieces: Mutex<Vec<(f64, f64)>>,
+    is_told: AtomicBool,
+}
+
+/// Parts of its bar.
+const PARTS: f64 = 1000.0;
+
+/// An estimate is told once this part of the work is done, of 1: before, preparations count too much.
+const KNOWN_AFTER: f64 = 0.02;
+
+/// A shorter rest is not worth a line.
+const WORTH: Duration = Duration::from_secs(20);
+
+impl Progress {
+    /// Pieces of these weights.
+    pub(crate) fn new(weights: impl IntoIterator<Item = f64>) -> Self {
+        let pieces = weights.into_iter().map(|weight| (weight, 0.0)).collect();
+        let bar = progress_bar(PARTS as u64, "thousandths");
+        Self { bar, begin: Instant::now(), pieces: Mutex::new(pieces), is_told: AtomicBool::new(false) }
+    }
+
+    /// A part, of 1, of a piece is done.
+    pub(crate) fn set(&self, piece: usize, part: f64) {
+        let Ok(mut pieces) = self.pieces.lock() else { return };
+        if let Some((_, done)) = pieces.get_mut(piece) {
+            *done = part;
+        }
+        let whole: f64 = pieces.iter().map(|(weight, _)| weight).sum();
+        let done = pieces.iter().map(|(weight, done)| weight * done).sum::<f64>() / whole;
+        drop(pieces);
+        self.bar.set_position((done * PARTS) as u64);
+        let elapsed = self.begin.elapsed();
+        if self.bar.is_hidden() && done > KNOWN_AFTER && !self.is_told.swap(true, Ordering::Relaxed) {
+            let left = elapsed.mul_f64((1.0 - done) / done);
+            if left > WORTH {
+                eprintln!("corehbot: about {} left", HumanDuration(left));
+            }
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
 }
 
 /// A host that shows its progress, and that can be stopped.

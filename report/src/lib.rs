@@ -13,13 +13,19 @@
 //! | [`mod@print`] | the page of a print |
 //! | [`twin`] | the pages of the twin |
 //! | [`resonance`] | the page of what an accelerometer measured |
+//! | [`svg`] | drawings and charts |
+//! | [`figures`] | the schematics of the CoreH-bot paper |
+//! | [`parts`] | errors of reference parts by speed |
 #![forbid(unsafe_code)]
 
+pub mod figures;
 pub mod heat_log;
 pub mod mesh;
+pub mod parts;
 pub mod path;
 pub mod print;
 pub mod printable;
 pub mod resonance;
 pub mod summary;
+pub mod svg;
 pub mod twin;

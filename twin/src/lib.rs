@@ -26,6 +26,7 @@
 //! | [`contour`] | the commanded line of the tool, and its distance from the tool |
 //! | [`compensation`] | steps, or chords for a planner, moved ahead by the tool's lag |
 //! | [`run`] | a played trace and its report |
+//! | [`parts`] | reference parts, and the errors of their dimensions |
 //! | [`sampling`] | the points of a parameter space that a study uses |
 //! | [`live`] | a machine that takes steps as they are made, with power, pushes and skips |
 //! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
@@ -42,6 +43,7 @@ pub mod geometry;
 pub mod live;
 pub mod model;
 pub mod params;
+pub mod parts;
 pub mod queries;
 pub mod routing;
 pub mod run;

@@ -5,14 +5,18 @@
 mod calibrated;
 mod compare;
 mod compensate;
+mod figures;
 mod fit;
 mod flow;
+mod jump;
 mod limits;
 mod measured;
+mod parts;
 mod play;
 mod point;
 mod resonance;
 mod setup;
+mod shaper;
 mod source;
 mod study;
 mod sweep;
@@ -35,12 +39,20 @@ pub(crate) enum Twin {
     Push(point::Push),
     /// Computes the effect of a motor that slipped.
     Slip(point::Slip),
+    /// Computes the ringing after a jump of speed.
+    Jump(jump::Jump),
+    /// Rates a given shaper: the part of given vibrations that it leaves, its delay, its rounding.
+    Shaper(shaper::Shaper),
     /// Finds the frequencies at which each axis rings over the reach, shapers that fit, and speeds to avoid.
     Resonance(resonance::Resonance),
     /// Finds the limits before a motor slips, a span goes slack, or the tool rings too much.
     Limits(limits::LimitsArgs),
     /// Compares CoreH-bot, H-bot and CoreXY of one size, over one area and, if given, on a file.
     Compare(compare::Compare),
+    /// Draws the schematics, table 1 and the workspaces of the CoreH-bot paper, and compares its numbers with the model.
+    Figures(figures::Figures),
+    /// Computes how far the dimensions of reference parts would be off, by machine and speed, in micrometres.
+    Parts(parts::Parts),
     /// Varies numbers of the machine, one of them or as a study file says: stiffness, frequencies, the result of a
     /// file.
     #[command(mut_args(sweep::not_beside_a_study))]
@@ -68,11 +80,15 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Modes(args) => args.answer(),
         Twin::Push(args) => args.answer(),
         Twin::Slip(args) => args.answer(),
+        Twin::Jump(args) => args.answer(),
+        Twin::Shaper(args) => args.answer(),
         Twin::Resonance(args) => args.answer(),
         Twin::Limits(args) => args.answer(),
         Twin::Flow(args) => args.answer(),
         Twin::Yin(args) => args.answer(),
         Twin::Compare(args) => args.answer(),
+        Twin::Figures(args) => args.answer(),
+        Twin::Parts(args) => args.answer(),
         Twin::Sweep(args) => args.answer(),
         Twin::Fit(args) => args.answer(),
         Twin::Compensate(args) => args.answer(),

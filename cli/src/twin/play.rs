@@ -5,7 +5,7 @@ use super::setup::{MachineArgs, parse_pair};
 use super::source::Source;
 use crate::printer::Printer;
 use crate::stop::Stop;
-use crate::watched::progress_bar;
+use crate::watched::Progress;
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use corehbot_report::twin as page;
@@ -20,9 +20,6 @@ use corehbot_twin::steps::StepTrace;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Parts of a progress bar.
-const PARTS: f64 = 1000.0;
 
 /// Parts that move besides the tool.
 #[derive(Clone, Copy, ValueEnum, Serialize, Deserialize)]
@@ -133,16 +130,14 @@ pub(super) fn play(
     (steps, meant): (&StepTrace, Option<&StepTrace>),
     stop: &Stop,
 ) -> Result<(Report, Watch)> {
-    let bar = progress_bar(PARTS as u64, "thousandths");
-    let told = played(machine, params, start, model, (steps, meant), |part| {
-        bar.set_position((part * PARTS) as u64);
+    let progress = Progress::new([1.0]);
+    Ok(played(machine, params, start, model, (steps, meant), |part| {
+        progress.set(0, part);
         !stop.is_set()
-    });
-    bar.finish_and_clear();
-    Ok(told?)
+    })?)
 }
 
-/// The same with `go_on`, which gets the played part, of 1, and returns whether to continue.
+/// The same with `go_on`, which gets the computed part, of 1, and returns whether to continue.
 pub(super) fn played(
     machine: Machine,
     params: &Params,

@@ -100,7 +100,7 @@ impl FileArgs {
 }
 
 /// The run of the belts, where it is not the file's.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct MachineArgs {
     /// Another run of the belts than the machine's.
     #[arg(long, value_enum)]
@@ -142,9 +142,9 @@ pub(super) fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
     anyhow!("line {line}: {}", error.message().replace('\n', " "))
 }
 
-/// The machine with its tool at a place.
+/// The machine, and the place of its tool.
 #[derive(Args)]
-pub(super) struct SetupArgs {
+pub(super) struct PlaceArgs {
     #[command(flatten)]
     pub machine: MachineArgs,
     /// The tool's place, in mm from motor 1's axis, at half its height; the middle of its reach without it.
@@ -153,6 +153,39 @@ pub(super) struct SetupArgs {
     /// The place is in G-code coordinates: X0 Y0 is the lower left corner of the reach.
     #[arg(long, requires = "at")]
     gcode_frame: bool,
+}
+
+impl PlaceArgs {
+    /// The machine, its numbers, and the place.
+    ///
+    /// # Errors
+    /// No such machine or place.
+    pub(super) fn read(&self, file: &File) -> Result<(Machine, Params, Place)> {
+        let (machine, params) = self.machine.read(file)?;
+        let tool = self.tool(machine, &params)?;
+        Ok((machine, params, tool))
+    }
+
+    fn tool(&self, machine: Machine, params: &Params) -> Result<Place> {
+        let reach = workspace(machine, params);
+        let Some([x, y]) = self.at else { return Ok(reach.centre()) };
+        let origin = if self.gcode_frame { reach.origin() } else { Place::flat(0.0, 0.0) };
+        let tool = reach.at(origin.x + x, origin.y + y);
+        if !reach.has(tool) {
+            let [x0, x1] = reach.x.map(|v| v - origin.x);
+            let [y0, y1] = reach.y.map(|v| v - origin.y);
+            let name = machine.name();
+            bail!("({x}, {y}) is outside what the {name}'s tool reaches: x {x0:.2} to {x1:.2}, y {y0:.2} to {y1:.2}");
+        }
+        Ok(tool)
+    }
+}
+
+/// The machine with its tool at a place, and what may move.
+#[derive(Args)]
+pub(super) struct SetupArgs {
+    #[command(flatten)]
+    place: PlaceArgs,
     /// Parts that may move besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: ModelArg,
@@ -170,8 +203,7 @@ impl SetupArgs {
     /// # Errors
     /// No such file, motor or place.
     pub(super) fn read(&self, file: &File) -> Result<Setup> {
-        let (machine, params) = self.machine.read(file)?;
-        let tool = self.tool(machine, &params)?;
+        let (machine, params, tool) = self.place.read(file)?;
         if let Some(motor) = self.free_motor {
             let motors = machine.motors();
             let known = motors.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
@@ -179,20 +211,6 @@ impl SetupArgs {
         }
         let freedom = Freedom { yaw: self.yaw, free_motor: self.free_motor, ..self.model.freedom() };
         Ok(Setup { machine, params, tool, freedom })
-    }
-
-    fn tool(&self, machine: Machine, params: &Params) -> Result<Place> {
-        let reach = workspace(machine, params);
-        let Some([x, y]) = self.at else { return Ok(reach.centre()) };
-        let origin = if self.gcode_frame { reach.origin() } else { Place::flat(0.0, 0.0) };
-        let tool = reach.at(origin.x + x, origin.y + y);
-        if !reach.has(tool) {
-            let [x0, x1] = reach.x.map(|v| v - origin.x);
-            let [y0, y1] = reach.y.map(|v| v - origin.y);
-            let name = machine.name();
-            bail!("({x}, {y}) is outside what the {name}'s tool reaches: x {x0:.2} to {x1:.2}, y {y0:.2} to {y1:.2}");
-        }
-        Ok(tool)
     }
 }
 

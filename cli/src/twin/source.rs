@@ -5,9 +5,10 @@ use crate::output::STANDARD;
 use crate::printer::Printer;
 use crate::stop::Stop;
 use crate::watched::Watched;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::motors::{Motor, MotorName, MotorSet};
 use corehbot::settings::Settings;
+use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{self, Sink};
 use corehbot_twin::steps::{Column, StepTrace, csv};
@@ -83,6 +84,21 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     if outcome.halted {
         bail!("{name}: the print failed: an emergency stop holds");
     }
+    Ok(log.0)
+}
+
+/// The firmware's steps for G-code that begins at a place, as if homed there.
+///
+/// # Errors
+/// The print failed.
+pub(super) fn steps_of(gcode: &str, settings: &Settings, begin: [Mm; 3]) -> Result<StepTrace> {
+    let mut host = FileHost::new(gcode);
+    let mut log = Log(StepTrace::new(columns(settings), step_mm(settings)));
+    let outcome = world::run(settings, Some(begin), &mut host, &mut log).context("the simulation failed")?;
+    if let Some(failure) = host.failure() {
+        bail!("the print failed: {failure}");
+    }
+    ensure!(!outcome.halted, "the print failed: an emergency stop holds");
     Ok(log.0)
 }
 

@@ -2,8 +2,11 @@
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used)]
 
+mod asked;
 mod compensated;
+mod drawn;
 mod fitted;
+mod parts;
 mod played;
 mod questions;
 

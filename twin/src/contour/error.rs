@@ -189,8 +189,8 @@ impl ContourError {
 
     /// Takes the tool's place at a time and returns its distance from the line, in mm.
     pub fn sample(&mut self, tick: u64, tool: [f64; 2]) -> f64 {
-        let tick = self.pace.as_mut().map_or(tick, |pace| pace.meant(tick));
-        let part = self.part(tick);
+        let meant = self.pace.as_mut().map_or(tick, |pace| pace.meant(tick));
+        let part = self.part(meant);
         let is_over = |end: usize| self.along_mm.get(end).is_some_and(|end| *end < part.start);
         while is_over(self.first + 1) && self.first + 2 < self.vertices.len() {
             self.first += 1;
@@ -204,7 +204,7 @@ impl ContourError {
         }
         if let (Some(a), Some(b)) = (self.vertices.get(line), self.vertices.get(line + 1)) {
             let near = [0, 1].map(|i| a.at[i] + way * (b.at[i] - a.at[i]));
-            self.trail.add(near, [0, 1].map(|i| tool[i] - near[i]));
+            self.trail.add(tick, near, [0, 1].map(|i| tool[i] - near[i]));
         }
         self.put_down(line, way, distance, tool);
         distance

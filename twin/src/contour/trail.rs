@@ -6,6 +6,8 @@ const MOST: usize = 60_000;
 /// A place on the line and the tool's displacement, in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beside {
+    /// When the tool was there, in ticks.
+    pub tick: u64,
     /// The nearest place of the line.
     pub at: [f64; 2],
     /// From there to the tool.
@@ -29,7 +31,7 @@ impl Default for Trail {
 
 impl Trail {
     /// The tool is here.
-    pub(super) fn add(&mut self, at: [f64; 2], off: [f64; 2]) {
+    pub(super) fn add(&mut self, tick: u64, at: [f64; 2], off: [f64; 2]) {
         if self.seen.is_multiple_of(self.every) {
             if self.places.len() == MOST {
                 let mut index = 0;
@@ -40,7 +42,7 @@ impl Trail {
                 self.every *= 2;
             }
             if self.seen.is_multiple_of(self.every) {
-                self.places.push(Beside { at, off });
+                self.places.push(Beside { tick, at, off });
             }
         }
         self.seen += 1;
@@ -55,7 +57,7 @@ mod tests {
     fn of_many_places_every_nth_is_kept() {
         let mut trail = Trail::default();
         for i in 0..300_001 {
-            trail.add([f64::from(i), 0.0], [0.0; 2]);
+            trail.add(0, [f64::from(i), 0.0], [0.0; 2]);
         }
         let kept: Vec<f64> = trail.places.iter().map(|place| place.at[0]).collect();
         assert!(kept.len() > MOST / 2 && kept.len() <= MOST);

@@ -91,8 +91,7 @@ impl Geometry {
         let (machine, params) = (setup.machine, &setup.params);
         let Layout { segments, wraps, belt_lengths_mm } = layout(machine, params, setup.tool);
         let reach = workspace(machine, params);
-        let stops = machine.stops();
-        let number = |index: usize| stops.get(index).map_or(0, |stop| stop.number);
+        let number = numbers(machine);
         let segment = |s: &crate::geometry::Segment| SegmentAnswer {
             between: [number(s.from), number(s.to)],
             length_mm: s.length_mm,
@@ -120,6 +119,12 @@ impl Geometry {
             machines: Machine::ALL.into_iter().filter(|m| !m.lifts()).map(|m| in_short(m, params)).collect(),
         }
     }
+}
+
+/// Numbers of the pulleys by their places among all stops; 0 is a clamp.
+pub fn numbers(machine: Machine) -> impl Fn(usize) -> u8 {
+    let stops = machine.stops();
+    move |index| stops.get(index).map_or(0, |stop| stop.number)
 }
 
 fn transmission_error_mm(machine: Machine, params: &Params) -> f64 {

@@ -2,14 +2,17 @@
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`].
 //! About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`]. [`frame`] has the torque on the frame.
+//! [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a shaper.
 
 pub mod compare;
 pub mod frame;
 pub mod geometry;
 pub mod limits;
 pub mod modes;
+pub mod paper;
 pub mod push;
 pub mod resonance;
+pub mod shaper;
 pub mod slip;
 pub mod stiffness;
 mod strain;

@@ -2,8 +2,10 @@
 //!
 //! [`Run`] moves the motors as the trace says and integrates the motion in between. Ten thousand times a second, which
 //! is 90 times a period of the faster axis, it looks at the tool's place and the loads of belts and motors ([`watch`]).
-//! [`series`] has these over time, and [`report`] is the output for people and programs.
+//! [`series`] has these over time, and [`report`] is the output for people and programs. [`jump`] needs no trace: motors
+//! run at a constant speed at once.
 
+pub mod jump;
 pub mod report;
 pub mod series;
 pub mod watch;
@@ -31,6 +33,13 @@ const RING_OUT: u64 = 2_000_000;
 
 /// Events between two progress calls.
 const TOLD: usize = 4096;
+
+/// Ticks that cost as much as an event: an integration step.
+const STEP: f64 = 360.0;
+
+/// Longest time for which the tool may take to come to rest at the end, in s, and how often this is checked.
+const SETTLING_S: f64 = 5.0;
+const CHECKED_S: f64 = 0.01;
 
 /// Why a trace cannot be played.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,17 +134,21 @@ impl<'t> Run<'t> {
         self
     }
 
-    /// Plays the whole trace and lets the machine ring out. `go_on` gets the played part, of 1, and returns whether to
-    /// continue.
+    /// Plays the whole trace and lets the machine ring out. `go_on` gets the computed part of the work, of 1, and
+    /// returns whether to continue.
     ///
     /// # Errors
     /// `go_on` ended it.
     pub fn play(mut self, mut go_on: impl FnMut(f64) -> bool) -> Result<Watch, RunError> {
-        let events = self.trace.events.len().max(1) as f64;
+        // At rest nothing is computed, so a long pause costs as much as ringing out.
+        let work = |gap: u64| 1.0 + gap.min(RING_OUT) as f64 / STEP;
+        let whole: f64 = self.trace.events.iter().map(|event| work(event.gap.into())).sum();
+        let mut done = 0.0;
         for (index, (tick, counts)) in self.trace.counted().enumerate() {
-            if index % TOLD == 0 && !go_on(index as f64 / events) {
+            if index % TOLD == 0 && !go_on(done / whole) {
                 return Err(RunError::Interrupted);
             }
+            done += work(tick - self.tick);
             if index % TOLD == 0 && !self.state.is_finite() {
                 return Err(RunError::Diverged(self.tick as f64 / TICKS_PER_SECOND));
             }
@@ -150,7 +163,22 @@ impl<'t> Run<'t> {
             }
         }
         self.advance(self.tick + RING_OUT);
+        self.settle();
         if self.state.is_finite() { Ok(self.watch) } else { Err(RunError::Diverged(self.trace.duration_s())) }
+    }
+
+    /// Waits until the tool is at rest, and notes where. Errors of the line are no longer counted.
+    fn settle(&mut self) {
+        for _ in 0..(SETTLING_S / CHECKED_S) as u32 {
+            if watch::is_at_rest(&self.plant, &mut self.state) {
+                break;
+            }
+            self.state.advance(&self.plant, CHECKED_S);
+        }
+        let start = self.plant.start();
+        let end = self.watch.contour.vertices.last().map_or([start.x, start.y], |end| end.at);
+        let moved = |axis: usize| self.state.at.get(axis).copied().unwrap_or(0.0);
+        self.watch.end_off_mm = [start.x + moved(0) - end[0], start.y + moved(1) - end[1]];
     }
 
     /// Advances to a time, with a look at regular ticks.

@@ -3,6 +3,7 @@
 use super::watch::Watch;
 use crate::contour::error::{Corner, LEAST_LINE_MM};
 use crate::params::Params;
+use crate::queries::shown;
 use crate::routing::Machine;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -29,6 +30,10 @@ pub struct Report {
     pub corners_unmatched: usize,
     /// The corners, worst first.
     pub corners: Vec<CornerFigures>,
+    /// The tool at rest after the last step, minus the end of its line: to the right.
+    pub end_off_x_um: f64,
+    /// The same away from the front.
+    pub end_off_y_um: f64,
     /// Lowest and highest tension of each span.
     #[serde(rename = "tension_N")]
     pub tension_n: BTreeMap<&'static str, [f64; 2]>,
@@ -152,6 +157,8 @@ impl Report {
             corners_total: corners.len(),
             corners_unmatched: watch.contour.without_lines + unseen.len(),
             corners: corners.iter().take(LISTED).map(figures).collect(),
+            end_off_x_um: 1000.0 * watch.end_off_mm[0],
+            end_off_y_um: 1000.0 * watch.end_off_mm[1],
             tension_n: names.zip(&watch.tensions_n).map(|(name, r)| (name, [r.least, r.greatest])).collect(),
             slack_events: watch.slack,
             motors: machine.motors().into_iter().zip(&watch.motors).map(motor).collect(),
@@ -204,6 +211,8 @@ impl std::fmt::Display for Report {
             write!(f, "inside {:.4}, outside {:.4} mm", c.rounding_mm, c.overshoot_mm)?;
             writeln!(f, "{}", c.bisector_mm.map_or(String::new(), |mm| format!(", on the bisector {mm:.4}")))?;
         }
+        let [x, y] = [self.end_off_x_um, self.end_off_y_um].map(|um| shown(um, 2));
+        writeln!(f, "  at the end      the tool rests {x} um in x and {y} um in y off the end of its line")?;
         for (span, [least, greatest]) in &self.tension_n {
             writeln!(f, "  span {span:<8} {least:>7.2} to {greatest:.2} N")?;
         }

@@ -70,10 +70,18 @@ pub struct Watch {
     pub motors_torque_n_mm: f64,
     /// Largest displacement of a soft frame on the ground along x and y; none of a rigid one.
     pub frame_mm: Option<[f64; 2]>,
+    /// The tool minus the end of its line along x and y, once it is at rest after the last step.
+    pub end_off_mm: [f64; 2],
     /// Results over time.
     pub series: Series,
     /// Present values, kept to avoid allocation at each look.
     now: Bin,
+}
+
+/// Whether nothing moves, nor is about to.
+pub(super) fn is_at_rest(plant: &Plant, state: &mut State) -> bool {
+    let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
+    is_slow && state.accelerations(plant).iter().all(|a| a.abs() < STILL_MM_S2)
 }
 
 impl Watch {
@@ -92,6 +100,7 @@ impl Watch {
             yaw_torque_n_mm: 0.0,
             motors_torque_n_mm: 0.0,
             frame_mm: plant.has_soft_frame().then_some([0.0; 2]),
+            end_off_mm: [0.0; 2],
             series: Series::default(),
             now: Bin::default(),
         }
@@ -103,8 +112,7 @@ impl Watch {
 
     /// Looks at the machine and returns whether it is at rest.
     pub(super) fn look(&mut self, tick: u64, plant: &Plant, state: &mut State) -> bool {
-        let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
-        let is_at_rest = is_slow && state.accelerations(plant).iter().all(|a| a.abs() < STILL_MM_S2);
+        let is_at_rest = is_at_rest(plant, state);
         let State { at, speeds, sent_mm, .. } = state;
         let [x, y] = [at.first(), at.get(1)].map(|v| v.copied().unwrap_or(0.0));
         self.now.error_mm = self.contour.sample(tick, [plant.start().x + x, plant.start().y + y]);

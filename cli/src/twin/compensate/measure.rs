@@ -1,15 +1,20 @@
 //! Measures the remaining error on the machine with rotors, and the part of it that the machine does not cause.
 
 use crate::stop::Stop;
-use crate::twin::play::{RunModel, play};
-use anyhow::Result;
+use crate::twin::play::{RunModel, played};
+use crate::watched::Progress;
+use anyhow::{Result, bail};
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::steps::StepTrace;
+use rayon::iter::{IndexedParallelIterator as _, IntoParallelRefIterator as _, ParallelIterator as _};
 use serde::Serialize;
 
 /// Belts and fields that hardly give way are this many times as stiff.
 const RIGID: f64 = 50.0;
+
+/// Stiffness that is believed, too low and too high.
+const SCALES: [f64; 2] = [0.8, 1.2];
 
 /// RMS and greatest error in um.
 #[derive(Clone, Copy, Serialize)]
@@ -51,15 +56,29 @@ impl Measured {
         believing: impl Fn(&Params) -> Result<StepTrace>,
         stop: &Stop,
     ) -> Result<Self> {
-        let error = |params: &Params, steps: &StepTrace| -> Result<Error> {
-            let (report, _) = play(machine, params, start, model, (steps, Some(meant)), stop)?;
+        let [soft, stiff] = SCALES.map(|times| believing(&times_as_stiff(params, times)));
+        let (soft, stiff, rigid) = (soft?, stiff?, times_as_stiff(params, RIGID));
+        // A stiffer machine rings faster, and needs shorter steps of integration.
+        let jobs = [
+            (params, meant, 1.0),
+            (params, bent, 1.0),
+            (params, &soft, 1.0),
+            (params, &stiff, 1.0),
+            (&rigid, meant, RIGID.sqrt()),
+        ];
+        let progress = Progress::new(jobs.map(|(_, _, weight)| weight));
+        let error = |(index, (params, steps, _)): (usize, &(&Params, &StepTrace, f64))| -> Result<Error> {
+            let (report, _) = played(machine, params, start, model, (steps, Some(meant)), |part| {
+                progress.set(index, part);
+                !stop.is_set()
+            })?;
+            progress.set(index, 1.0);
             Ok(Error { rms_um: 1000.0 * report.contour.rms_mm, max_um: 1000.0 * report.contour.max_mm })
         };
-        let before = error(params, meant)?;
-        let after = error(params, bent)?;
-        let [too_soft, too_stiff] = [0.8, 1.2].map(|times| error(params, &believing(&times_as_stiff(params, times))?));
-        let (too_soft, too_stiff) = (too_soft?, too_stiff?);
-        let rigid = error(&times_as_stiff(params, RIGID), meant)?;
+        // The longest first, so that no processor waits for it at the end.
+        let errors: Vec<Error> = jobs.par_iter().enumerate().rev().with_max_len(1).map(error).collect::<Result<_>>()?;
+        drop(progress);
+        let [rigid, too_stiff, too_soft, after, before] = errors[..] else { bail!("not all runs were played") };
         let off = too_soft.rms_um.max(too_stiff.rms_um);
         let without = |rms_um: f64| {
             let square = rms_um * rms_um - rigid.rms_um * rigid.rms_um;

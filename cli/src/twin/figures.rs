@@ -1,0 +1,33 @@
+//! `twin figures`: the schematics, table 1 and the numbers of the CoreH-bot paper, as drawings and a page.
+
+use super::answer::Json;
+use anyhow::{Context as _, Result};
+use clap::Args;
+use corehbot_report::figures::figures;
+use corehbot_twin::queries::paper::Paper;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// `twin figures`.
+#[derive(Args)]
+pub(crate) struct Figures {
+    /// The folder for the drawings (SVG) and their page (README.md); it is created if it does not exist.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Figures {
+    pub(super) fn answer(&self) -> Result<u8> {
+        std::fs::create_dir_all(&self.folder)
+            .with_context(|| format!("cannot create the folder {}", self.folder.display()))?;
+        let paper = Paper::new();
+        self.json.give_with(&paper, [], |outputs| {
+            figures(&paper).iter().try_for_each(|figure| {
+                let mut out = outputs.open(&self.folder.join(figure.name))?;
+                out.write_all(figure.text.as_bytes()).and_then(|()| out.flush()).context("cannot write the drawing")
+            })
+        })
+    }
+}

@@ -1,0 +1,64 @@
+//! `twin shaper`: the rating of a given shaper.
+
+use super::answer::Json;
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use corehbot_twin::queries::shaper::Rating;
+use corehbot_twin::shaping::shaper::Kind;
+
+/// `twin shaper`.
+#[derive(Args)]
+pub(crate) struct Shaper {
+    /// The kind of the shaper.
+    #[arg(long, value_enum)]
+    kind: KindArg,
+    /// The frequency in Hz for which it is made, without damping (F of M593).
+    #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
+    frequency: f64,
+    /// The damping for which it is made, of critical damping (D of M593).
+    #[arg(long, value_name = "PART", value_parser = parse_damping, default_value = "0.1")]
+    damping: f64,
+    /// Vibrations that it is to remove: their frequencies in Hz, without damping.
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', value_parser = parse_frequency, required = true)]
+    ring: Vec<f64>,
+    /// The damping of the vibrations, of critical damping; that of the shaper without it.
+    #[arg(long, value_name = "PART", value_parser = parse_damping)]
+    ring_damping: Option<f64>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// A kind by its word.
+#[derive(Clone, Copy, ValueEnum)]
+enum KindArg {
+    Zv,
+    Mzv,
+    Zvd,
+    Ei,
+    #[value(name = "2hump-ei")]
+    TwoHumpEi,
+}
+
+impl Shaper {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let kind = match self.kind {
+            KindArg::Zv => Kind::Zv,
+            KindArg::Mzv => Kind::Mzv,
+            KindArg::Zvd => Kind::Zvd,
+            KindArg::Ei => Kind::Ei,
+            KindArg::TwoHumpEi => Kind::TwoHumpEi,
+        };
+        let ring_damping = self.ring_damping.unwrap_or(self.damping);
+        self.json.give(&Rating::new(kind, self.frequency, self.damping, &self.ring, ring_damping), [])
+    }
+}
+
+fn parse_frequency(text: &str) -> Result<f64, String> {
+    let legal = text.trim().parse().ok().filter(|v| (1.0..=1000.0).contains(v));
+    legal.ok_or_else(|| format!("`{text}` is not a frequency from 1 to 1000 Hz"))
+}
+
+fn parse_damping(text: &str) -> Result<f64, String> {
+    let legal = text.parse().ok().filter(|v| (0.0..=0.5).contains(v));
+    legal.ok_or_else(|| format!("`{text}` is not a damping from 0 to 0.5"))
+}

@@ -1,0 +1,99 @@
+//! Figures that were computed independently (two solvers, closed forms), each asked on the command line and within 1 %:
+//! stiffness, modes, slips, pushes, a given shaper, a jump of speed, a lost step.
+
+use super::{complaint, file, json, near, twin};
+use std::process::Command;
+
+/// One per cent.
+const PART: f64 = 0.01;
+
+#[test]
+fn a_push_moves_the_tool_by_force_over_stiffness() {
+    let push = json("push --force 5,-4 --at 150,180");
+    assert!(near(&push["dx_mm"], 5.0 / 300.010, PART) && near(&push["dy_mm"], -4.0 / 282.963, PART), "{push}");
+    // Spans of 659.6 + 5 and 1009.6 - 5 mm at x = 150 share the force in the inverse of their lengths.
+    let (right, left) = (1004.6, 664.6);
+    let part = left / (left + right);
+    assert!(near(&push["tension_change_N"]["R"], -2.5 * part, PART), "{push}");
+    assert!(near(&push["tension_change_N"]["L"], 2.5 * (1.0 - part), PART), "{push}");
+}
+
+#[test]
+fn a_slip_next_to_the_middle_moves_the_tool_by_the_shares_of_the_sides() {
+    let slip = json("slip --motor 1 --at 60,400");
+    assert!(near(&slip["dx_mm"], -0.283_15, PART) && near(&slip["dy_mm"], 0.123_14, PART), "{slip}");
+    let modes = json("modes --model full --at 150,180");
+    let found = &modes["frequencies_Hz"];
+    assert!(near(&found[0], 62.34, PART) && near(&found[1], 111.72, PART), "{modes}");
+}
+
+#[test]
+fn a_given_shaper_is_rated_at_a_given_vibration() {
+    for (kind, known) in [("zv", 0.076_43), ("mzv", 0.048_83), ("ei", 0.044_27)] {
+        let told = json(&format!("shaper --kind {kind} --frequency 66 --damping 0.03933 --ring 62.587"));
+        assert!(near(&told["rings"][0]["residual"], known, PART), "{told}");
+    }
+    // The parts at 60 Hz and damping 0.05; two vibrations with another damping.
+    let told = json("shaper --kind 2hump-ei --frequency 60 --damping 0.05 --ring 60,80 --ring-damping 0.02");
+    assert_eq!(told["type"], "2HUMP_EI");
+    assert!(
+        near(&told["parts"][3]["amount"], 0.132_17, 1e-4) && near(&told["parts"][3]["time_ms"], 24.9013, 1e-5),
+        "{told}"
+    );
+    assert_eq!(told["rings"].as_array().unwrap().len(), 2);
+    assert_eq!(told["rings"][1]["damping"], 0.02);
+    assert_eq!(twin("shaper --kind zv --frequency 60").status.code(), Some(2));
+    assert_eq!(twin("shaper --kind zv --frequency 0 --ring 60").status.code(), Some(2));
+}
+
+/// `v / w`, and the figures with idlers of an independent computation.
+#[test]
+fn a_jump_of_speed_rings_by_speed_over_angular_frequency() {
+    for (model, x, y) in [("reduced", (144.45, 110.182), (254.29, 62.587)), ("full", (146.9, 109.535), (262.2, 61.832))]
+    {
+        for (speed, axis, (amplitude, frequency)) in [("100,0", "x", x), ("0,100", "y", y)] {
+            let told = json(&format!("jump --speed {speed} --undamped --model {model} --at 235,235"));
+            let found = &told[axis];
+            assert!(
+                near(&found["amplitude_um"], amplitude, PART) && near(&found["frequency_Hz"], frequency, PART),
+                "{told}"
+            );
+            let other = &told[if axis == "x" { "y" } else { "x" }];
+            assert!(other["frequency_Hz"].is_null() && near(&other["amplitude_um"], 0.0, 1e-3), "{told}");
+        }
+    }
+    // Friction holds the tool back: 1 N of dry friction and 0.004 N s/mm against 278.4 N/mm.
+    let told = json("jump --speed 0,100 --model reduced --at 235,235");
+    assert!(near(&told["y"]["rest_um"], -1000.0 * 1.4 / 278.358, 0.02), "{told}");
+    assert!(complaint("jump --speed 3000,0").contains("the path takes"));
+}
+
+/// A step of motor 1 that is lost near the middle: a quarter of it to each side, as the belt gives way evenly.
+#[test]
+fn a_lost_step_leaves_the_tool_off_by_a_quarter_of_it() {
+    let gcode = file("lost.gcode", "G1 X195 F1200\nM400\n");
+    let whole = gcode.with_file_name("lost-whole.csv");
+    let run = Command::new(env!("CARGO_BIN_EXE_corehbot"))
+        .args(["run", "--assume-homed", "190,208.8,0", "--trace"])
+        .arg(&whole)
+        .arg(&gcode)
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let text = std::fs::read_to_string(&whole).unwrap();
+    // The first step of motor 1, clockwise as the tool goes to the right.
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let lost = lines.iter_mut().find(|line| line.split(',').nth(1) == Some("-1")).unwrap();
+    let (tick, rest) = lost.split_once(',').unwrap();
+    *lost = format!("{tick},0,{}", rest.split_once(',').unwrap().1);
+    let cut = file("lost-cut.csv", &(lines.join("\n") + "\n"));
+    let ask = |trace: &std::path::Path| {
+        let (trace, whole) = (trace.display(), whole.display());
+        json(&format!("run {trace} --against {whole} --assume-homed 190,208.8,0"))
+    };
+    let (good, bad) = (ask(&whole), ask(&cut));
+    let quarter = 12.5 / 4.0;
+    assert!(near(&good["end_off_x_um"], 0.0, 1.0) && near(&good["end_off_y_um"], 0.0, 1.0), "{good}");
+    assert!(near(&bad["end_off_x_um"], -quarter, PART) && near(&bad["end_off_y_um"], quarter, PART), "{bad}");
+    assert!(near(&bad["commanded_residual_mm"], 0.0125, 1e-6), "{bad}");
+}

@@ -1,0 +1,80 @@
+//! Drawings: those in the documents are what the commands make.
+
+use super::{complaint, file, json, near, twin};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Largest drawing in the documents, in bytes.
+const LARGEST: u64 = 60_000;
+
+fn documents() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/research")
+}
+
+/// Compares a folder of the documents with what a command made; `BLESS=1` takes it over.
+fn same(made: &Path, kept: &Path) {
+    let mut names: Vec<_> = fs::read_dir(made).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    if std::env::var_os("BLESS").is_some() {
+        fs::create_dir_all(kept).unwrap();
+        for name in &names {
+            fs::copy(made.join(name), kept.join(name)).unwrap();
+        }
+    }
+    let mut there: Vec<_> = fs::read_dir(kept).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    there.sort();
+    assert_eq!(names, there);
+    for name in names {
+        let [made, kept] = [made, kept].map(|folder| fs::read_to_string(folder.join(&name)).unwrap());
+        assert!(made == kept, "{} differs: make it with the command on its page, or BLESS=1", name.display());
+        assert!(made.len() as u64 <= LARGEST, "{} has {} bytes", name.display(), made.len());
+    }
+}
+
+#[test]
+fn the_papers_figures_in_the_documents_are_the_commands() {
+    let made = file("figures-begin", "").with_file_name("figures");
+    let _ = fs::remove_dir_all(&made);
+    let told = json(&format!("figures {}", made.display()));
+    same(&made, &documents().join("corehbot-paper"));
+    let rows = told["table_1"].as_array().unwrap();
+    assert_eq!(rows.len(), 28);
+    assert!(rows.iter().all(|row| near(&row["ours_mm"], row["printed_mm"].as_f64().unwrap(), 1e-9)), "{told}");
+    // A folder that is a file, and none.
+    let blocked = file("figures-blocked", "");
+    assert!(complaint(&format!("figures {}", blocked.display())).contains("cannot create the folder"));
+    assert_eq!(twin("figures").status.code(), Some(2));
+}
+
+/// Figures of docs/research/twin.md's table of misprints, which were computed elsewhere.
+#[test]
+fn each_number_of_the_paper_stands_next_to_one_computed_elsewhere() {
+    let made = file("figures-numbers", "").with_file_name("numbers");
+    let told = json(&format!("figures {}", made.display()));
+    let statements = told["statements"].as_array().unwrap();
+    let find = |what: &str| statements.iter().find(|s| s["what"].as_str() == Some(what)).unwrap();
+    for (what, printed, ours) in [
+        ("unknowns", 62.0, 62.0),
+        ("degrees of freedom", 3.0, 3.0),
+        ("belt of a CoreH-bot, e = 2r", 3727.691, 3727.691),
+        ("belt of a CoreH-bot, head of 80 mm", 3727.691, 3593.091),
+        ("belt of an H-bot", 2784.095, 2784.095),
+        ("each belt of a CoreXY", 1874.747, 1874.747),
+        ("reach of a CoreH-bot in x, head of 80 mm", 457.3, 390.0),
+        ("reach of H-bot and CoreXY in x, head of 80 mm", 444.6, 364.6),
+        ("least W for 300 mm of reach", 300.0, 380.0),
+        ("Fe / dT along x, H-bot", 2.0, 2.0),
+        ("Fe / dT along y, CoreXY", 4.0, 4.0),
+        // L_L / L_R of the closed form: 659.6 and 1009.6 mm.
+        ("dT on the right over dT on the left, tool at x = 147.5", 1.0, 659.6 / 1009.6),
+        ("torque on the bar along y at x = 147.5, bar of 1.2 kg", 350.0, 350.0 / 3.0),
+        ("torque on the bar along x, H-bot, dT = 1 N", -522.4, -497.0),
+        ("motors' torque on the frame along x, CoreXY", 25.4, 25.4),
+        ("motors' torque on the frame along x, CoreH-bot", 25.4, 0.0),
+    ] {
+        let s = find(what);
+        let agrees = near(&s["printed"], printed, 1e-6) && near(&s["ours"], ours, 1e-6);
+        // A difference is explained, and nothing else is.
+        assert!(agrees && ((printed - ours).abs() < 1e-3) == s["why"].as_str().unwrap().is_empty(), "{s}");
+    }
+}
