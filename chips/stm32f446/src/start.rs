@@ -6,12 +6,13 @@ use corehbot::app::StepPorts;
 use corehbot::fault::{Cause, Fault, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
-use corehbot::port::{FANS, Lines, NoAccelerometer, Serial as _};
+use corehbot::port::{FANS, Lines, Serial as _};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::Instant;
 use static_cell::StaticCell;
 
+use crate::accelerometer::SpiSensor;
 use crate::assembly::{Handles, assemble};
 use crate::board_storage::BoardStorage;
 use crate::contexts;
@@ -105,7 +106,13 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let coupling = Groups::new(&settings.mechanism).coupling();
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
     let drivers = Drivers::start(plugged, refusal, spare);
-    let ports = Ports { serial: lines, drivers, clock: BoardClock, storage, accelerometer: NoAccelerometer };
+    let ports = Ports {
+        serial: lines,
+        drivers,
+        clock: BoardClock,
+        storage,
+        accelerometer: SpiSensor::new(board.accelerometer),
+    };
     let heat = BoardHeat::start(plugged, !past.is_supply_off);
     // After the heaters, which take their timers.
     if let Some(servo) = plugged.servo {
