@@ -1,5 +1,7 @@
 //! Pages of the belt's twin: files that show a played path, without any network, in the style of a print's page.
 
+pub mod ripple;
+
 use crate::print::{HEAD, STYLE};
 use anyhow::{Context as _, Result};
 use corehbot_twin::contour::trail::Beside;

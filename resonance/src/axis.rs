@@ -10,29 +10,13 @@ use crate::recording::Recording;
 use crate::shapers::Shaper;
 use crate::spectrum::{Spectrum, WINDOW_S};
 use crate::sweep::Sweep;
-use crate::wall::{Print, Unshaped, WallError, net_rounding};
-use corehbot_twin::shaping::shaper::{Impulse, residual};
+use corehbot_twin::shaping::by_tool::{Machines, RINGING, suggested};
+use corehbot_twin::shaping::shaper::{Impulse, Kind};
+use corehbot_twin::shaping::wall::{Lag, Print, WallError, net_rounding};
 use serde::Serialize;
 
 /// Least uncertainty of a frequency, as a part of it. One place was measured, with one load, cold.
 pub const LEAST_UNCERTAINTY: f64 = 0.05;
-
-/// Shapers within this factor of the least error are equally good; the one with the shorter delay is suggested.
-const ALIKE: f64 = 1.03;
-
-/// A shaper may leave this part of the ringing at the measured frequency, as EI's are made for. Without this limit a
-/// short shaper would be set too high: it rounds less and rings more.
-const RINGING: f64 = 0.05;
-
-/// Frequencies of a shaper that are tried, over the frequency of the strongest mode.
-const TRIED: [f64; 2] = [0.6, 2.2];
-
-/// Steps of the first search, and of the one around its best.
-const STEPS: [usize; 2] = [64, 8];
-
-/// Dampings for which all fits of shapers hold, and frequencies in Hz that this firmware takes (`settings::ranges`).
-const DAMPINGS: [f64; 2] = [0.0, 0.3];
-const FREQUENCIES: [f64; 2] = [10.0, 500.0];
 
 /// How an axis is judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -161,19 +145,6 @@ pub fn judge(axis: Option<label::Axis>, recordings: Vec<Measured>, question: &Qu
     Axis { axis, recordings, klipper, tool }
 }
 
-/// The machine that is simulated, as often as the frequency is uncertain.
-struct Machines {
-    nominal: Unshaped,
-    others: Vec<Unshaped>,
-}
-
-impl Machines {
-    fn worst(&self, impulses: &[Impulse]) -> WallError {
-        let all = std::iter::once(&self.nominal).chain(&self.others).map(|machine| machine.error(impulses));
-        all.max_by(|a, b| a.rms_um.total_cmp(&b.rms_um)).unwrap_or_default()
-    }
-}
-
 fn rank(
     axis: Option<label::Axis>,
     recordings: &[Measured],
@@ -186,55 +157,42 @@ fn rank(
     let mut order: Vec<&&[Mode]> = all.iter().filter(|modes| !modes.is_empty()).collect();
     order.sort_by(|a, b| first(a).frequency_hz.total_cmp(&first(b).frequency_hz));
     let modes: &[Mode] = order.get(order.len() / 2)?;
-    let strongest = first(modes);
     let measured = order.iter().map(|modes| 2.0 * first(modes).frequency_error_hz / first(modes).frequency_hz);
     let uncertainty = question.uncertainty.unwrap_or_else(|| measured.fold(LEAST_UNCERTAINTY, f64::max));
     let print = question.print;
-    let machine = |modes: &[Mode], factor: f64| Unshaped::new(&print, modes, factor);
-    let others = order.iter().flat_map(|modes| [1.0 - uncertainty, 1.0, 1.0 + uncertainty].map(|f| machine(modes, f)));
-    let machines = Machines { nominal: machine(modes, 1.0), others: others.collect() };
-    let damping = strongest.damping_ratio.clamp(DAMPINGS[0], DAMPINGS[1]);
-    // As the line has them.
-    let damping = (damping * 1000.0).round() / 1000.0;
+    let all: Vec<Vec<Lag>> = order.iter().map(|modes| lags(modes)).collect();
+    let factors = [1.0 - uncertainty, 1.0, 1.0 + uncertainty];
+    let others = all.iter().flat_map(|modes| factors.map(|factor| (modes.as_slice(), factor)));
+    let modes = lags(modes);
+    let machines = Machines::new(&print, &modes, others)?;
+    let damping = machines.damping();
     let net = |shaper: Shaper, frequency_hz: f64, damping: f64| {
         let impulses = shaper.impulses(frequency_hz, damping);
         Net {
             rated: klipper::rated(shaper, frequency_hz, spectra),
             damping_ratio: damping,
-            net_rounding_a_per_w2: net_rounding(&impulses, modes),
-            wall: machines.nominal.error(&impulses),
+            net_rounding_a_per_w2: net_rounding(&impulses, &modes),
+            wall: machines.error(&impulses),
             worst_wall: machines.worst(&impulses),
         }
     };
-    let best = |shaper: Shaper| {
-        let worst = |hz: f64| {
-            let impulses = shaper.impulses(hz, damping);
-            let ringing = residual(&impulses, strongest.frequency_hz, strongest.damping_ratio);
-            // Beyond the limit the nearest to it is the best.
-            if ringing > RINGING { 1e6 * ringing } else { machines.worst(&impulses).rms_um }
-        };
-        let search = |from: f64, to: f64, steps: usize| {
-            let tried = (0..=steps).map(|i| from * (to / from).powf(i as f64 / steps as f64));
-            let tried = tried.map(|hz| (hz, worst(hz)));
-            tried.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(from, |(hz, _)| hz)
-        };
-        let f = strongest.frequency_hz;
-        let coarse = search(TRIED[0] * f, TRIED[1] * f, STEPS[0]);
-        let width = (TRIED[1] / TRIED[0]).powf(1.0 / STEPS[0] as f64);
-        let fine = search(coarse / width, coarse * width, STEPS[1]).clamp(FREQUENCIES[0], FREQUENCIES[1]);
-        net(shaper, (fine * 10.0).round() / 10.0, damping)
-    };
-    let own = Shaper::ALL.into_iter().filter(|shaper| shaper.in_firmware());
-    let mut shapers: Vec<Net> = own.map(best).collect();
-    let least = shapers.iter().map(|s| s.worst_wall.rms_um).fold(f64::INFINITY, f64::min);
+    let best = |kind: Kind| net(Shaper::Own(kind), machines.frequency_hz(kind), damping);
     // The shortest comes first here.
-    let suggestion = *shapers.iter().find(|s| s.worst_wall.rms_um <= ALIKE * least)?;
+    let mut shapers: Vec<Net> = Kind::ALL.into_iter().map(best).collect();
+    let errors: Vec<f64> = shapers.iter().map(|s| s.worst_wall.rms_um).collect();
+    let suggestion = *shapers.get(suggested(&errors)?)?;
     shapers.sort_by(|a, b| a.worst_wall.rms_um.total_cmp(&b.worst_wall.rms_um));
     let klippers = klipper.suggestion.map(|chosen| net(chosen.shaper, chosen.frequency_hz, DAMPING));
-    let unshaped_wall = machines.nominal.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
+    let unshaped_wall = machines.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
     let line = axis.and_then(|axis| line(axis, &suggestion));
     let why = why(&suggestion, klippers.as_ref(), uncertainty);
     Some(Ranking { uncertainty, print, most_ringing: RINGING, unshaped_wall, shapers, suggestion, klippers, line, why })
+}
+
+/// Modes as the walls need them.
+fn lags(modes: &[Mode]) -> Vec<Lag> {
+    let lag = |mode: &Mode| Lag { frequency_hz: mode.frequency_hz, damping_ratio: mode.damping_ratio, part: mode.part };
+    modes.iter().map(lag).collect()
 }
 
 /// The strongest mode; the caller has left out fits without any.

@@ -7,13 +7,13 @@
 //! |---|---|
 //! | [`label`] | axis, speed and angle that a file's name tells |
 //! | [`recording`] | text of a raw file to checked samples |
+//! | [`stdata`] | files of Shake&Tune with several recordings |
 //! | [`spectrum`] | power spectral density, as Klipper computes it |
 //! | [`sweep`] | the commanded acceleration of a sweep |
 //! | [`modes`] | frequencies and dampings, fitted to the response |
 //! | [`gcode`] | the same sweep as G-code |
 //! | [`shapers`] | shapers that are compared: those of this firmware, and one that only Klipper has |
 //! | [`klipper`] | Klipper's score and choice |
-//! | [`wall`] | error of the tool on a printed wall, with a shaper |
 //! | [`axis`] | an axis: modes, both rankings, the line that sets a shaper |
 //! | [`belts`] | comparison of two belt paths |
 //! | [`profile`] | vibration by speed and angle |
@@ -29,5 +29,5 @@ pub mod profile;
 pub mod recording;
 pub mod shapers;
 pub mod spectrum;
+pub mod stdata;
 pub mod sweep;
-pub mod wall;

@@ -5,14 +5,11 @@
 
 use crate::recording::Recording;
 use crate::spectrum::{Spectrum, WINDOW_S};
+use corehbot_twin::ripple::quiet::quiet_and_loud;
 use serde::Serialize;
 
 /// The band that counts in Hz: below, the tool's own moves; above, sound and not ripple.
 const BAND_HZ: [f64; 2] = [10.0, 500.0];
-
-/// A speed is quiet if its vibration is at most this part of the median, and loud from the other part on.
-const QUIET: f64 = 0.75;
-const LOUD: f64 = 1.5;
 
 /// A run at one speed along one angle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -84,21 +81,8 @@ pub fn profile(mut runs: Vec<Run>) -> Profile {
         Speed { speed_mm_s: *speed, mean_mm_s2, max_mm_s2: here().fold(0.0, f64::max) }
     };
     let speeds: Vec<Speed> = values.iter().map(speed).collect();
-    let mut order: Vec<f64> = speeds.iter().map(|s| s.max_mm_s2).collect();
-    order.sort_by(f64::total_cmp);
-    let median = order.get(order.len() / 2).copied().unwrap_or(0.0);
-    let mut quiet_mm_s: Vec<[f64; 2]> = Vec::new();
-    let mut is_open = false;
-    for s in &speeds {
-        let is_quiet = s.max_mm_s2 <= QUIET * median;
-        match quiet_mm_s.last_mut().filter(|_| is_open) {
-            Some(range) if is_quiet => range[1] = s.speed_mm_s,
-            _ if is_quiet => quiet_mm_s.push([s.speed_mm_s; 2]),
-            _ => {}
-        }
-        is_open = is_quiet;
-    }
-    let loud_mm_s = speeds.iter().filter(|s| s.max_mm_s2 >= LOUD * median).map(|s| s.speed_mm_s).collect();
+    let loudest: Vec<(f64, f64)> = speeds.iter().map(|s| (s.speed_mm_s, s.max_mm_s2)).collect();
+    let (quiet_mm_s, loud_mm_s) = quiet_and_loud(&loudest);
     Profile { runs, angles_deg, speeds, quiet_mm_s, loud_mm_s }
 }
 

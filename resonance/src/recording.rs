@@ -79,6 +79,10 @@ pub enum Flaw {
     Rate(f64),
     /// No axis moves.
     Still,
+    /// A line of an .stdata file is no recording: its number, and why.
+    Json(usize, String),
+    /// A recording within an .stdata file: its name, and its flaw, with a sample's number in place of a line's.
+    In(String, Box<Self>),
     /// RepRapFirmware's last line with the rate is missing.
     NoRate,
     /// RepRapFirmware lost samples so many times.
@@ -123,6 +127,8 @@ impl fmt::Display for Flaw {
                 f.write_str("the time must be in seconds")
             }
             Self::Still => f.write_str("no axis moves; is the sensor connected, and did the sweep run?"),
+            Self::Json(line, why) => write!(f, "line {line}, unpacked, is no recording of Shake&Tune: {why}"),
+            Self::In(name, flaw) => write!(f, "{name}: {flaw}"),
             Self::NoRate => f.write_str("the last line, `Rate ..., overflows ...`, is missing: the file is not whole"),
             Self::Overflows(count) => write!(f, "the sensor lost samples {count} times; record again at a lower rate"),
         }
@@ -217,14 +223,14 @@ fn columns(number: usize, line: &str) -> Result<[f64; 4], Flaw> {
 
 /// Samples with their times, and the lines that they come from.
 #[derive(Default)]
-struct Rows {
+pub(crate) struct Rows {
     lines: Vec<usize>,
     times: Vec<f64>,
     axes: [Vec<f64>; 3],
 }
 
 impl Rows {
-    fn push(&mut self, line: usize, time: f64, sample: [f64; 3]) -> Result<(), Flaw> {
+    pub(crate) fn push(&mut self, line: usize, time: f64, sample: [f64; 3]) -> Result<(), Flaw> {
         if let Some(before) = self.times.last().copied().filter(|before| time <= *before) {
             return Err(Flaw::Backwards(line, before, time));
         }
@@ -236,7 +242,7 @@ impl Rows {
         Ok(())
     }
 
-    fn checked(self) -> Result<Recording, Flaw> {
+    pub(crate) fn checked(self) -> Result<Recording, Flaw> {
         let (Some(first), Some(last)) = (self.times.first(), self.times.last()) else { return Err(Flaw::NoSamples) };
         let lasts = last - first;
         if self.times.len() < 3 {

@@ -20,6 +20,7 @@
 //! | [`torque`] | available torque at a speed, and the torque that moves need |
 //! | [`shaping`] | input shapers for an axis that rings within a band |
 //! | [`calibration`] | the machine's parameters from its owner's measurements |
+//! | [`ripple`] | how motors, teeth and pulleys shake the tool at constant speed |
 //! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | the commanded steps: a trace, and the motor of each of its columns |
@@ -45,6 +46,7 @@ pub mod model;
 pub mod params;
 pub mod parts;
 pub mod queries;
+pub mod ripple;
 pub mod routing;
 pub mod run;
 pub mod sampling;

@@ -78,6 +78,14 @@ pub struct Params {
     pub pole_pairs: f64,
     /// Detent torque of a motor; 0 leaves it out.
     pub detent_torque_nm: f64,
+    /// Amplitude of the error of a motor's field once a full step, in percent of a full step.
+    pub full_step_error_percent: f64,
+    /// The same once an electrical turn.
+    pub electrical_turn_error_percent: f64,
+    /// Amplitude of the error of belt and pulley from tooth to tooth.
+    pub tooth_error_um: f64,
+    /// Distance of a pulley's circle from its axis.
+    pub pulley_eccentricity_um: f64,
     /// Viscous friction of a rotor.
     pub rotor_damping_nm_s: f64,
     /// Viscous friction of the guide in x.
@@ -127,6 +135,10 @@ const EMPTY: Params = Params {
     motors_in_series: 0.0,
     pole_pairs: 0.0,
     detent_torque_nm: 0.0,
+    full_step_error_percent: 0.0,
+    electrical_turn_error_percent: 0.0,
+    tooth_error_um: 0.0,
+    pulley_eccentricity_um: 0.0,
     rotor_damping_nm_s: 0.0,
     guide_x_n_s_per_m: 0.0,
     guide_y_n_s_per_m: 0.0,
@@ -145,6 +157,9 @@ impl Default for Params {
         params
     }
 }
+
+/// Pitch of the belt's teeth: GT2, \[H\] table 2.
+pub const TOOTH_MM: f64 = 2.0;
 
 /// Millimetres in a metre.
 const MM_PER_M: f64 = 1000.0;

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 18] = [
+const ROOMS: [&str; 19] = [
     "params",
     "routing",
     "description",
@@ -14,6 +14,7 @@ const ROOMS: [&str; 18] = [
     "torque",
     "shaping",
     "calibration",
+    "ripple",
     "queries",
     "dynamics",
     "steps",

@@ -15,8 +15,9 @@ use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure};
 use corehbot_resonance::label;
 use corehbot_resonance::profile::{self, Profile};
 use corehbot_resonance::recording::{Recording, read};
+use corehbot_resonance::stdata;
 use corehbot_resonance::sweep::Sweep;
-use corehbot_resonance::wall::Print;
+use corehbot_twin::shaping::wall::Print;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -27,7 +28,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Resonance {
     #[command(subcommand)]
     part: Option<excite::Part>,
-    /// Raw recordings: Klipper's (`#time,accel_x,accel_y,accel_z`), or RepRapFirmware's (`Sample,X,Y,Z`).
+    /// Raw recordings: Klipper's (`#time,accel_x,accel_y,accel_z`), RepRapFirmware's (`Sample,X,Y,Z`), or Shake&Tune's
+    /// (.stdata, with the names of its recordings in it).
     #[arg(value_name = "FILE.csv", required = true)]
     files: Vec<PathBuf>,
     /// Axis of the sweep in all files, where names do not tell it: x, y, z, or the belt paths a (1,-1) and b (1,1).
@@ -98,12 +100,18 @@ impl Prepared {
             let name = path.display().to_string();
             let cannot = || format!("cannot read {name}");
             ensure!(!path.is_dir(), "{}: it is a directory", cannot());
-            let recording = read(&std::fs::read(path).with_context(cannot)?).with_context(|| name.clone())?;
-            match label::run(&name).filter(|_| args.axis.is_none()) {
-                Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
-                None => {
-                    let axis = args.axis.or_else(|| label::axis(&name));
-                    sweeps.entry(axis).or_insert_with(Vec::new).push((name, recording));
+            let bytes = std::fs::read(path).with_context(cannot)?;
+            let recordings = match bytes.starts_with(stdata::HEAD) {
+                true => stdata::read(&bytes),
+                false => read(&bytes).map(|recording| vec![(name.clone(), recording)]),
+            };
+            for (name, recording) in recordings.with_context(|| name.clone())? {
+                match label::run(&name).filter(|_| args.axis.is_none()) {
+                    Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
+                    None => {
+                        let axis = args.axis.or_else(|| label::axis(&name));
+                        sweeps.entry(axis).or_insert_with(Vec::new).push((name, recording));
+                    }
                 }
             }
         }

@@ -15,11 +15,13 @@ mod parts;
 mod play;
 mod point;
 mod resonance;
+mod ripple;
 mod setup;
 mod shaper;
 mod source;
 mod study;
 mod sweep;
+mod tension;
 mod yin;
 
 use crate::answer;
@@ -43,8 +45,12 @@ pub(crate) enum Twin {
     Jump(jump::Jump),
     /// Rates a given shaper: the part of given vibrations that it leaves, its delay, its rounding.
     Shaper(shaper::Shaper),
+    /// Computes the pitch of each straight part of the belts for a wanted tension, and the tension for a heard pitch.
+    Tension(tension::Tension),
     /// Finds the frequencies at which each axis rings over the reach, shapers that fit, and speeds to avoid.
     Resonance(resonance::Resonance),
+    /// Computes fine ripple of walls by speed and angle (VFA): motors, teeth and pulleys that shake the tool.
+    Ripple(ripple::Ripple),
     /// Finds the limits before a motor slips, a span goes slack, or the tool rings too much.
     Limits(limits::LimitsArgs),
     /// Compares CoreH-bot, H-bot and CoreXY of one size, over one area and, if given, on a file.
@@ -82,7 +88,9 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Slip(args) => args.answer(),
         Twin::Jump(args) => args.answer(),
         Twin::Shaper(args) => args.answer(),
+        Twin::Tension(args) => args.answer(),
         Twin::Resonance(args) => args.answer(),
+        Twin::Ripple(args) => args.answer(),
         Twin::Limits(args) => args.answer(),
         Twin::Flow(args) => args.answer(),
         Twin::Yin(args) => args.answer(),

@@ -2,12 +2,14 @@
 
 use super::answer::Json;
 use super::setup::{FileArgs, MachineArgs, ModelArg};
+use crate::values::number;
 use anyhow::Result;
 use clap::Args;
 use corehbot_report::twin as page;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::resonance::Resonance as Answer;
+use corehbot_twin::shaping::wall::Print;
 use std::path::PathBuf;
 
 /// Most columns or rows of a grid: some seconds.
@@ -29,6 +31,12 @@ pub(crate) struct Resonance {
     /// Writes a page with maps of the frequencies, shapers and the lines that set them.
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
+    /// Acceleration of the walls that shapers are ranked by, in mm/s^2.
+    #[arg(long, value_name = "MM_S2", value_parser = number(100.0, 100_000.0), default_value = "5000")]
+    acceleration: f64,
+    /// Speed of these walls, in mm/s.
+    #[arg(long, value_name = "MM_S", value_parser = number(5.0, 1000.0), default_value = "100")]
+    speed: f64,
     #[command(flatten)]
     json: Json,
 }
@@ -39,7 +47,8 @@ impl Resonance {
         let tool = workspace(machine, &params).centre();
         let freedom = self.model.freedom();
         let [columns, rows] = self.grid;
-        let answer = Answer::new(&Setup { machine, params, tool, freedom }, columns, rows)?;
+        let print = Print { acceleration_mm_s2: self.acceleration, speed_mm_s: self.speed, ..Print::default() };
+        let answer = Answer::new(&Setup { machine, params, tool, freedom }, columns, rows)?.ranked_by_tool(&print);
         self.json.give_with(&answer, self.file.files(), |outputs| {
             let Some(path) = &self.report else { return Ok(()) };
             page::write_resonance(&mut outputs.open(path)?, (machine, self.model.name()), &answer)

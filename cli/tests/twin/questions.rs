@@ -81,8 +81,11 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
     assert_eq!(told["x"]["suggestion"]["type"], "MZV");
     let slowest = told["yaw"]["band_Hz"][1].as_f64().unwrap();
     assert!(slowest < told["y"]["band_Hz"][0].as_f64().unwrap(), "{told}");
+    // By the error of the tool the shortest is best, because belts lag; the text says so.
+    assert_eq!(told["y"]["by_tool"]["suggestion"]["type"], "ZV", "{told}");
     // The firmware takes the lines.
-    let lines = ["x", "y"].map(|axis| told[axis]["line"].as_str().unwrap().to_owned()).join("\n");
+    let line = |axis: &str| ["line", "line_by_tool"].map(|key| told[axis][key].as_str().unwrap().to_owned()).join("\n");
+    let lines = ["x", "y"].map(line).join("\n");
     let gcode = file("shapers.gcode", &format!("{lines}\nG1 X110 F6000\nM400\n"));
     let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("run").arg(&gcode).output().unwrap();
     let text = String::from_utf8(run.stdout).unwrap();
@@ -92,6 +95,31 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
     assert!(twin(&format!("resonance --grid 3x4 --report {}", page.display())).status.success());
     let page = std::fs::read_to_string(page).unwrap();
     assert!(page.contains(told["y"]["line"].as_str().unwrap()) && !page.contains("/*"), "{page}");
+}
+
+/// Pitches of a string, and a belt's tension from a pitch; walls' ripple with its picture.
+#[test]
+fn tensions_and_ripple_are_told_of_any_routing() {
+    let told = json("tension --wanted 160 --heard 2=63.62 --at 235,235");
+    let part = &told["parts"][1];
+    assert!(near(&part["length_mm"], 444.6, 1e-9) && near(&part["pitch_Hz"], 127.23, 1e-3), "{told}");
+    assert!(near(&told["heard"][0]["tension_N"], 40.0, 1e-3), "{told}");
+    assert_eq!(json("tension --machine corexyz")["parts"].as_array().unwrap().len(), 36);
+    assert!(complaint("tension --heard 99=20").contains("1 to 14"));
+    assert!(complaint("tension --at 40,100 --heard 12=60").contains("too short"));
+    assert_eq!(twin("tension --heard 2").status.code(), Some(2));
+    let picture = file("ripple.svg", "");
+    let words = format!("ripple --speeds 20-120 --step 5 --angle-step 15 --picture {}", picture.display());
+    let told = json(&words);
+    assert_eq!(told["across_um"].as_array().unwrap().len(), told["angles_deg"].as_array().unwrap().len());
+    assert_eq!(told["across_um"][0].as_array().unwrap().len(), 21, "{told}");
+    assert!(told["best"]["across_um"].as_f64().unwrap() > 0.0 && told["currents"].as_array().unwrap().len() == 5);
+    let drawn = std::fs::read_to_string(picture).unwrap();
+    assert!(drawn.starts_with("<svg") && drawn.trim_end().ends_with("</svg>") && !drawn.contains("NaN"), "{drawn}");
+    assert!(complaint("ripple --at 1,1").contains("outside"));
+    for wrong in ["ripple --speeds 20", "ripple --speeds 100-20", "ripple --step 0", "ripple --longest nan"] {
+        assert_eq!(twin(wrong).status.code(), Some(2), "{wrong}");
+    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ impl Row {
 }
 
 /// All numbers, in the order of documents and files.
-pub static ROWS: [Row; 38] = [
+pub static ROWS: [Row; 42] = [
     Row {
         key: "width_mm",
         unit: "mm",
@@ -297,6 +297,42 @@ pub static ROWS: [Row; 38] = [
         meaning: "Detent torque of a motor; 0 leaves it out",
         source: "assumed; the data sheet of a small motor (42BYG228, by Mosaic Industries) gives up to 0.022",
         field: |p| Field::One(&mut p.detent_torque_nm),
+    },
+    Row {
+        key: "full_step_error_percent",
+        unit: "%",
+        default: Some(2.0),
+        may_be_zero: true,
+        meaning: "Amplitude of the error of a motor's field once a full step, of a full step, for `twin ripple`",
+        source: "assumed: a part of the 5 % within which makers of motors hold every full step",
+        field: |p| Field::One(&mut p.full_step_error_percent),
+    },
+    Row {
+        key: "electrical_turn_error_percent",
+        unit: "%",
+        default: Some(2.0),
+        may_be_zero: true,
+        meaning: "The same once an electrical turn, by unlike phases or drivers",
+        source: "assumed, as once a full step",
+        field: |p| Field::One(&mut p.electrical_turn_error_percent),
+    },
+    Row {
+        key: "tooth_error_um",
+        unit: "um",
+        default: Some(2.0),
+        may_be_zero: true,
+        meaning: "Amplitude of the error of belt and motor pulley from tooth to tooth, for `twin ripple`",
+        source: "assumed",
+        field: |p| Field::One(&mut p.tooth_error_um),
+    },
+    Row {
+        key: "pulley_eccentricity_um",
+        unit: "um",
+        default: Some(15.0),
+        may_be_zero: true,
+        meaning: "Distance of a pulley's circle from its axis, for `twin ripple`",
+        source: "assumed: pulleys and shafts with 0.03 mm of run-out",
+        field: |p| Field::One(&mut p.pulley_eccentricity_um),
     },
     Row {
         key: "rotor_damping_Nm_s",

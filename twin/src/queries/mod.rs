@@ -1,8 +1,8 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
-//! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`].
-//! About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`]. [`frame`] has the torque on the frame.
-//! [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a shaper.
+//! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
+//! [`tension`], [`ripple`]. About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`]. [`frame`] has the
+//! torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a shaper.
 
 pub mod compare;
 pub mod frame;
@@ -12,10 +12,12 @@ pub mod modes;
 pub mod paper;
 pub mod push;
 pub mod resonance;
+pub mod ripple;
 pub mod shaper;
 pub mod slip;
 pub mod stiffness;
 mod strain;
+pub mod tension;
 pub mod torque;
 
 use crate::geometry::workspace;

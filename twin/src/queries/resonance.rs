@@ -16,15 +16,15 @@ use crate::geometry::{points, workspace};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::Freedom;
 use crate::model::ways::Ways;
+use crate::params::TOOTH_MM;
 use crate::routing::{Machine, Place};
+use crate::shaping::by_tool::{ByTool, by_tool};
 use crate::shaping::design::{Design, designs};
-use crate::shaping::shaper::{impulses, residual};
+use crate::shaping::shaper::{Kind, impulses, residual};
+use crate::shaping::wall::Print;
 use crate::solve::NotHeld;
 use crate::solve::modes::{Mode, Ringing, mode_of, modes};
 use serde::Serialize;
-
-/// Pitch of the belt's teeth: GT2, \[H\] table 2.
-const TOOTH_MM: f64 = 2.0;
 
 /// Frequencies all over the reach.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -97,6 +97,12 @@ pub struct AxisResonance {
     pub shapers: Vec<Design>,
     /// The line that sets it.
     pub line: String,
+    /// The ranking by the error of the tool, where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_tool: Option<ByTool>,
+    /// The line that sets its suggestion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line_by_tool: Option<String>,
     /// Speeds along the axis at which belt and motors excite the middle of its band.
     pub resonant_speeds: ResonantSpeeds,
 }
@@ -164,10 +170,9 @@ impl Seen<'_> {
         let coupling = self.all.iter().map(part).fold(0.0, f64::max);
         let damping_ratio = mode_of(&self.middle, own).map_or(0.0, |mode| mode.damping_ratio);
         let (shapers, suggestion) = designs(band_hz, damping_ratio);
-        let line = suggestion.zip(letter).map_or_else(String::new, |(design, letter)| {
-            let (frequency, kind) = (design.frequency_hz, design.kind.number());
-            format!("M593 {letter} F{frequency:.1} D{damping_ratio:.3} T{kind}")
-        });
+        let line = suggestion
+            .zip(letter)
+            .map_or_else(String::new, |(design, letter)| line(letter, design.kind, design.frequency_hz, damping_ratio));
         let middle_hz = mode_of(&self.middle, own).map_or(0.0, |mode| mode.frequency_hz);
         let full_step_mm = self.full_step_mm(own);
         let resonant_speeds = ResonantSpeeds {
@@ -176,7 +181,18 @@ impl Seen<'_> {
             tooth_mm_s: middle_hz * TOOTH_MM,
         };
         let frequencies_hz = map.chunks(self.columns).map(<[f64]>::to_vec).collect();
-        AxisResonance { frequencies_hz, band_hz, coupling, damping_ratio, suggestion, shapers, line, resonant_speeds }
+        AxisResonance {
+            frequencies_hz,
+            band_hz,
+            coupling,
+            damping_ratio,
+            suggestion,
+            shapers,
+            line,
+            by_tool: None,
+            line_by_tool: None,
+            resonant_speeds,
+        }
     }
 
     /// A full step of the first motor that moves an axis.
@@ -199,6 +215,27 @@ impl Seen<'_> {
         let part = each.iter().map(Ringing::part_of_frame).fold(0.0, f64::max);
         Some(FrameResonance { band_hz: band(all()), damping_ratio, part, left_by_shaper })
     }
+}
+
+impl Resonance {
+    /// The same with shapers ranked by the error of the tool on walls that are printed so: on each axis the worst of
+    /// its middle and of both ends of its band counts. Some seconds of work.
+    #[must_use]
+    pub fn ranked_by_tool(mut self, print: &Print) -> Self {
+        for (letter, axis) in [("X", &mut self.x), ("Y", &mut self.y)] {
+            // Both ends are as far from the middle of the band.
+            let middle_hz = (axis.band_hz[0] * axis.band_hz[1]).sqrt();
+            axis.by_tool = by_tool(middle_hz, axis.band_hz, axis.damping_ratio, print);
+            let ranked = axis.by_tool.as_ref().map(|ranked| (ranked.suggestion, ranked.damping_ratio));
+            axis.line_by_tool = ranked.map(|(best, damping)| line(letter, best.kind, best.frequency_hz, damping));
+        }
+        self
+    }
+}
+
+/// The line that sets a shaper.
+fn line(letter: &str, kind: Kind, frequency_hz: f64, damping: f64) -> String {
+    format!("M593 {letter} F{frequency_hz:.1} D{damping:.3} T{}", kind.number())
 }
 
 /// The bar's yaw on a grid, and the part that the shaper for y leaves.
@@ -240,6 +277,7 @@ impl std::fmt::Display for Resonance {
             }
             let line = if letter == "z" { "the firmware has no shaper for z" } else { &axis.line };
             writeln!(f, "     {line}")?;
+            told_by_tool(f, axis)?;
             let ResonantSpeeds { full_step_mm_s, electrical_turn_mm_s, tooth_mm_s } = axis.resonant_speeds;
             write!(f, "     rings at {full_step_mm_s:.1} mm/s (full steps), ")?;
             writeln!(f, "{electrical_turn_mm_s:.1} (electrical turns), {tooth_mm_s:.1} (teeth)")?;
@@ -269,6 +307,34 @@ impl std::fmt::Display for Resonance {
         }
         Ok(())
     }
+}
+
+fn told_by_tool(f: &mut std::fmt::Formatter<'_>, axis: &AxisResonance) -> std::fmt::Result {
+    let (Some(ranked), Some(line)) = (&axis.by_tool, &axis.line_by_tool) else { return Ok(()) };
+    let Print { acceleration_mm_s2, speed_mm_s, .. } = ranked.print;
+    writeln!(f, "     by the error of the tool on walls, at {acceleration_mm_s2:.0} mm/s2 and {speed_mm_s:.0} mm/s:")?;
+    for s in &ranked.shapers {
+        let mark = if *s == ranked.suggestion { "*" } else { " " };
+        let (kind, hz, net) = (s.kind.name(), s.frequency_hz, s.net_rounding_a_per_w2);
+        write!(f, "   {mark} {kind:<9} {hz:>6.1} Hz  net rounding {net:>5.2} a/w2  {:>6.1} um RMS", s.wall.rms_um)?;
+        writeln!(f, ", at the worst place {:.1} um", s.worst_wall.rms_um)?;
+    }
+    writeln!(f, "     {line}")?;
+    let by_vibration = axis.suggestion.filter(|other| other.kind != ranked.suggestion.kind);
+    let Some(other) = by_vibration else { return Ok(()) };
+    let left = |kind: Kind| axis.shapers.iter().find(|s| s.kind == kind).map_or(0.0, |s| 100.0 * s.worst_residual);
+    let of = |kind: Kind| ranked.shapers.iter().find(|s| s.kind == kind).map_or(0.0, |s| s.worst_wall.rms_um);
+    let (own, its) = (ranked.suggestion.kind, other.kind);
+    write!(
+        f,
+        "     Two lines: {} leaves {:.1} % of the ringing at the worst place and {} {:.1} %. ",
+        its.name(),
+        left(its),
+        own.name(),
+        left(own)
+    )?;
+    write!(f, "But belts lag, which cancels most of a shaper's rounding, so walls are off by ")?;
+    writeln!(f, "{:.1} um with {} and by {:.1} um with {}.", of(own), own.name(), of(its), its.name())
 }
 
 /// Largest number of grid columns shown to people.

@@ -1,4 +1,4 @@
-//! Wall: error of the tool on the walls of a printed part, with a shaper and the measured modes.
+//! Wall: error of the tool on the walls of a printed part, with a shaper and modes that give way.
 //!
 //! A shaper rounds a corner, because it spreads the command over a time with the standard deviation s: for slow changes
 //! by `s^2/2` of the acceleration. But belts give way. The tool is behind the command, by `1/w^2` of the acceleration,
@@ -6,7 +6,7 @@
 //! leaves 0.23, MZV 0.63 and EI 1.6.
 //!
 //! The same on whole walls, with ringing and corner speed: a square of 10 mm and a hole of 8 mm are driven with
-//! trapezoids of speed, and each axis gives way as measured,
+//! trapezoids of speed, and each axis gives way by its modes,
 //!
 //! ```text
 //! e'' + 2 z w e' + w^2 e = -y'',    tool = y + sum part e
@@ -16,8 +16,7 @@
 //! constant acceleration and for the jumps of speed at corners. On the square ringing counts most, on the hole
 //! rounding.
 
-use crate::modes::Mode;
-use corehbot_twin::shaping::shaper::Impulse;
+use super::shaper::Impulse;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -34,6 +33,17 @@ const STEP_S: f64 = 2e-4;
 
 /// Ringing goes on for so long after the last corner, in s.
 const REST_S: f64 = 0.06;
+
+/// A mode of an axis, by which the tool lags behind the command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// Its frequency.
+    pub frequency_hz: f64,
+    /// Damping as a ratio to critical damping.
+    pub damping_ratio: f64,
+    /// Its part in the slow motion of the tool; all parts add up to 1.
+    pub part: f64,
+}
 
 /// How the walls are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -64,10 +74,10 @@ pub struct WallError {
 
 /// The error of slow changes of acceleration, in `a/w^2` of the strongest mode: positive is inside of a corner.
 #[must_use]
-pub fn net_rounding(impulses: &[Impulse], modes: &[Mode]) -> f64 {
+pub fn net_rounding(impulses: &[Impulse], modes: &[Lag]) -> f64 {
     let mean: f64 = impulses.iter().map(|i| i.amount * i.time_s).sum();
     let variance: f64 = impulses.iter().map(|i| i.amount * (i.time_s - mean).powi(2)).sum();
-    let softness = |mode: &Mode| mode.part / (TAU * mode.frequency_hz).powi(2);
+    let softness = |mode: &Lag| mode.part / (TAU * mode.frequency_hz).powi(2);
     let lag: f64 = modes.iter().map(softness).sum();
     let unit = modes.first().map_or(1.0, |mode| (TAU * mode.frequency_hz).powi(-2));
     (variance / 2.0 - lag) / unit
@@ -99,7 +109,7 @@ pub struct Unshaped {
 impl Unshaped {
     /// With these modes along both axes, each frequency times `factor`.
     #[must_use]
-    pub fn new(print: &Print, modes: &[Mode], factor: f64) -> Self {
+    pub fn new(print: &Print, modes: &[Lag], factor: f64) -> Self {
         let part = |outline: Outline| {
             let (events, start, lasts) = match outline {
                 Outline::Square => square(print),
@@ -219,7 +229,7 @@ fn hole(print: &Print) -> Command {
 }
 
 /// Places of an axis of the tool.
-fn tool(events: &[Event], modes: &[Mode], factor: f64, count: usize) -> Vec<f64> {
+fn tool(events: &[Event], modes: &[Lag], factor: f64, count: usize) -> Vec<f64> {
     let mut axis = Axis { states: modes.iter().map(|mode| State::new(mode, factor)).collect(), ..Axis::default() };
     let mut next = events.iter().peekable();
     let place = |i: usize| {
@@ -275,7 +285,7 @@ struct State {
 }
 
 impl State {
-    fn new(mode: &Mode, factor: f64) -> Self {
+    fn new(mode: &Lag, factor: f64) -> Self {
         let omega = TAU * mode.frequency_hz * factor;
         Self { part: mode.part, omega, damping: mode.damping_ratio, place: 0.0, speed: 0.0 }
     }
@@ -297,10 +307,10 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapers::Shaper;
+    use crate::shaping::shaper::{Kind, impulses};
 
-    fn mode(frequency_hz: f64, damping_ratio: f64) -> Mode {
-        Mode { frequency_hz, frequency_error_hz: 0.0, damping_ratio, part: 1.0 }
+    fn mode(frequency_hz: f64, damping_ratio: f64) -> Lag {
+        Lag { frequency_hz, damping_ratio, part: 1.0 }
     }
 
     /// pi^2/8 - 1 and so on, without damping.
@@ -308,8 +318,8 @@ mod tests {
     fn most_of_the_rounding_cancels() {
         let modes = [mode(60.0, 1e-6)];
         for (i, known, tolerance) in [(0, 0.2337, 1e-3), (1, 0.6262, 1e-3), (3, 1.59, 0.02)] {
-            let net = net_rounding(&Shaper::ALL[i].impulses(60.0, 1e-6), &modes);
-            assert!((net - known).abs() < tolerance, "{}: {net}", Shaper::ALL[i].name());
+            let net = net_rounding(&impulses(Kind::ALL[i], 60.0, 1e-6), &modes);
+            assert!((net - known).abs() < tolerance, "{}: {net}", Kind::ALL[i].name());
         }
     }
 
@@ -349,8 +359,8 @@ mod tests {
             axes.iter_mut().for_each(|axis| *axis = axis[axis.len() / 4..axis.len() / 2].to_vec());
         }
         let [_, (_, [x, y])] = &machine.parts;
-        for shaper in [Shaper::ALL[0], Shaper::ALL[1], Shaper::ALL[3]] {
-            let impulses = shaper.impulses(60.0, 0.05);
+        for shaper in [Kind::Zv, Kind::Mzv, Kind::Ei] {
+            let impulses = impulses(shaper, 60.0, 0.05);
             let place =
                 |axis: &[f64]| impulses.iter().map(|i| i.amount * at(axis, 500.0 - i.time_s / STEP_S)).sum::<f64>();
             let off = RADIUS_MM - place(x).hypot(place(y));
@@ -364,8 +374,8 @@ mod tests {
         let modes = [mode(50.0, 0.05)];
         let unshaped = Unshaped::new(&Print::default(), &modes, 1.0);
         let none = unshaped.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
-        let right = unshaped.error(&Shaper::ALL[0].impulses(50.0, 0.05));
-        let wrong = unshaped.error(&Shaper::ALL[0].impulses(80.0, 0.05));
+        let right = unshaped.error(&impulses(Kind::Zv, 50.0, 0.05));
+        let wrong = unshaped.error(&impulses(Kind::Zv, 80.0, 0.05));
         assert!(right.rms_um < 0.3 * none.rms_um && right.rms_um < wrong.rms_um, "{none:?} {right:?} {wrong:?}");
     }
 }
