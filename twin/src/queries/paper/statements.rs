@@ -1,7 +1,7 @@
 //! Statements: numbers in the text of \[H\], each with the model's.
 
 use super::pattern::Pattern;
-use super::table::TOOL;
+use super::table::{TOOL, touching};
 use crate::geometry::{layout, workspace};
 use crate::model::displacements::displacements;
 use crate::params::Params;
@@ -45,13 +45,7 @@ impl Statement {
     }
 }
 
-/// The machine of the paper's table 2 with a head as small as its pulleys allow, as in table 1.
-pub(super) fn touching() -> Params {
-    let nominal = Params::default();
-    Params { head_pulleys_mm: 2.0 * nominal.pulley_radius_mm, ..nominal }
-}
-
-/// The same with a head that is a point, as the paper has H-bot and CoreXY.
+/// The machine of the paper's table 2 with a head that is a point, as the paper has H-bot and CoreXY.
 fn point() -> Params {
     Params { head_pulleys_mm: 0.0, ..Params::default() }
 }

@@ -10,6 +10,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// The place of the tool for which the lengths are compared: anywhere but in the middle.
 pub const TOOL: Place = Place::flat(150.0, 180.0);
 
+/// The machine of the paper's table 2 with a head as small as its pulleys allow, as in table 1.
+pub(super) fn touching() -> Params {
+    let nominal = Params::default();
+    Params { head_pulleys_mm: 2.0 * nominal.pulley_radius_mm, ..nominal }
+}
+
 /// A length.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
@@ -46,7 +52,7 @@ const HALF: [u8; 6] = [1, 4, 6, 8, 11, 13];
 
 /// The table, for the dimensions of the paper's table 2.
 pub(super) fn table_1() -> Vec<Row> {
-    let p = super::statements::touching();
+    let p = touching();
     let of = [TOOL.x, TOOL.y, p.width_mm, p.depth_mm, p.pulley_radius_mm, p.bar_pulleys_mm];
     let laid = layout(Machine::CoreHBot, &p, TOOL);
     let number = numbers(Machine::CoreHBot);
