@@ -6,7 +6,6 @@ use corehbot_sim::world::Host;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A bar on a terminal, and no bar elsewhere.
@@ -25,17 +24,23 @@ pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
 /// says how long it takes, once this is known and worth a line.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    begin: Instant,
+    state: Mutex<State>,
+}
+
+/// How far the pieces are.
+struct State {
     /// Weight of each piece, and its done part, of 1.
-    pieces: Mutex<Vec<(f64, f64)>>,
-    is_told: AtomicBool,
+    pieces: Vec<(f64, f64)>,
+    /// When the first piece went on after its preparations, which must not count as slow work.
+    begin: Option<Instant>,
+    is_told: bool,
 }
 
 /// Parts of its bar.
 const PARTS: f64 = 1000.0;
 
-/// An estimate is told once this part of the work is done, of 1: before, preparations count too much.
-const KNOWN_AFTER: f64 = 0.02;
+/// An estimate is told once this part of the work is done, of 1.
+const KNOWN_AFTER: f64 = 0.05;
 
 /// A shorter rest is not worth a line.
 const WORTH: Duration = Duration::from_secs(20);
@@ -45,21 +50,21 @@ impl Progress {
     pub(crate) fn new(weights: impl IntoIterator<Item = f64>) -> Self {
         let pieces = weights.into_iter().map(|weight| (weight, 0.0)).collect();
         let bar = progress_bar(PARTS as u64, "thousandths");
-        Self { bar, begin: Instant::now(), pieces: Mutex::new(pieces), is_told: AtomicBool::new(false) }
+        Self { bar, state: Mutex::new(State { pieces, begin: None, is_told: false }) }
     }
 
     /// A part, of 1, of a piece is done.
     pub(crate) fn set(&self, piece: usize, part: f64) {
-        let Ok(mut pieces) = self.pieces.lock() else { return };
-        if let Some((_, done)) = pieces.get_mut(piece) {
+        let Ok(mut state) = self.state.lock() else { return };
+        if let Some((_, done)) = state.pieces.get_mut(piece) {
             *done = part;
         }
-        let whole: f64 = pieces.iter().map(|(weight, _)| weight).sum();
-        let done = pieces.iter().map(|(weight, done)| weight * done).sum::<f64>() / whole;
-        drop(pieces);
+        let whole: f64 = state.pieces.iter().map(|(weight, _)| weight).sum();
+        let done = state.pieces.iter().map(|(weight, done)| weight * done).sum::<f64>() / whole;
         self.bar.set_position((done * PARTS) as u64);
-        let elapsed = self.begin.elapsed();
-        if self.bar.is_hidden() && done > KNOWN_AFTER && !self.is_told.swap(true, Ordering::Relaxed) {
+        let elapsed = state.begin.get_or_insert_with(Instant::now).elapsed();
+        if self.bar.is_hidden() && done > KNOWN_AFTER && !state.is_told {
+            state.is_told = true;
             let left = elapsed.mul_f64((1.0 - done) / done);
             if left > WORTH {
                 eprintln!("corehbot: about {} left", HumanDuration(left));

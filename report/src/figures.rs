@@ -5,11 +5,11 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | [`routing`] | the belts of a machine, as in figures 4 to 6 |
-//! | [`forces`] | a simple belt, free bodies, and motions along the axes, as in figures 7 to 9 |
-//! | [`workspaces`] | the reach of three machines, by equations 20 and 21 |
-//! | [`table`] | table 1 |
-//! | [`page`] | the page with all of them, and the numbers of the text |
+//! | `routing` | the belts of a machine, as in figures 4 to 6 |
+//! | `forces` | a simple belt, free bodies, and motions along the axes, as in figures 7 to 9 |
+//! | `workspaces` | the reach of three machines, by equations 20 and 21 |
+//! | `table` | table 1 |
+//! | `page` | the page with all of them, and the numbers of the text |
 
 mod forces;
 mod page;

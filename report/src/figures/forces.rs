@@ -140,7 +140,7 @@ pub(super) fn motions() -> String {
         let along = if axis == 0 { [1.0, 0.0] } else { [0.0, -1.0] };
         let [px, py] = view.at([view.tool.x, view.tool.y]);
         // Next to the tool, where no belt and no pulley is.
-        let (aside, name) = if axis == 0 { ([0.0, -14.0], [0.0, -5.0]) } else { ([-22.0, 0.0], [-9.0, 4.0]) };
+        let (aside, name) = if axis == 0 { ([0.0, -14.0], [0.0, -5.0]) } else { ([-12.0, 0.0], [9.0, 4.0]) };
         let to = |by: f64, off: [f64; 2]| [0, 1].map(|i| [px, py][i] + by * along[i] + aside[i] + off[i]);
         for (by, colour, words) in [(30.0, "#222", "v"), (-30.0, FORCE, "Fe")] {
             drawing.arrow(to(by / 15.0, [0.0; 2]), to(by, [0.0; 2]), colour);

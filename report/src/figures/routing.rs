@@ -198,7 +198,7 @@ pub(super) fn corehbot() -> String {
 
 /// Figure 6: the three routings with their dimensions.
 pub(super) fn three() -> String {
-    let mut drawing = Drawing::new([1010.0, 400.0], "Figure 6: the belts of H-bot, CoreXY and CoreH-bot");
+    let mut drawing = Drawing::new([1030.0, 400.0], "Figure 6: the belts of H-bot, CoreXY and CoreH-bot");
     let panels = [(Machine::HBot, "(a) H-bot"), (Machine::CoreXy, "(b) CoreXY"), (Machine::CoreHBot, "(c) CoreH-bot")];
     for (index, (machine, name)) in (0..).zip(panels) {
         let view = View::new(machine, [50.0 + 334.0 * f64::from(index), 336.0], 0.52);
