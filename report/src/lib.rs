@@ -16,8 +16,11 @@
 //! | [`svg`] | drawings and charts |
 //! | [`figures`] | the schematics of the CoreH-bot paper |
 //! | [`parts`] | errors of reference parts by speed |
+//! | [`yin`] | the figures of Yin et al. |
+//! | [`corexyz`] | zig-zag and levelling of a CoreXYZ |
 #![forbid(unsafe_code)]
 
+pub mod corexyz;
 pub mod figures;
 pub mod heat_log;
 pub mod mesh;
@@ -29,3 +32,4 @@ pub mod resonance;
 pub mod summary;
 pub mod svg;
 pub mod twin;
+pub mod yin;

@@ -52,6 +52,8 @@ pub struct Params {
     pub bar_yaw_inertia_kg_m2: Option<f64>,
     /// Stiffness with which the guides hold the bar square.
     pub bar_yaw_stiffness_nm_per_rad: f64,
+    /// Stiffness with which the guides in z hold the gantry level, where belts lift it.
+    pub gantry_tilt_stiffness_nm_per_rad: f64,
     /// Mass of the frame, where it has a stiffness.
     pub frame_mass_kg: f64,
     /// Stiffness with which the ground holds the frame in x and in y; none if the frame is rigid.
@@ -122,6 +124,7 @@ const EMPTY: Params = Params {
     bed_mass_kg: 0.0,
     bar_yaw_inertia_kg_m2: None,
     bar_yaw_stiffness_nm_per_rad: 0.0,
+    gantry_tilt_stiffness_nm_per_rad: 0.0,
     frame_mass_kg: 0.0,
     frame_stiffness_n_per_mm: Each::NONE,
     frame_damping_ratio: 0.0,

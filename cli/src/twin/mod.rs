@@ -9,6 +9,7 @@ mod figures;
 mod fit;
 mod flow;
 mod jump;
+mod level;
 mod limits;
 mod measured;
 mod parts;
@@ -23,10 +24,14 @@ mod study;
 mod sweep;
 mod tension;
 mod yin;
+mod zigzag;
 
 use crate::answer;
-use anyhow::Result;
+use crate::output::Outputs;
+use anyhow::{Context as _, Result};
 use clap::Subcommand;
+use std::io::Write as _;
+use std::path::Path;
 
 /// The belt's response to commanded steps: stiffness, modes, slips.
 #[derive(Subcommand)]
@@ -70,9 +75,30 @@ pub(crate) enum Twin {
     /// Compares the nozzle's flow with the tool's motion, by shaper and window of the pressure advance.
     Flow(flow::Flow),
     /// Computes how far the tool cuts the corners on Yin et al.'s CoreXY, on a square of 20 mm.
+    ///
+    /// x points along the bar and y across it; the square begins at its lower left corner. A contour error is the
+    /// distance from a corner to where the tool crosses its bisector: positive inside the corner, negative outside.
     Yin(yin::Yin),
+    /// Shows the tool's path when motors make their steps one after the other, and in one instant.
+    ///
+    /// A way aside is the tool's distance from the line of the move between its steps. A residual is the part of the
+    /// motors' steps that no place of the tool has; it strains the belts.
+    Zigzag(zigzag::Zigzag),
+    /// Computes what the belts of a CoreXYZ do to its bar and its gantry: racking, and levelling by belts and pulleys.
+    ///
+    /// The tilt about x is positive where the back rises, the tilt about y where the left side rises, the racking of
+    /// the bar counter-clockwise seen from above. Moments are those that the guides bear, with these signs. Without
+    /// --machine and --settings the machine is a CoreXYZ with four motors.
+    Level(level::Level),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     Run(play::Play),
+}
+
+/// Writes a drawing, if one is asked for.
+fn drawn(outputs: &mut Outputs, path: Option<&Path>, draw: impl FnOnce() -> String) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let mut out = outputs.open(path)?;
+    out.write_all(draw().as_bytes()).and_then(|()| out.flush()).context("cannot write the drawing")
 }
 
 /// Answers, and says the exit status.
@@ -94,6 +120,8 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Limits(args) => args.answer(),
         Twin::Flow(args) => args.answer(),
         Twin::Yin(args) => args.answer(),
+        Twin::Zigzag(args) => args.answer(),
+        Twin::Level(args) => args.answer(),
         Twin::Compare(args) => args.answer(),
         Twin::Figures(args) => args.answer(),
         Twin::Parts(args) => args.answer(),

@@ -93,6 +93,11 @@ impl FileArgs {
         self.settings.as_deref().into_iter()
     }
 
+    /// Whether there is one.
+    pub(super) const fn is_given(&self) -> bool {
+        self.settings.is_some()
+    }
+
     /// The machine of the file.
     pub(super) fn read(&self) -> Result<File> {
         Printer::new(self.settings.clone(), None).machine()
@@ -108,6 +113,11 @@ pub(super) struct MachineArgs {
 }
 
 impl MachineArgs {
+    /// Whether the command line says which.
+    pub(super) const fn is_given(&self) -> bool {
+        self.machine.is_some()
+    }
+
     /// The machine and its numbers.
     ///
     /// # Errors
@@ -218,6 +228,11 @@ impl SetupArgs {
 pub(super) fn parse_finite(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     number.ok_or_else(|| format!("{text} is not a number"))
+}
+
+/// A finite number above 0.
+pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
+    parse_finite(text).and_then(|v| if v > 0.0 { Ok(v) } else { Err(format!("{text} is not above 0")) })
 }
 
 /// Two finite numbers.

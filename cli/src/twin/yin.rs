@@ -1,21 +1,50 @@
-//! `twin yin`: the corners of Yin et al.'s square.
+//! `twin yin`: the corners of Yin et al.'s square, their figures, and their equation 9.
 
 use super::answer::Json;
-use anyhow::Result;
+use super::drawn;
+use super::setup::syntax;
+use anyhow::{Context as _, Result, anyhow};
 use clap::{Args, ValueEnum};
-use corehbot_twin::yin::{Case, Command, Corners, Model, run};
+use corehbot_report::yin::{figure_3, figure_4, figure_5};
+use corehbot_twin::yin::figure::{Figure3, Figure4, Figure5};
+use corehbot_twin::yin::state_space::{Input, StateSpace};
+use corehbot_twin::yin::{Case, Command, Corners, Direction, Drive, Model, Parameters, run_on};
 use serde::Serialize;
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// `twin yin`.
 #[derive(Args)]
 pub(crate) struct Yin {
     /// The speed along the square, in m/s.
-    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
-    speed: f64,
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true, required_unless_present_any = ["figure", "state_space"])]
+    speed: Option<f64>,
+    /// Computes a figure of the paper again, and compares it with the text; speeds and models are the paper's.
+    #[arg(long, value_name = "N", conflicts_with_all = ["speed", "model", "direction"])]
+    figure: Option<Figure>,
+    /// Writes the figure as a drawing; `-` is standard output.
+    #[arg(long, value_name = "F.svg", requires = "figure", conflicts_with_all = ["speed", "state_space"])]
+    svg: Option<PathBuf>,
+    /// Gives the matrices and poles of equation 9: from angles of steppers, or from voltages of DC motors. Coulomb
+    /// friction is left out.
+    #[arg(long, conflicts_with_all = ["speed", "figure", "direction", "pulses", "gain"])]
+    state_space: bool,
+    /// The numbers of the rig, under the paper's names (examples/twin/yin.toml). Without it, the assumed rig: the
+    /// numbers of the paper's table I are not known.
+    #[arg(long, value_name = "RIG.toml")]
+    rig: Option<PathBuf>,
     /// How much of the machine is modelled.
     #[arg(long, value_name = "MODEL", default_value = "full")]
     model: Degrees,
+    /// The motors.
+    #[arg(long, value_name = "MOTORS", default_value = "stepper")]
+    drive: Motors,
+    /// The gain of the position control of DC motors, in V per rad of error; the paper has no control for them.
+    #[arg(long, value_name = "V_PER_RAD", default_value_t = 100.0, allow_negative_numbers = true)]
+    gain: f64,
+    /// The way round the square; the paper went counter-clockwise.
+    #[arg(long, value_name = "WAY", default_value = "clockwise")]
+    direction: Way,
     /// Factor of all friction.
     #[arg(long, value_name = "F", default_value_t = 1.0, allow_negative_numbers = true)]
     friction: f64,
@@ -42,16 +71,97 @@ enum Degrees {
     Four,
 }
 
+/// A figure by its number.
+#[derive(Clone, Copy, ValueEnum)]
+enum Figure {
+    /// The tool's path at three speeds.
+    #[value(name = "3")]
+    Three,
+    /// The error over the speed.
+    #[value(name = "4")]
+    Four,
+    /// The error over friction, stiffness and mass.
+    #[value(name = "5")]
+    Five,
+}
+
+/// The kind of motors.
+#[derive(Clone, Copy, ValueEnum)]
+enum Motors {
+    /// Steppers turn as commanded (equations 8 and 15).
+    Stepper,
+    /// DC motors turn by their torque K1 V - K2 phi' (equations 7, 10 and 16).
+    Dc,
+}
+
+/// The way round the square.
+#[derive(Clone, Copy, ValueEnum)]
+enum Way {
+    /// Along y first.
+    Clockwise,
+    /// Along x first.
+    CounterClockwise,
+}
+
 impl Yin {
     pub(super) fn answer(&self) -> Result<u8> {
-        let Self { speed, friction, stiffness, mass, .. } = *self;
-        let model = match self.model {
-            Degrees::Full => Model::Full,
-            Degrees::Four => Model::FourDof,
-        };
-        let command = if self.pulses { Command::Pulses } else { Command::Continuous };
-        let corners = run(&Case { speed, model, command, friction, stiffness, mass })?;
-        self.json.give(&Answer::of(corners), [])
+        let rig = self.rig()?;
+        let case = self.case();
+        if self.state_space {
+            let input = match self.drive {
+                Motors::Stepper => Input::Angles,
+                Motors::Dc => Input::Volts,
+            };
+            rig.check()?;
+            let scaled = rig.scaled(case.friction, case.stiffness, case.mass);
+            scaled.check()?;
+            return self.json.give(&StateSpace::new(case.model, &scaled, input), self.files());
+        }
+        match self.figure {
+            Some(Figure::Three) => self.give(&Figure3::new(&rig, &case)?, figure_3),
+            Some(Figure::Four) => self.give(&Figure4::new(&rig, &case)?, figure_4),
+            Some(Figure::Five) => self.give(&Figure5::new(&rig, &case)?, figure_5),
+            None => self.json.give(&Answer::of(run_on(&rig, &case)?), self.files()),
+        }
+    }
+
+    fn files(&self) -> impl Iterator<Item = &Path> {
+        self.rig.as_deref().into_iter()
+    }
+
+    fn rig(&self) -> Result<Parameters> {
+        let Some(path) = &self.rig else { return Ok(Parameters::default()) };
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+        toml::from_str(&text).map_err(|error| anyhow!("{}: {}", path.display(), syntax(&text, &error)))
+    }
+
+    fn case(&self) -> Case {
+        let Self { friction, stiffness, mass, gain, .. } = *self;
+        Case {
+            // Figures have speeds of their own.
+            speed: self.speed.unwrap_or_default(),
+            model: match self.model {
+                Degrees::Full => Model::Full,
+                Degrees::Four => Model::FourDof,
+            },
+            drive: match self.drive {
+                Motors::Stepper => Drive::Stepper,
+                Motors::Dc => Drive::Dc(gain),
+            },
+            command: if self.pulses { Command::Pulses } else { Command::Continuous },
+            direction: match self.direction {
+                Way::Clockwise => Direction::Clockwise,
+                Way::CounterClockwise => Direction::CounterClockwise,
+            },
+            friction,
+            stiffness,
+            mass,
+        }
+    }
+
+    /// Gives a figure, and its drawing if it is asked for.
+    fn give<F: Serialize + fmt::Display>(&self, figure: &F, draw: fn(&F) -> String) -> Result<u8> {
+        self.json.give_with(figure, self.files(), |outputs| drawn(outputs, self.svg.as_deref(), || draw(figure)))
     }
 }
 
@@ -61,20 +171,23 @@ struct Answer {
     x_to_y_mm: f64,
     y_to_x_mm: f64,
     overshoot_mm: f64,
+    #[serde(rename = "largest_voltage_V", skip_serializing_if = "Option::is_none")]
+    most_volts: Option<f64>,
 }
 
 impl Answer {
     const fn of(corners: Corners) -> Self {
-        let Corners { x_to_y_mm, y_to_x_mm, overshoot_mm } = corners;
-        Self { x_to_y_mm, y_to_x_mm, overshoot_mm }
+        let Corners { x_to_y_mm, y_to_x_mm, overshoot_mm, most_volts } = corners;
+        Self { x_to_y_mm, y_to_x_mm, overshoot_mm, most_volts }
     }
 }
 
 impl fmt::Display for Answer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { x_to_y_mm, y_to_x_mm, overshoot_mm } = self;
+        let Self { x_to_y_mm, y_to_x_mm, overshoot_mm, most_volts } = self;
         writeln!(f, "from x to y  {x_to_y_mm:8.4} mm, contour error by equation 17")?;
         writeln!(f, "from y to x  {y_to_x_mm:8.4} mm")?;
-        writeln!(f, "overshoot    {overshoot_mm:8.4} mm")
+        writeln!(f, "overshoot    {overshoot_mm:8.4} mm")?;
+        most_volts.map_or(Ok(()), |volts| writeln!(f, "voltage      {volts:8.4} V at most"))
     }
 }

@@ -1,7 +1,7 @@
 //! Rigs at random, always the same ones: a fixed generator draws belts, masses and friction within the ranges of a
 //! group.
 
-use corehbot_twin::yin::{Model, Parameters, axes};
+use corehbot_twin::yin::{Model, NOMINAL, Parameters, axes};
 
 /// A kind of machine.
 pub struct Group {
@@ -78,5 +78,6 @@ fn without_friction(group: &Group, random: &mut Generator) -> Parameters {
         guide_coulomb: [0.0; 2],
         pulley_viscous: 0.0,
         pulley_coulomb: 0.0,
+        ..NOMINAL
     }
 }

@@ -18,10 +18,12 @@
 //! | [`displacements`] | the same with all displacements, as the paper counts degrees of freedom |
 //! | [`loads`] | forces on frame, bar and head from tensions |
 //! | [`elastic`] | stiffness and mass of the movable parts |
+//! | [`gantry`] | belts of a CoreXYZ that rack its bar and tilt its gantry |
 
 pub mod coordinate;
 pub mod displacements;
 pub mod elastic;
+pub mod gantry;
 pub mod links;
 pub mod loads;
 pub mod ways;

@@ -14,7 +14,7 @@ impl Row {
 }
 
 /// All numbers, in the order of documents and files.
-pub static ROWS: [Row; 42] = [
+pub static ROWS: [Row; 43] = [
     Row {
         key: "width_mm",
         unit: "mm",
@@ -179,6 +179,15 @@ pub static ROWS: [Row; 42] = [
         meaning: "Stiffness with which the guides hold the bar square",
         source: "assumed",
         field: |p| Field::One(&mut p.bar_yaw_stiffness_nm_per_rad),
+    },
+    Row {
+        key: "gantry_tilt_stiffness_Nm_per_rad",
+        unit: "N m/rad",
+        default: Some(2000.0),
+        may_be_zero: true,
+        meaning: "Stiffness with which the guides in z hold the gantry level, where belts lift it",
+        source: "assumed, as the bar's",
+        field: |p| Field::One(&mut p.gantry_tilt_stiffness_nm_per_rad),
     },
     Row {
         key: "frame_mass_kg",

@@ -3,10 +3,13 @@
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
 //! [`tension`], [`ripple`]. About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`]. [`frame`] has the
 //! torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a shaper.
+//! [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as [`claim`]s.
 
+pub mod claim;
 pub mod compare;
 pub mod frame;
 pub mod geometry;
+pub mod level;
 pub mod limits;
 pub mod modes;
 pub mod paper;
@@ -19,6 +22,7 @@ pub mod stiffness;
 mod strain;
 pub mod tension;
 pub mod torque;
+pub mod zigzag;
 
 use crate::geometry::workspace;
 use crate::model::elastic::{Elastic, Freedom};

@@ -28,6 +28,14 @@ impl Axis {
         (self.stiffness / self.mass).sqrt()
     }
 
+    /// Time after which a step has settled to 5 %, by the slower pole of viscous friction alone, s.
+    #[must_use]
+    pub fn settling_time(&self) -> f64 {
+        let ratio = self.damping_ratio();
+        let beyond = (ratio * ratio - 1.0).max(0.0).sqrt();
+        20.0_f64.ln() / (self.frequency() * (ratio - beyond))
+    }
+
     /// Damping ratio of viscous friction alone: 1 is critical.
     #[must_use]
     pub fn damping_ratio(&self) -> f64 {

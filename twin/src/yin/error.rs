@@ -7,6 +7,8 @@ use std::fmt;
 pub enum Error {
     /// The speed is outside [`SPEEDS`](super::SPEEDS), m/s.
     Speed(f64),
+    /// The gain of the DC motors' control is outside [`GAINS`](super::GAINS), V/rad.
+    Gain(f64),
     /// The factor of this name is outside [`FACTORS`](super::FACTORS).
     Factor(&'static str, f64),
     /// The rig has an illegal value of this name.
@@ -22,6 +24,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Error::Speed(v) => write!(f, "a speed of {v} m/s is outside {:?} m/s", super::SPEEDS),
+            Error::Gain(gain) => write!(f, "a gain of {gain} V/rad is outside {:?} V/rad", super::GAINS),
             Error::Factor(name, value) => {
                 write!(f, "the factor of {name}, {value}, is outside {:?}", super::FACTORS)
             }

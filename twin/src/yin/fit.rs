@@ -1,7 +1,9 @@
 //! Straight lines through points, and power laws.
 
+use serde::Serialize;
+
 /// y = slope x + intercept by least squares.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Line {
     /// Units of y per unit of x.
     pub slope: f64,

@@ -22,14 +22,20 @@ pub(super) fn steps(piece: &Piece, longest: f64) -> usize {
     (piece.duration / longest).ceil().max(1.0) as usize
 }
 
-/// Integrates a piece and shows every state.
-pub(super) fn advance(system: &System, state: &mut State, piece: &Piece, longest: f64, mut show: impl FnMut(&State)) {
+/// Integrates a piece and shows every state, with the inputs at its time.
+pub(super) fn advance(
+    system: &System,
+    state: &mut State,
+    piece: &Piece,
+    longest: f64,
+    mut show: impl FnMut(&State, [f64; 2]),
+) {
     let count = steps(piece, longest);
     let step = piece.duration / count as f64;
     for i in 0..count {
         let input = |part: f64| piece.at((i as f64 + part) / count as f64);
         *state = runge_kutta(system, state, step, [input(0.0), input(0.5), input(1.0)]);
-        show(state);
+        show(state, input(1.0));
     }
 }
 
@@ -37,7 +43,7 @@ pub(super) fn advance(system: &System, state: &mut State, piece: &Piece, longest
 #[must_use]
 pub fn hold(system: &System, state: &State, input: [f64; 2], duration: f64) -> State {
     let mut after = *state;
-    advance(system, &mut after, &Piece { duration, from: input, to: input }, step_for(system), |_| {});
+    advance(system, &mut after, &Piece { duration, from: input, to: input }, step_for(system), |_, _| {});
     after
 }
 

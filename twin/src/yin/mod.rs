@@ -12,7 +12,8 @@
 //!                                                                    path (the square) ──────────┘
 //! ```
 //!
-//! `damping` predicts how an axis behaves as a whole, `fit` finds the trends in results.
+//! `damping` predicts how an axis behaves as a whole, `fit` finds the trends in results. [`figure`] computes figures 3
+//! to 5 of the paper again, [`state_space`] has the matrices of equation 9.
 //!
 //! Figures depend on the input alone: time steps are fixed, chosen from the parameters, and there are no random
 //! numbers.
@@ -20,12 +21,14 @@ mod belt;
 mod corner;
 mod damping;
 mod error;
+pub mod figure;
 pub mod fit;
 mod integrator;
 mod model;
 mod parameters;
 mod path;
 mod run;
+pub mod state_space;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -35,6 +38,6 @@ pub use error::Error;
 pub use integrator::hold;
 pub use model::Model;
 pub use parameters::{NOMINAL, Parameters};
-pub use path::Command;
-pub use run::{Case, Corners, FACTORS, SPEEDS, run, run_on};
-pub use system::{DcMotor, State, System};
+pub use path::{Command, Direction};
+pub use run::{Case, Corners, FACTORS, GAINS, SPEEDS, run, run_on, trajectory};
+pub use system::{DcMotor, Drive, State, System};

@@ -1,34 +1,56 @@
 //! The rig's numbers: belt, masses and friction, in SI units.
 //!
 //! The values of the paper's Table I are not available. `NOMINAL` is assumed. It has the values in the text (MXL
-//! pulleys and belt, E = 160 MPa, steppers of 1.8 degrees) and sizes of such a rig. Its friction gives corner errors in
-//! the reported range and with the reported trends.
+//! pulleys and belt, E = 160 MPa, steppers of 1.8 degrees) and sizes of such a rig. Its friction gives corner errors
+//! with the reported trends. A file (`examples/twin/yin.toml`) may have other values, under the paper's names.
 
 use super::error::Error;
+use super::system::DcMotor;
+use serde::{Deserialize, Serialize};
 
 /// A CoreXY as in figure 1 of the paper, in SI units (m, kg, s, N).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// Stiffness of the belt sections k1 to k5, N/m. Each is used on both sides of the machine.
+    #[serde(rename = "k_N_per_m")]
     pub stiffness: [f64; 5],
     /// Radius of all pulleys, m.
+    #[serde(rename = "r_m")]
     pub pulley_radius: f64,
     /// End-effector with its part of the belt, kg: m_x.
+    #[serde(rename = "m_x_kg")]
     pub effector_mass: f64,
     /// The y-frame without end-effector and pulleys, kg: m_y.
+    #[serde(rename = "m_y_kg")]
     pub frame_mass: f64,
     /// One pulley, kg: m_p. Four of them ride on the y-frame.
+    #[serde(rename = "m_p_kg")]
     pub pulley_mass: f64,
     /// One pulley about its axis, kg m2: J_p.
+    #[serde(rename = "J_p_kg_m2")]
     pub pulley_inertia: f64,
     /// Viscous friction of end-effector and y-frame on their guides, N s/m: b1, b2.
+    #[serde(rename = "b_N_s_per_m")]
     pub guide_viscous: [f64; 2],
     /// Coulomb friction of end-effector and y-frame on their guides, N: f1, f2.
+    #[serde(rename = "f_N")]
     pub guide_coulomb: [f64; 2],
     /// Viscous friction of one pulley, N m s: B_p.
+    #[serde(rename = "B_p_N_m_s")]
     pub pulley_viscous: f64,
     /// Coulomb friction of one pulley, N m: tau_f.
+    #[serde(rename = "tau_f_N_m")]
     pub pulley_coulomb: f64,
+    /// The motors of a rig with DC motors.
+    pub motor: DcMotor,
+}
+
+/// The assumed rig.
+impl Default for Parameters {
+    fn default() -> Parameters {
+        NOMINAL
+    }
 }
 
 /// Young's modulus of the belt from the paper, 160 MPa (section III), times an assumed section of 5 mm2: N.
@@ -52,6 +74,8 @@ pub const NOMINAL: Parameters = Parameters {
     guide_coulomb: [0.4, 0.3],
     pulley_viscous: 2.7e-4,
     pulley_coulomb: 4e-4,
+    // A brushed motor of 0.05 N m/A and 2.5 ohm, assumed: K1 = k/R, K2 = k^2/R.
+    motor: DcMotor { torque_per_volt: 0.02, back_torque: 1e-3, rotor_inertia: 2e-6 },
 };
 
 impl Parameters {
@@ -69,6 +93,7 @@ impl Parameters {
             guide_coulomb: self.guide_coulomb.map(|f| f * friction),
             pulley_viscous: self.pulley_viscous * friction,
             pulley_coulomb: self.pulley_coulomb * friction,
+            motor: DcMotor { rotor_inertia: self.motor.rotor_inertia * mass, ..self.motor },
         }
     }
 
@@ -86,6 +111,7 @@ impl Parameters {
         let masses = [self.effector_mass, self.frame_mass, self.pulley_mass, self.pulley_inertia];
         let pulleys = [self.pulley_viscous, self.pulley_coulomb];
         let friction = [self.guide_viscous, self.guide_coulomb, pulleys];
+        let motor = [self.motor.back_torque, self.motor.rotor_inertia];
         let is_positive = |v: &f64| v.is_finite() && *v > 0.0;
         let is_friction = |v: &f64| v.is_finite() && *v >= 0.0;
         let checks = [
@@ -93,6 +119,7 @@ impl Parameters {
             ("pulley radius", is_positive(&self.pulley_radius)),
             ("mass", masses.iter().all(is_positive)),
             ("friction", friction.as_flattened().iter().all(is_friction)),
+            ("DC motor", is_positive(&self.motor.torque_per_volt) && motor.iter().all(is_friction)),
         ];
         match checks.into_iter().find(|(_, is_legal)| !is_legal) {
             Some((what, _)) => Err(Error::Parameter(what)),

@@ -1,8 +1,8 @@
 //! The commanded rectangle, as belt travel of the two motors over time.
 //!
-//! The tool follows a square at constant speed, without ramps, clockwise from the lower left corner, which is the
-//! origin (section III A of the paper, which does not give the direction). Equation 1 turns places into belt travel: r
-//! phi1 = x + y, r phi2 = x - y.
+//! The tool follows a square at constant speed, without ramps, from the lower left corner, which is the origin (section
+//! III A of the paper). The paper went counter-clockwise (its figure 3). Equation 1 turns places into belt travel:
+//! r phi1 = x + y, r phi2 = x - y.
 
 use super::parameters::PULSE;
 
@@ -31,11 +31,45 @@ pub(super) struct Corner {
 }
 
 /// The three corners: y to x, x to y, y to x again. The first is reached from rest.
-pub(super) const CORNERS: [Corner; 3] = [
+const CLOCKWISE: [Corner; 3] = [
     Corner { place: [0.0, SIDE], into: [0.0, 1.0], out_of: [1.0, 0.0] },
     Corner { place: [SIDE, SIDE], into: [1.0, 0.0], out_of: [0.0, -1.0] },
     Corner { place: [SIDE, 0.0], into: [0.0, -1.0], out_of: [-1.0, 0.0] },
 ];
+
+/// The same the other way: x to y, y to x, x to y.
+const COUNTER_CLOCKWISE: [Corner; 3] = [
+    Corner { place: [SIDE, 0.0], into: [1.0, 0.0], out_of: [0.0, 1.0] },
+    Corner { place: [SIDE, SIDE], into: [0.0, 1.0], out_of: [-1.0, 0.0] },
+    Corner { place: [0.0, SIDE], into: [-1.0, 0.0], out_of: [0.0, -1.0] },
+];
+
+/// The way round the square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Along y first.
+    Clockwise,
+    /// Along x first, as in figure 3 of the paper.
+    CounterClockwise,
+}
+
+impl Direction {
+    /// Its corners, in order.
+    pub(super) const fn corners(self) -> [Corner; 3] {
+        match self {
+            Direction::Clockwise => CLOCKWISE,
+            Direction::CounterClockwise => COUNTER_CLOCKWISE,
+        }
+    }
+
+    /// Index of the corner from x to y, and from y to x, that the tool does not reach from rest.
+    pub(super) const fn turns(self) -> [usize; 2] {
+        match self {
+            Direction::Clockwise => [1, 2],
+            Direction::CounterClockwise => [2, 1],
+        }
+    }
+}
 
 /// A time in which the motor inputs change linearly from one value to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,8 +90,8 @@ impl Piece {
 }
 
 /// The four sides, each as its pieces.
-pub(super) fn sides(speed: f64, command: Command) -> Vec<Vec<Piece>> {
-    let [first, second, third] = CORNERS.map(|corner| corner.place);
+pub(super) fn sides(speed: f64, command: Command, direction: Direction) -> Vec<Vec<Piece>> {
+    let [first, second, third] = direction.corners().map(|corner| corner.place);
     let start = [0.0, 0.0];
     let ends = [(start, first), (first, second), (second, third), (third, start)];
     let duration = SIDE / speed;

@@ -2,23 +2,48 @@
 //!
 //! Equation 2 for every free coordinate q: m q'' = -K q - c q' - f sgn(q') + B u. Pulses prescribe the pulley of a
 //! stepper, so u is the belt travel of pulleys 1 and 2, and B their springs (equations 8 and 15). A DC motor turns with
-//! the torque K1 V - K2 phi' (equation 7), so u is the voltage, and the pulleys are free (equations 10 and 16).
+//! the torque K1 V - K2 phi' (equation 7), so u is the voltage, and the pulleys are free (equations 10 and 16). The
+//! paper has no controller for them. Ours is proportional, V = gain (commanded angle - angle), so its torque is the
+//! torque of a spring, and u is the commanded belt travel.
 
 use super::belt::{COORDINATES, X, Y, pulley};
 use super::model::{Mechanics, Model};
-use super::parameters::Parameters;
+use super::parameters::{NOMINAL, Parameters};
+use serde::{Deserialize, Serialize};
 
 /// Speed scale of the smoothing of sgn(v) to tanh(v / `SMOOTH_SPEED`), m/s: far below the running speeds, so that it
 /// blurs only rest.
 const SMOOTH_SPEED: f64 = 1e-3;
 
 /// A DC motor on each driving pulley: tau = K1 V - K2 phi' (equation 7).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct DcMotor {
     /// K1, N m/V.
+    #[serde(rename = "K_1_N_m_per_V")]
     pub torque_per_volt: f64,
     /// K2, N m s.
+    #[serde(rename = "K_2_N_m_s")]
     pub back_torque: f64,
+    /// Its rotor, kg m2: what the J_p of pulleys 1 and 2 has more than the others'.
+    #[serde(rename = "rotor_kg_m2")]
+    pub rotor_inertia: f64,
+}
+
+/// The assumed motor.
+impl Default for DcMotor {
+    fn default() -> DcMotor {
+        NOMINAL.motor
+    }
+}
+
+/// The motors of pulleys 1 and 2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// Steppers, which turn as commanded.
+    Stepper,
+    /// DC motors with position control of this gain, V/rad.
+    Dc(f64),
 }
 
 /// Places and speeds of the coordinates, m and m/s.
@@ -43,46 +68,61 @@ impl State {
 
 /// One free coordinate.
 #[derive(Debug, Clone)]
-struct Row {
-    coordinate: usize,
-    mass: f64,
-    viscous: f64,
+pub(super) struct Row {
+    pub coordinate: usize,
+    pub mass: f64,
+    pub viscous: f64,
     coulomb: f64,
     /// Free coordinates and their stiffness to this one.
-    springs: Vec<(usize, f64)>,
+    pub springs: Vec<(usize, f64)>,
     /// Force per unit of each input.
-    drive: [f64; 2],
+    pub drive: [f64; 2],
 }
 
 /// A model with its drive.
 #[derive(Debug, Clone)]
 pub struct System {
-    rows: Vec<Row>,
+    pub(super) rows: Vec<Row>,
 }
+
+/// The coordinates of the motors.
+const MOTORS: [usize; 2] = [pulley(1), pulley(2)];
 
 impl System {
     /// Driven by steppers: the inputs are the belt travels of pulleys 1 and 2, m.
     #[must_use]
     pub fn stepper(model: Model, parameters: &Parameters) -> System {
         let mechanics = Mechanics::new(model, parameters);
-        let motors = [pulley(1), pulley(2)];
-        let is_free = |coordinate: &usize| !motors.contains(coordinate);
-        let rows = rows(&mechanics, is_free, |coordinate| motors.map(|m| -mechanics.stiffness[coordinate][m]));
+        let is_free = |coordinate: &usize| !MOTORS.contains(coordinate);
+        let rows = rows(&mechanics, is_free, |coordinate| MOTORS.map(|m| -mechanics.stiffness[coordinate][m]));
         System { rows }
     }
 
     /// Driven by DC motors: the inputs are the voltages of motors 1 and 2.
     #[must_use]
-    pub fn dc(model: Model, parameters: &Parameters, motor: DcMotor) -> System {
-        let mut mechanics = Mechanics::new(model, parameters);
-        let r = parameters.pulley_radius;
-        let motors = [pulley(1), pulley(2)];
-        for m in motors {
-            mechanics.viscous[m] += motor.back_torque / (r * r);
+    pub fn dc(model: Model, parameters: &Parameters) -> System {
+        let force = parameters.motor.torque_per_volt / parameters.pulley_radius;
+        turned(with_rotors(model, parameters), force)
+    }
+
+    /// Driven by DC motors with position control of this gain in V/rad: the inputs are the commanded belt travels, m.
+    #[must_use]
+    pub fn servo(model: Model, parameters: &Parameters, gain: f64) -> System {
+        let mut mechanics = with_rotors(model, parameters);
+        let spring = parameters.motor.torque_per_volt * gain / parameters.pulley_radius.powi(2);
+        for m in MOTORS {
+            mechanics.stiffness[m][m] += spring;
         }
-        let force = motor.torque_per_volt / r;
-        let rows = rows(&mechanics, |_| true, |c| motors.map(|m| if m == c { force } else { 0.0 }));
-        System { rows }
+        turned(mechanics, spring)
+    }
+
+    /// With this drive: the inputs are the commanded belt travels, m.
+    #[must_use]
+    pub fn commanded(model: Model, parameters: &Parameters, drive: Drive) -> System {
+        match drive {
+            Drive::Stepper => System::stepper(model, parameters),
+            Drive::Dc(gain) => System::servo(model, parameters, gain),
+        }
     }
 
     /// Speeds and accelerations at a state, for an integrator.
@@ -118,6 +158,22 @@ impl System {
         let most = |of: &dyn Fn(&Row) -> f64| self.rows.iter().map(of).fold(0.0, f64::max);
         (most(&decay), most(&square).sqrt())
     }
+}
+
+/// A model with the rotors of its DC motors, and what they lose by turning.
+fn with_rotors(model: Model, parameters: &Parameters) -> Mechanics {
+    let mut mechanics = Mechanics::new(model, parameters);
+    let square = parameters.pulley_radius.powi(2);
+    for m in MOTORS {
+        mechanics.mass[m] += parameters.motor.rotor_inertia / square;
+        mechanics.viscous[m] += parameters.motor.back_torque / square;
+    }
+    mechanics
+}
+
+/// All coordinates are free, and each input pulls on its motor's pulley with this force per unit.
+fn turned(mechanics: Mechanics, force: f64) -> System {
+    System { rows: rows(&mechanics, |_| true, |c| MOTORS.map(|m| if m == c { force } else { 0.0 })) }
 }
 
 fn rows(mechanics: &Mechanics, is_free: impl Fn(&usize) -> bool, drive: impl Fn(usize) -> [f64; 2]) -> Vec<Row> {

@@ -4,8 +4,10 @@
 use super::super::belt::{X, Y, pulley};
 use super::super::damping::following;
 use super::super::*;
+use super::IDLE;
 
-const MOTOR: DcMotor = DcMotor { torque_per_volt: 0.02, back_torque: 1e-3 };
+const MOTOR: DcMotor = DcMotor { torque_per_volt: 0.02, back_torque: 1e-3, rotor_inertia: 3e-7 };
+const RIG: Parameters = Parameters { motor: MOTOR, ..NOMINAL };
 const VOLTS: [f64; 2] = [3.0, -5.0];
 
 /// A state without any symmetry.
@@ -70,7 +72,8 @@ fn full(state: &State) -> [f64; 12] {
     for number in 1..=10 {
         let speed = v.phi[number];
         let friction = NOMINAL.pulley_viscous * speed + NOMINAL.pulley_coulomb * sgn(r * speed);
-        change[number + 1] = (springs[number + 1] - friction + torque(number, speed)) / pulley_inertia;
+        let rotor = if number <= 2 { MOTOR.rotor_inertia } else { 0.0 };
+        change[number + 1] = (springs[number + 1] - friction + torque(number, speed)) / (pulley_inertia + rotor);
     }
     change
 }
@@ -93,7 +96,7 @@ fn four(state: &State) -> [f64; 4] {
         let speed = v.phi[number];
         let springs = -ke * r * r * phi[number] + r * ke * (x + sign * y);
         let friction = 3.0 * bp * speed + 3.0 * tau_f * sgn(r * speed);
-        (springs - friction + torque(number, speed)) / (3.0 * NOMINAL.pulley_inertia)
+        (springs - friction + torque(number, speed)) / (3.0 * NOMINAL.pulley_inertia + MOTOR.rotor_inertia)
     };
     [
         (-b1e * v.x - 2.0 * ke * x + r * ke * (phi[1] + phi[2]) - f1e * sgn(v.x)) / mxe,
@@ -118,7 +121,7 @@ fn assert_same(system: &System, input: [f64; 2], expected: &[(usize, f64)]) {
 #[test]
 fn the_full_model_has_equations_8_and_10_with_either_drive() {
     let all: Vec<_> = full(&some_state()).into_iter().enumerate().collect();
-    assert_same(&System::dc(Model::Full, &NOMINAL, MOTOR), VOLTS, &all);
+    assert_same(&System::dc(Model::Full, &RIG), VOLTS, &all);
     let driven = [pulley(1), pulley(2)];
     let free: Vec<_> = all.into_iter().filter(|(coordinate, _)| !driven.contains(coordinate)).collect();
     assert_same(&System::stepper(Model::Full, &NOMINAL), driven.map(|p| some_state().place[p]), &free);
@@ -127,7 +130,7 @@ fn the_full_model_has_equations_8_and_10_with_either_drive() {
 #[test]
 fn the_condensed_model_has_equations_15_and_16_with_either_drive() {
     let all: Vec<_> = four(&some_state()).into_iter().enumerate().collect();
-    assert_same(&System::dc(Model::FourDof, &NOMINAL, MOTOR), VOLTS, &all);
+    assert_same(&System::dc(Model::FourDof, &RIG), VOLTS, &all);
     let driven = [pulley(1), pulley(2)].map(|p| some_state().place[p]);
     assert_same(&System::stepper(Model::FourDof, &NOMINAL), driven, &all[..2]);
 }
@@ -153,9 +156,8 @@ fn printed(number: usize, state: &State) -> f64 {
 #[test]
 fn a_machine_that_follows_rigidly_feels_no_force_but_by_equation_8_as_printed_it_would() {
     let state = State { place: following([0.003, 0.007]), ..State::REST };
-    let idle = DcMotor { torque_per_volt: 0.0, back_torque: 0.0 };
     for model in [Model::Full, Model::FourDof] {
-        let change = System::dc(model, &NOMINAL, idle).derivative(&state, [0.0; 2]);
+        let change = System::dc(model, &IDLE).derivative(&state, [0.0; 2]);
         assert!(change.speed.iter().all(|acceleration| acceleration.abs() < 1e-9), "{:?}", change.speed);
     }
     for number in 3..=10 {

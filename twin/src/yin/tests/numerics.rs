@@ -4,7 +4,7 @@ use super::super::integrator::{advance, step_for};
 use super::super::path::{Piece, sides};
 use super::super::run::round_the_square;
 use super::super::*;
-use super::assert_close;
+use super::{IDLE, assert_close};
 
 #[test]
 fn half_the_time_step_changes_no_error_by_a_tenth_of_a_percent() {
@@ -19,9 +19,10 @@ fn half_the_time_step_changes_no_error_by_a_tenth_of_a_percent() {
     ];
     for case in cases {
         let system = System::stepper(case.model, &NOMINAL.scaled(case.friction, case.stiffness, case.mass));
-        let sides = sides(case.speed, case.command);
+        let sides = sides(case.speed, case.command, case.direction);
         let step = step_for(&system);
-        let [coarse, fine] = [step, step / 2.0].map(|step| round_the_square(&system, &sides, step).unwrap());
+        let [coarse, fine] =
+            [step, step / 2.0].map(|step| round_the_square(&system, case.direction, &sides, step, |_, _| ()).unwrap());
         assert_close(coarse.x_to_y_mm, fine.x_to_y_mm, 0.001, &format!("{case:?}"));
         assert_close(coarse.y_to_x_mm, fine.y_to_x_mm, 0.001, &format!("{case:?}"));
     }
@@ -30,15 +31,14 @@ fn half_the_time_step_changes_no_error_by_a_tenth_of_a_percent() {
 #[test]
 fn energy_is_kept_without_damping_and_friction() {
     for model in [Model::Full, Model::FourDof] {
-        let idle = DcMotor { torque_per_volt: 0.0, back_torque: 0.0 };
-        let system = System::dc(model, &NOMINAL.scaled(0.0, 1.0, 1.0), idle);
+        let system = System::dc(model, &IDLE.scaled(0.0, 1.0, 1.0));
         let mut state = State::REST;
         for (i, place) in state.place.iter_mut().enumerate() {
             *place = 1e-3 * (i as f64).sin();
         }
         let before = system.energy(&state);
         let piece = Piece { duration: 0.1, from: [0.0; 2], to: [0.0; 2] };
-        advance(&system, &mut state, &piece, step_for(&system) / 6.0, |state| {
+        advance(&system, &mut state, &piece, step_for(&system) / 6.0, |state, _| {
             assert_close(system.energy(state), before, 1e-6, "energy");
         });
     }
@@ -50,7 +50,7 @@ fn lag(model: Model, rig: &Parameters, [x, y]: [f64; 2], speed: f64) -> f64 {
     let length = 0.5 * speed;
     let piece = Piece { duration: 0.5, from: [0.0; 2], to: [length * (x + y), length * (x - y)] };
     let mut state = State::REST;
-    advance(&system, &mut state, &piece, step_for(&system), |_| {});
+    advance(&system, &mut state, &piece, step_for(&system), |_, _| {});
     let [at_x, at_y] = state.effector();
     (length * x - at_x).hypot(length * y - at_y)
 }
@@ -82,14 +82,14 @@ fn the_assumed_rig_is_overdamped() {
 
 #[test]
 fn two_dc_motors_bring_the_tool_to_the_speed_at_which_friction_takes_their_torque() {
-    let motor = DcMotor { torque_per_volt: 0.02, back_torque: 1e-3 };
+    let motor = NOMINAL.motor;
     let volts = 6.0;
     let r = NOMINAL.pulley_radius;
     // Along x all ten pulleys turn as fast as the tool moves.
     let drive = 2.0 * motor.torque_per_volt * volts / r - NOMINAL.guide_coulomb[0] - 10.0 * NOMINAL.pulley_coulomb / r;
     let damping = NOMINAL.guide_viscous[0] + (10.0 * NOMINAL.pulley_viscous + 2.0 * motor.back_torque) / (r * r);
     for model in [Model::Full, Model::FourDof] {
-        let state = hold(&System::dc(model, &NOMINAL, motor), &State::REST, [volts; 2], 0.5);
+        let state = hold(&System::dc(model, &NOMINAL), &State::REST, [volts; 2], 0.5);
         assert_close(state.speed[0], drive / damping, 1e-3, "speed along x");
         assert!(state.speed[1].abs() < 1e-6, "speed along y: {}", state.speed[1]);
     }

@@ -2,7 +2,7 @@
 
 use super::super::integrator::step_for;
 use super::super::parameters::PULSE;
-use super::super::path::{CORNERS, Corner, Piece, SIDE};
+use super::super::path::{Direction, Piece, SIDE};
 use super::super::run::corners;
 use super::super::system::System;
 use super::super::*;
@@ -41,19 +41,12 @@ fn pulses_give_the_independent_errors() {
     hold_to(PULSED_FOUR, 0.02, pulses(Model::FourDof));
 }
 
-/// The corners in the opposite direction: x to y, y to x, x to y.
-const COUNTER_CLOCKWISE: [Corner; 3] = [
-    Corner { place: [SIDE, 0.0], into: [1.0, 0.0], out_of: [0.0, 1.0] },
-    Corner { place: [SIDE, SIDE], into: [0.0, 1.0], out_of: [-1.0, 0.0] },
-    Corner { place: [0.0, SIDE], into: [-1.0, 0.0], out_of: [0.0, -1.0] },
-];
-
 /// Samples of a side for a controller's rounding: 0.5 um each.
 const LOOKS: usize = 40_000;
 
 /// The square of a controller that turns places into belt travel of motors 1 and 2.
-fn square(corners: &[Corner; 3], speed: f64, mut made: impl FnMut([f64; 2]) -> [f64; 2]) -> Vec<Vec<Piece>> {
-    let [first, second, third] = corners.map(|corner| corner.place);
+fn square(way: Direction, speed: f64, mut made: impl FnMut([f64; 2]) -> [f64; 2]) -> Vec<Vec<Piece>> {
+    let [first, second, third] = way.corners().map(|corner| corner.place);
     let places = [[0.0, 0.0], first, second, third, [0.0, 0.0]];
     let mut side = |pair: &[[f64; 2]]| {
         let mut pieces: Vec<Piece> = Vec::new();
@@ -84,10 +77,12 @@ fn down(travel: f64) -> f64 {
 }
 
 /// Errors at the three corners, mm.
-fn seen(model: Model, way: [Corner; 3], speed: f64, made: impl FnMut([f64; 2]) -> [f64; 2]) -> [f64; 3] {
+fn seen(model: Model, way: Direction, speed: f64, made: impl FnMut([f64; 2]) -> [f64; 2]) -> [f64; 3] {
     let system = System::stepper(model, &NOMINAL);
-    let sides = square(&way, speed, made);
-    corners(&system, way, &sides, step_for(&system)).unwrap().map(|corner| 1e3 * corner.error.unwrap())
+    let sides = square(way, speed, made);
+    corners(&system, way.corners(), &sides, step_for(&system), |_, _| ())
+        .unwrap()
+        .map(|corner| 1e3 * corner.error.unwrap())
 }
 
 /// x ends 0.0248 mm short of 20 mm there, a fraction of a pulse.
@@ -95,7 +90,7 @@ fn seen(model: Model, way: [Corner; 3], speed: f64, made: impl FnMut([f64; 2]) -
 fn the_first_corner_the_other_way_round_has_the_independent_errors_from_x_to_y_to_all_digits() {
     for (model, table) in [(Model::Full, PULSED_FULL), (Model::FourDof, PULSED_FOUR)] {
         for (speed, [x_to_y, _]) in SPEEDS.into_iter().zip(table) {
-            let [first, ..] = seen(model, COUNTER_CLOCKWISE, speed, |at| motors(at.map(nearest)));
+            let [first, ..] = seen(model, Direction::CounterClockwise, speed, |at| motors(at.map(nearest)));
             assert!((first - x_to_y).abs() < 1.5e-4, "{model:?} {speed}: {first}, {x_to_y}");
         }
     }
@@ -111,7 +106,7 @@ fn what_is_done_with_a_part_of_a_pulse_decides_the_errors() {
             .map(|i| late[i] + ((travel[i] - late[i]) / PULSE + 1e-9 * (travel[i] - late[i]).signum()).trunc() * PULSE);
         late
     };
-    let seen = |made: &mut dyn FnMut([f64; 2]) -> [f64; 2]| seen(Model::FourDof, CORNERS, 0.079, made);
+    let seen = |made: &mut dyn FnMut([f64; 2]) -> [f64; 2]| seen(Model::FourDof, Direction::Clockwise, 0.079, made);
     let rows = [
         ("x and y, nearest", seen(&mut |at| motors(at.map(nearest))), [0.206, 0.785, 0.206]),
         ("x and y, down", seen(&mut |at| motors(at.map(down))), [0.206, 0.816, 0.206]),
@@ -133,7 +128,7 @@ fn motors_at_their_nearest_pulses_leave_the_errors_where_they_are() {
     for model in [Model::Full, Model::FourDof] {
         for speed in SPEEDS {
             let continuous = errors(Case { model, ..Case::at(speed) });
-            let [_, x_to_y, y_to_x] = seen(model, CORNERS, speed, |at| motors(at).map(nearest));
+            let [_, x_to_y, y_to_x] = seen(model, Direction::Clockwise, speed, |at| motors(at).map(nearest));
             assert_close(x_to_y, continuous[0], 0.01, &format!("{model:?} {speed}: x to y"));
             assert_close(y_to_x, continuous[1], 0.022, &format!("{model:?} {speed}: y to x"));
         }
