@@ -39,6 +39,7 @@ mod group_stepper;
 mod merge;
 mod step_time_buffer;
 mod step_time_solver;
+mod sweeping;
 mod z_offset;
 
 use crate::fault::{Cause, Fault};
@@ -61,6 +62,7 @@ use entries::LayResult;
 use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
 use merge::TURN_AHEAD;
+use sweeping::Sweeping;
 use z_offset::ZCount;
 
 /// Events made in one call of [`StepGenerator::run`]: about 10,000 instructions, 0.1 ms at 125 million a second. Then
@@ -95,6 +97,8 @@ enum Task {
     Nothing,
     /// The current move is being laid.
     Move,
+    /// The sweep is being laid.
+    Sweep,
     /// The current move is being braked, with this speed squared left at its end.
     Brake(SpeedSq),
     /// All work is laid, and the motors come to rest; whether that ends an entry.
@@ -114,6 +118,7 @@ pub struct StepGenerator<'m> {
     epoch: u8,
     task: Task,
     current_move: CurrentMove,
+    sweeping: Sweeping,
     alignment: Alignment,
     trajectory: Trajectory<'m>,
     group_steppers: [GroupStepper; MOST_GROUPS],
@@ -161,6 +166,7 @@ impl<'m> StepGenerator<'m> {
             epoch: status.epoch(),
             task: Task::Nothing,
             current_move: CurrentMove::NONE,
+            sweeping: Sweeping::NONE,
             alignment: Alignment::new(mechanism),
             trajectory: Trajectory::new(spans),
             group_steppers: [GroupStepper::STILL; MOST_GROUPS],
