@@ -19,6 +19,7 @@
 //! | [`motion`] | the look-ahead, the queue to the step generator, and where the machine stands |
 //! | [`stream`] | the waits for room in the look-ahead and for the machine to rest |
 //! | [`shift_axis`] | a move of one axis that a switch or the probe may end |
+//! | [`sweep`](mod@sweep) | the sweep of a resonance test |
 //! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`z_offset`] | the offset of z, live and kept |
@@ -51,6 +52,7 @@ pub(in crate::machine) mod settings;
 pub(in crate::machine) mod shift_axis;
 mod stream;
 pub(in crate::machine) mod surface;
+pub(in crate::machine) mod sweep;
 mod take_over;
 pub(in crate::machine) mod trim;
 pub(in crate::machine) mod z_offset;

@@ -14,6 +14,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::resonance_answer::ResonanceAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::sweep::sweep as start_sweep;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::{Sweep, Target};
@@ -181,7 +182,7 @@ async fn test<P: PortSet, W: Pend>(
     wants_raw: bool,
 ) -> Result<Tested, Interrupt> {
     let Some(kind) = main_loop.settings.accelerometer.kind else {
-        main_loop.sweep(sweep).await?;
+        start_sweep(main_loop, sweep).await?;
         main_loop.finish().await?;
         main_loop.drop_motion().await?;
         return Ok(Tested::Answer(ResonanceAnswer::Swept(axis)));
@@ -198,7 +199,7 @@ async fn test<P: PortSet, W: Pend>(
     if wants_raw {
         main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
     }
-    main_loop.sweep(sweep).await?;
+    start_sweep(main_loop, sweep).await?;
     let begin = main_loop.now();
     listener.begin(&sweep, begin);
     while main_loop.motion.has_motion() {

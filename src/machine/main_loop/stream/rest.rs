@@ -4,9 +4,9 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
-use crate::motion::{Sweep, Work, stiffenings, taps};
+use crate::motion::{Work, stiffenings, taps};
 use crate::port::Pend;
-use crate::settings::{Shaper, ShaperKind, Shapers};
+use crate::settings::Shapers;
 use crate::units::Steps;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
@@ -98,19 +98,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.follow_through(shapers).await
     }
 
-    /// Makes a sweep, without shapers: the motion that it wants is the one that is made. Motion rests; and when the
-    /// sweep is over, motion is [dropped](Self::drop_motion), which brings the shapers back.
-    pub async fn sweep(&mut self, sweep: Sweep) -> Result<(), Interrupt> {
-        let off = |shaper: Shaper| Shaper { kind: ShaperKind::None, ..shaper };
-        let Shapers { x, y } = self.settings.shapers;
-        self.follow_through(Shapers { x: off(x), y: off(y) }).await?;
-        self.until(|c| c.motion.has_room_for_work()).await?;
-        self.motion.send(Work::Sweep(sweep));
-        Ok(())
-    }
-
     /// The same with these shapers.
-    async fn follow_through(&mut self, shapers: Shapers) -> Result<(), Interrupt> {
+    pub(in crate::machine::main_loop) async fn follow_through(&mut self, shapers: Shapers) -> Result<(), Interrupt> {
         let window = self.motion.use_advance(&self.settings);
         for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
             self.until(|c| c.motion.has_room_for_work()).await?;
