@@ -41,6 +41,7 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: P
 
 /// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its storage
 /// override `settings`, except the mechanism, which a machine keeps.
+#[expect(clippy::type_complexity, reason = "the parts have the ports of the board, which are named one by one")]
 pub fn assemble<
     'm,
     P: StepPort,

@@ -140,13 +140,11 @@ pub(super) async fn refusal<P: PortSet, W: Pend>(
     sweep: &Sweep,
 ) -> Result<Option<ResonanceAnswer>, Interrupt> {
     let mut all = Extremes { back: 0, forth: 0, speed: 0 };
-    let (mut pieces, mut count) = (sweep.pieces(), 0);
-    while let Some(piece) = pieces.next() {
+    for (count, piece) in sweep.pieces().enumerate() {
         let end = piece.end;
         all.back = all.back.min(end.at);
         all.forth = all.forth.max(end.at);
         all.speed = all.speed.max(end.speed.abs());
-        count += 1;
         if count % A_TURN == 0 {
             main_loop.come_again();
             main_loop.poll().await?;
