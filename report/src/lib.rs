@@ -12,6 +12,7 @@
 //! | [`path`] | the way of the tool, exact to a step |
 //! | [`mod@print`] | the page of a print |
 //! | [`twin`] | the pages of the twin |
+//! | [`misalignment`] | the twin's pulleys off their places, drawn |
 //! | [`resonance`] | the page of what an accelerometer measured |
 //! | [`svg`] | drawings and charts |
 //! | [`figures`] | the schematics of the CoreH-bot paper |
@@ -24,6 +25,7 @@ pub mod corexyz;
 pub mod figures;
 pub mod heat_log;
 pub mod mesh;
+pub mod misalignment;
 pub mod parts;
 pub mod path;
 pub mod print;

@@ -145,6 +145,24 @@ fn half_a_full_step_of_every_motor_takes_the_tool_a_tenth_of_a_millimetre_at_mos
     assert!(near(error, 0.099_75, 5e-6), "{error}");
 }
 
+/// x + y is (r11 th11 - r4 th4) / 2 and x - y is (r8 th8 - r1 th1) / 2. With a on motors 1 and 8 and b on 4 and 11 they
+/// are up to a e and b e, and the tool is off by ((a^2 + b^2) / 2)^(1/2) e.
+#[test]
+fn with_pulleys_of_two_sizes_the_error_is_between_those_of_each() {
+    use corehbot_twin::params::Each;
+    let (a, b) = (6.35, 5.08);
+    let error = |machine: Machine, radii: &[f64]| {
+        let params = Params { motor_radius_mm: Each::listed(radii).unwrap(), ..Params::default() };
+        Ways::new(machine, &params).greatest_error_mm(machine, &params, 0.9_f64.to_radians())
+    };
+    let expected = ((a * a + b * b) / 2.0_f64).sqrt() * 0.9_f64.to_radians();
+    for (machine, radii) in
+        [(Machine::CoreHBot, vec![a, b, a, b]), (Machine::AwdCoreXy, vec![a, b, a, b]), (Machine::CoreXy, vec![a, b])]
+    {
+        assert!(near(error(machine, &radii), expected, 1e-9), "{machine:?}: {}", error(machine, &radii));
+    }
+}
+
 /// One newton more on one side and one less on the other, as the paper loads the belt (equations 26 to 36).
 #[test]
 fn a_unit_of_tension_pushes_as_the_statics_say() {

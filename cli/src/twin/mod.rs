@@ -12,6 +12,7 @@ mod jump;
 mod level;
 mod limits;
 mod measured;
+mod misalignment;
 mod parts;
 mod play;
 mod point;
@@ -52,6 +53,8 @@ pub(crate) enum Twin {
     Shaper(shaper::Shaper),
     /// Computes the pitch of each straight part of the belts for a wanted tension, and the tension for a heard pitch.
     Tension(tension::Tension),
+    /// Computes the torques, and the tension along the stroke, that pulleys off their places make.
+    Misalignment(misalignment::Misalignment),
     /// Finds the frequencies at which each axis rings over the reach, shapers that fit, and speeds to avoid.
     Resonance(resonance::Resonance),
     /// Computes fine ripple of walls by speed and angle (VFA): motors, teeth and pulleys that shake the tool.
@@ -115,6 +118,7 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Jump(args) => args.answer(),
         Twin::Shaper(args) => args.answer(),
         Twin::Tension(args) => args.answer(),
+        Twin::Misalignment(args) => args.answer(),
         Twin::Resonance(args) => args.answer(),
         Twin::Ripple(args) => args.answer(),
         Twin::Limits(args) => args.answer(),

@@ -78,3 +78,27 @@ fn each_number_of_the_paper_stands_next_to_one_computed_elsewhere() {
         assert!(agrees && ((printed - ours).abs() < 1e-3) == s["why"].as_str().unwrap().is_empty(), "{s}");
     }
 }
+
+#[test]
+fn the_picture_of_pulleys_off_their_places_is_the_commands() {
+    let made = file("twin-misalignment.svg", "");
+    let told = json(&format!("misalignment --at 150,300 --off 12=1,0 --off 6=0,0.5 --picture {}", made.display()));
+    // 40 N by 1 mm to the right; and on the head 2 by 40 N by 0.5 mm, clockwise, which the paper counts for the bar too.
+    assert!(near(&told["paper"]["head_torque_Nm"], -0.04, 1e-9), "{told}");
+    assert!(told["paper"]["bar_torque_Nm"].as_f64().unwrap().abs() < 1e-12, "{told}");
+    assert!(near(&told["slanted"]["bar_torque_Nm"], 0.0433, 2e-3), "{told}");
+    assert!(told["along_y"][40]["tension_change_N"]["L"].as_f64().unwrap() > 0.3, "{told}");
+    let kept = documents().join("twin-misalignment.svg");
+    if std::env::var_os("BLESS").is_some() {
+        fs::copy(&made, &kept).unwrap();
+    }
+    let [made, kept] = [made, kept].map(|path| fs::read_to_string(path).unwrap());
+    assert!(
+        made == kept && made.len() as u64 <= LARGEST,
+        "it differs: make it with the command on its page, or BLESS=1"
+    );
+    assert!(complaint("misalignment --off 99=1,0").contains("there is no pulley 99; the machine has 1, 2"));
+    assert!(complaint("misalignment --machine corexyz --off 21=1,0").contains("belts in one plane"));
+    let text = String::from_utf8(twin("misalignment").stdout).unwrap();
+    assert!(text.contains("for 1 mm of a pulley") && !text.contains("by the paper"), "{text}");
+}

@@ -183,3 +183,50 @@ fn limits_of_torque_fall_with_speed_and_are_told_as_settings() {
     assert_eq!(twin("limits --margin 1").status.code(), Some(2));
     assert_eq!(twin("limits --margin 0.5 --torque 0.5").status.code(), Some(2));
 }
+
+/// Each machine file of the examples, with every axis that its belts move.
+#[test]
+fn limits_and_resonance_are_told_for_every_machine_file() {
+    let mut lifted = 0;
+    for entry in std::fs::read_dir("../examples/machines").unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|end| end != "toml") {
+            continue;
+        }
+        let limits = json(&format!("limits --model reduced --settings {}", path.display()));
+        let resonance = json(&format!("resonance --model reduced --grid 2x2 --settings {}", path.display()));
+        assert_eq!(limits["z"].is_null(), resonance["z"].is_null(), "{}", path.display());
+        lifted += u32::from(limits["z"].is_object());
+        for axis in ["x", "y", "z"].into_iter().filter(|axis| limits[axis].is_object()) {
+            assert!(
+                limits[axis]["torque_acceleration_mm_s2"].as_f64().unwrap() > 1000.0,
+                "{}: {limits}",
+                path.display()
+            );
+            assert!(resonance[axis]["band_Hz"][0].as_f64().unwrap() > 10.0, "{}: {resonance}", path.display());
+        }
+        let settings = &limits["torque_at_speed"]["settings"];
+        assert_eq!(settings["worst_rise_deg"].is_null(), limits["z"].is_null(), "{}: {limits}", path.display());
+    }
+    // CoreXYZ with four and three motors, and CoreXZ.
+    assert_eq!(lifted, 3);
+}
+
+#[test]
+fn a_soft_frame_is_told_and_the_torque_on_it() {
+    let soft = file("soft.toml", "[twin]\nframe_stiffness_N_per_mm = [400, 900]\n");
+    let limits = json(&format!("limits --model reduced --settings {}", soft.display()));
+    assert!(near(&limits["frame_um_per_m_s2"][1], 2.0, 1e-9), "{limits}");
+    let resonance = json(&format!("resonance --model reduced --grid 3x3 --settings {}", soft.display()));
+    assert!(near(&resonance["frame"][0]["band_Hz"][0], 29.25, 2e-3), "{resonance}");
+    assert!(near(&resonance["frame"][1]["part"], 0.161, 1e-2), "{resonance}");
+    let compared = json(&format!("compare --grid 2x2 --settings {}", soft.display()));
+    let [core, hbot, corexy] = [0, 1, 2].map(|i| compared["machines"][i]["frame_torque_x"].clone());
+    assert!(core["belts_mNm_per_m_s2"].as_f64().unwrap().abs() < 1e-9, "{core}");
+    assert!(near(&core["printed_mNm_per_m_s2"], 3.81, 1e-6), "{core}");
+    assert!(
+        near(&hbot["belts_mNm_per_m_s2"], 3.81, 1e-6) && near(&corexy["rotors_mNm_per_m_s2"], 1.7008, 1e-4),
+        "{corexy}"
+    );
+    assert!(compared["machines"][0]["frame_modes_Hz"].is_array(), "{compared}");
+}

@@ -30,16 +30,22 @@ pub struct Layout {
 /// Lays the belts of `machine` with the tool at `tool`.
 #[must_use]
 pub fn layout(machine: Machine, params: &Params, tool: Place) -> Layout {
+    layout_of(&machine.belts(), params, tool)
+}
+
+/// Lays these belts with the tool at `tool`.
+#[must_use]
+pub fn layout_of(belts: &[Belt], params: &Params, tool: Place) -> Layout {
     let mut layout = Layout { segments: Vec::new(), wraps: Vec::new(), belt_lengths_mm: Vec::new() };
     let (mut first, mut span) = (0, 0);
-    for belt in machine.belts() {
+    for belt in belts {
         let (segments, wraps) = match belt.runs {
             Runs::Flat => {
-                let segments = lay(&belt, first, params, tool);
-                let wraps = wraps(&belt, &segments);
+                let segments = lay(belt, first, params, tool);
+                let wraps = wraps(belt, &segments);
                 (segments, wraps)
             }
-            Runs::Upright => upright::lay(&belt, first, params, tool),
+            Runs::Upright => upright::lay(belt, first, params, tool),
         };
         let outside: f64 = (span..span + belt.spans.len()).map(|span| params.outside_mm.of(span)).sum();
         span += belt.spans.len();

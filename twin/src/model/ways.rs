@@ -61,24 +61,44 @@ impl Ways {
     }
 
     /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm: the
-    /// largest over all signs that a rigid belt allows.
+    /// largest over all errors that a rigid belt allows, each motor with its own radius.
+    ///
+    /// It is at a corner of what is allowed: all motors are off by as much as they can be, but as many as there are
+    /// residuals, which follow from the others.
     #[must_use]
     pub fn greatest_error_mm(&self, machine: Machine, params: &Params, error_rad: f64) -> f64 {
-        let belt = params.pulley_radius_mm * error_rad;
-        let signs = 0..1_u32 << self.motors.len();
-        let errors = signs.map(|signs| -> Vec<f64> {
-            (0..self.motors.len()).map(|i| if signs >> i & 1 == 1 { belt } else { -belt }).collect()
-        });
+        let motors = self.motors.len();
+        let most: Vec<f64> = (0..motors).map(|motor| params.radius_mm(motor) * error_rad).collect();
         let residuals = machine.residuals();
-        let is_legal = |turned: &Vec<f64>| {
-            let residual = |pattern: &Vec<f64>| pattern.iter().zip(turned).map(|(p, t)| p * t).sum::<f64>();
-            residuals.iter().all(|pattern| residual(pattern).abs() < NO_WAY)
-        };
-        let far = |turned: Vec<f64>| {
-            let [x, y, z] = self.tool(&turned);
-            x.hypot(y).hypot(z)
-        };
-        errors.filter(is_legal).map(far).fold(0.0, f64::max)
+        let (bits, has) = (0..1_u32 << motors, |set: u32, motor: usize| set >> motor & 1 == 1);
+        let mut greatest = 0.0_f64;
+        for free in bits.clone().filter(|set| set.count_ones() as usize == residuals.len()) {
+            let following: Vec<usize> = (0..motors).filter(|motor| has(free, *motor)).collect();
+            let of = |pattern: usize, motor: usize| {
+                residuals.get(pattern).and_then(|p| p.get(motor)).copied().unwrap_or(0.0)
+            };
+            let own = DMatrix::from_fn(residuals.len(), residuals.len(), |i, j| {
+                of(i, following.get(j).copied().unwrap_or(0))
+            });
+            let Some(inverse) = own.try_inverse() else { continue };
+            for signs in bits.clone().filter(|signs| signs & free == 0) {
+                let fixed = |motor: usize| if has(signs, motor) { 1.0 } else { -1.0 };
+                let mut turned: Vec<f64> =
+                    most.iter().enumerate().map(|(i, most)| if has(free, i) { 0.0 } else { most * fixed(i) }).collect();
+                let rest = |pattern: &Vec<f64>| -pattern.iter().zip(&turned).map(|(p, t)| p * t).sum::<f64>();
+                let follows = &inverse * DVector::from_iterator(residuals.len(), residuals.iter().map(rest));
+                for (motor, mm) in following.iter().zip(follows.iter()) {
+                    if let Some(turned) = turned.get_mut(*motor) {
+                        *turned = *mm;
+                    }
+                }
+                if turned.iter().zip(&most).all(|(mm, most)| mm.abs() <= most * (1.0 + NO_WAY)) {
+                    let [x, y, z] = self.tool(&turned);
+                    greatest = greatest.max(x.hypot(y).hypot(z));
+                }
+            }
+        }
+        greatest
     }
 }
 

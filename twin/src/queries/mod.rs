@@ -1,9 +1,9 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
-//! [`tension`], [`ripple`]. About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`]. [`frame`] has the
-//! torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a shaper.
-//! [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as [`claim`]s.
+//! [`tension`], [`ripple`], [`misalignment`]. About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`].
+//! [`frame`] has the torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a
+//! shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as [`claim`]s.
 
 pub mod claim;
 pub mod compare;
@@ -11,6 +11,7 @@ pub mod frame;
 pub mod geometry;
 pub mod level;
 pub mod limits;
+pub mod misalignment;
 pub mod modes;
 pub mod paper;
 pub mod push;

@@ -24,11 +24,13 @@ pub struct Along {
     pub radii: f64,
     /// Halves of the pulleys' distance beyond it: the head's for x, the bar's for y.
     pub halves: f64,
+    /// How far it was mounted beyond its place, in mm.
+    pub off_mm: f64,
 }
 
 impl Along {
     pub(super) const fn new(from: Mark, radii: f64, halves: f64) -> Self {
-        Self { from, radii, halves }
+        Self { from, radii, halves, off_mm: 0.0 }
     }
 
     /// Exactly at an origin.
@@ -44,7 +46,7 @@ impl Along {
             Mark::High => length_mm,
             Mark::Tool => tool_mm,
         };
-        from + self.radii * radius_mm + self.halves * distance_mm / 2.0
+        from + self.radii * radius_mm + self.halves * distance_mm / 2.0 + self.off_mm
     }
 }
 

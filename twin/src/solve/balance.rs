@@ -68,6 +68,28 @@ pub fn balance(
     Ok(Balance { moved, tensions_n, torques_mnm })
 }
 
+/// Displacement of each coordinate where the way of each link has become this much longer, in mm. Held motors stay.
+///
+/// # Errors
+/// Nothing holds the machine.
+pub fn settle(elastic: &Elastic, params: &Params, stretched_mm: &[f64]) -> Result<Vec<f64>, NotHeld> {
+    let count = elastic.parts.len();
+    let mut pull = DVector::<f64>::zeros(count);
+    for (link, stretched) in elastic.links.links.iter().zip(stretched_mm) {
+        pull -= DVector::from_column_slice(&link.row) * (link.stiffness(params) * stretched);
+    }
+    let free: Vec<usize> = (0..count).filter(|i| elastic.parts.get(*i) != Some(&Part::Held)).collect();
+    let pull = DVector::from_iterator(free.len(), free.iter().map(|i| pull[*i]));
+    let gives = submatrix(&elastic.stiffness, &free, &free).cholesky().ok_or(NotHeld)?.solve(&pull);
+    let mut moved = vec![0.0; count];
+    for (at, way) in free.iter().zip(gives.iter()) {
+        if let Some(moved) = moved.get_mut(*at) {
+            *moved = *way;
+        }
+    }
+    Ok(moved)
+}
+
 /// Torque that motors must add against the belt, in mN m.
 fn torques(elastic: &Elastic, params: &Params, tensions_n: &[f64]) -> Vec<f64> {
     let torque = |number: u8| {

@@ -138,9 +138,9 @@ impl Demand {
 
     /// Directions all round, one of each two opposites: a degree apart, or five where belts lift the tool.
     fn directions(&self) -> Vec<[f64; 3]> {
-        let (degrees, rises) = if self.machine.lifts() { (5, -90..=90) } else { (1, 0..=0) };
-        let turns = || (0..180).step_by(degrees).map(|angle| f64::from(angle).to_radians());
-        let rises = rises.step_by(degrees).map(|rise: i32| f64::from(rise).to_radians());
+        let (degrees, around, up) = if self.machine.lifts() { (5, 360, 90) } else { (1, 180, 0) };
+        let turns = || (0..around).step_by(degrees).map(|angle| f64::from(angle).to_radians());
+        let rises = (0..=up).step_by(degrees).map(|rise: i32| f64::from(rise).to_radians());
         rises
             .flat_map(|rise| turns().map(move |angle| [angle.cos() * rise.cos(), angle.sin() * rise.cos(), rise.sin()]))
             .collect()

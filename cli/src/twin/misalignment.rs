@@ -1,0 +1,53 @@
+//! `twin misalignment`: pulleys that are not where they should be.
+
+use super::answer::Json;
+use super::setup::{FileArgs, SetupArgs, parse_pair};
+use anyhow::{Context as _, Result};
+use clap::Args;
+use corehbot_report::misalignment::picture;
+use corehbot_twin::queries::misalignment::{Misalignment as Answer, Offset};
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// Greatest offset in mm.
+const MOST_MM: f64 = 20.0;
+
+/// `twin misalignment`.
+#[derive(Args)]
+pub(crate) struct Misalignment {
+    /// A pulley that is off: its number in `twin geometry`, and how far to the right and away from the front, in mm. May
+    /// be repeated. Torques are counter-clockwise, seen from above. Without it, the torques for 1 mm of each pulley.
+    #[arg(long = "off", value_name = "PULLEY=DX,DY", value_parser = parse_offset, allow_hyphen_values = true)]
+    offsets: Vec<Offset>,
+    #[command(flatten)]
+    file: FileArgs,
+    #[command(flatten)]
+    setup: SetupArgs,
+    /// Draws tension and tool along both strokes, as SVG.
+    #[arg(long, value_name = "F.svg", requires = "offsets")]
+    picture: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Misalignment {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let answer = Answer::new(&self.setup.read(&self.file.read()?)?, &self.offsets)?;
+        self.json.give_with(&answer, self.file.files(), |outputs| {
+            let Some(path) = &self.picture else { return Ok(()) };
+            let mut out = outputs.open(path)?;
+            out.write_all(picture(&answer).as_bytes()).and_then(|()| out.flush()).context("cannot write the picture")
+        })
+    }
+}
+
+/// `12=0.5,-1`.
+fn parse_offset(text: &str) -> Result<Offset, String> {
+    let (pulley, off) = text.split_once('=').ok_or("expected PULLEY=DX,DY")?;
+    let pulley = pulley.trim().parse().map_err(|_| format!("`{pulley}` is not the number of a pulley"))?;
+    let off_mm = parse_pair(off)?;
+    match off_mm.iter().find(|mm| mm.abs() > MOST_MM) {
+        Some(mm) => Err(format!("{mm} is not from -{MOST_MM} to {MOST_MM} mm")),
+        None => Ok(Offset { pulley, off_mm }),
+    }
+}
