@@ -1,10 +1,11 @@
-//! Lanes: two rows of steps side by side, because much of the work keeps one processor busy: linking, the longest of
+//! Lanes: rows of steps side by side, because much of the work keeps one processor busy: linking, the longest of
 //! some tests, a waiting client.
 //!
 //! Shared dependencies are built before the lanes begin, and the emulator has a build folder of its own, so neither
-//! lane waits for the other's cargo for long. The second lane is a process of its own. Its output is kept in a file
-//! until the first lane has ended, and then shown as it comes.
+//! lane waits for the other's cargo for long. Each further lane is a process of its own. Its output is kept in a file
+//! until the lane that began it has ended, and then shown as it comes.
 
+use super::Lane;
 use crate::checkout::target_dir;
 use anyhow::{Context as _, Result};
 use std::fs::File;
@@ -13,34 +14,40 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// Time between two reads of the second lane's output.
+/// Time between two reads of a further lane's output.
 const LOOK: Duration = Duration::from_millis(200);
 
-/// The second lane under way.
-pub struct Images {
+/// A further lane under way.
+pub struct Further {
     process: Child,
     words: PathBuf,
     results: PathBuf,
 }
 
-/// Begins the steps on the images.
-pub fn begin() -> Result<Images> {
+/// Begins the steps of a lane.
+pub fn begin(lane: Lane) -> Result<Further> {
+    let name = lane.name();
     let folder = target_dir()?.join("test");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let (words, results) = (folder.join("images.log"), folder.join("images.results"));
+    let (words, results) = (folder.join(format!("{name}.log")), folder.join(format!("{name}.results")));
     // Results of an earlier run do not count for this one.
     if results.exists() {
         std::fs::remove_file(&results).with_context(|| format!("cannot remove {}", results.display()))?;
     }
     let file = File::create(&words).with_context(|| format!("cannot write {}", words.display()))?;
     let mut command = Command::new(std::env::current_exe().context("cannot find this program's own path")?);
-    command.args(["test", "--images"]).arg(&results).stdin(Stdio::null()).stderr(file.try_clone()?).stdout(file);
+    command
+        .args(["test", "--lane", name, "--results"])
+        .arg(&results)
+        .stdin(Stdio::null())
+        .stderr(file.try_clone()?)
+        .stdout(file);
     let process = command.spawn().context("cannot run this program again")?;
-    println!("\nmeanwhile the images are tested, of which {} tells", words.display());
-    Ok(Images { process, words, results })
+    println!("\nmeanwhile other steps run ({name}): {} has their output", words.display());
+    Ok(Further { process, words, results })
 }
 
-impl Images {
+impl Further {
     /// Shows the output of the steps until they have ended, and returns their results.
     pub fn end(mut self) -> Result<String> {
         let mut words = File::open(&self.words).with_context(|| format!("cannot open {}", self.words.display()))?;
@@ -55,11 +62,11 @@ impl Images {
             }
             std::thread::sleep(LOOK);
         }
-        std::fs::read_to_string(&self.results).context("the steps on the images did not come to their end")
+        std::fs::read_to_string(&self.results).context("a lane of steps did not come to its end")
     }
 }
 
-impl Drop for Images {
+impl Drop for Further {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in; CI runs the same.
 //!
 //! The steps share their builds: programs for this computer are built once, in the dev profile, like `cargo xtask`
-//! itself. Two lanes of steps go on side by side (see [`lane`]).
+//! itself. Lanes of steps go on side by side (see [`lane`]).
 
 mod cargo;
 mod compare;
@@ -18,7 +18,7 @@ pub use compare::{beginning, check_file, sliced_file};
 pub use tools::{has_emulator, install, lack_of_emulator, succeeds};
 
 use crate::{bench, clients, cluster, usb};
-use Lane::{First, Host, Images};
+use Lane::{Cable, Emulated, First, Host, Images};
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -29,9 +29,12 @@ pub struct Args {
     /// Runs only the step of this name.
     #[arg(long, value_name = "NAME", value_parser = STEPS.map(|step| step.name))]
     only: Option<String>,
-    /// Runs only the steps on the images, and leaves their results in this file.
-    #[arg(long, hide = true, conflicts_with = "only")]
-    images: Option<PathBuf>,
+    /// Runs only the steps of this lane, and leaves their results in a file.
+    #[arg(long, hide = true, conflicts_with = "only", requires = "results")]
+    lane: Option<Lane>,
+    /// The file.
+    #[arg(long, hide = true)]
+    results: Option<PathBuf>,
 }
 
 /// A step of the test.
@@ -43,7 +46,7 @@ struct Step {
 }
 
 /// When a step runs.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Lane {
     /// Before all others.
     First,
@@ -51,6 +54,23 @@ enum Lane {
     Host,
     /// Steps on images; they run in parallel with [`Lane::Host`].
     Images,
+    /// The longest step on images, after the others.
+    Emulated,
+    /// In parallel with [`Lane::Emulated`], since it waits for most of its time.
+    Cable,
+}
+
+impl Lane {
+    /// Its word on the command line, and the name of its files.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::First => "first",
+            Self::Host => "host",
+            Self::Images => "images",
+            Self::Emulated => "emulated",
+            Self::Cable => "cable",
+        }
+    }
 }
 
 /// The result of a step. A step that cannot even be carried out is an error, which counts as one failure.
@@ -96,11 +116,11 @@ const STEPS: [Step; 18] = [
     Step { name: "bench", lane: Images, heading: "no figure of performance has got worse", run: bench::check },
     Step {
         name: "emulate",
-        lane: Images,
+        lane: Emulated,
         heading: "the images for Octopus and Nucleo step as the simulator does",
         run: cargo::emulate,
     },
-    Step { name: "usb", lane: Images, heading: "Linux prints over USB on the Octopus's image", run: usb::check },
+    Step { name: "usb", lane: Cable, heading: "Linux prints over USB on the Octopus's image", run: usb::check },
 ];
 
 /// Runs the steps; one that fails does not keep the others from running.
@@ -108,12 +128,17 @@ pub fn main(args: &Args) -> Result<()> {
     let mut report = Report::default();
     if let Some(only) = &args.only {
         report.run(|step| step.name == only);
-    } else if let Some(results) = &args.images {
-        report.run(|step| step.lane == Images);
+    } else if let (Some(lane), Some(results)) = (args.lane, &args.results) {
+        report.run(|step| step.lane == lane);
+        if lane == Images {
+            let cable = lane::begin(Cable)?;
+            report.run(|step| step.lane == Emulated);
+            report.read(&cable.end()?)?;
+        }
         return report.write(results);
     } else {
         report.run(|step| step.lane == First);
-        let images = lane::begin()?;
+        let images = lane::begin(Images)?;
         report.run(|step| step.lane == Host);
         report.read(&images.end()?)?;
     }
