@@ -159,6 +159,24 @@ fn the_tool_is_nearer_to_the_wall_with_the_shorter_shaper() {
     assert!(lost.suggestion.worst_wall.rms_um > 2.0 * wide.suggestion.worst_wall.rms_um, "{}", lost.why);
 }
 
+/// An axis that rings from 40 to 130 Hz, place by place: Klipper's law takes three humps for it, which this firmware does
+/// not have, and the suggestion is one that it has.
+#[test]
+fn a_shaper_that_the_firmware_lacks_is_never_suggested() {
+    let question = Question::default();
+    let places = [40.0, 60.0, 90.0, 130.0].map(|hz| {
+        let recording = recording(&[(hz, 0.05, 1.0)], &question.sweep, RATE, 100.0, hz as u64);
+        measure(Named { file: "raw_data_y.csv", recording: &recording }, &question.sweep).unwrap()
+    });
+    let axis = judge(Some(label::Axis::Y), places.to_vec(), &question);
+    assert_eq!(axis.klipper.suggestion.map(|rated| rated.shaper.name()), Some("3HUMP_EI"), "{:?}", axis.klipper);
+    let tool = axis.tool.unwrap();
+    assert!(tool.suggestion.rated.in_firmware && tool.shapers.iter().all(|s| s.rated.in_firmware), "{}", tool.why);
+    assert!(tool.why.contains("This firmware does not have Klipper's"), "{}", tool.why);
+    let kind = tool.line.as_deref().and_then(|line| line.rsplit_once(" T")).map(|(_, kind)| kind.parse::<u8>());
+    assert!(matches!(kind, Some(Ok(0..=4))), "{:?}", tool.line);
+}
+
 #[test]
 fn belts_are_compared_and_the_looser_one_is_named() {
     use corehbot_resonance::belts::compare;
