@@ -1,4 +1,4 @@
-//! Frame: the torque of all motors together, which the frame bears ([H], after equation 38), for a lasting 1 m/s2.
+//! Frame: the torque of all motors together, which the frame bears (\[H\], after equation 38), for a lasting 1 m/s2.
 //!
 //! A rigid belt gives the tool the work of the motors: the sum of tau_i dtheta_i is F . dp. On an H-bot and a CoreXY
 //! both motors turn by dx / r for dx, and by dy / r in opposite directions for dy. So their sum is r F_x: 2 r dT with
