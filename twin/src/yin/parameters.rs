@@ -5,7 +5,6 @@
 //! with the reported trends. A file (`examples/twin/yin.toml`) may have other values, under the paper's names.
 
 use super::error::Error;
-use super::system::DcMotor;
 use serde::{Deserialize, Serialize};
 
 /// A CoreXY as in figure 1 of the paper, in SI units (m, kg, s, N).
@@ -50,6 +49,28 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Parameters {
         NOMINAL
+    }
+}
+
+/// A DC motor on each driving pulley: tau = K1 V - K2 phi' (equation 7).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DcMotor {
+    /// K1, N m/V.
+    #[serde(rename = "K_1_N_m_per_V")]
+    pub torque_per_volt: f64,
+    /// K2, N m s.
+    #[serde(rename = "K_2_N_m_s")]
+    pub back_torque: f64,
+    /// Its rotor, kg m2: what the J_p of pulleys 1 and 2 has more than the others'.
+    #[serde(rename = "rotor_kg_m2")]
+    pub rotor_inertia: f64,
+}
+
+/// The assumed motor.
+impl Default for DcMotor {
+    fn default() -> DcMotor {
+        NOMINAL.motor
     }
 }
 

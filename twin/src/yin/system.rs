@@ -8,34 +8,11 @@
 
 use super::belt::{COORDINATES, X, Y, pulley};
 use super::model::{Mechanics, Model};
-use super::parameters::{NOMINAL, Parameters};
-use serde::{Deserialize, Serialize};
+use super::parameters::Parameters;
 
 /// Speed scale of the smoothing of sgn(v) to tanh(v / `SMOOTH_SPEED`), m/s: far below the running speeds, so that it
 /// blurs only rest.
 const SMOOTH_SPEED: f64 = 1e-3;
-
-/// A DC motor on each driving pulley: tau = K1 V - K2 phi' (equation 7).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct DcMotor {
-    /// K1, N m/V.
-    #[serde(rename = "K_1_N_m_per_V")]
-    pub torque_per_volt: f64,
-    /// K2, N m s.
-    #[serde(rename = "K_2_N_m_s")]
-    pub back_torque: f64,
-    /// Its rotor, kg m2: what the J_p of pulleys 1 and 2 has more than the others'.
-    #[serde(rename = "rotor_kg_m2")]
-    pub rotor_inertia: f64,
-}
-
-/// The assumed motor.
-impl Default for DcMotor {
-    fn default() -> DcMotor {
-        NOMINAL.motor
-    }
-}
 
 /// The motors of pulleys 1 and 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
