@@ -25,6 +25,16 @@ pub(in crate::machine) struct RawSample {
     pub axes: [i32; 3],
 }
 
+/// The shaper for the modes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(in crate::machine) struct Suggested {
+    pub shaper: Shaper,
+    /// What it leaves of the vibration.
+    pub percent: u8,
+    /// The acceleration at which it rounds corners by 0.12 mm.
+    pub most: MmPerSec2,
+}
+
 /// What a resonance test found.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(in crate::machine) enum ResonanceAnswer {
@@ -66,17 +76,10 @@ pub(in crate::machine) enum ResonanceAnswer {
     /// The first line of Klipper's raw data, and a sample of it.
     RawHead,
     Raw(RawSample),
-    /// A mode.
-    Mode(SweepAxis, Mode),
-    /// No peak was found.
-    NoMode(SweepAxis),
-    /// The shaper for the modes.
-    Shaper(SweepAxis, Shaper),
-    /// What it leaves of the vibration, and the acceleration at which it rounds corners by 0.12 mm.
-    Leaves {
-        percent: u8,
-        most: MmPerSec2,
+    /// The modes, the highest peak first, and the shaper if there is to be one.
+    Found {
+        axis: SweepAxis,
+        modes: [Option<Mode>; 2],
+        shaper: Option<Suggested>,
     },
-    /// There is one mode only.
-    OneMode,
 }

@@ -3,7 +3,7 @@
 use super::settings_report::report_shaper;
 use crate::accelerometer::SensorFault;
 use crate::gcode::SweepAxis;
-use crate::machine::answers::resonance_answer::{Mode, RawSample, ResonanceAnswer};
+use crate::machine::answers::resonance_answer::{Mode, RawSample, ResonanceAnswer, Suggested};
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{Thousandths, shortest};
 use crate::settings::HomedAxis;
@@ -76,20 +76,27 @@ pub(in crate::machine) fn report_resonance(to: &mut Speaker<'_>, answer: &Resona
         ResonanceAnswer::Raw(RawSample { us, axes: [x, y, z] }) => {
             to.say(format_args!("{}.{:06},{x},{y},{z}", us / 1_000_000, us % 1_000_000));
         }
-        ResonanceAnswer::Mode(axis, Mode { centihertz, damping, fit_error }) => to.say(format_args!(
-            "resonance {}: {}.{:02} Hz damping 0.{damping:03} (fit error 0.{fit_error:03})",
-            name(axis),
-            centihertz / 100,
-            centihertz % 100
-        )),
-        ResonanceAnswer::NoMode(axis) => {
-            to.say(format_args!("echo:resonance {}: no peak within the sweep", name(axis)));
+        ResonanceAnswer::Found { axis, modes, shaper } => {
+            let axis = name(axis);
+            for Mode { centihertz, damping, fit_error } in modes.into_iter().flatten() {
+                let (hertz, rest) = (centihertz / 100, centihertz % 100);
+                to.say(format_args!(
+                    "resonance {axis}: {hertz}.{rest:02} Hz damping 0.{damping:03} (fit error 0.{fit_error:03})"
+                ));
+            }
+            if let Some(Suggested { shaper, percent, most }) = shaper {
+                report_shaper(to, axis, shaper);
+                to.say(format_args!(
+                    "echo:it leaves {percent} % of the vibration, and suits accelerations up to {} mm/s2. Send the line \
+                    to set it",
+                    most.to_num::<u32>()
+                ));
+            }
+            match modes {
+                [None, _] => to.say(format_args!("echo:resonance {axis}: no peak within the sweep")),
+                [Some(_), None] => to.say(format_args!("echo:one mode only")),
+                [Some(_), Some(_)] => {}
+            }
         }
-        ResonanceAnswer::Shaper(axis, shaper) => report_shaper(to, name(axis), shaper),
-        ResonanceAnswer::Leaves { percent, most } => to.say(format_args!(
-            "echo:it leaves {percent} % of the vibration, and suits accelerations up to {} mm/s2. Send the line to set it",
-            most.to_num::<u32>()
-        )),
-        ResonanceAnswer::OneMode => to.say(format_args!("echo:one mode only")),
     }
 }

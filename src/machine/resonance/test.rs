@@ -11,7 +11,7 @@ use super::response::{Response, step_hz};
 use crate::accelerometer::SensorFault;
 use crate::gcode::{SweepAxis, SweepWords};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::resonance_answer::ResonanceAnswer;
+use crate::machine::answers::resonance_answer::{ResonanceAnswer, Suggested};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::sweep::sweep as start_sweep;
@@ -127,20 +127,15 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Pend>(
     let step = step_hz(blocks);
     let ends = shaken(step, ends);
     let found = modes(&response, step, &ends);
-    for mode in &found {
-        main_loop.reply(Answer::Resonance(ResonanceAnswer::Mode(words.axis, *mode))).await?;
-    }
-    if words.chooses
-        && let Some(base) = shaper_of(&main_loop.settings.shapers, words.axis)
-        && let Some(chosen) = choose(&response, step, &ends, &found, base)
-    {
-        suggest(main_loop, words.axis, &chosen).await?;
-    }
-    Ok(match found.len() {
-        0 => Answer::Resonance(ResonanceAnswer::NoMode(words.axis)),
-        1 => Answer::Resonance(ResonanceAnswer::OneMode),
-        _ => Answer::Nothing,
-    })
+    let base = shaper_of(&main_loop.settings.shapers, words.axis).filter(|_| words.chooses);
+    let chosen = base.and_then(|base| choose(&response, step, &ends, &found, base));
+    let shaper = chosen.map(|Chosen { shaper, left }| Suggested {
+        shaper,
+        percent: (left * 100.0 + 0.5) as u8,
+        most: most_acceleration(&shaper),
+    });
+    let modes = [0, 1].map(|place| found.get(place).copied());
+    Ok(Answer::Resonance(ResonanceAnswer::Found { axis: words.axis, modes, shaper }))
 }
 
 /// The shaper of an axis; a diagonal has none.
@@ -152,19 +147,6 @@ const fn shaper_of(shapers: &Shapers, axis: SweepAxis) -> Option<Shaper> {
     }
 }
 
-/// SHAPER_CALIBRATE: the line that sets a shaper for these modes.
-async fn suggest<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    axis: SweepAxis,
-    chosen: &Chosen,
-) -> Result<(), Interrupt> {
-    let shaper = chosen.shaper;
-    let percent = (chosen.left * 100.0 + 0.5) as u8;
-    main_loop.reply(Answer::Resonance(ResonanceAnswer::Shaper(axis, shaper))).await?;
-    let most = most_acceleration(&shaper);
-    main_loop.reply(Answer::Resonance(ResonanceAnswer::Leaves { percent, most })).await
-}
-
 /// What came of a sweep.
 enum Tested {
     /// The sensor was heard to its end.
@@ -173,7 +155,7 @@ enum Tested {
     Answer(ResonanceAnswer),
 }
 
-/// Sweeps the tool and listens.
+/// Sweeps the tool and listens; shaping is on again.
 async fn test<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: SweepAxis,
@@ -181,37 +163,43 @@ async fn test<P: PortSet, W: Pend>(
     response: &mut Response,
     wants_raw: bool,
 ) -> Result<Tested, Interrupt> {
-    let Some(kind) = main_loop.settings.accelerometer.kind else {
-        start_sweep(main_loop, sweep).await?;
-        main_loop.finish().await?;
-        main_loop.drop_motion().await?;
-        return Ok(Tested::Answer(ResonanceAnswer::Swept(axis)));
-    };
-    let failed = |fault| Ok(Tested::Answer(ResonanceAnswer::Failed(kind, fault)));
-    let mut listener = match hear_noise(main_loop, axis, response).await? {
-        Ok(listener) => listener,
-        Err(fault) => return failed(fault),
-    };
-    let noise = listener.noise.deviation();
-    if noise.iter().any(|noise| *noise >= MOST_NOISE) {
-        return Ok(Tested::Answer(ResonanceAnswer::Noisy(kind, noise)));
-    }
-    if wants_raw {
-        main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
+    let kind = main_loop.settings.accelerometer.kind;
+    let mut listener = None;
+    if let Some(kind) = kind {
+        let heard = match hear_noise(main_loop, axis, response).await? {
+            Ok(listener) => listener,
+            Err(fault) => return Ok(Tested::Answer(ResonanceAnswer::Failed(kind, fault))),
+        };
+        let noise = heard.noise.deviation();
+        if noise.iter().any(|noise| *noise >= MOST_NOISE) {
+            return Ok(Tested::Answer(ResonanceAnswer::Noisy(kind, noise)));
+        }
+        if wants_raw {
+            main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
+        }
+        listener = Some(heard);
     }
     start_sweep(main_loop, sweep).await?;
     let begin = main_loop.now();
-    listener.begin(&sweep, begin);
-    while main_loop.motion.has_motion() {
+    if let Some(listener) = &mut listener {
+        listener.begin(&sweep, begin);
+    }
+    let mut failure = None;
+    while main_loop.motion.has_motion() && failure.is_none() {
         main_loop.poll().await?;
-        if let Err(fault) = hear(main_loop, &mut listener, response, wants_raw.then_some(begin)).await? {
-            main_loop.slow_down().await?;
-            main_loop.drop_motion().await?;
-            return failed(fault);
+        if let Some(listener) = &mut listener {
+            failure = hear(main_loop, listener, response, wants_raw.then_some(begin)).await?.err();
         }
     }
+    if failure.is_some() {
+        main_loop.slow_down().await?;
+    }
     main_loop.drop_motion().await?;
-    Ok(Tested::Heard { blocks_a_second: listener.blocks_a_second() })
+    Ok(match (failure, kind, listener) {
+        (Some(fault), Some(kind), _) => Tested::Answer(ResonanceAnswer::Failed(kind, fault)),
+        (None, _, Some(listener)) => Tested::Heard { blocks_a_second: listener.blocks_a_second() },
+        _ => Tested::Answer(ResonanceAnswer::Swept(axis)),
+    })
 }
 
 /// Starts the sensor and hears its noise for a second.

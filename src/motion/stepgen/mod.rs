@@ -27,7 +27,8 @@
 //! - **slow end**: the end of a piece with the lower speed; all step times are computed from there.
 //! - **cubic run**: consecutive step times that lie on one cubic. **run** (of events): events that the Stepper sees all
 //!   at once.
-//! - **task**: the generator's present job: a move, a brake, a dwell, or waiting until the motors are at rest.
+//! - **task**: the generator's present job: a move, a sweep, a brake, a dwell, or waiting until the motors are
+//!   at rest.
 //! - **to publish**: to show the other contexts how many events and steps are made.
 
 mod alignment;
