@@ -8,9 +8,6 @@ use clap::Args;
 use corehbot_twin::run::jump;
 
 /// `twin jump`.
-///
-/// Motors run from rest at a constant speed at once, as after a corner that asks for a jump of speed. Distances are the
-/// tool's place minus the commanded one, to the right and away from the front positive.
 #[derive(Args)]
 pub(crate) struct Jump {
     /// The jump of speed in mm/s, to the right and away from the front.

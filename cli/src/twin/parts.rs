@@ -1,6 +1,7 @@
 //! `twin parts`: errors of reference parts' dimensions, by machine and by speed.
 
 use super::answer::Json;
+use super::drawn;
 use super::play::{RunModel, played};
 use super::setup::{FileArgs, MachineArg, MachineArgs, has_room, parse_pair};
 use super::source::steps_of;
@@ -19,15 +20,9 @@ use corehbot_twin::queries::compare::COMPARED;
 use corehbot_twin::routing::{Machine, Place};
 use indicatif::ProgressBar;
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelRefIterator as _, ParallelIterator as _};
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// `twin parts`.
-///
-/// The firmware plans each part with the machine's limits and shapers, and each machine plays its steps with the part
-/// in the middle of its reach. Dimensions are those of the nozzle's path; filament and the yaw of the bar are left out.
-/// Errors are in micrometres: a dimension that is too large is positive (a hole too wide, a wall too thick), a corner
-/// outside too.
 #[derive(Args)]
 pub(crate) struct Parts {
     #[command(flatten)]
@@ -46,7 +41,7 @@ pub(crate) struct Parts {
     model: RunModel,
     /// Draws the errors by speed, as SVG.
     #[arg(long, value_name = "F.svg")]
-    picture: Option<PathBuf>,
+    svg: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
@@ -61,9 +56,7 @@ impl Parts {
         }
         let answer = Answer::new(figures?);
         self.json.give_with(&answer, self.file.files(), |outputs| {
-            let Some(path) = &self.picture else { return Ok(()) };
-            let mut out = outputs.open(path)?;
-            out.write_all(picture(&answer).as_bytes()).and_then(|()| out.flush()).context("cannot write the picture")
+            drawn(outputs, self.svg.as_deref(), || picture(&answer))
         })
     }
 

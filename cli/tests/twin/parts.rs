@@ -45,7 +45,7 @@ fn three_machines_are_compared_and_a_file_has_its_own() {
     assert!(["CoreH-bot", "H-bot", "CoreXY", "too large is positive"].iter().all(|word| text.contains(word)), "{text}");
     let picture = file("parts.svg", "");
     let words = "parts --speed 100,300 --model reduced --settings ../examples/machines/corexy.toml";
-    let told = json(&format!("{words} --picture {}", picture.display()));
+    let told = json(&format!("{words} --svg {}", picture.display()));
     assert_eq!(told["parts"].as_array().unwrap().len(), 2);
     assert_eq!(told["parts"][0]["machine"], "corexy");
     assert!(near(&told["parts"][1]["speed_mm_s"], 300.0, 1e-9), "{told}");
@@ -57,7 +57,7 @@ fn three_machines_are_compared_and_a_file_has_its_own() {
 #[test]
 fn the_drawing_in_the_documents_is_the_commands() {
     let made = file("twin-parts.svg", "");
-    json(&format!("parts --speed 50,100,150,200,250,300 --picture {}", made.display()));
+    json(&format!("parts --speed 50,100,150,200,250,300 --svg {}", made.display()));
     let kept = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/research/twin-parts.svg");
     if std::env::var_os("BLESS").is_some() {
         std::fs::copy(&made, &kept).unwrap();
