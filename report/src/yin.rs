@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn a_path_keeps_its_corners_and_loses_the_places_between() {
         let around: Vec<[f64; 2]> = (0..=200)
-            .map(|i| f64::from(i))
+            .map(f64::from)
             .map(|i| if i < 100.0 { [i, 0.05 * (i % 2.0)] } else { [100.0, i - 100.0] })
             .collect();
         assert_eq!(simpler(&around), [[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);

@@ -14,6 +14,9 @@ const FACTORS: [f64; 5] = [0.5, FRAC_1_SQRT_2, 1.0, SQRT_2, 2.0];
 /// Farthest exponent from 1, -1 or 0 that still counts as proportional, inverse or independent.
 const ABOUT: f64 = 0.1;
 
+/// A case with a parameter times a factor.
+type Scaled = fn(Case, f64) -> Case;
+
 /// Errors over factors of the parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure5 {
@@ -56,7 +59,7 @@ impl Figure5 {
     /// As [`run_on`].
     pub fn new(rig: &Parameters, like: &Case) -> Result<Figure5, Error> {
         let like = Case { speed: FAST, model: Model::Full, ..*like };
-        let with: [(&'static str, fn(Case, f64) -> Case); 3] = [
+        let with: [(&'static str, Scaled); 3] = [
             ("friction", |case, by| Case { friction: case.friction * by, ..case }),
             ("stiffness", |case, by| Case { stiffness: case.stiffness * by, ..case }),
             ("mass", |case, by| Case { mass: case.mass * by, ..case }),

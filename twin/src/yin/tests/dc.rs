@@ -91,7 +91,7 @@ fn poles_of_the_condensed_model_are_those_of_two_masses() {
     let mut expected: Vec<f64> = [(0.08 + 4.0e-7 / r2, 110.0 + 4.0 * 2.7e-4 / r2), (0.20, 75.0)]
         .into_iter()
         .flat_map(|(m, b): (f64, f64)| {
-            let k = 2.0 * 4747.474_747;
+            let k = 2.0 * 4_747.474_747;
             // Without overdamping the real part alone.
             let root = (b * b - 4.0 * m * k).max(0.0).sqrt();
             [(-b + root) / (2.0 * m), (-b - root) / (2.0 * m)]
