@@ -61,7 +61,7 @@ pub struct Sensor {
     pub clock: f64,
     /// What it feels, besides gravity along z.
     pub vibration: Vibration,
-    /// A trouble, and its time in ns.
+    /// A trouble, and its time in ns after the first start.
     pub trouble: Option<(u64, Trouble)>,
     /// What the firmware did against the data sheet, each once.
     pub breaches: Vec<&'static str>,
@@ -70,6 +70,8 @@ pub struct Sensor {
     /// Samples that were made, that were fetched and that were lost.
     pub samples: [u64; 3],
     registers: [u8; 64],
+    /// When it was started first, in ns.
+    started: Option<u64>,
     /// The first sample comes one period after this, in ns.
     began: Option<u64>,
     made: u64,
@@ -105,6 +107,7 @@ impl Sensor {
             written: Vec::new(),
             samples: [0; 3],
             registers: [0; 64],
+            started: None,
             began: None,
             made: 0,
             fifo: VecDeque::new(),
@@ -137,6 +140,12 @@ impl Sensor {
         if !self.breaches.contains(&what) {
             self.breaches.push(what);
         }
+    }
+
+    /// The trouble that it has at `at` ns.
+    fn trouble_at(&self, at: u64) -> Option<Trouble> {
+        let (after, trouble) = self.trouble?;
+        (at >= self.started? + after).then_some(trouble)
     }
 
     /// Samples a second; 0 at rest.
@@ -177,7 +186,7 @@ impl Sensor {
                 Kind::Lis2dw12 => ((felt / 4.785_645 / 4.0).round().clamp(-8192.0, 8191.0) * 4.0) as i16,
             };
         }
-        if let Some((_, Trouble::Stuck(axis))) = self.trouble.filter(|(from, _)| *from <= at) {
+        if let Some(Trouble::Stuck(axis)) = self.trouble_at(at) {
             axes[axis] = 77;
         }
         axes
@@ -191,8 +200,7 @@ impl Sensor {
 
     /// Makes the samples up to `now`.
     fn advance(&mut self, now: u64) {
-        if let Some((at, Trouble::Restarted)) = self.trouble.filter(|(at, _)| *at <= now) {
-            let _ = at;
+        if self.trouble_at(now) == Some(Trouble::Restarted) {
             self.trouble = None;
             self.power();
         }
@@ -288,6 +296,7 @@ impl Sensor {
             self.made = 0;
             // Turn-on time of an ADXL345 (datasheet rev E, power modes), within which a LIS2DW12 has settled too.
             self.began = (self.rate() > 0.0).then_some(now + 1_100_000);
+            self.started = self.started.or(self.began);
         }
         // Bypass empties the FIFO.
         if register == if self.kind == Kind::Adxl345 { 0x38 } else { 0x2E } && !self.is_streaming() {
@@ -322,7 +331,7 @@ impl Peer for Sensor {
         if bits != 8 {
             self.breach("a frame has not eight bits");
         }
-        if self.trouble.is_some_and(|(at, trouble)| trouble == Trouble::Unplugged && at <= now) {
+        if self.trouble_at(now) == Some(Trouble::Unplugged) {
             return 0xFF;
         }
         let byte = mosi as u8;

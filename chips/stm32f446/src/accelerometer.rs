@@ -25,6 +25,7 @@ use corehbot_board_support::accelerometer::{self, Bytes, LONGEST, Raw, Reader, T
 use corehbot_cortex_m4::{Handover, finish_stores};
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::dma::St;
+use embassy_stm32::pac::dma::regs::Ixr;
 use embassy_stm32::pac::dma::vals::{Dir, Size};
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Mstr};
 use embassy_stm32::pac::{DMA1, Interrupt, RCC, SPI3, TIM6};
@@ -177,11 +178,11 @@ fn end_transfers(pins: SensorPins) {
         forget_flags();
     });
     wait(|| SPI3.sr().read().txe() && !SPI3.sr().read().bsy());
+    // Reading both forgets a byte that nobody took, and that another was lost behind it (RM0390, SPI error flags).
+    let _ = (SPI3.dr().read(), SPI3.sr().read());
+    ports::put(pins.select, true);
     SPI3.cr1().modify(|w| w.set_spe(false));
     SPI3.cr2().write(|_| ());
-    ports::put(pins.select, true);
-    // Reading both forgets a byte that nobody took, and that others were lost behind it (RM0390, SPI error flags).
-    let _ = (SPI3.dr().read(), SPI3.sr().read());
     SPI3.cr1().modify(|w| w.set_spe(true));
 }
 
@@ -210,18 +211,15 @@ fn begin_transfers() {
 
 const _: () = assert!(SENSOR_INPUT.request == 0 && SENSOR_OUTPUT.request == 0);
 
+/// Every flag of the first stream of four, and of the last (RM0390, DMA low and high interrupt flag clear register).
+const FLAGS_OF_FIRST: Ixr = Ixr(0x3D);
+const FLAGS_OF_LAST: Ixr = Ixr(0x3D << 22);
+const _: () = assert!(SENSOR_INPUT.stream == 0 && SENSOR_OUTPUT.stream == 7);
+
 /// Clears the flags of both streams, or they do not start again (RM0390, DMA: stream configuration procedure).
 fn forget_flags() {
-    for channel in [SENSOR_INPUT, SENSOR_OUTPUT] {
-        let place = channel.stream % 4;
-        DMA1.ifcr(channel.stream / 4).write(|w| {
-            w.set_feif(place, true);
-            w.set_dmeif(place, true);
-            w.set_teif(place, true);
-            w.set_htif(place, true);
-            w.set_tcif(place, true);
-        });
-    }
+    DMA1.ifcr(0).write_value(FLAGS_OF_FIRST);
+    DMA1.ifcr(1).write_value(FLAGS_OF_LAST);
 }
 
 /// Waits for a flag, with a limit.
