@@ -11,20 +11,19 @@ use std::fs;
 use std::path::Path;
 
 /// The rooms that each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 20] = [
+const ARROWS: [(&str, &[&str]); 19] = [
     ("units", &[]),
     ("text", &[]),
     ("checksum", &[]),
     ("surface", &["units"]),
     ("motors", &["text"]),
     ("connectors", &["text"]),
-    ("accelerometer", &[]),
     ("fault", &["units", "checksum", "connectors"]),
     ("status", &["units", "motors", "connectors", "fault"]),
-    ("port", &["units", "motors", "connectors", "accelerometer"]),
+    ("port", &["units", "motors", "connectors"]),
     ("protocol", &["units", "text", "port"]),
     ("kinematics", &["units", "motors"]),
-    ("settings", &["units", "motors", "connectors", "accelerometer", "kinematics"]),
+    ("settings", &["units", "motors", "connectors", "kinematics"]),
     ("gcode", &["units", "text", "connectors", "motors", "settings"]),
     ("motion", &["units", "surface", "motors", "fault", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
@@ -49,7 +48,6 @@ const ARROWS: [(&str, &[&str]); 20] = [
             "connectors",
             "fault",
             "thermal",
-            "accelerometer",
         ],
     ),
     ("app", &["units", "motors", "status", "port", "settings", "kinematics", "motion", "thermal", "machine"]),
@@ -123,7 +121,7 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
 
 /// The parts of the room `machine` that each part may use, only those above it. A command gets the main loop and the
 /// states that it names, and the Console passes them.
-const WITHIN_MACHINE: [(&str, &[&str]); 14] = [
+const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
     ("ports", &[]),
     ("interrupt", &[]),
     ("numbers", &[]),
@@ -135,17 +133,13 @@ const WITHIN_MACHINE: [(&str, &[&str]); 14] = [
     ("main_loop", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
     ("belt", &["answers", "main_loop", "interrupt", "ports", "state"]),
     ("probe", &["answers", "main_loop", "interrupt", "ports", "state"]),
-    ("resonance", &["answers", "main_loop", "interrupt", "ports", "state"]),
-    (
-        "commands",
-        &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "resonance", "state"],
-    ),
+    ("commands", &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "state"]),
     ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "probe", "state"]),
 ];
 
 /// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the
 /// Stepper share formulas, entries and queues, but none of the three uses another one: each has a context of its own.
-const WITHIN_MOTION: [(&str, &[&str]); 15] = [
+const WITHIN_MOTION: [(&str, &[&str]); 14] = [
     ("number", &[]),
     ("ticks", &[]),
     ("moves", &[]),
@@ -155,11 +149,10 @@ const WITHIN_MOTION: [(&str, &[&str]); 15] = [
     ("step_counts", &["queue"]),
     ("z_limits", &["moves", "number"]),
     ("trajectory", &["moves", "number", "ramps", "surface", "ticks", "z_limits"]),
-    ("sweep", &["moves", "ramps", "trajectory"]),
-    ("work", &["moves", "surface", "sweep", "trajectory"]),
+    ("work", &["moves", "surface", "trajectory"]),
     ("planner", &["moves", "number", "ramps", "surface", "trajectory"]),
     ("link", &["moves", "step_counts", "work", "z_limits"]),
-    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "sweep", "ticks", "trajectory", "work", "z_limits"]),
+    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "ticks", "trajectory", "work", "z_limits"]),
     ("stepper", &["queue"]),
 ];
 

@@ -22,8 +22,7 @@ mod parts;
 
 pub use commands::{
     BedCommand, Command, Forgets, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand,
-    RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand, ShaperName, Text, Treatment, codes, described,
-    names, places,
+    RefusedCommand, ReportCommand, SettingCommand, ShaperName, Text, Treatment, codes, described, names, places,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;
@@ -31,5 +30,5 @@ pub use parse::parse;
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
     MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords,
-    ShaperWords, SweepAxis, SweepWords, TuningWords, VelocityWords,
+    ShaperWords, TuningWords, VelocityWords,
 };

@@ -5,7 +5,7 @@
 //! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
 //! rows. Other places that depend on a setting:
 //!
-//! - Field, default and row: here, or `accelerometer`, `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`, `probe`,
+//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`, `probe`,
 //!   `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and
 //!   `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
@@ -22,7 +22,6 @@
 //!
 //! docs/how-to/setting.md has the steps, also for a new [`ShaperKind`].
 
-mod accelerometer;
 mod axis;
 mod bed;
 mod belt;
@@ -52,7 +51,6 @@ pub mod table;
 mod thermal;
 mod wiring;
 
-pub use accelerometer::AccelerometerSettings;
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
 pub use belt::{Alignment, Belt, PHASES};
@@ -176,8 +174,6 @@ pub struct Settings {
     pub fans: [FanPlug; FANS],
     /// Pulses of a fan's tachometer in a turn.
     pub fan_pulses: u8,
-    /// The accelerometer at the tool.
-    pub accelerometer: AccelerometerSettings,
 }
 
 impl Settings {
@@ -249,7 +245,6 @@ impl Settings {
             screws: Screw::prototype(),
             fans: [FanPlug::PLAIN; FANS],
             fan_pulses: fan_plugs::USUAL_PULSES,
-            accelerometer: AccelerometerSettings::prototype(),
         }
     }
 
@@ -327,7 +322,6 @@ impl Settings {
             screws: _,
             fans,
             fan_pulses: _,
-            accelerometer: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring

@@ -33,8 +33,6 @@ macro_rules! files {
 
 files! {
     top,
-    accelerometer,
-    accelerometer::axes,
     axis,
     axis::min,
     axis::homing,

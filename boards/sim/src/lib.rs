@@ -6,7 +6,6 @@
 //! figures into pages, and the command is `corehbot-cli`.
 #![forbid(unsafe_code)]
 
-pub mod accelerometer;
 pub mod bed_plant;
 pub mod belt;
 pub mod check;

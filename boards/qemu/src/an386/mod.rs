@@ -25,7 +25,7 @@ mod vectors;
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoAccelerometer, NoStorage};
+use corehbot::port::{Lines, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
@@ -76,7 +76,6 @@ fn start_up() -> &'static Status {
         drivers: contexts::NoDrivers,
         clock: time::BoardClock,
         storage: NoStorage,
-        accelerometer: NoAccelerometer,
     };
     // In this form the parts are built in their place; they are too large to be carried about.
     let parts = PARTS.init_with(|| {
