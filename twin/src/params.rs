@@ -330,6 +330,8 @@ mod tests {
         assert_eq!([0, 1, 2].map(|belt| two.of(belt)), [30_000.0, 45_000.0, 45_000.0]);
         assert_eq!(two.with_first(20_000.0), Each::listed(&[20_000.0, 30_000.0]).unwrap());
         assert_eq!([0, 5].map(|belt| Each::all(2.0).of(belt)), [2.0, 2.0]);
+        assert_eq!(Each::all(2.0).with_part(1, 3.0, 3), Each::listed(&[2.0, 3.0, 2.0]).unwrap());
+        assert_eq!(Each::all(2.0).with_part(0, 3.0, 1), Each::all(3.0));
         let params = Params { motor_radius_mm: Each::listed(&[6.35, 5.08]).unwrap(), ..Params::default() };
         assert!((params.holding_force_n(1) / params.holding_force_n(0) - 1.25).abs() < 1e-12);
     }

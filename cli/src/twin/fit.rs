@@ -2,7 +2,7 @@
 
 use super::answer::Json;
 use super::calibrated::Calibrated;
-use super::setup::{FileArgs, has_room};
+use super::setup::{FileArgs, MachineArgs};
 use anyhow::{Result, ensure};
 use clap::Args;
 use corehbot_twin::geometry::workspace;
@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// `twin fit`.
 #[derive(Args)]
 pub(crate) struct Fit {
-    /// Measurements of several kinds (docs/research/twin.md describes them): finds belt, preload, masses and motors.
+    /// Measurements of several kinds (docs/research/twin.md describes them): finds each belt's stiffness and tension,
+    /// masses, motors, yaw and damping, and says which measurement would help most next.
     #[arg(value_name = "MEASURED.toml", required_unless_present = "measured", conflicts_with = "measured")]
     file: Option<PathBuf>,
     /// The tool's place in mm from motor 1's axis, and the ringing of x and y in Hz, `-` for one that was not measured.
@@ -27,6 +28,8 @@ pub(crate) struct Fit {
     gcode_frame: bool,
     #[command(flatten)]
     settings: FileArgs,
+    #[command(flatten)]
+    machine: MachineArgs,
     #[command(flatten)]
     json: Json,
 }
@@ -45,9 +48,7 @@ struct Answer {
 
 impl Fit {
     pub(super) fn answer(&self) -> Result<u8> {
-        let machine = Machine::CoreHBot;
-        let params = self.settings.read()?.twin.params;
-        has_room(&[machine], &params)?;
+        let (machine, params) = self.machine.read(&self.settings.read()?)?;
         if let Some(file) = &self.file {
             let answer = Calibrated::read(file, machine, &params)?;
             return self.json.give(&answer, self.settings.files().chain([file.as_path()]));
@@ -62,6 +63,8 @@ impl Fit {
         }
         let count = rung.iter().flat_map(|r| r.frequencies_hz).flatten().count();
         ensure!(count >= 2, "expected at least two frequencies: belts and motors are two unknowns");
+        // The law of a place is the CoreH-bot's.
+        let is_corehbot = machine == Machine::CoreHBot;
         let law = |axis: Axis, index: usize| {
             let place = |r: &Rung| if index == 0 { r.at.x } else { r.at.y };
             let one = |r: &Rung| {
@@ -72,7 +75,12 @@ impl Fit {
         };
         let (x, y) = (law(Axis::X, 0), law(Axis::Y, 1));
         let identified = identify(machine, &params, &rung)?;
-        let answer = Answer { identified, missing: [x.err(), y.err()], x: x.ok(), y: y.ok() };
+        let answer = Answer {
+            identified,
+            missing: [&x, &y].map(|law| law.as_ref().err().copied().filter(|_| is_corehbot)),
+            x: x.ok().filter(|_| is_corehbot),
+            y: y.ok().filter(|_| is_corehbot),
+        };
         self.json.give(&answer, self.settings.files())
     }
 }

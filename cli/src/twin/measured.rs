@@ -1,4 +1,6 @@
 //! Measured: the file with a machine owner's measurements. docs/research/twin.md describes it.
+//!
+//! A number without an uncertainty of its own has the usual one of its kind (`Figure::usual_uncertainty`).
 
 use super::setup::syntax;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -6,8 +8,9 @@ use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weig
 use corehbot_twin::geometry::Workspace;
 use corehbot_twin::routing::Place;
 use serde::Deserialize;
+use serde_json::Value;
 use std::ops::RangeInclusive;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 
 /// A file of measurements.
@@ -24,6 +27,9 @@ struct MeasuredToml {
     ring: Vec<RingToml>,
     push: Vec<PushToml>,
     slip: Vec<SlipToml>,
+    skew: Vec<SkewToml>,
+    shaper: Vec<ShaperToml>,
+    resonance: Vec<ResonanceToml>,
 }
 
 impl Default for MeasuredToml {
@@ -38,6 +44,9 @@ impl Default for MeasuredToml {
             ring: Vec::new(),
             push: Vec::new(),
             slip: Vec::new(),
+            skew: Vec::new(),
+            shaper: Vec::new(),
+            resonance: Vec::new(),
         }
     }
 }
@@ -56,6 +65,7 @@ enum Frame {
 #[serde(deny_unknown_fields)]
 struct PluckToml {
     length_mm: Spanned<f64>,
+    belt: Option<Spanned<i64>>,
     #[serde(rename = "frequency_Hz")]
     frequency: Spanned<f64>,
     uncertainty_percent: Option<Spanned<f64>>,
@@ -75,6 +85,8 @@ enum WeighedToml {
     Head,
     Bar,
     Both,
+    Gantry,
+    Bed,
 }
 
 #[derive(Deserialize)]
@@ -85,6 +97,10 @@ struct RingToml {
     x: Option<Spanned<f64>>,
     #[serde(rename = "y_Hz")]
     y: Option<Spanned<f64>>,
+    #[serde(rename = "yaw_Hz")]
+    yaw: Option<Spanned<f64>>,
+    x_damping: Option<Spanned<f64>>,
+    y_damping: Option<Spanned<f64>>,
     uncertainty_percent: Option<Spanned<f64>>,
 }
 
@@ -96,6 +112,8 @@ struct PushToml {
     force: Spanned<f64>,
     x_mm: Option<Spanned<f64>>,
     y_mm: Option<Spanned<f64>>,
+    a_mm: Option<Spanned<f64>>,
+    b_mm: Option<Spanned<f64>>,
     uncertainty_percent: Option<Spanned<f64>>,
 }
 
@@ -108,21 +126,38 @@ struct SlipToml {
     uncertainty_percent: Option<Spanned<f64>>,
 }
 
-// Standard uncertainties, as parts, of measurements by the method of docs/research/twin.md; all assumed.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SkewToml {
+    at: Spanned<[f64; 2]>,
+    mrad: Spanned<f64>,
+    uncertainty_mrad: Option<Spanned<f64>>,
+}
 
-/// A pitch: 1 % of the phone, and 1.5 % of the span's length by a ruler and of its ends that hold it.
-const PLUCKED: f64 = 0.02;
-/// Half a metre of belt on a scale of 0.1 g: 0.1 g of 6 g, and 1 mm of its length; for all parts that are plucked
-/// alike.
-const BELT_WEIGHED: f64 = 0.02;
-/// A kitchen scale of 5 g under 600 g.
-const WEIGHED: f64 = 0.01;
-/// A frequency from two seconds of a phone's accelerometer.
-const RUNG: f64 = 0.015;
-/// A dial gauge of 0.01 mm, read to a half of that, under 0.08 mm.
-const PUSHED: f64 = 0.06;
-/// A spring scale that is pulled until the motor slips.
-const SLIPPED: f64 = 0.10;
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShaperToml {
+    at: Spanned<[f64; 2]>,
+    #[serde(rename = "x_Hz")]
+    x: Option<Spanned<f64>>,
+    #[serde(rename = "y_Hz")]
+    y: Option<Spanned<f64>>,
+    uncertainty_percent: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ResonanceToml {
+    at: Spanned<[f64; 2]>,
+    file: Spanned<PathBuf>,
+}
+
+/// Standard uncertainty of a frequency that a shaper was tuned to: prints are judged in steps of some Hz. Assumed.
+const SHAPED: f64 = 0.05;
+
+/// Of a frequency by an accelerometer, besides the fit's own: the place of the tool, its clock, and the machine's
+/// change as it warms up. Assumed.
+const RECORDED: f64 = 0.01;
 
 /// The content of a file.
 pub(super) struct Measured {
@@ -133,79 +168,159 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Reads a file about a machine with this reach.
+    /// Reads a file about a machine with this reach and number of belts.
     ///
     /// # Errors
     /// The problem, with file and line.
-    pub(super) fn read(path: &Path, reach: &Workspace) -> Result<Self> {
+    pub(super) fn read(path: &Path, reach: &Workspace, belts: usize) -> Result<Self> {
         let file = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
         let toml: MeasuredToml =
             toml::from_str(&text).map_err(|error| syntax(&text, &error)).context(file.to_string())?;
-        Reader { text: &text, reach, frame: toml.frame }.all(toml).context(file.to_string())
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut reader = Reader { text: &text, folder, reach, belts, frame: toml.frame, found: Vec::new() };
+        reader.all(&toml).context(file.to_string())?;
+        Ok(Self { measurements: reader.found, fixed: toml.fixed })
     }
 }
 
 struct Reader<'t> {
     text: &'t str,
+    /// Where other files are.
+    folder: &'t Path,
     reach: &'t Workspace,
+    belts: usize,
     frame: Frame,
+    found: Vec<(String, Measurement)>,
 }
 
 impl Reader<'_> {
-    fn all(&self, toml: MeasuredToml) -> Result<Measured> {
-        let mut measurements = Vec::new();
-        let mut add = |name: String, figure, measured, uncertainty| {
-            measurements.push((name, Measurement { figure, measured, uncertainty }));
-        };
+    fn all(&mut self, toml: &MeasuredToml) -> Result<()> {
         if let Some(belt) = &toml.belt {
-            let kg_per_m = self.number("belt_kg_per_m", belt, 0.001..=0.1)?;
-            let uncertainty = self.uncertainty(toml.belt_uncertainty_percent.as_ref(), BELT_WEIGHED)?;
-            add(self.name("belt_kg_per_m", belt), Figure::BeltMass, kg_per_m, uncertainty);
+            let percent = toml.belt_uncertainty_percent.as_ref();
+            self.add("belt_kg_per_m", belt, 0.001..=0.1, Figure::BeltMass, percent)?;
         } else if let Some(percent) = &toml.belt_uncertainty_percent {
             bail!("line {}: belt_uncertainty_percent is one of belt_kg_per_m, which is missing", self.line(percent));
         }
         for pluck in &toml.pluck {
             let length_mm = self.number("length_mm", &pluck.length_mm, 50.0..=3000.0)?;
-            let hz = self.number("frequency_Hz", &pluck.frequency, 5.0..=2000.0)?;
-            let name = self.name("pluck", &pluck.frequency);
-            add(name, Figure::Pluck { length_mm }, hz, self.uncertainty(pluck.uncertainty_percent.as_ref(), PLUCKED)?);
+            let figure = Figure::Pluck { length_mm, belt: self.belt(pluck.belt.as_ref())? };
+            self.add("frequency_Hz", &pluck.frequency, 5.0..=2000.0, figure, pluck.uncertainty_percent.as_ref())?;
         }
         for weight in &toml.weight {
             let of = match weight.of {
                 WeighedToml::Head => Weighed::Head,
                 WeighedToml::Bar => Weighed::Bar,
                 WeighedToml::Both => Weighed::Both,
+                WeighedToml::Gantry => Weighed::Gantry,
+                WeighedToml::Bed => Weighed::Bed,
             };
-            let kg = self.number("mass_kg", &weight.mass_kg, 0.01..=50.0)?;
-            let uncertainty = self.uncertainty(weight.uncertainty_percent.as_ref(), WEIGHED)?;
-            add(self.name("weight", &weight.mass_kg), Figure::Weight(of), kg, uncertainty);
+            let percent = weight.uncertainty_percent.as_ref();
+            self.add("mass_kg", &weight.mass_kg, 0.01..=50.0, Figure::Weight(of), percent)?;
         }
         for ring in &toml.ring {
-            let at = self.place(&ring.at)?;
-            let uncertainty = self.uncertainty(ring.uncertainty_percent.as_ref(), RUNG)?;
-            for (key, along, hz) in self.either("x_Hz or y_Hz", &ring.at, [&ring.x, &ring.y], ["x_Hz", "y_Hz"])? {
-                let rung = self.number(key, hz, 1.0..=5000.0)?;
-                add(self.name(&format!("ring {key}"), hz), Figure::Ring { at, along }, rung, uncertainty);
-            }
+            self.ring(ring)?;
         }
         for push in &toml.push {
-            let at = self.place(&push.at)?;
+            let (at, percent) = (self.place(&push.at)?, push.uncertainty_percent.as_ref());
             let force_n = self.number("force_N", &push.force, 0.1..=500.0)?;
-            let uncertainty = self.uncertainty(push.uncertainty_percent.as_ref(), PUSHED)?;
-            for (key, along, mm) in self.either("x_mm or y_mm", &push.at, [&push.x_mm, &push.y_mm], ["x_mm", "y_mm"])? {
-                let moved = self.number(key, mm, 0.001..=20.0)?;
-                let figure = Figure::Deflection { at, along, force_n };
-                add(self.name(&format!("push {key}"), mm), figure, moved, uncertainty);
+            let along = |along| Figure::Deflection { at, along, force_n };
+            let across = |rises| Figure::Diagonal { at, rises, force_n };
+            let all = [
+                ("x_mm", &push.x_mm, along(Direction::X)),
+                ("y_mm", &push.y_mm, along(Direction::Y)),
+                ("a_mm", &push.a_mm, across(false)),
+                ("b_mm", &push.b_mm, across(true)),
+            ];
+            for (key, mm, figure) in self.some("x_mm or y_mm", &push.at, all)? {
+                self.add(key, mm, 0.001..=20.0, figure, percent)?;
             }
         }
         for slip in &toml.slip {
             let lever_mm = self.number("lever_mm", &slip.lever_mm, 2.0..=1000.0)?;
-            let force = self.number("force_N", &slip.force, 0.01..=1000.0)?;
-            let uncertainty = self.uncertainty(slip.uncertainty_percent.as_ref(), SLIPPED)?;
-            add(self.name("slip", &slip.force), Figure::Slip { lever_mm }, force, uncertainty);
+            let percent = slip.uncertainty_percent.as_ref();
+            self.add("force_N", &slip.force, 0.01..=1000.0, Figure::Slip { lever_mm }, percent)?;
         }
-        Ok(Measured { measurements, fixed: toml.fixed })
+        for skew in &toml.skew {
+            let figure = Figure::Skew { at: self.place(&skew.at)? };
+            let measured = self.number("mrad", &skew.mrad, -50.0..=50.0)?;
+            let mrad = skew.uncertainty_mrad.as_ref();
+            let mrad = mrad.map(|mrad| self.number("uncertainty_mrad", mrad, 0.001..=50.0)).transpose()?;
+            let uncertainty = mrad.unwrap_or(figure.usual_uncertainty());
+            self.found.push((self.name("mrad", &skew.mrad), Measurement { figure, measured, uncertainty }));
+        }
+        for shaper in &toml.shaper {
+            let (at, percent) = (self.place(&shaper.at)?, shaper.uncertainty_percent.as_ref());
+            let uncertainty = self.percent(percent)?.unwrap_or(SHAPED);
+            let ring = |along| Figure::Ring { at, along };
+            let all = [("x_Hz", &shaper.x, ring(Direction::X)), ("y_Hz", &shaper.y, ring(Direction::Y))];
+            for (key, hz, figure) in self.some("x_Hz or y_Hz", &shaper.at, all)? {
+                let measured = self.number(key, hz, 1.0..=5000.0)?;
+                self.found.push((self.name(key, hz), Measurement { figure, measured, uncertainty }));
+            }
+        }
+        for resonance in &toml.resonance {
+            let at = self.place(&resonance.at)?;
+            let path = self.folder.join(resonance.file.get_ref());
+            let line = self.line(&resonance.file);
+            let found = recorded(&path, at).with_context(|| format!("line {line}: {}", path.display()))?;
+            self.found.extend(found.into_iter().map(|(name, found)| (format!("{name} in line {line}"), found)));
+        }
+        Ok(())
+    }
+
+    /// Frequencies of a place, and dampings.
+    fn ring(&mut self, ring: &RingToml) -> Result<()> {
+        let (at, percent) = (self.place(&ring.at)?, ring.uncertainty_percent.as_ref());
+        let hz = |along| Figure::Ring { at, along };
+        let damping = |along| Figure::Damping { at, along };
+        let all = [
+            ("x_Hz", &ring.x, hz(Direction::X)),
+            ("y_Hz", &ring.y, hz(Direction::Y)),
+            ("yaw_Hz", &ring.yaw, Figure::YawRing { at }),
+            ("x_damping", &ring.x_damping, damping(Direction::X)),
+            ("y_damping", &ring.y_damping, damping(Direction::Y)),
+        ];
+        for (key, value, figure) in self.some("x_Hz or y_Hz", &ring.at, all)? {
+            // The percentage is the frequencies'.
+            let is_damping = matches!(figure, Figure::Damping { .. });
+            let (legal, percent) = if is_damping { (0.001..=0.9, None) } else { (1.0..=5000.0, percent) };
+            self.add(key, value, legal, figure, percent)?;
+        }
+        Ok(())
+    }
+
+    /// Adds a measurement: its key, value, legal values, figure, and uncertainty if the file has one.
+    fn add(
+        &mut self,
+        key: &str,
+        value: &Spanned<f64>,
+        legal: RangeInclusive<f64>,
+        figure: Figure,
+        percent: Option<&Spanned<f64>>,
+    ) -> Result<()> {
+        let measured = self.number(key, value, legal)?;
+        let uncertainty = self.percent(percent)?.unwrap_or(figure.usual_uncertainty());
+        let kind = match figure {
+            Figure::BeltMass => key.to_owned(),
+            Figure::Pluck { .. } => "pluck".to_owned(),
+            Figure::Weight(_) => "weight".to_owned(),
+            Figure::Slip { .. } => "slip".to_owned(),
+            Figure::Deflection { .. } | Figure::Diagonal { .. } => format!("push {key}"),
+            _ => format!("ring {key}"),
+        };
+        self.found.push((self.name(&kind, value), Measurement { figure, measured, uncertainty }));
+        Ok(())
+    }
+
+    /// A belt by its number, from 1; the first without one.
+    fn belt(&self, belt: Option<&Spanned<i64>>) -> Result<usize> {
+        let Some(belt) = belt else { return Ok(0) };
+        let place = usize::try_from(*belt.get_ref()).ok().filter(|number| (1..=self.belts).contains(number));
+        let (line, belts) = (self.line(belt), self.belts);
+        place.map(|number| number - 1).with_context(|| {
+            format!("line {line}: belt = {} is not one of the machine's belts, 1 to {belts}", belt.get_ref())
+        })
     }
 
     fn line<T>(&self, value: &Spanned<T>) -> usize {
@@ -224,9 +339,9 @@ impl Reader<'_> {
         Ok(number)
     }
 
-    fn uncertainty(&self, percent: Option<&Spanned<f64>>, usual: f64) -> Result<f64> {
+    fn percent(&self, percent: Option<&Spanned<f64>>) -> Result<Option<f64>> {
         let percent = percent.map(|percent| self.number("uncertainty_percent", percent, 0.01..=50.0)).transpose()?;
-        Ok(percent.map_or(usual, |percent| percent / 100.0))
+        Ok(percent.map(|percent| percent / 100.0))
     }
 
     fn place(&self, at: &Spanned<[f64; 2]>) -> Result<Place> {
@@ -245,17 +360,51 @@ impl Reader<'_> {
         Ok(place)
     }
 
-    /// The measurements of x and of y, at least one of them.
-    fn either<'v>(
+    /// The measurements that a place has, at least one.
+    fn some<'v, const N: usize>(
         &self,
         wanted: &str,
         at: &Spanned<[f64; 2]>,
-        values: [&'v Option<Spanned<f64>>; 2],
-        keys: [&'static str; 2],
-    ) -> Result<Vec<(&'static str, Direction, &'v Spanned<f64>)>> {
-        let both = keys.into_iter().zip([Direction::X, Direction::Y]).zip(values);
-        let all: Vec<_> = both.filter_map(|((key, along), v)| v.as_ref().map(|v| (key, along, v))).collect();
-        ensure!(!all.is_empty(), "line {}: expected {wanted} beside this place", self.line(at));
-        Ok(all)
+        all: [(&'static str, &'v Option<Spanned<f64>>, Figure); N],
+    ) -> Result<Vec<(&'static str, &'v Spanned<f64>, Figure)>> {
+        let has = |(key, value, figure): (_, &'v Option<Spanned<f64>>, _)| Some((key, value.as_ref()?, figure));
+        let some: Vec<_> = all.into_iter().filter_map(has).collect();
+        ensure!(!some.is_empty(), "line {}: expected {wanted} beside this place", self.line(at));
+        Ok(some)
     }
+}
+
+/// Frequency and damping of the strongest mode of each axis in the answer of `corehbot resonance`, which was recorded
+/// at this place.
+fn recorded(path: &Path, at: Place) -> Result<Vec<(String, Measurement)>> {
+    let text = std::fs::read_to_string(path).context("cannot open it")?;
+    let json: Value = serde_json::from_str(&text).context("it is not the --json of `corehbot resonance`")?;
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let mut found = Vec::new();
+    for axis in list(&json["axes"]) {
+        let (along, letter) = match axis["axis"].as_str() {
+            Some("X") => (Direction::X, "x"),
+            Some("Y") => (Direction::Y, "y"),
+            _ => continue,
+        };
+        for recording in list(&axis["recordings"]) {
+            let modes = list(&recording["fit"]["modes"]);
+            let number = |mode: &Value, key: &str| mode[key].as_f64().filter(|number| number.is_finite());
+            let part = |mode: &&Value| number(mode, "part").unwrap_or_default();
+            let Some(mode) = modes.iter().max_by(|a, b| part(a).total_cmp(&part(b))) else { continue };
+            let name = |key: &str| format!("resonance {letter}{key}");
+            if let Some(measured) = number(mode, "frequency_Hz").filter(|hz| (1.0..=5000.0).contains(hz)) {
+                let own = number(mode, "frequency_error_Hz").unwrap_or_default() / measured;
+                let (figure, uncertainty) = (Figure::Ring { at, along }, RECORDED.hypot(own));
+                found.push((name("_Hz"), Measurement { figure, measured, uncertainty }));
+            }
+            if let Some(measured) = number(mode, "damping_ratio").filter(|ratio| (0.001..=0.9).contains(ratio)) {
+                let figure = Figure::Damping { at, along };
+                let uncertainty = figure.usual_uncertainty();
+                found.push((name("_damping"), Measurement { figure, measured, uncertainty }));
+            }
+        }
+    }
+    ensure!(!found.is_empty(), "it has no mode of x or y (`corehbot resonance FILE.csv... --json` writes such a file)");
+    Ok(found)
 }

@@ -91,7 +91,7 @@ pub(crate) enum Twin {
     /// file.
     #[command(mut_args(sweep::not_beside_a_study))]
     Sweep(sweep::Sweep),
-    /// Fits belt, preload, masses and motors of a CoreH-bot to measurements.
+    /// Fits belts, tensions, masses, motors, yaw and damping of a machine to measurements.
     Fit(fit::Fit),
     /// Compensates G-code, or a step trace, in advance for the give of belts and motors, for the unchanged firmware.
     Compensate(compensate::Compensate),

@@ -78,7 +78,9 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
         ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: expected x_Hz or y_Hz"),
         ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
-        ("[[weight]]\nof = \"head\"\nmass_kg = 30\n".to_owned(), "head_mass_kg = 29.9"),
+        ("[[pluck]]\nlength_mm = 380\nfrequency_Hz = 74\nbelt = 2\n".to_owned(), "line 4: belt = 2 is not one of"),
+        ("[[skew]]\nat = [195, 208.8]\nmrad = 80\n".to_owned(), "line 3: mrad = 80 is outside -50 to 50"),
+        ("[[resonance]]\nat = [195, 208.8]\nfile = \"no.json\"\n".to_owned(), "cannot open it"),
         (
             format!("{ring}{}{weights}", ring.replace("101", "202")),
             "no machine measures like this: of ring x_Hz in line 6",
@@ -90,4 +92,60 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         assert!(told.contains("unfit.toml") && told.contains(word), "{told}");
     }
     assert_eq!(twin("fit").status.code(), Some(2));
+}
+
+/// A CoreXY with belts of its own: tables for each belt, a recorded resonance, skew, and what to measure next.
+#[test]
+fn a_machine_of_two_belts_is_fitted_from_all_kinds_of_measurements() {
+    let machine =
+        file("unlike.toml", "[twin]\nbelt_EA_N = [36000, 27000]\npreload_N = [50, 40]\nhead_mass_kg = 0.45\n");
+    let modes = json(&format!("modes --model rotors --yaw --machine corexy --settings {}", machine.display()));
+    let of = |axis: &str| {
+        let place = modes["of"].as_array().unwrap().iter().position(|of| of == axis).unwrap();
+        modes["frequencies_Hz"][place].as_f64().unwrap()
+    };
+    let push = |force: &str| {
+        let words =
+            format!("push --model rotors --yaw --machine corexy --force {force} --settings {}", machine.display());
+        let pushed = json(&words);
+        ["dx_mm", "dy_mm"].map(|key| pushed[key].as_f64().unwrap())
+    };
+    let [a, b] = [push("14.1421,-14.1421"), push("14.1421,14.1421")];
+    let [a, b] = [(a[0] - a[1]) * 0.5_f64.sqrt(), (b[0] + b[1]) * 0.5_f64.sqrt()];
+    let mode = |hz: f64| {
+        format!("{{\"frequency_Hz\": {hz}, \"frequency_error_Hz\": 0.1, \"damping_ratio\": 0.05, \"part\": 0.9}}")
+    };
+    let axis = |letter: &str, hz: f64| {
+        format!("{{\"axis\": \"{letter}\", \"recordings\": [{{\"fit\": {{\"modes\": [{}]}}}}]}}", mode(hz))
+    };
+    let recorded = file("recorded.json", &format!("{{\"axes\": [{}, {}]}}", axis("X", of("x")), axis("Y", of("y"))));
+    let text = format!(
+        "frame = \"motor1\"\nbelt_kg_per_m = 0.0125\n[[weight]]\nof = \"head\"\nmass_kg = 0.45\n[[pluck]]\nbelt = 1\n\
+        length_mm = 380\nfrequency_Hz = 83.2\n[[push]]\nat = [235, 235]\nforce_N = 20\na_mm = {a:.4}\nb_mm = {b:.4}\n\
+        uncertainty_percent = 1\n[[resonance]]\nat = [235, 235]\nfile = \"{}\"\n[[shaper]]\nat = [235, 235]\nx_Hz = {:.1}\n\
+        [[slip]]\nlever_mm = 100\nforce_N = 4\n",
+        recorded.display(),
+        of("x")
+    );
+    let measured = file("two-belts.toml", &text);
+    let found = json(&format!("fit {} --machine corexy", measured.display()));
+    for (belt, value) in [36_000.0, 27_000.0].into_iter().enumerate() {
+        assert!(near(&found["params"]["belt_EA_N"][belt], value, 0.03), "{found}");
+        assert!((found["estimates"][belt]["uncertainty"].as_f64().unwrap() < 0.05), "{found}");
+    }
+    assert!(found["estimates"][0]["from"][0].as_str().unwrap().starts_with("push"), "{found}");
+    assert!(near(&found["params"]["head_mass_kg"], 0.45, 0.01), "{found}");
+    assert!(found["further"][0]["improves"][0]["then"].as_f64().unwrap() < 0.6, "{found}");
+    let printed = String::from_utf8(twin(&format!("fit {} --machine corexy", measured.display())).stdout).unwrap();
+    for word in ["belt_EA_N = [", "belt 1, +- ", "resonance y_Hz in line", "What would help most now: "] {
+        assert!(printed.contains(word), "{word}: {printed}");
+    }
+    // The table can be read again.
+    let fitted = file("two-fitted.toml", &printed);
+    let again = json(&format!("stiffness --machine corexy --settings {}", fitted.display()));
+    assert!(again["Kxy_N_per_mm"].as_f64().unwrap().abs() > 5.0, "{again}");
+    // A head of 30 kg alone is not contradicted by anything, but it is told.
+    let heavy = file("heavy.toml", "[[weight]]\nof = \"head\"\nmass_kg = 30\n");
+    let printed = String::from_utf8(twin(&format!("fit {}", heavy.display())).stdout).unwrap();
+    assert!(printed.contains("times from the nominal 0.6: are the units right?"), "{printed}");
 }

@@ -1,60 +1,79 @@
-//! Calibrate: finds the parameters with which the model reproduces the measurements.
+//! Calibrate: finds the numbers with which the model reproduces the measurements.
 //!
-//! The unknowns are logarithms of parameters, because all are positive and their uncertainties are relative. Each
-//! nominal value counts as one more measurement, with its assumed uncertainty. So a parameter that the figures hardly
-//! determine makes the others uncertain by its effect on them, and worse figures never determine more. A round of the
-//! Gauss-Newton method changes the logarithms by `-(J^T J + W)^-1 (J^T r + W p)`:
-//!
-//! - r: differences of the figures' logarithms, divided by their uncertainties;
-//! - J: their derivatives by each parameter;
-//! - p: distances of the parameters from their nominal values;
-//! - W: inverse squares of the assumed uncertainties.
-//!
-//! At the end `(J^T J + W)^-1` is the covariance of the logarithms (Tarantola, Inverse Problem Theory, chapter on least
-//! squares).
+//! The [`search`](super::search) finds the best machine. It is refused by its differences from the measurements alone,
+//! never by its distance from the nominal one. Then measurements are left out one after the other: the wrong one is the
+//! one without which the others fit.
 
 use super::figure::{Figure, Measurement};
-use super::parameter::Parameter;
+use super::further::{Further, further};
+use super::parameter::{Parameter, Unknown};
+use super::search::{Best, Search, weights};
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 /// A machine that reproduces the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibrated {
-    /// All its parameters, including the undetermined ones; together they reproduce the measurements.
+    /// All its numbers, including the undetermined ones; together they reproduce the measurements.
     pub params: Params,
-    /// The parameters that were determined.
+    /// The numbers that were determined.
     pub estimates: Vec<Estimate>,
-    /// The parameters that are hardly better known than before.
+    /// The numbers that matter to a measurement and are hardly better known than before.
     pub not_told: Vec<Estimate>,
+    /// The numbers on which no measurement depends.
+    pub unasked: Vec<Unknown>,
     /// Remaining difference of each measurement, in their order.
     pub misfits: Vec<Misfit>,
+    /// Factor by which the differences enlarged the uncertainties of the measurements; 1 if they did not.
+    pub spread: f64,
+    /// Further measurements, the most helpful first.
+    pub further: Vec<Further>,
 }
 
-/// A fitted parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// A fitted number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// The parameter.
     pub parameter: Parameter,
+    /// The belt, from 1, where each has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt: Option<usize>,
+    /// Both.
+    #[serde(skip)]
+    pub unknown: Unknown,
     /// Its value.
     pub value: f64,
-    /// Its relative standard uncertainty, of 1 (of its logarithm), from the uncertainties of measurements and nominal
-    /// values.
+    /// Its nominal value.
+    pub nominal: f64,
+    /// Its relative standard uncertainty, of 1 (of its logarithm), from the uncertainties of measurements, their
+    /// differences from the model, and the uncertainty of the numbers that are not determined.
     pub uncertainty: f64,
-    /// Assumed uncertainty of its nominal value.
+    /// Uncertainty that was assumed before.
     pub assumed_uncertainty: f64,
+    /// The measurements that it comes from, the most important first.
+    #[serde(skip)]
+    pub from: Vec<usize>,
 }
 
 /// Difference between the model and a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Misfit {
+    /// The measured value.
+    pub measured: f64,
+    /// The model's.
+    pub model: f64,
+    /// The unit of both.
+    pub unit: &'static str,
     /// Relative excess of the model's value, of 1.
     pub part: f64,
-    /// The same in uncertainties of the measurement.
+    /// The excess in uncertainties of the measurement.
     pub uncertainties: f64,
+    /// Whether the others fit without it, and do not with it.
+    #[serde(skip)]
+    pub is_suspect: bool,
 }
 
 /// Why there is no answer.
@@ -62,14 +81,12 @@ pub struct Misfit {
 pub enum CalibrateError {
     /// No measurement depends much on a fitted parameter.
     Nothing,
-    /// The figures depend on these parameters, but determine none.
-    Undetermined(Vec<Parameter>),
+    /// The figures depend on these numbers, but determine none.
+    Undetermined(Vec<Unknown>),
     /// No machine within a factor of a hundred of the start reproduces the measurements.
     NoMachine,
     /// Differences of the nearest machine from each measurement, too large for one.
     Unlike(Vec<Misfit>),
-    /// The machine that reproduces the measurements has an impossible parameter.
-    NoSuch(Parameter, f64),
     /// Nothing holds the machine.
     NotHeld(NotHeld),
 }
@@ -78,8 +95,8 @@ impl std::fmt::Display for CalibrateError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Nothing => f.write_str("nothing was measured that depends on a parameter that is sought"),
-            Self::Undetermined(parameters) => {
-                let keys: Vec<&str> = parameters.iter().map(|parameter| parameter.key()).collect();
+            Self::Undetermined(unknowns) => {
+                let keys: Vec<String> = unknowns.iter().map(ToString::to_string).collect();
                 write!(f, "these measurements do not determine {}: ", keys.join(" and "))?;
                 f.write_str("more than a third of the uncertainty that is assumed of each stays; ")?;
                 f.write_str("measure something else that depends on it, or name one in `fixed`")
@@ -88,11 +105,6 @@ impl std::fmt::Display for CalibrateError {
             Self::Unlike(misfits) => {
                 let most = misfits.iter().map(|misfit| misfit.uncertainties.abs()).fold(0.0, f64::max);
                 write!(f, "no machine measures like this: the nearest is {most:.0} uncertainties from a measurement")
-            }
-            Self::NoSuch(parameter, value) => {
-                write!(f, "only a machine with {} = {value:.3} measures like this, ", parameter.key())?;
-                f.write_str("more than ten times from the nominal one; look at the units and measure again, ")?;
-                f.write_str("or give a nearer value in the table [twin] if the machine is like that")
             }
             Self::NotHeld(error) => error.fmt(f),
         }
@@ -107,142 +119,152 @@ impl From<NotHeld> for CalibrateError {
     }
 }
 
-/// A parameter is determined if at most this part of its assumed uncertainty remains (assumed: a third).
+/// A number is determined if at most this part of its assumed uncertainty remains (assumed: a third).
 const TOLD: f64 = 1.0 / 3.0;
 
-/// Figures depend on a parameter if less than this part of its uncertainty remains (assumed).
+/// Figures depend on a number if less than this part of its uncertainty remains (assumed).
 const DEPENDS: f64 = 0.95;
 
 /// Largest difference of the nearest machine from a measurement, in uncertainties. Beyond, the measurement is of
 /// another machine or wrong: one in two million exceeds it by chance.
 const LIKE: f64 = 5.0;
 
-/// A determined parameter is within this factor of the nominal one, as a logarithm: ten, where a factor of two is
-/// assumed.
-const NO_SUCH: f64 = 2.3;
+/// So many of the most doubtful measurements are left out in turn.
+const DOUBTED: usize = 4;
 
-/// Maximum number of rounds; a few suffice.
-const ROUNDS: usize = 60;
+/// A measurement is a source of a number if this part of its resolution, or of its variance, comes from it.
+const SOURCE: f64 = 0.15;
 
-/// Relative change of a parameter for central differences; their error is proportional to its square.
-const PROBE: f64 = 1e-4;
-
-/// Largest factor of a parameter's change in a round (as a logarithm).
-const LONGEST_STEP: f64 = 0.7;
-
-/// Largest factor of its change in all: a hundred (as a logarithm).
-const FURTHEST: f64 = 4.605;
-
-/// The search ends at changes below this (as a logarithm).
-const CLOSE: f64 = 1e-9;
-
-/// Fits all parameters except the `fixed` ones, which count as exact, beginning at `params`.
+/// Fits all numbers except the `fixed` ones, which count as exact, beginning at `params`.
 ///
 /// # Errors
-/// The measurements do not determine a parameter, or no machine reproduces them.
+/// The measurements do not determine a number, or no machine reproduces them.
 pub fn calibrate(
     machine: Machine,
     params: &Params,
     measurements: &[Measurement],
     fixed: &[Parameter],
 ) -> Result<Calibrated, CalibrateError> {
-    let sought: Vec<Parameter> = Parameter::ALL.into_iter().filter(|parameter| !fixed.contains(parameter)).collect();
-    let search = Search { machine, nominal: params, measurements, sought: &sought };
-    let params = search.run()?;
-    let covariance = search.normal(&search.slopes(&params)?)?.inverse();
-    let estimate = |(parameter, variance): (&Parameter, &f64)| Estimate {
-        parameter: *parameter,
-        value: parameter.of(&params),
-        uncertainty: variance.sqrt(),
-        assumed_uncertainty: search.assumed_uncertainty(*parameter),
-    };
-    let all: Vec<Estimate> = sought.iter().zip(covariance.diagonal().iter()).map(estimate).collect();
-    let is_left = |e: &Estimate, part: f64| e.uncertainty <= part * e.assumed_uncertainty;
-    let (estimates, not_told): (Vec<_>, Vec<_>) = all.into_iter().partition(|e| is_left(e, TOLD));
-    if estimates.is_empty() {
-        let depends: Vec<_> = not_told.iter().filter(|e| is_left(e, DEPENDS)).map(|e| e.parameter).collect();
-        let is_nothing = depends.is_empty();
-        return Err(if is_nothing { CalibrateError::Nothing } else { CalibrateError::Undetermined(depends) });
+    let mut sought = Unknown::of_machine(machine, fixed);
+    // A number that is 0 is left out of the machine, and has no logarithm.
+    sought.retain(|unknown| unknown.of(params) > 0.0);
+    // A number that follows from others counts from here on.
+    let nominal = sought.iter().fold(params.clone(), |params, unknown| unknown.with(unknown.of(&params), &params));
+    let is_belt_weighed = measurements.iter().any(|m| matches!(m.figure, Figure::BeltMass));
+    let weights = weights(&sought, is_belt_weighed);
+    let search = Search { machine, nominal: &nominal, measurements, sought: &sought, weights: &weights };
+    let best = search.run()?;
+    if best.slopes.iter().all(|slope| *slope == 0.0) {
+        return Err(CalibrateError::Nothing);
     }
-    let left = search.differences(&params)?;
-    let misfit = |(m, r): (&Measurement, &f64)| Misfit { part: (r * m.uncertainty).exp_m1(), uncertainties: *r };
-    let misfits: Vec<Misfit> = measurements.iter().zip(left.iter()).map(misfit).collect();
+    let misfits = search.misfits(&best)?;
     if misfits.iter().any(|misfit| misfit.uncertainties.abs() > LIKE) {
         return Err(CalibrateError::Unlike(misfits));
     }
-    let is_far = |e: &&Estimate| (e.value / e.parameter.of(search.nominal)).ln().abs() > NO_SUCH;
-    if let Some(far) = estimates.iter().find(is_far) {
-        return Err(CalibrateError::NoSuch(far.parameter, far.value));
+    let spread = search.spread(&best)?;
+    let covariance = search.covariance(&best.slopes, spread)?;
+    let assumed = search.covariance(&DMatrix::zeros(0, sought.len()), 1.0)?;
+    let (mut estimates, mut not_told, mut unasked) = (Vec::new(), Vec::new(), Vec::new());
+    let gain = &covariance * best.slopes.transpose();
+    for (i, unknown) in sought.iter().enumerate() {
+        // Those that resolve it, then others with an error that reaches it.
+        let (row, column) = (gain.row(i), best.slopes.column(i));
+        let mut from = sources(row.iter().zip(column.iter()).map(|(gain, slope)| (gain * slope).max(0.0)));
+        let reach = sources(row.iter().map(|gain| gain * gain));
+        for measurement in reach {
+            if !from.contains(&measurement) {
+                from.push(measurement);
+            }
+        }
+        if best.slopes.column(i).amax() == 0.0 {
+            unasked.push(*unknown);
+            continue;
+        }
+        let estimate = Estimate {
+            parameter: unknown.parameter,
+            belt: (unknown.parts > 1).then_some(unknown.part + 1),
+            unknown: *unknown,
+            value: unknown.of(&best.params),
+            nominal: unknown.of(params),
+            uncertainty: covariance[(i, i)].sqrt(),
+            assumed_uncertainty: assumed[(i, i)].sqrt(),
+            from,
+        };
+        let is_told = estimate.uncertainty <= TOLD * estimate.assumed_uncertainty;
+        if is_told { &mut estimates } else { &mut not_told }.push(estimate);
     }
-    Ok(Calibrated { params, estimates, not_told, misfits })
+    if estimates.is_empty() {
+        let depends = |e: &&Estimate| e.uncertainty <= DEPENDS * e.assumed_uncertainty;
+        let depends: Vec<_> = not_told.iter().filter(depends).map(|e| e.unknown).collect();
+        let is_nothing = depends.is_empty();
+        return Err(if is_nothing { CalibrateError::Nothing } else { CalibrateError::Undetermined(depends) });
+    }
+    let further = further(&search, &best.params, &covariance)?;
+    let mut found = best.params;
+    // What no measurement asks for stays as it was: an inertia may follow the bar's mass on.
+    if unasked.iter().any(|unknown| unknown.parameter == Parameter::YawInertia) {
+        found.bar_yaw_inertia_kg_m2 = params.bar_yaw_inertia_kg_m2;
+    }
+    Ok(Calibrated { params: found, estimates, not_told, unasked, misfits, spread, further })
 }
 
-/// The problem: a machine of this kind, near the nominal one, that reproduces the measurements.
-struct Search<'m> {
-    machine: Machine,
-    nominal: &'m Params,
-    measurements: &'m [Measurement],
-    sought: &'m [Parameter],
+/// The measurements with the largest parts of a sum, the largest first.
+fn sources(parts: impl Iterator<Item = f64>) -> Vec<usize> {
+    let mut parts: Vec<(usize, f64)> = parts.enumerate().collect();
+    let sum: f64 = parts.iter().map(|(_, part)| part).sum();
+    parts.retain(|(_, part)| *part >= SOURCE * sum && *part > 0.0);
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    parts.into_iter().map(|(measurement, _)| measurement).collect()
 }
 
 impl Search<'_> {
-    /// Excess of the model in uncertainties, a row for each measurement.
-    fn differences(&self, params: &Params) -> Result<DVector<f64>, NotHeld> {
-        let one = |m: &Measurement| {
-            let says = m.figure.predict(self.machine, params)?;
-            Ok((says / m.measured).ln() / m.uncertainty)
+    /// Differences of the best machine, with the suspect if they are too large.
+    fn misfits(&self, best: &Best) -> Result<Vec<Misfit>, CalibrateError> {
+        let misfit = |(m, uncertainties): (&Measurement, &f64)| {
+            let off = uncertainties * m.uncertainty;
+            let (model, size) = if m.figure.has_sign() {
+                (m.measured + off, m.measured.abs().max(m.uncertainty))
+            } else {
+                (m.measured * off.exp(), m.measured)
+            };
+            Misfit {
+                measured: m.measured,
+                model,
+                unit: m.figure.unit(),
+                part: (model - m.measured) / size,
+                uncertainties: *uncertainties,
+                is_suspect: false,
+            }
         };
-        let all: Vec<f64> = self.measurements.iter().map(one).collect::<Result<_, _>>()?;
-        Ok(DVector::from_vec(all))
-    }
-
-    /// Their derivatives by each parameter's logarithm, a column for each.
-    fn slopes(&self, params: &Params) -> Result<DMatrix<f64>, NotHeld> {
-        let mut slopes = DMatrix::zeros(self.measurements.len(), self.sought.len());
-        for (column, parameter) in self.sought.iter().enumerate() {
-            let probed = |by: f64| self.differences(&parameter.with(parameter.of(params) * by.exp(), params));
-            slopes.set_column(column, &((probed(PROBE)? - probed(-PROBE)?) / (2.0 * PROBE)));
+        let mut misfits: Vec<Misfit> = self.measurements.iter().zip(best.excess.iter()).map(misfit).collect();
+        if misfits.iter().any(|misfit| misfit.uncertainties.abs() > LIKE)
+            && let Some(suspect) = self.suspect(best)?
+            && let Some(misfit) = misfits.get_mut(suspect)
+        {
+            misfit.is_suspect = true;
         }
-        Ok(slopes)
+        Ok(misfits)
     }
 
-    /// Assumed uncertainty of a nominal value.
-    fn assumed_uncertainty(&self, parameter: Parameter) -> f64 {
-        let is_belt_weighed = self.measurements.iter().any(|m| matches!(m.figure, Figure::BeltMass));
-        parameter.assumed_uncertainty(is_belt_weighed)
-    }
-
-    /// The weights of the nominal values.
-    fn weights(&self) -> DVector<f64> {
-        DVector::from_iterator(self.sought.len(), self.sought.iter().map(|p| self.assumed_uncertainty(*p).powi(-2)))
-    }
-
-    /// Matrix of the normal equations. The weights keep it positive definite.
-    fn normal(&self, slopes: &DMatrix<f64>) -> Result<Cholesky<f64, Dyn>, CalibrateError> {
-        let matrix = slopes.transpose() * slopes + DMatrix::from_diagonal(&self.weights());
-        matrix.cholesky().ok_or(CalibrateError::NoMachine)
-    }
-
-    /// The machine with the least sum of squares.
-    fn run(&self) -> Result<Params, CalibrateError> {
-        let mut found = self.nominal.clone();
-        for _ in 0..ROUNDS {
-            let slopes = self.slopes(&found)?;
-            let gone = self.sought.iter().map(|p| (p.of(&found) / p.of(self.nominal)).ln());
-            let gone = DVector::from_iterator(self.sought.len(), gone);
-            let slope = slopes.transpose() * self.differences(&found)? + self.weights().component_mul(&gone);
-            let step = self.normal(&slopes)?.solve(&slope);
-            let goes = gone - step.map(|by| by.clamp(-LONGEST_STEP, LONGEST_STEP));
-            if goes.amax() > FURTHEST {
-                return Err(CalibrateError::NoMachine);
-            }
-            for (parameter, way) in self.sought.iter().zip(goes.iter()) {
-                found = parameter.with(parameter.of(self.nominal) * way.exp(), &found);
-            }
-            if step.amax() < CLOSE {
-                return Ok(found);
+    /// The measurement without which the others fit; the one without which they fit best, where there are several. The
+    /// doubtful ones are those with the largest difference over its own uncertainty: a measurement that pulls the
+    /// machine to itself hides its error.
+    fn suspect(&self, best: &Best) -> Result<Option<usize>, CalibrateError> {
+        let covariance = self.covariance(&best.slopes, 1.0)?;
+        let pulls = (&best.slopes * covariance * best.slopes.transpose()).diagonal();
+        let doubt = |(i, excess): (usize, &f64)| (i, excess.abs() / (1.0 - pulls[i]).max(1e-9).sqrt());
+        let mut doubted: Vec<(usize, f64)> = best.excess.iter().enumerate().map(doubt).collect();
+        doubted.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut found: Option<(usize, f64)> = None;
+        for (out, _) in doubted.into_iter().take(DOUBTED) {
+            let others: Vec<Measurement> =
+                self.measurements.iter().enumerate().filter(|(i, _)| *i != out).map(|(_, m)| *m).collect();
+            let Ok(best) = (Search { measurements: &others, ..*self }).run() else { continue };
+            let fits = best.excess.iter().all(|excess| excess.abs() <= LIKE);
+            if fits && found.is_none_or(|(_, cost)| best.cost < cost) {
+                found = Some((out, best.cost));
             }
         }
-        Err(CalibrateError::NoMachine)
+        Ok(found.map(|(out, _)| out))
     }
 }

@@ -64,6 +64,17 @@ impl Each {
         }
     }
 
+    /// The same with another number of one part, of this many parts.
+    #[must_use]
+    pub fn with_part(&self, part: usize, value: f64, parts: usize) -> Self {
+        let count = self.count.max(parts).max(part + 1).min(MOST_PARTS);
+        let mut each = Self { listed: std::array::from_fn(|i| self.of(i)), count };
+        if let Some(listed) = each.listed.get_mut(part) {
+            *listed = value;
+        }
+        each
+    }
+
     /// All numbers times a factor.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {

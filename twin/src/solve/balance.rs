@@ -54,12 +54,8 @@ pub fn balance(
             _ => force[at] += elastic.held_by.get(at).copied().unwrap_or(0.0) * sent,
         }
     }
-    let free: Vec<usize> = (0..count).filter(|i| elastic.parts.get(*i) != Some(&Part::Held)).collect();
-    let pull = force - &elastic.stiffness * &moved;
-    let pull = DVector::from_iterator(free.len(), free.iter().map(|i| pull[*i]));
-    let gives = submatrix(&elastic.stiffness, &free, &free).cholesky().ok_or(NotHeld)?.solve(&pull);
-    for (at, way) in free.iter().zip(gives.iter()) {
-        moved[*at] = *way;
+    for (at, way) in settled(elastic, &(force - &elastic.stiffness * &moved))?.iter().enumerate() {
+        moved[at] += way;
     }
     let moved: Vec<f64> = moved.iter().copied().collect();
     let tensions_n: Vec<f64> =
@@ -78,14 +74,20 @@ pub fn settle(elastic: &Elastic, params: &Params, stretched_mm: &[f64]) -> Resul
     for (link, stretched) in elastic.links.links.iter().zip(stretched_mm) {
         pull -= DVector::from_column_slice(&link.row) * (link.stiffness(params) * stretched);
     }
-    let free: Vec<usize> = (0..count).filter(|i| elastic.parts.get(*i) != Some(&Part::Held)).collect();
-    let pull = DVector::from_iterator(free.len(), free.iter().map(|i| pull[*i]));
+    Ok(settled(elastic, &pull)?.iter().copied().collect())
+}
+
+/// Displacements of all coordinates under this force on each, in N (N mm on the yaw); held ones stay.
+///
+/// # Errors
+/// Nothing holds the machine.
+pub fn settled(elastic: &Elastic, force: &DVector<f64>) -> Result<DVector<f64>, NotHeld> {
+    let free: Vec<usize> = (0..elastic.parts.len()).filter(|i| elastic.parts.get(*i) != Some(&Part::Held)).collect();
+    let pull = DVector::from_iterator(free.len(), free.iter().map(|i| force[*i]));
     let gives = submatrix(&elastic.stiffness, &free, &free).cholesky().ok_or(NotHeld)?.solve(&pull);
-    let mut moved = vec![0.0; count];
+    let mut moved = DVector::zeros(elastic.parts.len());
     for (at, way) in free.iter().zip(gives.iter()) {
-        if let Some(moved) = moved.get_mut(*at) {
-            *moved = *way;
-        }
+        moved[*at] = *way;
     }
     Ok(moved)
 }

@@ -62,7 +62,7 @@ pub(super) fn check(study: &StudyToml) -> Checked<()> {
             return wrong("run.assume_homed", &format!("up to {FARTHEST_MM} mm either way is legal"));
         }
     }
-    study.params.check().map_err(|error| StudyError::value(format!("params.{}", error.key), error.to_string()))
+    study.twin.check().map_err(|error| StudyError::value(format!("twin.{}", error.key), error.to_string()))
 }
 
 fn has_twins<T: PartialEq>(items: &[T]) -> bool {
@@ -122,7 +122,7 @@ fn legal(study: &StudyToml, key: &str, at: usize, axis: &AxisToml) -> Checked<()
         if !value.is_finite() {
             return Err(StudyError::value(format!("vary.{key}"), format!("{value} is not a number")));
         }
-        varied(&study.params, &[key.to_owned()], &[value]).map_err(|error| match error {
+        varied(&study.twin, &[key.to_owned()], &[value]).map_err(|error| match error {
             NotVaried::Unknown { key, known } => StudyError::UnknownNumber { at, key, known },
             error => StudyError::value(format!("vary.{key}"), error.to_string()),
         })?;

@@ -35,7 +35,7 @@ pub(super) struct StudyToml {
     pub vary: BTreeMap<Spanned<String>, AxisToml>,
     /// Numbers that are not, where they are not the nominal ones.
     #[serde(default)]
-    pub params: Params,
+    pub twin: Params,
     pub push: Option<PushToml>,
     #[serde(default)]
     pub limits: LimitsToml,

@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<Study> {
     let queries = form.compute.iter().filter_map(|query| self::query(*query, &form, path)).collect();
     let machines = form.machines.iter().map(|machine| Machine::from(*machine)).collect();
     let inputs = std::iter::once(path.to_owned()).chain(files).collect();
-    Ok(Study { identity, machines, params: form.params, keys, design, samples, queries, inputs })
+    Ok(Study { identity, machines, params: form.twin, keys, design, samples, queries, inputs })
 }
 
 /// The files that a study names, from where the command runs.

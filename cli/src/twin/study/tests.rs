@@ -133,7 +133,7 @@ fn the_journal_of_another_study_and_what_is_none_are_refused() {
         assert_eq!(fs::read_to_string(&path).unwrap(), text, "it is not to be touched");
         error
     };
-    let changes = [("seed = 7", "seed = 8"), ("0.8 }", "0.9 }"), ("[vary]", "[params]\npreload_N = 41\n[vary]")];
+    let changes = [("seed = 7", "seed = 8"), ("0.8 }", "0.9 }"), ("[vary]", "[twin]\npreload_N = 41\n[vary]")];
     for (from, to) in changes {
         let other = study(folder.path(), &STUDY.replace(from, to)).unwrap();
         assert!(refused(&other, &journal).contains("is of another study"), "{to}");
@@ -314,7 +314,7 @@ fn what_is_wrong_with_a_study_is_said_with_its_place() {
         ("at = [45.0, 200.0]", "at = [45.0]", "s.toml:3:", "length"),
         ("method", "worst_of = [3, 3]\nmethod", "s.toml:4:12: ", "not both"),
         ("at = [45.0, 200.0]", "worst_of = [1, 3]", "s.toml:3:12: ", "2 to 200"),
-        ("[vary]", "[params]\npreload_N = -1\n[vary]", "s.toml:8:13: ", "must not be below 0"),
+        ("[vary]", "[twin]\npreload_N = -1\n[vary]", "s.toml:8:13: ", "must not be below 0"),
         (
             "compute = [\"stiffness\", \"modes\"]",
             "compute = [\"run\"]\nrun = { file = \"s.toml\", begin = [nan, 0] }",

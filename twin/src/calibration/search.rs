@@ -1,0 +1,182 @@
+//! Search: the machine that the measurements fit best, and how well they determine it.
+//!
+//! The unknowns are logarithms of numbers over their nominal ones, because all are positive and their uncertainties are
+//! relative. What is expected of the numbers counts as further measurements. A round of the Gauss-Newton method changes
+//! the logarithms by `-(J^T J + W)^-1 (J^T r + W p)`, or by a half of that where it is too far:
+//!
+//! - r: excess of the model's figures, in uncertainties;
+//! - J: their derivatives by each logarithm;
+//! - p: the logarithms;
+//! - W: the weights of what is expected.
+//!
+//! At the end `(J^T J / s^2 + W)^-1` is the covariance (Tarantola, Inverse Problem Theory, chapter on least squares).
+//! s is 1, or larger where the differences are larger than the measurements' uncertainties explain (Birge's ratio).
+
+use super::calibrate::CalibrateError;
+use super::figure::{Measurement, Model};
+use super::parameter::Unknown;
+use crate::params::Params;
+use crate::routing::Machine;
+use crate::solve::NotHeld;
+use nalgebra::{DMatrix, DVector};
+
+/// Maximum number of rounds; a few suffice.
+const ROUNDS: usize = 60;
+
+/// A step is halved at most so often.
+const HALVES: u32 = 12;
+
+/// Change of a logarithm for central differences; their error is proportional to its square.
+const PROBE: f64 = 1e-4;
+
+/// Largest change of a logarithm in a round.
+const LONGEST_STEP: f64 = 0.7;
+
+/// Largest change in all: a factor of a hundred.
+const FURTHEST: f64 = 4.605;
+
+/// The search ends at changes below this.
+const CLOSE: f64 = 1e-7;
+
+/// A figure does not depend on a number if doubling it changes the figure by less than this part (or this much of a
+/// figure with a sign): rounding changes it as much.
+const NO_MATTER: f64 = 1e-6;
+
+/// The problem: a machine of this kind, near the nominal one, that the measurements fit.
+#[derive(Clone, Copy)]
+pub(super) struct Search<'m> {
+    pub machine: Machine,
+    /// The nominal machine, with a number for each unknown.
+    pub nominal: &'m Params,
+    pub measurements: &'m [Measurement],
+    pub sought: &'m [Unknown],
+    /// Weights of what is expected.
+    pub weights: &'m DMatrix<f64>,
+}
+
+/// The machine that fits best.
+#[derive(Clone)]
+pub(super) struct Best {
+    pub params: Params,
+    /// Excess of the model, in uncertainties, a row for each measurement.
+    pub excess: DVector<f64>,
+    /// Its derivatives by each unknown, a column for each.
+    pub slopes: DMatrix<f64>,
+    /// Sum of squares, with those of what was expected.
+    pub cost: f64,
+}
+
+/// The weights of what is expected of these unknowns.
+pub(super) fn weights(sought: &[Unknown], is_belt_weighed: bool) -> DMatrix<f64> {
+    let mut weights = DMatrix::zeros(sought.len(), sought.len());
+    for (row, unknown) in sought.iter().enumerate() {
+        let (with, uncertainty) = unknown.expected(is_belt_weighed);
+        let weight = uncertainty.powi(-2);
+        weights[(row, row)] += weight;
+        // A number that is not sought is exact.
+        let other =
+            with.and_then(|with| sought.iter().position(|u| (u.parameter, u.part) == (with.parameter, with.part)));
+        if let Some(other) = other {
+            weights[(other, other)] += weight;
+            weights[(row, other)] -= weight;
+            weights[(other, row)] -= weight;
+        }
+    }
+    weights
+}
+
+impl Search<'_> {
+    /// The nominal machine with these changes.
+    fn machine_at(&self, logs: &DVector<f64>) -> Params {
+        let change = |params: Params, (unknown, log): (&Unknown, &f64)| {
+            unknown.with(unknown.of(self.nominal) * log.exp(), &params)
+        };
+        self.sought.iter().zip(logs.iter()).fold(self.nominal.clone(), change)
+    }
+
+    fn excess(&self, params: &Params) -> Result<DVector<f64>, NotHeld> {
+        let mut model = Model::new(self.machine, params);
+        let one = |m: &Measurement| Ok(m.excess(model.says(&m.figure)?));
+        Ok(DVector::from_vec(self.measurements.iter().map(one).collect::<Result<_, _>>()?))
+    }
+
+    /// Derivatives of the excess at this machine, by the unknowns that matter.
+    fn slopes_of(&self, params: &Params, matters: impl Fn(usize) -> bool) -> Result<DMatrix<f64>, NotHeld> {
+        let mut slopes = DMatrix::zeros(self.measurements.len(), self.sought.len());
+        for (column, unknown) in self.sought.iter().enumerate().filter(|(column, _)| matters(*column)) {
+            let probed = |by: f64| self.excess(&unknown.with(unknown.of(params) * by.exp(), params));
+            let mut slope = (probed(PROBE)? - probed(-PROBE)?) / (2.0 * PROBE);
+            for (entry, m) in slope.iter_mut().zip(self.measurements) {
+                if (*entry * m.uncertainty).abs() < NO_MATTER {
+                    *entry = 0.0;
+                }
+            }
+            slopes.set_column(column, &slope);
+        }
+        Ok(slopes)
+    }
+
+    /// Derivatives of the excess at this machine, a row for each measurement, a column for each unknown.
+    pub(super) fn slopes(&self, params: &Params) -> Result<DMatrix<f64>, NotHeld> {
+        self.slopes_of(params, |_| true)
+    }
+
+    fn cost(&self, logs: &DVector<f64>, excess: &DVector<f64>) -> f64 {
+        excess.norm_squared() + logs.dot(&(self.weights * logs))
+    }
+
+    /// The machine with the least sum of squares.
+    pub(super) fn run(&self) -> Result<Best, CalibrateError> {
+        let mut logs = DVector::zeros(self.sought.len());
+        let mut params = self.machine_at(&logs);
+        let mut excess = self.excess(&params)?;
+        // No figure depends on the other unknowns.
+        let first = self.slopes(&params)?;
+        let matters = |column: usize| first.column(column).amax() > 0.0;
+        for _ in 0..ROUNDS {
+            let slopes = self.slopes_of(&params, matters)?;
+            let slope = slopes.transpose() * &excess + self.weights * &logs;
+            let normal = slopes.transpose() * &slopes + self.weights;
+            let step = normal.cholesky().ok_or(CalibrateError::NoMachine)?.solve(&slope);
+            let step = step.map(|by| by.clamp(-LONGEST_STEP, LONGEST_STEP));
+            let cost = self.cost(&logs, &excess);
+            let mut part = 1.0;
+            for half in 0..=HALVES {
+                let goes = &logs - &step * part;
+                let there = self.machine_at(&goes);
+                let found = self.excess(&there)?;
+                // Near the end rounding alone decides.
+                if self.cost(&goes, &found) <= cost * (1.0 + 1e-12) + 1e-18 || half == HALVES {
+                    (logs, params, excess) = (goes, there, found);
+                    break;
+                }
+                part /= 2.0;
+            }
+            if logs.amax() > FURTHEST || !logs.iter().all(|log| log.is_finite()) {
+                return Err(CalibrateError::NoMachine);
+            }
+            if step.amax() * part < CLOSE {
+                let slopes = self.slopes_of(&params, matters)?;
+                let cost = self.cost(&logs, &excess);
+                return Ok(Best { params, excess, slopes, cost });
+            }
+        }
+        Err(CalibrateError::NoMachine)
+    }
+
+    /// Covariance of the logarithms, for measurements `spread` times as uncertain as stated.
+    pub(super) fn covariance(&self, slopes: &DMatrix<f64>, spread: f64) -> Result<DMatrix<f64>, CalibrateError> {
+        let normal = slopes.transpose() * slopes / (spread * spread) + self.weights;
+        Ok(normal.cholesky().ok_or(CalibrateError::NoMachine)?.inverse())
+    }
+
+    /// How many times larger the differences are than the uncertainties explain, at least 1. A measurement beyond those
+    /// that determine a number counts.
+    pub(super) fn spread(&self, best: &Best) -> Result<f64, CalibrateError> {
+        let covariance = self.covariance(&best.slopes, 1.0)?;
+        let used = (&best.slopes * covariance * best.slopes.transpose()).trace();
+        let free = self.measurements.len() as f64 - used;
+        // Of less than one measurement nothing follows.
+        Ok(if free < 1.0 { 1.0 } else { (best.excess.norm_squared() / free).sqrt().max(1.0) })
+    }
+}
