@@ -55,9 +55,8 @@ impl Parts {
             return Ok(status);
         }
         let answer = Answer::new(figures?);
-        self.json.give_with(&answer, self.file.files(), |outputs| {
-            drawn(outputs, self.svg.as_deref(), || picture(&answer))
-        })
+        self.json
+            .give_with(&answer, self.file.files(), |outputs| drawn(outputs, self.svg.as_deref(), || picture(&answer)))
     }
 
     fn figures(&self, stop: &Stop) -> Result<Vec<PartFigures>> {
