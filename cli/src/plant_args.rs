@@ -28,8 +28,8 @@ pub struct PlantArgs {
     /// repeated.
     #[arg(long, value_name = "X,Y,N,MS", requires = "plant", allow_hyphen_values = true)]
     hit: Vec<String>,
-    /// A belt motor, by its name in the machine file (m1, m4, m8, m11), rubs with N newtons at the belt, from second S of motion time on, for good or for MS
-    /// milliseconds. May be repeated.
+    /// A belt motor, by its name in the machine file (m1, m4, m8, m11), rubs with N newtons at the belt, from second S
+    /// of motion time on, for good or for MS milliseconds. May be repeated.
     #[arg(long, value_name = "MOTOR,N[,S[,MS]]", requires = "plant", allow_hyphen_values = true)]
     brake: Vec<String>,
 }

@@ -48,8 +48,8 @@ fn fans_blow_on_either_version() {
             .collect();
         let seen = print_on(&firmware, &gcode, &bench);
         assert_eq!((seen.end, &seen.line.failure, &seen.gaps.found), (End::Done, &None, &vec![]));
-        // In the middle of each of the four. The samples are 20 ms apart, so they run through all phases of 98 Hz in half a
-        // second.
+        // In the middle of each of the four. The samples are 20 ms apart, so they run through all phases of 98 Hz in
+        // half a second.
         let end = seen.virtual_ns;
         let mean = |turn: u64| {
             let at = |sample: &&Sample| {

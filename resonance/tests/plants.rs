@@ -159,8 +159,8 @@ fn the_tool_is_nearer_to_the_wall_with_the_shorter_shaper() {
     assert!(lost.suggestion.worst_wall.rms_um > 2.0 * wide.suggestion.worst_wall.rms_um, "{}", lost.why);
 }
 
-/// An axis that rings from 40 to 130 Hz, place by place: Klipper's law takes three humps for it, which this firmware does
-/// not have, and the suggestion is one that it has.
+/// An axis that rings from 40 to 130 Hz, place by place: Klipper's law takes three humps for it, which this firmware
+/// does not have, and the suggestion is one that it has.
 #[test]
 fn a_shaper_that_the_firmware_lacks_is_never_suggested() {
     let question = Question::default();

@@ -332,8 +332,8 @@ fn a_measurement_that_no_machine_makes_is_told() {
     assert!(misfits[2].uncertainties < -20.0 && misfits[2].is_suspect, "{misfits:?}");
 }
 
-/// Another machine measured by formulae, not by the model: a CoreXY's belts by their free lengths (docs/research/twin.md,
-/// closed forms), with motors of 0.4 N m in 50 pole pairs.
+/// Another machine measured by formulae, not by the model: a CoreXY's belts by their free lengths
+/// (docs/research/twin.md, closed forms), with motors of 0.4 N m in 50 pole pairs.
 mod corexy {
     pub const EA: [f64; 2] = [36_000.0, 27_000.0];
     const W: f64 = 470.0;

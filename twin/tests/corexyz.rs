@@ -118,7 +118,8 @@ fn case<'l>(level: &'l Level, name: &str) -> &'l Case {
     level.cases.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// A belt's two sides pull the bar's ends by T sx sy along y at sx W/2: a couple W T sx sy, which three belts leave over.
+/// A belt's two sides pull the bar's ends by T sx sy along y at sx W/2: a couple W T sx sy, which three belts leave
+/// over.
 #[test]
 fn three_belts_rack_and_a_fourth_balances_them() {
     // Guides so stiff that the belts hold their preload of 40 N.
@@ -137,9 +138,9 @@ fn three_belts_rack_and_a_fourth_balances_them() {
 }
 
 /// With both sides of a belt of different stiffness, a thrust changes its mean tension. Three motors share a force F
-/// along x as 0, F/2, -F/2 (A, B, C), along y as F/2, -F/2, 0, along z as F/2, 0, F/2. With W/2 (ko - kb) / (ko + kb) as
-/// the lever of each, the patterns of racking (1, -1, 1) and of tilts about x (1, -1, -1) and y (1, 1, -1) add them up.
-/// Four motors share F evenly by the signs of its axis, which are orthogonal to those of racking.
+/// along x as 0, F/2, -F/2 (A, B, C), along y as F/2, -F/2, 0, along z as F/2, 0, F/2. With W/2 (ko - kb) / (ko + kb)
+/// as the lever of each, the patterns of racking (1, -1, 1) and of tilts about x (1, -1, -1) and y (1, 1, -1) add them
+/// up. Four motors share F evenly by the signs of its axis, which are orthogonal to those of racking.
 #[test]
 fn motion_racks_with_three_motors_alone() {
     let stiff =

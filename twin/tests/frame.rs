@@ -81,7 +81,8 @@ fn energy_is_kept_and_a_damped_frame_loses_it() {
         state.advance(&plant, 0.3);
         assert!(agree(energy(&state), begin, part), "{detail:?}: {begin} {}", energy(&state));
     }
-    // A frame alone: k 400 N/mm, 11.8 kg, 184 rad/s; 10 periods at a ratio of 0.03 leave exp(-2 pi 0.3) of the amplitude.
+    // A frame alone: k 400 N/mm, 11.8 kg, 184 rad/s; 10 periods at a ratio of 0.03 leave exp(-2 pi 0.3) of the
+    // amplitude.
     let stiff = Params { belt_ea_n: Each::all(1e6), dry_friction_x_n: 0.0, guide_x_n_s_per_m: 0.0, ..soft(0.03) };
     let plant = Plant::new(Machine::CoreHBot, &stiff, CENTRE, REDUCED);
     let mut state = State::at_rest(&plant);

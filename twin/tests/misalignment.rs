@@ -68,8 +68,9 @@ fn torques_are_those_of_equations_26_and_27() {
 }
 
 /// Bar and head together feel the segments to the frame alone, which run along y: offsets in y make no torque on the
-/// bar's guides, though equation 26 has it. Pulley 12 to the right by d: the line to pulley 11 slants by d / L, L = D - y - 2r, through the same place on pulley
-/// 11, D - y above the tool. So its moment about the tool changes by T d (D - y) / L where the paper has T d.
+/// bar's guides, though equation 26 has it. Pulley 12 to the right by d: the line to pulley 11 slants by d / L, L = D -
+/// y - 2r, through the same place on pulley 11, D - y above the tool. So its moment about the tool changes by T d (D -
+/// y) / L where the paper has T d.
 #[test]
 fn real_lines_agree_with_the_paper_but_for_their_slant() {
     for pulley in [2, 3, 5, 7, 9, 10, 12, 14] {
@@ -81,7 +82,8 @@ fn real_lines_agree_with_the_paper_but_for_their_slant() {
         let per_mm = found.per_mm.iter().find(|one| one.pulley == pulley).unwrap();
         assert!(agree(per_mm.right_slanted.bar_nm, 5.0 * real, 1e-2) && per_mm.back_slanted.bar_nm.abs() < 1e-9);
     }
-    // The head's guide does feel pulley 6 in y, by the line from pulley 5 and the one to pulley 7: 2 T d (L + e / 2) / L.
+    // The head's guide does feel pulley 6 in y, by the line from pulley 5 and the one to pulley 7: 2 T d (L + e / 2) /
+    // L.
     let found = of(Machine::CoreHBot, &[off(6, 0.0, 0.01)]);
     let line = 470.0 - 150.0 - 40.0;
     assert!(agree(found.slanted.head_nm, -2.0 * 40.0 * 1e-5 * (line + 40.0) / line, 1e-3), "{:?}", found.slanted);
@@ -94,8 +96,8 @@ fn real_lines_agree_with_the_paper_but_for_their_slant() {
     assert!(agree(found.yaw_mrad.unwrap(), 1000.0 * found.slanted.bar_nm / 2000.0, 1e-6), "{found:?}");
 }
 
-/// The line from pulley 11 to 12 becomes hypot(L, d): with L = D - y - 2r along the stroke of y, in the span L. The tool
-/// gives way in x until both sides pull alike: dT = e k_L k_R / (k_L + k_R), x = -e k_L / (2 (k_L + k_R)).
+/// The line from pulley 11 to 12 becomes hypot(L, d): with L = D - y - 2r along the stroke of y, in the span L. The
+/// tool gives way in x until both sides pull alike: dT = e k_L k_R / (k_L + k_R), x = -e k_L / (2 (k_L + k_R)).
 #[test]
 fn the_slant_pulls_more_towards_the_end_of_the_stroke() {
     let found = of(Machine::CoreHBot, &[off(12, 1.0, 0.0)]);
@@ -113,7 +115,8 @@ fn the_slant_pulls_more_towards_the_end_of_the_stroke() {
     }
     let end = found.along_y.last().unwrap();
     assert!(agree(end.y_mm, 443.8, 1e-9) && end.greatest_n() > 0.3, "{end:?}");
-    // Along x no line of pulley 12 changes its slant. At the very end the belt passes from it to the head's pulley askew.
+    // Along x no line of pulley 12 changes its slant. At the very end the belt passes from it to the head's pulley
+    // askew.
     let [end, others @ ..] = &found.along_x[..] else { panic!() };
     assert!(others.iter().all(|place| place.greatest_n().abs() < 1e-9) && end.greatest_n().abs() < 0.1, "{end:?}");
     // Where the preload was set nothing has changed, with rotors neither.

@@ -15,8 +15,9 @@ const MOST_MM: f64 = 20.0;
 /// `twin misalignment`.
 #[derive(Args)]
 pub(crate) struct Misalignment {
-    /// A pulley that is off: its number in `twin geometry`, and how far to the right and away from the front, in mm. May
-    /// be repeated. Torques are counter-clockwise, seen from above. Without it, the torques for 1 mm of each pulley.
+    /// A pulley that is off: its number in `twin geometry`, and how far to the right and away from the front, in mm.
+    /// May be repeated. Torques are counter-clockwise, seen from above. Without it, the torques for 1 mm of each
+    /// pulley.
     #[arg(long = "off", value_name = "PULLEY=DX,DY", value_parser = parse_offset, allow_hyphen_values = true)]
     offsets: Vec<Offset>,
     #[command(flatten)]
@@ -25,7 +26,7 @@ pub(crate) struct Misalignment {
     setup: SetupArgs,
     /// Draws tension and tool along both strokes, as SVG.
     #[arg(long, value_name = "F.svg", requires = "offsets")]
-    picture: Option<PathBuf>,
+    svg: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
@@ -34,7 +35,7 @@ impl Misalignment {
     pub(super) fn answer(&self) -> Result<u8> {
         let answer = Answer::new(&self.setup.read(&self.file.read()?)?, &self.offsets)?;
         self.json.give_with(&answer, self.file.files(), |outputs| {
-            let Some(path) = &self.picture else { return Ok(()) };
+            let Some(path) = &self.svg else { return Ok(()) };
             let mut out = outputs.open(path)?;
             out.write_all(picture(&answer).as_bytes()).and_then(|()| out.flush()).context("cannot write the picture")
         })

@@ -39,8 +39,8 @@ use std::path::Path;
 pub(crate) enum Twin {
     /// Shows where the belt runs: segments, wraps, lengths and reach.
     ///
-    /// Places count from motor 1's axis in mm, x to the right and y away from the front. A motor's travel is in mm of belt,
-    /// counter-clockwise seen from above.
+    /// Places count from motor 1's axis in mm, x to the right and y away from the front. A motor's travel is in mm of
+    /// belt, counter-clockwise seen from above.
     Geometry(point::Geometry),
     /// Computes how stiffly the tool is held.
     ///
@@ -50,9 +50,9 @@ pub(crate) enum Twin {
     Modes(point::Modes),
     /// Computes the effect of a force on the tool.
     ///
-    /// dx_mm is to the right and dy_mm away from the front. A change of tension is positive where a span gets tighter. A
-    /// motor's torque is the one with which it holds, counter-clockwise seen from above. The residual is the part of the
-    /// motors' travel that a rigid belt cannot follow.
+    /// dx_mm is to the right and dy_mm away from the front. A change of tension is positive where a span gets tighter.
+    /// A motor's torque is the one with which it holds, counter-clockwise seen from above. The residual is the part of
+    /// the motors' travel that a rigid belt cannot follow.
     Push(point::Push),
     /// Computes the effect of a motor that slipped.
     ///
@@ -60,12 +60,13 @@ pub(crate) enum Twin {
     Slip(point::Slip),
     /// Computes the ringing after a jump of speed.
     ///
-    /// Motors run from rest at a constant speed at once, as after a corner that asks for a jump of speed. Distances are the
-    /// tool's place minus the commanded one: to the right and away from the front is positive.
+    /// Motors run from rest at a constant speed at once, as after a corner that asks for a jump of speed. Distances are
+    /// the tool's place minus the commanded one: to the right and away from the front is positive.
     Jump(jump::Jump),
     /// Rates a given shaper: the part of given vibrations that it leaves, its delay, its rounding.
     ///
-    /// A residual is the amplitude that is left after the last part, of 1, relative to the same command without a shaper.
+    /// A residual is the amplitude that is left after the last part, of 1, relative to the same command without a
+    /// shaper.
     Shaper(shaper::Shaper),
     /// Computes the pitch of each straight part of the belts for a wanted tension, and the tension for a heard pitch.
     Tension(tension::Tension),
@@ -79,13 +80,15 @@ pub(crate) enum Twin {
     Limits(limits::LimitsArgs),
     /// Compares CoreH-bot, H-bot and CoreXY of one size, over one area and, if given, on a file.
     Compare(compare::Compare),
-    /// Draws the schematics, table 1 and the workspaces of the CoreH-bot paper, and compares its numbers with the model.
+    /// Draws the schematics, table 1 and the workspaces of the CoreH-bot paper, and compares its numbers with the
+    /// model.
     Figures(figures::Figures),
     /// Computes how far the dimensions of reference parts would be off, by machine and speed, in micrometres.
     ///
-    /// The firmware plans each part with the machine's limits and shapers, and each machine plays its steps with the part
-    /// in the middle of its reach. Dimensions are those of the nozzle's path; filament and the yaw of the bar are left
-    /// out. A dimension that is too large is positive: a hole too wide, a wall too thick. A corner outside is positive.
+    /// The firmware plans each part with the machine's limits and shapers, and each machine plays its steps with the
+    /// part in the middle of its reach. Dimensions are those of the nozzle's path; filament and the yaw of the bar are
+    /// left out. A dimension that is too large is positive: a hole too wide, a wall too thick. A corner outside is
+    /// positive.
     Parts(parts::Parts),
     /// Varies numbers of the machine, one of them or as a study file says: stiffness, frequencies, the result of a
     /// file.
@@ -116,8 +119,8 @@ pub(crate) enum Twin {
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     ///
     /// Errors are distances from the commanded line: rounding towards the inside of a corner, overshoot towards its
-    /// outside. bisector_mm is positive inside. end_off_x_um and end_off_y_um are the tool's place at rest after the last
-    /// step minus the end of its line: to the right and away from the front is positive.
+    /// outside. bisector_mm is positive inside. end_off_x_um and end_off_y_um are the tool's place at rest after the
+    /// last step minus the end of its line: to the right and away from the front is positive.
     Run(play::Play),
 }
 

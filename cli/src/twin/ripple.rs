@@ -38,7 +38,7 @@ pub(crate) struct Ripple {
     yaw: bool,
     /// Writes a map of speed and angle.
     #[arg(long, value_name = "F.svg")]
-    picture: Option<PathBuf>,
+    svg: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
@@ -55,7 +55,7 @@ impl Ripple {
         };
         let answer = Answer::new(&Setup { machine, params, tool, freedom }, &question)?;
         self.json.give_with(&answer, self.file.files(), |outputs| {
-            let Some(path) = &self.picture else { return Ok(()) };
+            let Some(path) = &self.svg else { return Ok(()) };
             picture::write(&mut outputs.open(path)?, &answer)
         })
     }

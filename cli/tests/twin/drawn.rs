@@ -82,8 +82,9 @@ fn each_number_of_the_paper_stands_next_to_one_computed_elsewhere() {
 #[test]
 fn the_picture_of_pulleys_off_their_places_is_the_commands() {
     let made = file("twin-misalignment.svg", "");
-    let told = json(&format!("misalignment --at 150,300 --off 12=1,0 --off 6=0,0.5 --picture {}", made.display()));
-    // 40 N by 1 mm to the right; and on the head 2 by 40 N by 0.5 mm, clockwise, which the paper counts for the bar too.
+    let told = json(&format!("misalignment --at 150,300 --off 12=1,0 --off 6=0,0.5 --svg {}", made.display()));
+    // 40 N by 1 mm to the right; and on the head 2 by 40 N by 0.5 mm, clockwise, which the paper counts for the bar
+    // too.
     assert!(near(&told["paper"]["head_torque_Nm"], -0.04, 1e-9), "{told}");
     assert!(told["paper"]["bar_torque_Nm"].as_f64().unwrap().abs() < 1e-12, "{told}");
     assert!(near(&told["slanted"]["bar_torque_Nm"], 0.0433, 2e-3), "{told}");

@@ -109,7 +109,7 @@ fn tensions_and_ripple_are_told_of_any_routing() {
     assert!(complaint("tension --at 40,100 --heard 12=60").contains("too short"));
     assert_eq!(twin("tension --heard 2").status.code(), Some(2));
     let picture = file("ripple.svg", "");
-    let words = format!("ripple --speeds 20-120 --step 5 --angle-step 15 --picture {}", picture.display());
+    let words = format!("ripple --speeds 20-120 --step 5 --angle-step 15 --svg {}", picture.display());
     let told = json(&words);
     assert_eq!(told["across_um"].as_array().unwrap().len(), told["angles_deg"].as_array().unwrap().len());
     assert_eq!(told["across_um"][0].as_array().unwrap().len(), 21, "{told}");

@@ -35,8 +35,8 @@ impl Plant {
         })
     }
 
-    /// Torque of all motors together in N mm, counter-clockwise on their rotors; the frame bears the opposite one. \[H\],
-    /// after equation 38.
+    /// Torque of all motors together in N mm, counter-clockwise on their rotors; the frame bears the opposite one.
+    /// \[H\], after equation 38.
     #[must_use]
     pub fn motors_torque_n_mm(&self, at: &[f64], sent_mm: &[f64]) -> f64 {
         let forces = self.motor_forces(at, sent_mm).enumerate();

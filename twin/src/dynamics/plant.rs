@@ -1,9 +1,9 @@
 //! Plant: the forces on all moving parts, for given commanded motor positions.
 //!
-//! Coordinates are changes from the start: x, y, z where belts lift the tool, idlers, a soft frame's, then motors. Motors are either at
-//! their commanded positions (*held*), or rotors that their fields pull there. A segment's stiffness follows from its
-//! free length at the commanded positions: motors change the amount of belt in a segment, stretch does not. So
-//! stiffness is constant between two steps, and energy is conserved.
+//! Coordinates are changes from the start: x, y, z where belts lift the tool, idlers, a soft frame's, then motors.
+//! Motors are either at their commanded positions (*held*), or rotors that their fields pull there. A segment's
+//! stiffness follows from its free length at the commanded positions: motors change the amount of belt in a segment,
+//! stretch does not. So stiffness is constant between two steps, and energy is conserved.
 
 use super::frame::{Frame, FrameAxis, MM_PER_M};
 use super::outside::Outside;

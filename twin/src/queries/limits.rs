@@ -33,8 +33,8 @@ pub struct Limits {
     /// Along z, where belts lift the tool.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<AxisLimits>,
-    /// Error of the tool in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar. None where
-    /// the bar does not move in y.
+    /// Error of the tool in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar. None
+    /// where the bar does not move in y.
     pub yaw_error_um_per_m_s2: Option<f64>,
     /// Displacement of a soft frame for a lasting 1 m/s^2 along x and along y; none of a rigid one.
     #[serde(skip_serializing_if = "Option::is_none")]

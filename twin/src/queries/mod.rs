@@ -1,9 +1,10 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
-//! [`tension`], [`ripple`], [`misalignment`]. About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`].
-//! [`frame`] has the torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and [`shaper`] rates a
-//! shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as [`claim`]s.
+//! [`tension`], [`ripple`], [`misalignment`]. About the whole reach: [`resonance`], [`compare`], [`limits`],
+//! [`torque`]. [`frame`] has the torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and
+//! [`shaper`] rates a shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as
+//! [`claim`]s.
 
 pub mod claim;
 pub mod compare;

@@ -2,8 +2,8 @@
 //!
 //! [`shaper`] has the firmware's shapers (docs/explanation/shaping.md), implemented separately from the literature:
 //! residual vibration and corner rounding. [`design`] finds the one with the least vibration over a band, [`by_tool`]
-//! the one with the least error of the tool on printed walls ([`wall`]). [`fit`] separates belts from motors by measured
-//! frequencies.
+//! the one with the least error of the tool on printed walls ([`wall`]). [`fit`] separates belts from motors by
+//! measured frequencies.
 
 pub mod by_tool;
 pub mod design;

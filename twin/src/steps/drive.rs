@@ -135,7 +135,8 @@ mod tests {
             |params: &Params| drives(&trace(&[[4, 4], [5, -5]]), &Ways::new(Machine::CoreXy, params), params).unwrap();
         let found: Vec<_> = with(&Params::default()).into_iter().map(|d| (d.column, d.sense, d.multiple)).collect();
         assert_eq!(found, [(0, 1, 4), (1, 1, 5)]);
-        // Radii that the steps agree with change nothing; a pulley of 20 teeth in the place of 16 pulls 5/4 of the belt.
+        // Radii that the steps agree with change nothing; a pulley of 20 teeth in the place of 16 pulls 5/4 of the
+        // belt.
         let belts = |radii: &[f64]| {
             let params = Params { motor_radius_mm: Each::listed(radii).unwrap(), ..Params::default() };
             with(&params).into_iter().map(|d| d.axis_step).collect::<Vec<_>>()

@@ -1,8 +1,8 @@
 //! State space, equation 9 of the paper: the linear part of a model, without Coulomb friction, as matrices.
 //!
-//! chi' = A chi + B u, psi = C chi, with chi = (x, x', y, y', phi3, phi3', ...), u = (phi1, phi2) and psi = (x, y). With
-//! DC motors phi1, phi1', phi2, phi2' stand after y', and u = (V1, V2). Places are in m and angles in rad, as in the
-//! paper.
+//! chi' = A chi + B u, psi = C chi, with chi = (x, x', y, y', phi3, phi3', ...), u = (phi1, phi2) and psi = (x, y).
+//! With DC motors phi1, phi1', phi2, phi2' stand after y', and u = (V1, V2). Places are in m and angles in rad, as in
+//! the paper.
 
 use super::belt::{X, Y, pulley};
 use super::model::Model;

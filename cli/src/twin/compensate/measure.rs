@@ -13,7 +13,8 @@ use serde::Serialize;
 /// Belts and fields that hardly give way are this many times as stiff.
 const RIGID: f64 = 50.0;
 
-/// A machine that rings faster needs shorter steps of integration: with first-print it takes twice as long, as measured.
+/// A machine that rings faster needs shorter steps of integration: with first-print it takes twice as long, as
+/// measured.
 const LONGER: f64 = 2.0;
 
 /// Stiffness that is believed, too low and too high.
