@@ -1,10 +1,11 @@
 //! The belt plant as commands ask for it.
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Error, Result};
 use clap::{Args, ValueEnum};
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
 use corehbot_sim::belt::accident::Accidents;
+use corehbot_sim::belt::layout::LayoutError;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::description::Description;
 
@@ -54,6 +55,16 @@ impl PlantArgs {
     pub(crate) fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
         let Some(setup) = self.setup(&machine.twin)? else { return Ok(None) };
         let plant = BeltPlant::new(&machine.settings, homed, homed.is_some(), setup, 0);
-        Ok(Some(Box::new(plant.context("--plant belt")?)))
+        Ok(Some(Box::new(plant.map_err(|error| {
+            let option = self.option_of(&error);
+            Error::new(error).context(option)
+        })?)))
+    }
+
+    /// The option that an error is about.
+    fn option_of(&self, error: &LayoutError) -> String {
+        let LayoutError::NoBrake(name, _) = error else { return "--plant belt".to_owned() };
+        let is_of = |text: &&String| text.split(',').next().is_some_and(|motor| motor.trim() == name.as_str());
+        format!("--brake {}", self.brake.iter().find(is_of).map_or(name.as_str(), |text| text))
     }
 }

@@ -87,7 +87,7 @@ impl std::fmt::Display for LayoutError {
             ),
             Self::NoBrake(name, known) => {
                 let known: Vec<&str> = known.iter().map(MotorName::as_str).collect();
-                write!(f, "brake: `{name}` is not a belt motor: {}", known.join(", "))
+                write!(f, "`{name}` is not a belt motor: {}", known.join(", "))
             }
             Self::OutOfReach(place) => {
                 let place: Vec<String> =
@@ -307,7 +307,7 @@ mod tests {
             layout(file).unwrap().check_brake(MotorName::new(name).unwrap()).map_err(|error| error.to_string())
         };
         assert_eq!(why("prototype.toml", "m8"), Ok(()));
-        assert_eq!(why("prototype.toml", "z1"), Err("brake: `z1` is not a belt motor: m1, m4, m8, m11".to_owned()));
+        assert_eq!(why("prototype.toml", "z1"), Err("`z1` is not a belt motor: m1, m4, m8, m11".to_owned()));
         // Motors of other machines have other names, and two of a pair share one.
         assert_eq!(why("dual-y.toml", "m1").is_err(), !named("dual-y.toml").contains(&"m1".to_owned()));
         for file in ["cartesian.toml", "dual-y.toml", "corexz.toml", "corehbot-two-drivers.toml", "corexyz.toml"] {
