@@ -10,6 +10,7 @@ use corehbot_twin::queries::compare::Compare;
 use corehbot_twin::queries::frame::FrameTorque;
 use corehbot_twin::queries::limits::Limits;
 use corehbot_twin::queries::resonance::Resonance;
+use corehbot_twin::queries::torque::TorqueLimits;
 use corehbot_twin::routing::{Machine, Own, Place};
 use corehbot_twin::run::Run;
 use corehbot_twin::run::report::Report;
@@ -172,7 +173,7 @@ fn ringing_of_the_frame_counts_in_limits_resonance_and_compare() {
         let over = |power: i32| modes.iter().map(|(omega, part)| part / omega.powi(power)).sum::<f64>();
         assert!(agree(found.speed_jump_mm_s, 0.025 / over(1), 1e-3), "{found:?} {modes:?}");
         assert!(agree(found.ringing_acceleration_mm_s2, 0.0125 / over(2), 1e-3), "{found:?} {modes:?}");
-        assert_eq!(found.torque_acceleration_mm_s2, rigid.torque_acceleration_mm_s2);
+        assert!(agree(found.torque_acceleration_mm_s2, rigid.torque_acceleration_mm_s2, 1e-9), "{found:?}");
         // Parts over the square of their frequency add up to m / k: the tool's lag does not know of the frame.
         assert!(agree(found.ringing_acceleration_mm_s2, rigid.ringing_acceleration_mm_s2, 1e-3));
         assert!(agree(frame.band_hz[0], modes[0].0 / TAU, 0.01) && agree(frame.part, modes[0].1, 0.02), "{frame:?}");
@@ -212,23 +213,31 @@ fn limits_and_resonance_know_every_routing() {
             let all = [axis.torque_acceleration_mm_s2, axis.slack_acceleration_mm_s2, axis.speed_jump_mm_s];
             assert!(all.into_iter().all(|v| v > 1.0 && v.is_finite()), "{machine:?}: {axis:?}");
         }
+        // The table of torque at speed begins with the same figures.
+        let table = TorqueLimits::new(machine, &params, 0.0, 300.0).unwrap();
+        for (name, axis) in [("x", Some(limits.x)), ("y", Some(limits.y)), ("z", limits.z)] {
+            let of = table.directions.iter().find(|of| of.direction == name).and_then(|of| of.acceleration_mm_s2[0]);
+            assert_eq!(of, axis.map(|axis| axis.torque_acceleration_mm_s2), "{machine:?}");
+        }
         let text = [limits.to_string(), found.to_string()].concat();
         assert_eq!(text.contains("the firmware has no shaper for z"), machine.lifts(), "{text}");
     }
-    // Motors of 63 N on what they move and on rotors of 0.134 kg: all four of a CoreXYZ on the 3.8 kg that go up.
+    // Motors of 63 N on what they move, on its friction and on rotors of 0.134 kg: all four of a CoreXYZ on the 3.8 kg
+    // that go up, evenly in the middle and a little less so at the worst place.
     let (force, rotor) = (400.0 / 6.35, 5.4e-6 / (6.35e-3 * 6.35e-3));
     let limits = |machine: Machine| {
         let tool = workspace(machine, &params).centre();
         Limits::new(&Setup { machine, params: params.clone(), tool, freedom: Default::default() }, 0.025, 1.0).unwrap()
     };
     let up = limits(Machine::CoreXyz).z.unwrap().torque_acceleration_mm_s2;
-    assert!(agree(up, 4.0 * force / (3.8 + 4.0 * rotor) * 1e3, 1e-9), "{up}");
+    let part = up / (4.0 * force / (3.8 + 4.0 * rotor) * 1e3);
+    assert!(part > 0.9 && part < 0.95, "{up} {part}");
     // One motor for each axis of a Cartesian machine, and its energy alone: 2 F times 0.127 mm.
     let alone = limits(cartesian);
-    assert!(agree(alone.x.torque_acceleration_mm_s2, force / (0.6 + rotor) * 1e3, 1e-9), "{alone:?}");
+    assert!(agree(alone.x.torque_acceleration_mm_s2, (force - 0.5) / (0.6 + rotor) * 1e3, 1e-9), "{alone:?}");
     let jump = (2.0 * 2.0 * force * 0.127 * 1e3 / (0.6 + rotor)).sqrt();
     assert!(agree(alone.x.slip_jump_mm_s, jump, 1e-9), "{alone:?} {jump}");
     // The bed of a CoreXZ, 1 kg, on its own belt.
     let bed = limits(corexz).y.torque_acceleration_mm_s2;
-    assert!(agree(bed, force / (1.0 + rotor) * 1e3, 1e-9), "{bed}");
+    assert!(agree(bed, (force - 1.0) / (1.0 + rotor) * 1e3, 1e-9), "{bed}");
 }

@@ -149,10 +149,15 @@ fn mechanisms_are_compared_on_an_area_and_on_a_file() {
 fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
     let told = json("limits --model reduced --error 0.05");
     assert!(near(&told["x"]["speed_jump_mm_s"], 2.0 * 17.307, 1e-3), "{told}");
-    let half = json("limits --torque 0.25");
-    let whole = json("limits --torque 0.5");
-    let accelerations = [half, whole].map(|told| told["y"]["torque_acceleration_mm_s2"].as_f64().unwrap());
-    assert!((accelerations[1] / accelerations[0] - 2.0).abs() < 1e-9);
+    // Friction takes the same of each part of the torque.
+    let [less, half, more] = [0.25, 0.5, 0.75].map(|part| {
+        let told = json(&format!("limits --torque {part}"));
+        let standstill = &told["torque_at_speed"]["directions"][1]["acceleration_mm_s2"][0];
+        let along_y = told["y"]["torque_acceleration_mm_s2"].as_f64().unwrap();
+        assert!(near(standstill, along_y, 1e-9), "{told}");
+        along_y
+    });
+    assert!(((more - half) / (half - less) - 1.0).abs() < 1e-9 && half > 2.0 * less, "{less} {half} {more}");
     assert_eq!(twin("limits --torque 2").status.code(), Some(2));
 }
 

@@ -1,7 +1,7 @@
 //! Limits: how hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
 //!
-//! The worst place of the reach counts. Torque is at standstill; [`super::torque`] has it at speed. Where the frame is
-//! soft, its own mode is a part of the ringing.
+//! The worst place of the reach counts. Torque is at standstill; [`super::torque`] has it at speed, by the same demand
+//! of each motor. Where the frame is soft, its own mode is a part of the ringing.
 
 use super::{Setup, shown};
 use crate::geometry::workspace;
@@ -12,6 +12,7 @@ use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use crate::solve::balance::balance;
 use crate::solve::modes::{Ringing, modes};
+use crate::torque::demand::Demand;
 use serde::Serialize;
 
 /// Columns and rows of the grid of places.
@@ -34,7 +35,7 @@ pub struct Limits {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<AxisLimits>,
     /// Error of the tool in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar. None
-    /// where the bar does not move in y.
+    /// where the bar does not move in y; infinite where its guides do not hold the yaw.
     pub yaw_error_um_per_m_s2: Option<f64>,
     /// Displacement of a soft frame for a lasting 1 m/s^2 along x and along y; none of a rigid one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,7 +45,8 @@ pub struct Limits {
 /// Limits of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AxisLimits {
-    /// Acceleration that takes this part of the motors' torque, rotors included.
+    /// Acceleration with which a motor somewhere needs this part of its torque, rotors and friction included; 0 where
+    /// friction alone takes it.
     pub torque_acceleration_mm_s2: f64,
     /// Acceleration that takes a span's whole preload.
     pub slack_acceleration_mm_s2: f64,
@@ -81,9 +83,17 @@ impl Limits {
         let worst = worst(setup, &reach.grid(GRID, GRID))?;
         let ways = Ways::new(*machine, params);
         let masses_kg = machine.masses_kg(params);
+        let demand = Demand::new(*machine, params)?;
         let limits = |axis: usize| {
             let row: Vec<f64> = ways.rows.iter().map(|row| row[axis]).collect();
-            limits(&row, masses_kg[axis], worst[axis], params, error_mm, torque_part)
+            let along = [0, 1, 2].map(|other| if other == axis { 1.0 } else { 0.0 });
+            AxisLimits {
+                torque_acceleration_mm_s2: demand.acceleration_mm_s2(along, 0.0, 1.0 - torque_part).unwrap_or(0.0),
+                slack_acceleration_mm_s2: worst[axis].slack_n / masses_kg[axis] * MM_PER_M,
+                ringing_acceleration_mm_s2: error_mm / (2.0 * worst[axis].per_acceleration_s2),
+                speed_jump_mm_s: error_mm / worst[axis].per_speed_s,
+                slip_jump_mm_s: slip_jump_mm_s(&row, masses_kg[axis], params),
+            }
         };
         let arm = (reach.x[1] - reach.x[0]) / 2.0;
         let yaw_stiffness = params.bar_yaw_stiffness_nm_per_rad * MM_PER_M;
@@ -124,24 +134,14 @@ fn worst(setup: &Setup, places: &[Place]) -> Result<[Worst; 3], NotHeld> {
     Ok(all)
 }
 
-/// From the motor travel, the moving mass, and the worst place.
-fn limits(row: &[f64], mass_kg: f64, worst: Worst, params: &Params, error_mm: f64, torque_part: f64) -> AxisLimits {
+/// From the motor travel and the moving mass.
+fn slip_jump_mm_s(row: &[f64], mass_kg: f64, params: &Params) -> f64 {
     let turning = || row.iter().enumerate().filter(|(_, way)| way.abs() > 0.5);
-    // The belt loads all motors alike, so the one with the largest pulley gives way first.
-    let weakest = turning().map(|(motor, _)| params.holding_force_n(motor)).fold(f64::INFINITY, f64::min);
-    let pull: f64 = turning().map(|(_, way)| way.abs() * weakest).sum();
     let rotors: f64 = turning().map(|(motor, way)| way * way * params.rotor_mass_kg(motor)).sum();
     // From rest to the angle where a field lets go: twice its force times its electrical radian.
     let energy = |motor: usize| 2.0 * params.holding_force_n(motor) * params.electrical_radian_mm(motor);
     let energy_n_mm: f64 = turning().map(|(motor, _)| energy(motor)).sum();
-    let moving = mass_kg + rotors;
-    AxisLimits {
-        torque_acceleration_mm_s2: torque_part * pull / moving * MM_PER_M,
-        slack_acceleration_mm_s2: worst.slack_n / mass_kg * MM_PER_M,
-        ringing_acceleration_mm_s2: error_mm / (2.0 * worst.per_acceleration_s2),
-        speed_jump_mm_s: error_mm / worst.per_speed_s,
-        slip_jump_mm_s: (2.0 * energy_n_mm * MM_PER_M / moving).sqrt(),
-    }
+    (2.0 * energy_n_mm * MM_PER_M / (mass_kg + rotors)).sqrt()
 }
 
 impl std::fmt::Display for Limits {
@@ -159,8 +159,10 @@ impl std::fmt::Display for Limits {
         row(&format!("ramp that rings by {um:.0} um, mm/s2"), |a| a.ringing_acceleration_mm_s2)?;
         row(&format!("jump of speed that makes {um:.0} um, mm/s"), |a| a.speed_jump_mm_s)?;
         row("jump of speed at which motors slip, mm/s", |a| a.slip_jump_mm_s)?;
-        if let Some(um) = self.yaw_error_um_per_m_s2 {
-            writeln!(f, "  yaw of the bar at the side: {um:.1} um for 1 m/s2 along y")?;
+        match self.yaw_error_um_per_m_s2 {
+            Some(um) if um.is_finite() => writeln!(f, "  yaw of the bar at the side: {um:.1} um for 1 m/s2 along y")?,
+            Some(_) => writeln!(f, "  yaw of the bar: not held by its guides")?,
+            None => {}
         }
         if let Some([x, y]) = self.frame_um_per_m_s2 {
             writeln!(
