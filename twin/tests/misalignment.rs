@@ -80,7 +80,8 @@ fn real_lines_agree_with_the_paper_but_for_their_slant() {
         let found = of(Machine::CoreHBot, &[off(pulley, 0.0, 0.2)]);
         assert!(found.paper.bar_nm.abs() > 0.0079 && found.slanted.bar_nm.abs() < 1e-12, "{pulley}: {found:?}");
         let per_mm = found.per_mm.iter().find(|one| one.pulley == pulley).unwrap();
-        assert!(agree(per_mm.right_slanted.bar_nm, 5.0 * real, 1e-2) && per_mm.back_slanted.bar_nm.abs() < 1e-9);
+        let [right, back] = [per_mm.right_slanted, per_mm.back_slanted].map(|torques| torques.unwrap().bar_nm);
+        assert!(agree(right, 5.0 * real, 1e-2) && back.abs() < 1e-9);
     }
     // The head's guide does feel pulley 6 in y, by the line from pulley 5 and the one to pulley 7: 2 T d (L + e / 2) /
     // L.
@@ -146,4 +147,38 @@ fn every_flat_machine_answers_and_bad_questions_are_named() {
     assert_eq!(why(Machine::CoreXyz, off(21, 1.0, 0.0)), MisalignmentError::InSpace);
     assert_eq!(why(Machine::CoreHBot, off(15, 1.0, 0.0)), MisalignmentError::NoPulley(15, (1..=14).collect()));
     assert_eq!(why(Machine::CoreHBot, off(5, -400.0, 0.0)), MisalignmentError::NoRoom);
+}
+
+/// In a corner of the reach pulleys 1 and 2 touch, and 3 and 4: a mm of 2 to the left leaves the belt between them no
+/// room. So it has no torque by real lines there, and none a tenth of a mm before, where that mm is too much as well.
+#[test]
+fn the_end_of_the_reach_leaves_some_pulleys_no_room() {
+    for y in [26.2, 26.3] {
+        let found = Misalignment::new(&Setup::nominal(Machine::CoreHBot, 40.0, y), &[off(12, 1.0, 0.0)]).unwrap();
+        let of = |pulley: u8| found.per_mm.iter().find(|one| one.pulley == pulley).unwrap();
+        assert!(of(2).right_slanted.is_none() && of(3).right_slanted.is_none(), "{y}: {found:?}");
+        assert!(of(12).back_slanted.is_none() && of(13).back_slanted.is_none(), "{y}: {found:?}");
+        // Pulley 9 is far from the end: 40 N by a mm, and its slant.
+        assert!(of(9).right_slanted.is_some_and(|real| agree(real.bar_nm, 0.0425, 1e-2)), "{y}: {found:?}");
+        for one in &found.per_mm {
+            for real in [one.right_slanted, one.back_slanted].into_iter().flatten() {
+                assert!(real.bar_nm.abs() < 0.1 && real.head_nm.abs() < 0.6, "{y}: {one:?}");
+            }
+        }
+        let text = found.to_string();
+        assert!(text.contains("-40.00 /  no room") && !text.contains("NaN"), "{text}");
+    }
+}
+
+/// Pulley 12 off by 20 mm, preloaded where its line is 17.3 mm long: 9 mm too much belt in the middle of the stroke.
+#[test]
+fn slack_belts_are_told() {
+    let setup = Setup::nominal(Machine::CoreHBot, 150.0, 440.0);
+    let slack = Misalignment::new(&setup, &[off(12, 20.0, 0.0)]).unwrap();
+    assert!(slack.along_y.iter().any(|place| place.goes_slack), "{slack}");
+    assert!(slack.along_y.iter().all(|place| place.goes_slack == (40.0 + place.tension_change_n["L"] < 0.0)));
+    assert!(slack.to_string().contains("there belts go slack, so figures do not hold"), "{slack}");
+    let tight = of(Machine::CoreHBot, &[off(12, 1.0, 0.0)]);
+    assert!(tight.along_x.iter().chain(&tight.along_y).all(|place| !place.goes_slack));
+    assert!(!tight.to_string().contains("slack"), "{tight}");
 }

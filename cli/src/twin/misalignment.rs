@@ -2,22 +2,22 @@
 
 use super::answer::Json;
 use super::setup::{FileArgs, SetupArgs, parse_pair};
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot_report::misalignment::picture;
 use corehbot_twin::queries::misalignment::{Misalignment as Answer, Offset};
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// Greatest offset in mm.
+/// Greatest offset of a pulley in mm.
 const MOST_MM: f64 = 20.0;
 
 /// `twin misalignment`.
 #[derive(Args)]
 pub(crate) struct Misalignment {
     /// A pulley that is off: its number in `twin geometry`, and how far to the right and away from the front, in mm.
-    /// May be repeated. Torques are counter-clockwise, seen from above. Without it, the torques for 1 mm of each
-    /// pulley.
+    /// May be repeated; offsets of one pulley add up. Torques are counter-clockwise, seen from above. Without it, the
+    /// torques for 1 mm of each pulley on bar and head.
     #[arg(long = "off", value_name = "PULLEY=DX,DY", value_parser = parse_offset, allow_hyphen_values = true)]
     offsets: Vec<Offset>,
     #[command(flatten)]
@@ -33,6 +33,14 @@ pub(crate) struct Misalignment {
 
 impl Misalignment {
     pub(super) fn answer(&self) -> Result<u8> {
+        for Offset { pulley, .. } in &self.offsets {
+            let of = self.offsets.iter().filter(|offset| offset.pulley == *pulley);
+            let [x, y] = of.fold([0.0; 2], |[x, y], Offset { off_mm: [right, back], .. }| [x + right, y + back]);
+            ensure!(
+                x.abs() <= MOST_MM && y.abs() <= MOST_MM,
+                "pulley {pulley} is off by ({x}, {y}) mm in all; the limit is {MOST_MM}"
+            );
+        }
         let answer = Answer::new(&self.setup.read(&self.file.read()?)?, &self.offsets)?;
         self.json.give_with(&answer, self.file.files(), |outputs| {
             let Some(path) = &self.svg else { return Ok(()) };

@@ -12,7 +12,8 @@
 //! The tension along the stroke is an addition to the paper. A pulley that is off lengthens its belt by the same amount
 //! everywhere, which the preload takes up, and by the slant: off^2 / (2 L) for a segment of length L. L changes along
 //! the stroke. Motors hold their place, so spans pull more where their segments are short, and the tool gives way. A
-//! stroke ends where the pulleys leave the belt no room.
+//! stroke ends where the pulleys leave the belt no room, and a pulley has no torque by real lines where a mm of it to
+//! either side would.
 
 use super::{At, Setup, shown};
 use crate::geometry::{Segment, layout, layout_of, points, workspace};
@@ -94,6 +95,8 @@ pub struct OnStroke {
     pub dx_mm: f64,
     /// The same away from the front.
     pub dy_mm: f64,
+    /// Whether preload and change of a span are below 0 together: the figures do not hold.
+    pub goes_slack: bool,
 }
 
 /// The torque that a pulley makes.
@@ -105,10 +108,10 @@ pub struct PerMm {
     pub right_paper: Torques,
     /// For 1 mm away from the front, by the paper.
     pub back_paper: Torques,
-    /// For 1 mm to the right, along real lines.
-    pub right_slanted: Torques,
-    /// For 1 mm away from the front, along real lines.
-    pub back_slanted: Torques,
+    /// For 1 mm to the right, along real lines; none where a mm to either side leaves the belt no room.
+    pub right_slanted: Option<Torques>,
+    /// For 1 mm away from the front, likewise.
+    pub back_slanted: Option<Torques>,
 }
 
 /// Why there is no answer.
@@ -166,10 +169,14 @@ impl Misalignment {
         let torques = |offsets: &[Offset]| by_paper(setup, &belts, &moved(&belts, offsets));
         let per_mm = |pulley: u8| {
             let one = |off_mm| torques(&[Offset { pulley, off_mm }]);
+            let with = |off_mm| moved(&belts, &[Offset { pulley, off_mm }]);
+            let has_room =
+                |off_mm| Off { setup, belts: with(off_mm), reference: Vec::new() }.longer(setup.tool).is_ok();
             let real = |[x, y]: [f64; 2]| {
-                let off_mm = [x * SMALL_MM, y * SMALL_MM];
-                let Torques { bar_nm, head_nm } = slanted(setup, &moved(&belts, &[Offset { pulley, off_mm }]));
-                Torques { bar_nm: bar_nm / SMALL_MM, head_nm: head_nm / SMALL_MM }
+                (has_room([x, y]) && has_room([-x, -y])).then(|| {
+                    let Torques { bar_nm, head_nm } = slanted(setup, &with([x * SMALL_MM, y * SMALL_MM]));
+                    Torques { bar_nm: bar_nm / SMALL_MM, head_nm: head_nm / SMALL_MM }
+                })
             };
             let [right, back] = [[1.0, 0.0], [0.0, 1.0]];
             let (right_paper, back_paper) = (one(right), one(back));
@@ -313,10 +320,14 @@ impl Off<'_> {
             (link.span, link.stiffness(params) * (longer + link.stretch(&moved)))
         };
         let of = |coordinate| elastic.links.index(coordinate).and_then(|i| moved.get(i)).copied().unwrap_or(0.0);
+        let changes = || links.iter().zip(&stretched).map(tension);
+        let left =
+            |(link, (_, change)): (&crate::model::links::Link, (&str, f64))| params.preload_n.of(link.belt) + change;
         Ok(OnStroke {
             x_mm: tool.x,
             y_mm: tool.y,
-            tension_change_n: links.iter().zip(&stretched).map(tension).collect(),
+            goes_slack: links.iter().zip(changes()).map(left).any(|tension| tension < 0.0),
+            tension_change_n: changes().collect(),
             dx_mm: of(Coordinate::X),
             dy_mm: of(Coordinate::Y),
         })
@@ -361,14 +372,20 @@ impl std::fmt::Display for Misalignment {
                     shown(most, 3)
                 )?;
                 writeln!(f, " and the tool moves by {} um", shown(1000.0 * off, 1))?;
+                if stroke.iter().any(|place| place.goes_slack) {
+                    writeln!(f, "    there belts go slack, so figures do not hold")?;
+                }
             }
         }
         writeln!(f, "  for 1 mm of a pulley, mN m    tau_B2 by x   tau_B2 by y   tau_B3 by y  (paper / real lines)")?;
         for of in &self.per_mm {
-            let pair = |paper: f64, real: f64| format!("{} /{}", torque(paper).trim_start(), torque(real));
+            let pair = |paper: f64, real: Option<f64>| {
+                let real = real.map_or_else(|| format!("{:>9}", "no room"), torque);
+                format!("{} /{real}", torque(paper).trim_start())
+            };
             let bar = [(of.right_paper, of.right_slanted), (of.back_paper, of.back_slanted)];
-            let [x, y] = bar.map(|(paper, real)| pair(paper.bar_nm, real.bar_nm));
-            let head = pair(of.back_paper.head_nm, of.back_slanted.head_nm);
+            let [x, y] = bar.map(|(paper, real)| pair(paper.bar_nm, real.map(|real| real.bar_nm)));
+            let head = pair(of.back_paper.head_nm, of.back_slanted.map(|real| real.head_nm));
             writeln!(f, "    pulley {:<8} {x:>20} {y:>20} {head:>20}", of.pulley)?;
         }
         Ok(())
