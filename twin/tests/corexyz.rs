@@ -43,6 +43,24 @@ fn a_corexy_goes_half_a_step_aside() {
     assert!(near(both.width_steps, 1.0, 1e-9) && near(both.aside_steps, 0.5, 1e-9), "{both:?}");
 }
 
+/// A CoreXY of 198.1 N/mm (computed elsewhere) with 1.8 kg along y, which is across x, and 0.6 kg along x. Steps of
+/// 0.02 mm at 100 mm/s are 5 kHz, and half of it where orders alternate.
+#[test]
+fn the_tool_follows_across_the_move() {
+    for (axis, kg) in [(0, 1.8), (1, 0.6)] {
+        let own = (198.1e3_f64 / kg).sqrt() / std::f64::consts::TAU;
+        for (alternates, hz) in [(false, 5000.0), (true, 2500.0)] {
+            let path = played(Machine::CoreXy, &Ask { alternates, steps: 2, ..ask(axis, None) });
+            assert!(near(path.tool_hz, own, 1e-3) && near(path.zigzag_hz, hz, 1e-12), "{path:?}");
+            assert!(near(path.followed, own * own / (hz * hz - own * own), 2e-3), "{path:?}");
+        }
+    }
+    // Across x a CoreXYZ has y and z, and z is the slower one. Just above z's frequency z follows most.
+    let both = played(Machine::CoreXyz, &ask(0, None));
+    let slow = played(Machine::CoreXyz, &Ask { speed_mm_s: 0.02 * 41.0, ..ask(0, None) });
+    assert!(both.tool_hz > 50.0 && both.tool_hz < 70.0 && slow.followed > 10.0, "{both:?} {slow:?}");
+}
+
 /// X = (B - C) / 2, Y = (A - B) / 2, Z = (A + C) / 2 of three motors; places by hand.
 #[test]
 fn three_motors_of_a_corexyz_go_round_a_helix() {
@@ -161,6 +179,104 @@ fn motion_racks_with_three_motors_alone() {
             let agrees = found.iter().zip(expected).all(|(m, e)| (m.abs() - e * lever).abs() < 1e-4 * lever);
             assert!(agrees, "{name}: {found:?} {lever}");
         }
+    }
+}
+
+/// Off the middle the inertia has couples of its own: m_h a (W/2 - x) on the bar along y, as of a CoreH-bot; along z
+/// -(m_h + m_b) a (y - D/2) about x and m_h a (x - W/2) about y. Mass that goes from the head to the bar, or from both
+/// to the gantry, leaves the thrust, and so the belts' part: the difference is the couple. At x = 100, y = 300, 5 m/s2.
+#[test]
+fn inertia_off_the_middle_racks_and_tilts() {
+    let with = |head_mass_kg, bar_mass_kg, gantry_mass_kg| {
+        let params = Params {
+            head_mass_kg,
+            bar_mass_kg,
+            gantry_mass_kg,
+            bar_yaw_stiffness_nm_per_rad: 1e9,
+            gantry_tilt_stiffness_nm_per_rad: 1e9,
+            ..Params::default()
+        };
+        let asked = Levelled { taken_mm: 1.0, spring_n_per_mm: None, acceleration: 5.0 };
+        Level::new(Machine::CoreXyz, &params, Place::of_xyz([100.0, 300.0, W / 2.0]), asked).unwrap()
+    };
+    let moments = |level: &Level, name: &str| {
+        let Case { bar_nm, gantry_nm: [about_x, about_y], .. } = *case(level, name);
+        [bar_nm, about_x, about_y]
+    };
+    let nominal = with(0.6, 1.2, 2.0);
+    for (other, name, expected) in [
+        (with(0.1, 1.7, 2.0), "along y", [0.5 * 5.0 * 0.135, 0.0, 0.0]),
+        (with(0.1, 1.7, 2.0), "along z", [0.0, 0.0, -0.5 * 5.0 * 0.135]),
+        (with(0.6, 0.2, 3.0), "along z", [0.0, -1.0 * 5.0 * 0.065, 0.0]),
+    ] {
+        let (a, b) = (moments(&nominal, name), moments(&other, name));
+        for ((a, b), expected) in a.iter().zip(b).zip(expected) {
+            assert!((a - b - expected).abs() < 1e-4, "{name}: {a} {b} {expected}");
+        }
+    }
+    // What Carlyle left open is asked in the middle.
+    let claim = nominal.claims.iter().find(|claim| claim.text.contains("racking in motion")).unwrap();
+    assert!(claim.holds && claim.found.contains("in the middle of the reach 0.000,"), "{claim:?}");
+}
+
+/// A motor that holds parts a belt, and a spring would be in one part only: springs count where belts slip.
+#[test]
+fn springs_count_for_levelling_and_preload_alone() {
+    for machine in [Machine::CoreXyz, Machine::CoreXyzThree] {
+        let (stiff, sprung) = (level(machine, &Params::default(), None), level(machine, &Params::default(), Some(0.5)));
+        for (stiff, sprung) in stiff.cases.iter().zip(&sprung.cases) {
+            match stiff.kind {
+                Kind::Motors | Kind::Motion => assert_eq!(stiff, sprung),
+                Kind::Taken => assert_ne!(stiff.tensions_n, sprung.tensions_n, "{stiff:?}"),
+                Kind::Preload => {}
+            }
+        }
+        let text = sprung.to_string();
+        assert!(text.contains("motors without power, springs of 0.5 N/mm"), "{text}");
+        assert!(text.contains("motors holding, springs not counted"), "{text}");
+    }
+}
+
+/// A belt of a pair that is let out by 1 mm loses k (1 - 4 k D^2 / (k_t + 4 k D^2)) = 1.9 N of its 40 N, with k = EA / L.
+#[test]
+fn slack_belts_are_told() {
+    let with = |taken_mm| {
+        let asked = Levelled { taken_mm, spring_n_per_mm: None, acceleration: 10.0 };
+        Level::new(Machine::CoreXyz, &Params::default(), Place::of_xyz([W / 2.0; 3]), asked).unwrap()
+    };
+    let slack = |level: &Level| level.cases.iter().filter(|c| c.goes_slack).map(|c| c.name.clone()).collect::<Vec<_>>();
+    let k = EA / (OUT + BACK);
+    let per_mm = k * 2e6 / (2e6 + 4.0 * k * W * W);
+    let (tight, loose) = (with(1.0), with(1.01 * 40.0 / per_mm));
+    assert!(slack(&tight).is_empty() && !tight.to_string().contains("slack"), "{tight}");
+    let pair = "A shorter, C longer".to_owned();
+    assert!(slack(&loose).contains(&pair) && !slack(&with(0.99 * 40.0 / per_mm)).contains(&pair), "{loose}");
+    assert!(!slack(&loose).contains(&"all shorter".to_owned()));
+    assert!(loose.to_string().contains("belts go slack, so figures do not hold: "), "{loose}");
+}
+
+/// Claims are about kinds of motion, whatever the take-up and the guides.
+#[test]
+fn claims_do_not_depend_on_the_take_up_or_on_the_guides() {
+    let holds = |taken_mm, guides: f64| {
+        let params = Params {
+            bar_yaw_stiffness_nm_per_rad: guides,
+            gantry_tilt_stiffness_nm_per_rad: guides,
+            ..Params::default()
+        };
+        let asked = Levelled { taken_mm, spring_n_per_mm: None, acceleration: 5.0 };
+        let level = Level::new(Machine::CoreXyz, &params, Place::of_xyz([W / 2.0; 3]), asked).unwrap();
+        level
+            .claims
+            .iter()
+            .filter(|claim| !claim.text.contains("spring"))
+            .map(|c| (c.text, c.holds))
+            .collect::<Vec<_>>()
+    };
+    let nominal = holds(0.1, 2000.0);
+    assert!(nominal.len() > 4 && nominal.iter().all(|(_, holds)| *holds), "{nominal:?}");
+    for (taken_mm, guides) in [(1e-7, 2000.0), (1e3, 2000.0), (0.1, 0.0), (0.1, 1e9)] {
+        assert_eq!(holds(taken_mm, guides), nominal, "{taken_mm} {guides}");
     }
 }
 

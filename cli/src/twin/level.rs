@@ -24,7 +24,8 @@ pub(crate) struct Level {
     /// How much belt is taken up or let out, in mm.
     #[arg(long, value_name = "MM", default_value_t = 0.1, value_parser = parse_positive)]
     take_up: f64,
-    /// The stiffness of a spring idler in each belt, in N/mm; without it there are none.
+    /// The stiffness of a spring idler in each belt, in N/mm; without it there are none. Springs count for levelling
+    /// and preload only, where a belt slips over its motor, and not for turned motors and motion.
     #[arg(long, value_name = "N_PER_MM", value_parser = parse_positive)]
     spring: Option<f64>,
     /// The acceleration of the tool in the cases of motion, in m/s2.

@@ -3,7 +3,7 @@
 use super::answer::Json;
 use super::drawn;
 use super::setup::{FileArgs, MachineArgs, parse_positive};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use corehbot_report::corexyz;
 use corehbot_twin::params::Params;
@@ -31,8 +31,8 @@ pub(crate) struct Zigzag {
     /// The speed of the move in mm/s, for the part of the zig-zag that the tool's mass leaves.
     #[arg(long, value_name = "MM_S", default_value_t = 100.0, value_parser = parse_positive)]
     speed: f64,
-    /// The order of the motors' steps, by their letters in Carlyle's tables (CoreXY, CoreXYZ) or their numbers. Without
-    /// it, ascending.
+    /// The order of the motors' steps, by their letters in Carlyle's tables (CoreXY, CoreXYZ) or their numbers, of
+    /// one machine. Without it, ascending.
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     order: Option<Vec<String>>,
     /// Every second step has the opposite order.
@@ -76,6 +76,11 @@ impl std::fmt::Display for All {
 impl Zigzag {
     pub(super) fn answer(&self) -> Result<u8> {
         let axis = self.axis as usize;
+        let is_one = self.machine.is_given() || self.file.is_given();
+        ensure!(
+            is_one || self.order.is_none(),
+            "--order needs --machine or --settings: machines name their motors differently"
+        );
         let ask = Ask {
             axis,
             steps: self.steps,
@@ -84,7 +89,7 @@ impl Zigzag {
             order: self.order.clone(),
             alternates: self.alternate,
         };
-        let machines: Vec<(Machine, Params)> = if self.machine.is_given() || self.file.is_given() {
+        let machines: Vec<(Machine, Params)> = if is_one {
             vec![self.machine.read(&self.file.read()?)?]
         } else {
             let moves = |machine: &Machine| axis < machine.axes();

@@ -7,7 +7,8 @@
 //! A belt that is taken up while its motor has no power slips over the motor until both sides have one tension. Motors
 //! with power strain their belts by the one pattern that no place of the tool has, A - B + C - D. It is the pattern of
 //! racking, so motors cannot level the gantry. Where both sides of a belt are not equally stiff, a thrust changes its
-//! mean tension, so motion racks and tilts too. `claims` holds what Carlyle says against all this.
+//! mean tension, so motion racks and tilts too. Off the middle the inertia of head and bar does as well: the bar yaws
+//! about its own middle, and the gantry tilts about the machine's. `claims` holds what Carlyle says against all this.
 
 mod claims;
 
@@ -29,7 +30,7 @@ const BELTS: [&str; 4] = ["D", "C", "B", "A"];
 pub struct Ask {
     /// Belt that is taken up, or let out, mm.
     pub taken_mm: f64,
-    /// Stiffness of a spring idler in each belt, N/mm.
+    /// Stiffness of a spring idler in each belt, N/mm. It counts where belts slip over motors: levelling and preload.
     pub spring_n_per_mm: Option<f64>,
     /// Acceleration along each axis, m/s2.
     pub acceleration: f64,
@@ -45,6 +46,9 @@ pub struct Level {
     pub z_mm: f64,
     /// Belts taken up by this (shorter) or let out (longer).
     pub taken_up_mm: f64,
+    /// Springs of the belts in the cases of levelling and preload.
+    #[serde(rename = "spring_N_per_mm")]
+    pub spring_n_per_mm: Option<f64>,
     /// Acceleration in the cases of motion.
     pub acceleration_m_s2: f64,
     /// The cases.
@@ -77,6 +81,8 @@ pub struct Case {
     /// Change of tension of each belt, or span.
     #[serde(rename = "tensions_N")]
     pub tensions_n: Vec<(&'static str, f64)>,
+    /// Whether preload and change of a belt are below 0 together: the figures do not hold.
+    pub goes_slack: bool,
 }
 
 /// How the belts are loaded.
@@ -147,8 +153,16 @@ impl Level {
         let cases = study.cases()?;
         let claims = study.claims(&cases)?;
         let at = At { machine: machine.key(), x_mm: tool.x, y_mm: tool.y };
-        let Ask { taken_mm, acceleration, .. } = ask;
-        Ok(Self { at, z_mm: tool.z, taken_up_mm: taken_mm, acceleration_m_s2: acceleration, cases, claims })
+        let Ask { taken_mm, spring_n_per_mm, acceleration } = ask;
+        Ok(Self {
+            at,
+            z_mm: tool.z,
+            taken_up_mm: taken_mm,
+            spring_n_per_mm,
+            acceleration_m_s2: acceleration,
+            cases,
+            claims,
+        })
     }
 }
 
@@ -160,15 +174,12 @@ struct Study<'p> {
 }
 
 impl Study<'_> {
-    fn springs(&self, gantry: Gantry) -> Gantry {
+    fn loose(&self) -> Gantry {
+        let gantry = Gantry::loose(self.machine, self.params, self.tool);
         match self.ask.spring_n_per_mm {
             Some(spring) => gantry.with_springs(spring),
             None => gantry,
         }
-    }
-
-    fn loose(&self) -> Gantry {
-        self.springs(Gantry::loose(self.machine, self.params, self.tool))
     }
 
     fn cases(&self) -> Result<Vec<Case>, LevelError> {
@@ -184,10 +195,13 @@ impl Study<'_> {
         cases.push(self.preload("belts A, B and C alone", |belt| belt != 0)?);
         let all = if self.machine == Machine::CoreXyz { "four belts" } else { "with D over an idler" };
         cases.push(self.preload(all, |_| true)?);
-        for (axis, name) in ["along x", "along y", "along z"].into_iter().enumerate() {
-            cases.push(self.motion(axis, name)?);
-        }
+        cases.extend(self.motions()?);
         Ok(cases)
+    }
+
+    /// Motion along each axis.
+    fn motions(&self) -> Result<Vec<Case>, LevelError> {
+        ["along x", "along y", "along z"].into_iter().enumerate().map(|(axis, name)| self.motion(axis, name)).collect()
     }
 
     /// Belts taken up by a pattern over A, B, C, D, motors without power.
@@ -224,12 +238,20 @@ impl Study<'_> {
         Ok(self.case(Kind::Preload, name, &gantry, &given))
     }
 
-    /// The tool accelerates along an axis: the inertia of what moves pulls the other way.
+    /// The tool accelerates along an axis: the inertia of what moves pulls the other way. A spring of a belt that its
+    /// motor holds would be in one of its two parts; the springs of levelling are not counted.
     fn motion(&self, axis: usize, name: &str) -> Result<Case, LevelError> {
-        let gantry = self.springs(Gantry::held(self.machine, self.params, self.tool));
-        let mass = self.machine.masses_kg(self.params).get(axis).copied().unwrap_or(0.0);
-        let mut force = [0.0; COORDINATES];
-        force.iter_mut().skip(axis).take(1).for_each(|force| *force = -mass * self.ask.acceleration);
+        let gantry = Gantry::held(self.machine, self.params, self.tool);
+        let Params { width_mm, depth_mm, head_mass_kg: head, bar_mass_kg: bar, .. } = *self.params;
+        let [right, back] = [self.tool.x - width_mm / 2.0, self.tool.y - depth_mm / 2.0];
+        let [along_x, along_y, up] = self.machine.masses_kg(self.params);
+        // Moments of mass, kg and kg mm, on x, y, z, the yaw and the tilts. The gantry's own is in its middle.
+        let moved = match axis {
+            0 => [along_x, 0.0, 0.0, 0.0, 0.0, 0.0],
+            1 => [0.0, along_y, 0.0, head * right, 0.0, 0.0],
+            _ => [0.0, 0.0, up, 0.0, (head + bar) * back, -head * right],
+        };
+        let force = moved.map(|moved| -moved * self.ask.acceleration);
         let given = gantry.settle(0, force, &vec![0.0; gantry.parts.len()]).ok_or(LevelError::NotHeld)?;
         Ok(self.case(Kind::Motion, name, &gantry, &given))
     }
@@ -241,6 +263,7 @@ impl Study<'_> {
         let on_guides =
             |at: usize| gantry.guides.get(at).zip(given.moved.get(at)).map_or(0.0, |(k, way)| k * way / THOUSAND);
         let is_belt = matches!(kind, Kind::Taken | Kind::Preload);
+        let changes = || gantry.parts.iter().zip(&given.tensions_n);
         let tension = |(part, change): (&crate::model::gantry::Part, &f64)| {
             let name = if is_belt { BELTS.get(part.belt).copied().unwrap_or(part.name) } else { part.name };
             (name, *change)
@@ -254,7 +277,8 @@ impl Study<'_> {
             bar_nm: on_guides(YAW),
             gantry_nm: [on_guides(TILT_X), on_guides(TILT_Y)],
             tool_mm: [x, y, z],
-            tensions_n: gantry.parts.iter().zip(&given.tensions_n).map(tension).collect(),
+            tensions_n: changes().map(tension).collect(),
+            goes_slack: changes().any(|(part, change)| self.params.preload_n.of(part.belt) + change < 0.0),
         }
     }
 }
@@ -273,10 +297,15 @@ impl std::fmt::Display for Level {
             if before != Some(case.kind) {
                 let Self { taken_up_mm, acceleration_m_s2, .. } = self;
                 match case.kind {
-                    Kind::Taken => writeln!(f, "belts taken up by {taken_up_mm} mm, motors without power")?,
-                    Kind::Motors => writeln!(f, "motors turned by {taken_up_mm} mm of belt")?,
-                    Kind::Preload => writeln!(f, "preload at rest")?,
-                    Kind::Motion => writeln!(f, "acceleration of {acceleration_m_s2} m/s2, motors holding")?,
+                    Kind::Taken => write!(f, "belts taken up by {taken_up_mm} mm, motors without power")?,
+                    Kind::Motors => write!(f, "motors turned by {taken_up_mm} mm of belt")?,
+                    Kind::Preload => write!(f, "preload at rest")?,
+                    Kind::Motion => write!(f, "acceleration of {acceleration_m_s2} m/s2, motors holding")?,
+                }
+                match (self.spring_n_per_mm, case.kind) {
+                    (None, _) => writeln!(f)?,
+                    (Some(spring), Kind::Taken | Kind::Preload) => writeln!(f, ", springs of {spring} N/mm")?,
+                    (Some(_), Kind::Motors | Kind::Motion) => writeln!(f, ", springs not counted")?,
                 }
                 before = Some(case.kind);
             }
@@ -287,6 +316,11 @@ impl std::fmt::Display for Level {
             let tool = if matches!(case.kind, Kind::Motors | Kind::Motion) { tool } else { String::new() };
             let name = &case.name;
             writeln!(f, "  {name:31}  {bar:>7} {about_x:>7} {about_y:>7}  {on_bar:>6} {on_x:>7} {on_y:>7}  {tool}")?;
+        }
+        let slack: Vec<&str> =
+            self.cases.iter().filter(|case| case.goes_slack).map(|case| case.name.as_str()).collect();
+        if !slack.is_empty() {
+            writeln!(f, "belts go slack, so figures do not hold: {}", slack.join("; "))?;
         }
         writeln!(f, "\nwhat Carlyle says, on this machine")?;
         write_claims(f, &self.claims)

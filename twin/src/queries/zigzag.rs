@@ -6,12 +6,13 @@
 
 use super::{Setup, shown};
 use crate::geometry::workspace;
+use crate::model::coordinate::Coordinate;
 use crate::model::elastic::Freedom;
 use crate::model::ways::{Ways, residual_mm};
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
-use crate::solve::modes::modes;
+use crate::solve::modes::{mode_of, modes};
 use serde::Serialize;
 
 /// The machines of the study.
@@ -73,10 +74,10 @@ pub struct Zigzag {
     /// Frequency of the zig-zag at this speed.
     #[serde(rename = "zigzag_Hz")]
     pub zigzag_hz: f64,
-    /// The tool's highest frequency on its belts, motors fixed.
+    /// Frequency of the tool across the move on its belts, motors fixed: the highest of the modes of the other axes.
     #[serde(rename = "tool_Hz")]
     pub tool_hz: f64,
-    /// Part of the zig-zag that the tool follows at this speed: f0^2 / |f^2 - f0^2|.
+    /// Part of the zig-zag that the tool follows at this speed: f0^2 / |f^2 - f0^2|, the largest of the axes across.
     pub followed: f64,
 }
 
@@ -168,8 +169,13 @@ impl Zigzag {
             freedom: Freedom::default(),
         };
         let found = modes(&setup.elastic()).map_err(ZigzagError::NotHeld)?;
-        let tool_hz = found.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
-        let zigzag_hz = ask.speed_mm_s / ask.step_mm;
+        let across =
+            Coordinate::TOOL.into_iter().take(machine.axes()).enumerate().filter(|(axis, _)| *axis != ask.axis);
+        let tool_hz: Vec<f64> =
+            across.filter_map(|(_, coordinate)| mode_of(&found, coordinate)).map(|mode| mode.frequency_hz).collect();
+        // With every second order reversed the path repeats after two steps.
+        let period_mm = if ask.alternates { 2.0 * ask.step_mm } else { ask.step_mm };
+        let zigzag_hz = ask.speed_mm_s / period_mm;
         let mm = |places: &[[f64; 3]]| places.iter().map(|place| place.map(|v| v * ask.step_mm)).collect();
         Ok(Self {
             machine: machine.key(),
@@ -185,8 +191,11 @@ impl Zigzag {
             orders,
             speed_mm_s: ask.speed_mm_s,
             zigzag_hz,
-            tool_hz,
-            followed: tool_hz * tool_hz / (zigzag_hz * zigzag_hz - tool_hz * tool_hz).abs(),
+            followed: tool_hz
+                .iter()
+                .map(|own| own * own / (zigzag_hz * zigzag_hz - own * own).abs())
+                .fold(0.0, f64::max),
+            tool_hz: tool_hz.into_iter().fold(0.0, f64::max),
         })
     }
 }
@@ -349,7 +358,7 @@ impl std::fmt::Display for Zigzag {
         let left = shown(1e6 * aside_mm * followed, 2);
         writeln!(
             f,
-            "  at {speed_mm_s} mm/s: {zigzag_hz:.0} Hz, the tool's own frequency is at most {tool_hz:.1} Hz, so {left} nm are left"
+            "  at {speed_mm_s} mm/s: {zigzag_hz:.0} Hz, the tool's own frequency across is at most {tool_hz:.1} Hz, so {left} nm are left"
         )
     }
 }
