@@ -3,15 +3,18 @@
 use super::answer::Json;
 use super::drawn;
 use super::setup::syntax;
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Context as _, Result, anyhow, ensure};
 use clap::{Args, ValueEnum};
 use corehbot_report::yin::{figure_3, figure_4, figure_5};
 use corehbot_twin::yin::figure::{Figure3, Figure4, Figure5};
 use corehbot_twin::yin::state_space::{Input, StateSpace};
-use corehbot_twin::yin::{Case, Command, Corners, Direction, Drive, Model, Parameters, run_on};
+use corehbot_twin::yin::{Case, Command, Corners, Direction, Drive, Error, Model, Parameters, run_on, scaled};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
+
+/// Gain of the position control of DC motors without `--gain`, V/rad.
+const GAIN: f64 = 100.0;
 
 /// `twin yin`.
 #[derive(Args)]
@@ -39,9 +42,10 @@ pub(crate) struct Yin {
     /// The motors.
     #[arg(long, value_name = "MOTORS", default_value = "stepper")]
     drive: Motors,
-    /// The gain of the position control of DC motors, in V per rad of error; the paper has no control for them.
-    #[arg(long, value_name = "V_PER_RAD", default_value_t = 100.0, allow_negative_numbers = true)]
-    gain: f64,
+    /// The gain of the position control of DC motors (--drive dc), in V per rad of error, 100 without it; the paper has
+    /// no control for them.
+    #[arg(long, value_name = "V_PER_RAD", allow_negative_numbers = true)]
+    gain: Option<f64>,
     /// The way round the square; the paper went counter-clockwise.
     #[arg(long, value_name = "WAY", default_value = "clockwise")]
     direction: Way,
@@ -105,6 +109,8 @@ enum Way {
 
 impl Yin {
     pub(super) fn answer(&self) -> Result<u8> {
+        let is_dc = matches!(self.drive, Motors::Dc);
+        ensure!(is_dc || self.gain.is_none(), "--gain is of DC motors: it needs --drive dc");
         let rig = self.rig()?;
         let case = self.case();
         if self.state_space {
@@ -112,15 +118,18 @@ impl Yin {
                 Motors::Stepper => Input::Angles,
                 Motors::Dc => Input::Volts,
             };
-            rig.check()?;
-            let scaled = rig.scaled(case.friction, case.stiffness, case.mass);
-            scaled.check()?;
-            return self.json.give(&StateSpace::new(case.model, &scaled, input), self.files());
+            return self.json.give(&StateSpace::new(case.model, &scaled(&rig, &case)?, input), self.files());
         }
         match self.figure {
             Some(Figure::Three) => self.give(&Figure3::new(&rig, &case)?, figure_3),
             Some(Figure::Four) => self.give(&Figure4::new(&rig, &case)?, figure_4),
-            Some(Figure::Five) => self.give(&Figure5::new(&rig, &case)?, figure_5),
+            Some(Figure::Five) => {
+                let figure = Figure5::new(&rig, &case).map_err(|error| match error {
+                    Error::Factor(..) => anyhow!("{error}; figure 5 multiplies each factor by 0.5 to 2"),
+                    other => other.into(),
+                })?;
+                self.give(&figure, figure_5)
+            }
             None => self.json.give(&Answer::of(run_on(&rig, &case)?), self.files()),
         }
     }
@@ -146,7 +155,7 @@ impl Yin {
             },
             drive: match self.drive {
                 Motors::Stepper => Drive::Stepper,
-                Motors::Dc => Drive::Dc(gain),
+                Motors::Dc => Drive::Dc(gain.unwrap_or(GAIN)),
             },
             command: if self.pulses { Command::Pulses } else { Command::Continuous },
             direction: match self.direction {

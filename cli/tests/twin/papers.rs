@@ -68,9 +68,16 @@ fn wrong_rigs_and_options_are_refused_in_one_line() {
     assert!(complaint("yin --speed 0.05 --rig nowhere.toml").contains("cannot open nowhere.toml"));
     assert!(complaint("yin --speed 0.05 --drive dc --gain 0").contains("a gain of 0 V/rad is outside"));
     assert!(complaint("yin --speed 0.05 --drive dc --gain nan").contains("a gain of NaN"));
+    assert!(complaint("yin --speed 0.05 --gain 50").contains("it needs --drive dc"));
+    assert!(complaint("yin --figure 4 --gain 50").contains("it needs --drive dc"));
+    assert!(complaint("yin --state-space --friction 1000").contains("the factor of friction, 1000, is outside"));
+    assert!(complaint("yin --figure 5 --friction 15").contains("figure 5 multiplies each factor by 0.5 to 2"));
+    let stiff = file("rig-stiff.toml", "k_N_per_m = [1e300, 1e300, 1e300, 1e300, 1e300]\n");
+    assert!(complaint(&format!("yin --speed 0.05 --rig {}", stiff.display())).contains("more than 5000000 time steps"));
     assert!(complaint("yin --figure 4 --friction -1").contains("the factor of friction"));
     assert!(complaint("zigzag --machine corexy --axis z").contains("the belts of a CoreXY do not move z"));
     assert!(complaint("zigzag --machine corexyz --order A,B,C").contains("name each motor once: A,B,C,D"));
+    assert!(complaint("zigzag --order A,B").contains("--order needs --machine or --settings"));
     assert!(complaint("level --machine corexy").contains("lift no gantry"));
     assert!(complaint("level --at 1,1").contains("outside what the tool reaches"));
     for wrong in [
@@ -123,6 +130,13 @@ fn levels_of_a_machine_file_and_with_springs() {
     assert!(case(&level, pair)["bar_mrad"].as_f64().unwrap().abs() < 1e-9 && tilt > 0.0, "{level}");
     let soft = json("level --spring 1");
     assert!(near(&case(&soft, pair)["gantry_mrad"][0], 0.347 * tilt, 0.01), "{soft}");
+    assert!(case(&soft, "along y") == case(&level, "along y") && soft["spring_N_per_mm"] == 1.0, "{soft}");
+    assert_eq!(
+        (&case(&level, pair)["goes_slack"], &level["spring_N_per_mm"]),
+        (&false.into(), &serde_json::Value::Null)
+    );
+    let slack = json("level --take-up 30");
+    assert!(case(&slack, pair)["goes_slack"] == true && case(&slack, "all shorter")["goes_slack"] == false, "{slack}");
     let rigid = file("rigid.toml", "[twin]\ngantry_tilt_stiffness_Nm_per_rad = 20000\n");
     let rigid = json(&format!("level --machine corexyz --settings {}", rigid.display()));
     assert!(case(&rigid, pair)["gantry_mrad"][0].as_f64().unwrap() < 0.5 * tilt, "{rigid}");

@@ -39,5 +39,5 @@ pub use integrator::hold;
 pub use model::Model;
 pub use parameters::{DcMotor, NOMINAL, Parameters};
 pub use path::{Command, Direction};
-pub use run::{Case, Corners, FACTORS, GAINS, SPEEDS, run, run_on, trajectory};
+pub use run::{Case, Corners, FACTORS, GAINS, SPEEDS, run, run_on, scaled, trajectory};
 pub use system::{Drive, State, System};

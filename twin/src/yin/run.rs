@@ -137,6 +137,14 @@ fn checked(rig: &Parameters, case: &Case) -> Result<Parameters, Error> {
     {
         return Err(Error::Gain(gain));
     }
+    scaled(rig, case)
+}
+
+/// The rig with the factors of the case, without its speed and drive.
+///
+/// # Errors
+/// A factor out of range, or illegal values of the rig.
+pub fn scaled(rig: &Parameters, case: &Case) -> Result<Parameters, Error> {
     if case.friction != 0.0 && !FACTORS.contains(&case.friction) {
         return Err(Error::Factor("friction", case.friction));
     }
@@ -146,7 +154,9 @@ fn checked(rig: &Parameters, case: &Case) -> Result<Parameters, Error> {
         }
     }
     rig.check()?;
-    Ok(rig.scaled(case.friction, case.stiffness, case.mass))
+    let scaled = rig.scaled(case.friction, case.stiffness, case.mass);
+    scaled.check()?;
+    Ok(scaled)
 }
 
 /// Goes round with time steps of at most `longest` s and shows every state with its inputs.
@@ -173,7 +183,9 @@ pub(super) fn corners(
     longest: f64,
     mut show: impl FnMut(&State, [f64; 2]),
 ) -> Result<[Watch; 3], Error> {
-    if sides.iter().flatten().map(|piece| steps(piece, longest)).sum::<usize>() > MOST_STEPS {
+    // Absurd numbers need more steps than there are numbers for.
+    let all = sides.iter().flatten().map(|piece| steps(piece, longest)).fold(0, usize::saturating_add);
+    if all > MOST_STEPS {
         return Err(Error::TooManySteps(MOST_STEPS));
     }
     let mut corners = corners.map(Watch::new);

@@ -39,3 +39,26 @@ fn a_case_of_too_many_steps_is_refused_before_it_is_computed() {
     let error = run(&Case { friction: 20.0, mass: 0.05, ..Case::at(0.01) }).unwrap_err();
     assert!(matches!(error, Error::TooManySteps(_)), "{error}");
 }
+
+#[test]
+fn absurd_numbers_of_a_rig_are_refused_without_a_panic() {
+    for k in [1e300, f64::MAX / 4.0, f64::MAX] {
+        let rig = Parameters { stiffness: [k; 5], ..NOMINAL };
+        for drive in [Drive::Stepper, Drive::Dc(100.0)] {
+            assert!(matches!(run_on(&rig, &Case { drive, ..Case::at(0.05) }), Err(Error::TooManySteps(_))), "{k}");
+            assert!(trajectory(&rig, &Case { drive, ..Case::at(0.05) }).is_err(), "{k}");
+        }
+    }
+    // A factor that makes a number infinite.
+    let rig = Parameters { stiffness: [f64::MAX; 5], ..NOMINAL };
+    assert_eq!(run_on(&rig, &Case { stiffness: 2.0, ..Case::at(0.05) }), Err(Error::Parameter("stiffness")));
+    let rig = Parameters { guide_viscous: [1e300; 2], ..NOMINAL };
+    assert!(matches!(run_on(&rig, &Case::at(0.05)), Err(Error::TooManySteps(_))));
+}
+
+#[test]
+fn factors_are_refused_without_a_speed_too() {
+    let without = Case::at(0.0);
+    assert_eq!(scaled(&NOMINAL, &without), Ok(NOMINAL));
+    assert_eq!(scaled(&NOMINAL, &Case { friction: 1000.0, ..without }), Err(Error::Factor("friction", 1000.0)));
+}
