@@ -6,6 +6,7 @@ use corehbot_twin::params::Params;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::resonance::Resonance;
 use corehbot_twin::routing::Machine;
+use corehbot_twin::shaping::wall::Print;
 
 /// With fixed motors x rings by x alone and y by y alone: 13.1 and 14.3 % faster at the ends than in the middle.
 #[test]
@@ -72,6 +73,34 @@ fn speeds_that_excite_an_axis_are_its_frequency_times_what_repeats() {
     assert!(found.x.line.ends_with("T2") && found.y.line.ends_with("T2"), "{} {}", found.x.line, found.y.line);
     assert!((found.y.resonant_speeds.tooth_mm_s - 2.0 * 57.64).abs() < 0.6, "{:?}", found.y.resonant_speeds);
     assert!((found.y.resonant_speeds.full_step_mm_s - 0.1995 * 57.64).abs() < 0.06);
+}
+
+/// The text rates each line as it is printed: the two parts of a ZV against the vibration at both ends of the band,
+/// written out here.
+#[test]
+fn both_lines_are_rated_as_they_are_printed() {
+    let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };
+    let setup = Setup { freedom: rotors, ..Setup::nominal(Machine::CoreHBot, 235.0, 235.0) };
+    let found = Resonance::new(&setup, 7, 7).unwrap().ranked_by_tool(&Print::default());
+    let text = found.to_string();
+    for (axis, line, told) in [(&found.x, "M593 X F108.5", "ZV 9.4 %."), (&found.y, "M593 Y F62.3", "ZV 11.2 %.")] {
+        assert!(axis.line_by_tool.as_ref().is_some_and(|own| own.starts_with(line) && own.ends_with("T0")), "{text}");
+        assert!(text.contains(told), "{text}");
+        // The line's own numbers: two parts, half a damped period apart.
+        let ranked = axis.by_tool.as_ref().unwrap();
+        let left = |hz: f64| {
+            let (shaper, own) = (ranked.damping_ratio, axis.damping_ratio);
+            let root = |z: f64| (1.0 - z * z).sqrt();
+            let late_s = 0.5 / (ranked.suggestion.frequency_hz * root(shaper));
+            let part = (-std::f64::consts::PI * shaper / root(shaper)).exp();
+            let w = std::f64::consts::TAU * hz;
+            // The first part has decayed when the second one comes.
+            let (first, turn) = ((-own * w * late_s).exp(), w * root(own) * late_s);
+            (first + part * turn.cos()).hypot(part * turn.sin()) / (1.0 + part)
+        };
+        let known = axis.band_hz.map(left).into_iter().fold(0.0, f64::max);
+        assert!((ranked.suggestion.worst_residual - known).abs() < 1e-9, "{ranked:?}: {known}");
+    }
 }
 
 /// One step of an axis, made by motors one after the other in this order: the tool's greatest way aside, and the

@@ -322,17 +322,12 @@ fn told_by_tool(f: &mut std::fmt::Formatter<'_>, axis: &AxisResonance) -> std::f
     writeln!(f, "     {line}")?;
     let by_vibration = axis.suggestion.filter(|other| other.kind != ranked.suggestion.kind);
     let Some(other) = by_vibration else { return Ok(()) };
-    let left = |kind: Kind| axis.shapers.iter().find(|s| s.kind == kind).map_or(0.0, |s| 100.0 * s.worst_residual);
     let of = |kind: Kind| ranked.shapers.iter().find(|s| s.kind == kind).map_or(0.0, |s| s.worst_wall.rms_um);
     let (own, its) = (ranked.suggestion.kind, other.kind);
-    write!(
-        f,
-        "     Two lines: {} leaves {:.1} % of the ringing at the worst place and {} {:.1} %. ",
-        its.name(),
-        left(its),
-        own.name(),
-        left(own)
-    )?;
+    // Each as its line sets it: both rankings have a kind at other frequencies.
+    let [its_left, own_left] = [other.worst_residual, ranked.suggestion.worst_residual].map(|left| 100.0 * left);
+    write!(f, "     Two lines: {} leaves {its_left:.1} % of the ringing at the worst place and ", its.name())?;
+    write!(f, "{} {own_left:.1} %. ", own.name())?;
     write!(f, "But belts lag, which cancels most of a shaper's rounding, so walls are off by ")?;
     writeln!(f, "{:.1} um with {} and by {:.1} um with {}.", of(own), own.name(), of(its), its.name())
 }

@@ -3,6 +3,7 @@
 //! A shaper's frequency is searched for each kind. The worst of several machines counts, which ring at the nominal
 //! frequency and at the ends of its uncertainty.
 
+use super::design::worst_residual;
 use super::shaper::{Impulse, Kind, impulses, residual};
 use super::wall::{Lag, Print, Unshaped, WallError, net_rounding};
 use serde::Serialize;
@@ -103,6 +104,8 @@ pub struct Ranked {
     pub frequency_hz: f64,
     /// Error of slow changes in `a/w^2`; positive is inside of a corner.
     pub net_rounding_a_per_w2: f64,
+    /// Ringing that it leaves at the worst place of the band, of 1.
+    pub worst_residual: f64,
     /// Error of the wall at the nominal frequency.
     pub wall: WallError,
     /// The worst over the band.
@@ -138,6 +141,7 @@ pub fn by_tool(nominal_hz: f64, band_hz: [f64; 2], damping_ratio: f64, print: &P
             kind,
             frequency_hz,
             net_rounding_a_per_w2: net_rounding(&impulses, &own),
+            worst_residual: worst_residual(&impulses, band_hz, damping_ratio),
             wall: machines.error(&impulses),
             worst_wall: machines.worst(&impulses),
         }

@@ -3,7 +3,7 @@
 //! One shaper serves all places. Its frequency minimises the vibration at the worst place of the band. The suggested
 //! kind rounds least among those that leave no more than 5 %.
 
-use super::shaper::{Kind, impulses, residual, smoothing_mm};
+use super::shaper::{Impulse, Kind, impulses, residual, smoothing_mm};
 use serde::Serialize;
 
 /// Residual vibration allowed for a suggested shaper, of 1.
@@ -30,15 +30,18 @@ pub struct Design {
     pub smoothing_mm: f64,
 }
 
+/// Residual vibration that a shaper leaves at the worst place of a band of frequencies in Hz with this damping.
+#[must_use]
+pub fn worst_residual(impulses: &[Impulse], [low, high]: [f64; 2], damping: f64) -> f64 {
+    let place = |i: usize| low + (high - low) * i as f64 / (LOOKS - 1) as f64;
+    (0..LOOKS).map(|i| residual(impulses, place(i), damping)).fold(0.0, f64::max)
+}
+
 /// The best shaper of a kind for a band of frequencies in Hz.
 #[must_use]
 pub fn design(kind: Kind, band_hz: [f64; 2], damping: f64) -> Design {
     let [low, high] = band_hz;
-    let worst = |frequency: f64| {
-        let impulses = impulses(kind, frequency, damping);
-        let place = |i: usize| low + (high - low) * i as f64 / (LOOKS - 1) as f64;
-        (0..LOOKS).map(|i| residual(&impulses, place(i), damping)).fold(0.0, f64::max)
-    };
+    let worst = |frequency: f64| worst_residual(&impulses(kind, frequency, damping), band_hz, damping);
     let best = |from: f64, to: f64| {
         let frequency = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
         let tried = (0..=STEPS).map(|i| (frequency(i), worst(frequency(i))));
