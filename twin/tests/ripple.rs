@@ -141,6 +141,31 @@ fn the_loudest_speeds_are_the_resonant_ones_and_less_detent_is_calmer() {
     assert!(calm.worst.iter().all(|w| w.across_um < 1e-4), "{:?}", calm.best);
 }
 
+/// Slow motors close to a diagonal meet a mode within a tenth of a degree, which even distances pass over.
+#[test]
+fn the_worst_direction_does_not_depend_on_the_distance_of_the_angles() {
+    let setup = Setup { params: light(), ..Setup::nominal(Machine::CoreHBot, 235.0, 235.0) };
+    let by = |angle_step_deg: f64| {
+        let question = Question { speeds_mm_s: [40.0, 280.0], step_mm_s: 30.0, angle_step_deg, ..Question::default() };
+        Ripple::new(&setup, &question).unwrap()
+    };
+    let (coarse, fine) = (by(5.0), by(1.0));
+    for (coarse, fine) in coarse.worst.iter().zip(&fine.worst) {
+        assert!((coarse.across_um / fine.across_um - 1.0).abs() < 0.03, "{coarse:?}, {fine:?}");
+    }
+    for (coarse, fine) in coarse.sources.iter().zip(&fine.sources) {
+        assert!((coarse.across_um / fine.across_um - 1.0).abs() < 0.03, "{coarse:?}, {fine:?}");
+    }
+    assert!((coarse.best.across_um / fine.best.across_um - 1.0).abs() < 0.03, "{:?}, {:?}", coarse.best, fine.best);
+    // Two motors that turn by sqrt 2 sin(d) of the path, d from the diagonal, meet y (57.64 Hz) by their full steps.
+    let found = response(&light());
+    let aside = (57.64 * TAU * 6.35 / 200.0 / (160.0 * 2.0_f64.sqrt())).asin();
+    let met = across(&found, FRAC_PI_4 - aside, 160.0, Kind::FullStep);
+    assert!(met > 3.0 * across(&found, FRAC_PI_4 - 1.5 * aside, 160.0, Kind::FullStep), "{met}");
+    let at = coarse.speeds_mm_s.iter().position(|speed| *speed == 160.0).unwrap();
+    assert!(coarse.worst[at].across_um >= met, "{:?}, {met}", coarse.worst[at]);
+}
+
 #[test]
 fn every_routing_ripples() {
     let question = Question { step_mm_s: 20.0, angle_step_deg: 45.0, ..Question::default() };

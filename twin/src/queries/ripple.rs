@@ -3,6 +3,9 @@
 //! Each source ([`crate::ripple`]) moves the tool by a sine. Phases of different sources are not known, so amplitudes
 //! add as the root of the sum of squares; where all phases meet, they add up. Only the part across the path is on the
 //! wall. Waves longer than a limit are an error of shape and no ripple: they are told apart.
+//!
+//! The worst direction of a speed is one of even distances, or one in which a source meets a mode. Close to a diagonal
+//! one pair of motors turns slowly, and meets a mode within a tenth of a degree.
 
 use super::{At, Setup, shown};
 use crate::params::Params;
@@ -53,7 +56,7 @@ pub struct Ripple {
     pub speeds_mm_s: Vec<f64>,
     /// Amplitude across the path, for each angle at each speed.
     pub across_um: Vec<Vec<f64>>,
-    /// The worst angle of each speed.
+    /// The worst angle of each speed, of these and of all in which a source meets a mode.
     pub worst: Vec<Worst>,
     /// The calmest speed for walls in every direction.
     pub best: Best,
@@ -158,6 +161,12 @@ impl Sum {
     }
 }
 
+/// Directions that differ by less, in degrees, are one.
+const ALIKE_DEG: f64 = 0.02;
+
+/// Amplitudes in a direction, in degrees.
+type Along = (f64, Sum);
+
 /// A machine at these angles and speeds.
 struct Look<'q> {
     response: Response,
@@ -178,36 +187,65 @@ impl<'q> Look<'q> {
         Ok(Self { response, longest_mm: question.longest_mm, angles, speeds })
     }
 
+    fn sum(&self, angle_deg: f64, speed: f64) -> Sum {
+        Sum::of(&self.response, angle_deg, speed, self.longest_mm)
+    }
+
     /// For each of these angles at each speed.
     fn map(&self, angles: &[f64]) -> Vec<Vec<Sum>> {
-        let row =
-            |angle: &f64| self.speeds.iter().map(|v| Sum::of(&self.response, *angle, *v, self.longest_mm)).collect();
+        let row = |angle: &f64| self.speeds.iter().map(|v| self.sum(*angle, *v)).collect();
         angles.iter().map(row).collect()
     }
 
     /// With this current.
     fn current(&self, params: &Params, percent: f64, nominal: Best) -> Current {
-        let worst = loudest(&self.map(self.angles), self.speeds.len());
+        let worst = self.worst(&self.map(self.angles));
         let there = self.speeds.iter().zip(&worst).find(|(speed, _)| **speed == nominal.speed_mm_s);
-        let mut order: Vec<f64> = worst.iter().map(|(um, _)| *um).collect();
+        let mut order: Vec<f64> = worst.iter().map(|(_, sum)| sum.across_um()).collect();
         order.sort_by(f64::total_cmp);
         Current {
             current_percent: percent,
             holding_torque_nm: params.holding_torque_nm,
             best: calmest(self.speeds, &worst),
-            there_um: there.map_or(0.0, |(_, (um, _))| *um),
+            there_um: there.map_or(0.0, |(_, (_, sum))| sum.across_um()),
             median_um: order.get(order.len() / 2).copied().unwrap_or(0.0),
         }
     }
 
+    /// Directions in which a source meets a mode at this speed.
+    fn resonant(&self, speed: f64) -> Vec<Along> {
+        let mut angles: Vec<f64> = self.response.resonant_angles(speed).map(f64::to_degrees).collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup_by(|next, kept| *next - *kept < ALIKE_DEG);
+        angles.into_iter().map(|angle| (angle, self.sum(angle, speed))).collect()
+    }
+
+    /// The worst direction of each speed, of which even distances have these sums.
+    fn worst(&self, all: &[Vec<Sum>]) -> Vec<Along> {
+        let even = loudest(self.angles, all, self.speeds.len());
+        let with_modes = |(speed, even): (&f64, Along)| {
+            let both = self.resonant(*speed).into_iter().chain([even]);
+            both.max_by(|a, b| a.1.squares.total_cmp(&b.1.squares)).unwrap_or(even)
+        };
+        self.speeds.iter().zip(even).map(with_modes).collect()
+    }
+
     /// Each kind where it is loudest.
     fn by_source(&self, all: &[Vec<Sum>]) -> Vec<SourceAnswer> {
+        let [slowest, fastest] = [self.speeds.first(), self.speeds.last()].map(|speed| speed.copied().unwrap_or(0.0));
+        let even = self.angles.iter().zip(all).flat_map(|(angle, row)| {
+            self.speeds.iter().zip(row).map(move |(speed, sum)| (*angle, *speed, *sum))
+        });
+        let by_speed = self.speeds.iter().flat_map(|v| self.resonant(*v).into_iter().map(|(a, sum)| (a, *v, sum)));
+        let by_angle = self.angles.iter().flat_map(|angle| {
+            let speeds = self.response.resonant_speeds(angle.to_radians());
+            speeds.filter(|v| (slowest..=fastest).contains(v)).map(|v| (*angle, v, self.sum(*angle, v)))
+        });
+        let places: Vec<(f64, f64, Sum)> = even.chain(by_speed).chain(by_angle).collect();
         let loudest = |kind: Kind| {
-            let places = self.angles.iter().zip(all).flat_map(|(angle, row)| {
-                let own = |sum: &Sum| sum.kinds.get(kind as usize).copied().unwrap_or(0.0).sqrt();
-                self.speeds.iter().zip(row).map(move |(speed, sum)| (own(sum), *angle, *speed))
-            });
-            let (across_um, angle_deg, speed_mm_s) = places.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let own = |sum: &Sum| sum.kinds.get(kind as usize).copied().unwrap_or(0.0).sqrt();
+            let all = places.iter().map(|(angle, speed, sum)| (own(sum), *angle, *speed));
+            let (across_um, angle_deg, speed_mm_s) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
             let here = self.response.at(angle_deg.to_radians(), speed_mm_s, self.longest_mm);
             let strongest = here.filter(|s| s.kind == kind).max_by(|a, b| a.across_um.total_cmp(&b.across_um))?;
             let Shaken { frequency_hz, wave_mm, .. } = strongest;
@@ -227,17 +265,18 @@ impl<'q> Look<'q> {
     }
 }
 
-/// The loudest of these rows at each speed: amplitude and row.
-fn loudest(rows: &[Vec<Sum>], speeds: usize) -> Vec<(f64, usize)> {
+/// The loudest of these angles at each speed, with a row of sums for each angle.
+fn loudest(angles: &[f64], rows: &[Vec<Sum>], speeds: usize) -> Vec<Along> {
     let at = |speed: usize| {
-        let all = rows.iter().enumerate().filter_map(|(i, row)| Some((row.get(speed)?.across_um(), i)));
-        all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
+        let all = angles.iter().zip(rows).filter_map(|(angle, row)| Some((*angle, *row.get(speed)?)));
+        all.max_by(|a, b| a.1.squares.total_cmp(&b.1.squares)).unwrap_or_default()
     };
     (0..speeds).map(at).collect()
 }
 
-fn calmest(speeds: &[f64], loudest: &[(f64, usize)]) -> Best {
-    let all = speeds.iter().zip(loudest).map(|(speed, (um, _))| Best { speed_mm_s: *speed, across_um: *um });
+fn calmest(speeds: &[f64], loudest: &[Along]) -> Best {
+    let best = |(speed, (_, sum)): (&f64, &Along)| Best { speed_mm_s: *speed, across_um: sum.across_um() };
+    let all = speeds.iter().zip(loudest).map(best);
     all.min_by(|a, b| a.across_um.total_cmp(&b.across_um)).unwrap_or_default()
 }
 
@@ -259,15 +298,17 @@ impl Ripple {
         let look = |params: &Params| Look::new(setup, params, question, (&angles, &speeds));
         let own = look(&setup.params)?;
         let all = own.map(&angles);
-        let worst_of = loudest(&all, speeds.len());
-        let worst = worst_of.iter().enumerate().filter_map(|(speed, (across_um, row))| {
-            let sum = all.get(*row)?.get(speed)?;
-            let angle_deg = angles.get(*row).copied()?;
-            Some(Worst { angle_deg, across_um: *across_um, aligned_um: sum.aligned, by: sum.loudest() })
-        });
+        let worst_of = own.worst(&all);
+        let worst = |(angle_deg, sum): &Along| Worst {
+            angle_deg: *angle_deg,
+            across_um: sum.across_um(),
+            aligned_um: sum.aligned,
+            by: sum.loudest(),
+        };
         let best = calmest(&speeds, &worst_of);
-        let straight = loudest(&own.map(&STRAIGHT_DEG), speeds.len());
-        let by_speed: Vec<(f64, f64)> = speeds.iter().zip(&worst_of).map(|(v, (um, _))| (*v, *um)).collect();
+        let straight = loudest(&STRAIGHT_DEG, &own.map(&STRAIGHT_DEG), speeds.len());
+        let by_speed: Vec<(f64, f64)> =
+            speeds.iter().zip(&worst_of).map(|(v, (_, sum))| (*v, sum.across_um())).collect();
         let (quiet_mm_s, loud_mm_s) = quiet_and_loud(&by_speed);
         let current = |factor: f64| {
             let params = Params { holding_torque_nm: setup.params.holding_torque_nm * factor, ..setup.params.clone() };
@@ -280,7 +321,7 @@ impl Ripple {
             amounts: Amounts::of(&setup.params),
             longest_wave_mm: question.longest_mm,
             across_um: all.iter().map(|row| row.iter().map(Sum::across_um).collect()).collect(),
-            worst: worst.collect(),
+            worst: worst_of.iter().map(worst).collect(),
             best,
             best_along_x_and_y: calmest(&speeds, &straight),
             quiet_mm_s,

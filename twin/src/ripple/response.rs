@@ -3,6 +3,9 @@
 //! At the angular frequency w the coordinates q move by `(K + i w C - w^2 M) q = F`. All three matrices are symmetric,
 //! so one solution for a unit force on the tool gives the tool's answer to every source. Answers are computed at
 //! frequencies close to each other, and are straight lines between them.
+//!
+//! A source meets a mode at one speed for each direction, and at one or two directions for each speed. Peaks are
+//! narrow, so whoever looks for the worst looks there, and not at even distances alone.
 
 use super::source::{Amounts, Kind, sources};
 use crate::model::coordinate::Coordinate;
@@ -11,7 +14,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use nalgebra::{Complex, DMatrix, DVector};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// N/mm over kg, in 1/s^2: 1 N moves 1 kg by 1000 mm/s^2.
 const MM_PER_M: f64 = 1000.0;
@@ -27,6 +30,9 @@ const RATIO: f64 = 1.005;
 /// Frequencies: up to 10 kHz, far above all modes that move the tool.
 const COUNT: usize = 1987;
 
+/// Peaks lower than this part of the greatest one are none.
+const PEAK: f64 = 0.02;
+
 /// Motion of the tool in x and in y.
 type Moved = [Complex<f64>; 2];
 
@@ -39,6 +45,8 @@ struct Pulls {
     belt_per_mm: [f64; 2],
     /// In phase, and a quarter later, at each frequency.
     moved: Vec<[Moved; 2]>,
+    /// Frequencies at which the tool moves most.
+    peaks_hz: Vec<f64>,
 }
 
 /// A machine that moves at constant speed.
@@ -94,6 +102,7 @@ impl Response {
             pulley: source.pulley,
             pitch_mm: source.pitch_mm,
             belt_per_mm: source.belt_per_mm,
+            peaks_hz: peaks_hz(&moved),
             moved,
         });
         Ok(Self { pulls: pulls.collect() })
@@ -122,6 +131,46 @@ impl Response {
             })
         })
     }
+
+    /// Directions in radians, from 0 to below a half turn, in which a source meets a peak at this speed, and the ones
+    /// nearest to it of sources that are too slow.
+    pub fn resonant_angles(&self, speed_mm_s: f64) -> impl Iterator<Item = f64> + '_ {
+        self.pulls.iter().flat_map(move |pulls| {
+            let [x, y] = pulls.belt_per_mm;
+            // The belt is most * cos(angle - fastest).
+            let (most, fastest) = (x.hypot(y).max(AT_REST), y.atan2(x));
+            pulls.peaks_hz.iter().flat_map(move |hz| {
+                let aside = (hz * pulls.pitch_mm / speed_mm_s / most).min(1.0).acos();
+                [fastest - aside, fastest + aside].map(|angle| angle.rem_euclid(PI))
+            })
+        })
+    }
+
+    /// Speeds in mm/s at which a source meets a peak in a direction.
+    pub fn resonant_speeds(&self, angle_rad: f64) -> impl Iterator<Item = f64> + '_ {
+        let (sin, cos) = angle_rad.sin_cos();
+        self.pulls.iter().flat_map(move |pulls| {
+            let belt = (pulls.belt_per_mm[0] * cos + pulls.belt_per_mm[1] * sin).abs().max(AT_REST);
+            pulls.peaks_hz.iter().map(move |hz| hz * pulls.pitch_mm / belt)
+        })
+    }
+}
+
+/// Frequencies at which a source moves the tool more than at those beside them, in x or in y. Peaks far below the
+/// greatest one are left out.
+fn peaks_hz(moved: &[[Moved; 2]]) -> Vec<f64> {
+    let size = |[now, later]: &[Moved; 2], axis: usize| now[axis].norm_sqr() + later[axis].norm_sqr();
+    let greatest = [0, 1].into_iter().flat_map(|axis| moved.iter().map(move |moved| size(moved, axis)));
+    let least = PEAK * PEAK * greatest.fold(0.0, f64::max);
+    let is_peak = |axis: usize, three: &[[Moved; 2]]| match three {
+        [before, at, after] => {
+            let at = size(at, axis);
+            at > least && at > size(before, axis) && at >= size(after, axis)
+        }
+        _ => false,
+    };
+    let three = moved.windows(3).enumerate();
+    three.filter(|(_, w)| is_peak(0, w) || is_peak(1, w)).map(|(i, _)| frequency_hz(i + 1)).collect()
 }
 
 impl Pulls {
