@@ -37,6 +37,9 @@ fn the_yaw_of_the_bar_is_told_and_that_no_shaper_is_made_for_it() {
     assert!((yaw.frequencies_hz[1][1] - 44.6).abs() < 0.05, "{yaw:?}");
     let [low, high] = yaw.band_hz;
     assert!((30.0..34.0).contains(&low) && high < found.y.band_hz[0] && high < found.x.band_hz[0], "{yaw:?}");
+    // Guides with 4 N s/m in all at both ends of the bar: `c = 4 (W/2)^2`, and the ratio is `c w / 2k`.
+    let known = 4.0 * 0.235 * 0.235 * std::f64::consts::TAU * 44.6 / (2.0 * 2000.0);
+    assert!((yaw.damping_ratio / known - 1.0).abs() < 0.01, "{yaw:?}: {known}");
     // An MZV for 60 Hz does little about 31 to 45 Hz.
     assert!(yaw.left_by_y.is_some_and(|left| (0.2..1.0).contains(&left)), "{yaw:?}");
     let text = found.to_string();

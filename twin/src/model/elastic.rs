@@ -130,7 +130,9 @@ fn damping(
             Coordinate::Frame(axis) => {
                 params.frame_damping_n_s_per_mm(*axis, params.frame_mass_kg + machine.carried_kg(params))
             }
-            Coordinate::Yaw | Coordinate::Idler(_) => 0.0,
+            // Both guides of y hold the bar by its ends, each with half of the friction.
+            Coordinate::Yaw => params.guide_y_n_s_per_m / MM_PER_M * (params.width_mm / 2.0).powi(2),
+            Coordinate::Idler(_) => 0.0,
         };
     }
     sum
