@@ -78,8 +78,8 @@ pub struct Params {
     pub motors_in_series: f64,
     /// Pole pairs of a motor: 50 for steps of 1.8 degrees.
     pub pole_pairs: f64,
-    /// Detent torque of a motor; 0 leaves it out.
-    pub detent_torque_nm: f64,
+    /// Detent torque of a motor; 0 leaves it out, and without it only [`crate::ripple`] assumes one.
+    pub detent_torque_nm: Option<f64>,
     /// Amplitude of the error of a motor's field once a full step, in percent of a full step.
     pub full_step_error_percent: f64,
     /// The same once an electrical turn.
@@ -137,7 +137,7 @@ const EMPTY: Params = Params {
     supply_v: 0.0,
     motors_in_series: 0.0,
     pole_pairs: 0.0,
-    detent_torque_nm: 0.0,
+    detent_torque_nm: None,
     full_step_error_percent: 0.0,
     electrical_turn_error_percent: 0.0,
     tooth_error_um: 0.0,
@@ -213,7 +213,7 @@ impl Params {
     /// Maximum force of the detent at the belt, in N.
     #[must_use]
     pub fn detent_force_n(&self, motor: usize) -> f64 {
-        self.detent_torque_nm * MM_PER_M / self.radius_mm(motor)
+        self.detent_torque_nm.unwrap_or(0.0) * MM_PER_M / self.radius_mm(motor)
     }
 
     /// Belt in mm per electrical radian of a motor.

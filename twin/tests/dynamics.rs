@@ -194,7 +194,7 @@ fn motors_slip_where_the_torque_does_not_suffice_and_are_counted() {
 /// A detent draws a rotor to its full steps: between two of them it rests where field and detent balance.
 #[test]
 fn a_detent_pulls_rotors_towards_full_steps_and_keeps_energy() {
-    let params = Params { detent_torque_nm: 0.02, belt_damping_s: 2e-3, ..Params::default() };
+    let params = Params { detent_torque_nm: Some(0.02), belt_damping_s: 2e-3, ..Params::default() };
     let mut plant = Plant::new(Machine::CoreHBot, &params, CENTRE, ROTORS);
     let mut state = State::at_rest(&plant);
     // A quarter of a full step: where the detent pulls back most.
@@ -211,7 +211,7 @@ fn a_detent_pulls_rotors_towards_full_steps_and_keeps_energy() {
     }
     let found = state.at[plant.first_motor() + 3];
     assert!(agree(found, low, 1e-3) && low < 0.97 * sent, "{found} {low} {sent}");
-    let params = Params { detent_torque_nm: 0.02, ..frictionless(0.0) };
+    let params = Params { detent_torque_nm: Some(0.02), ..frictionless(0.0) };
     let plant = Plant::new(Machine::CoreHBot, &params, CENTRE, ROTORS);
     let mut state = State::at_rest(&plant);
     state.speeds[1] = 50.0;

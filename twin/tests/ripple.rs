@@ -16,7 +16,7 @@ const MIDDLE: Place = Place::flat(235.0, 235.0);
 
 /// Idlers without inertia, as in the closed forms.
 fn light() -> Params {
-    Params { idler_inertia_kg_m2: 1e-13, detent_torque_nm: 0.02, ..Params::default() }
+    Params { idler_inertia_kg_m2: 1e-13, detent_torque_nm: Some(0.02), ..Params::default() }
 }
 
 /// Root of the sum of squares across the path of one kind.
@@ -134,11 +134,12 @@ fn the_loudest_speeds_are_the_resonant_ones_and_less_detent_is_calmer() {
         electrical_turn_error_percent: 0.0,
         tooth_error_um: 0.0,
         pulley_eccentricity_um: 0.0,
-        detent_torque_nm: 1e-9,
+        detent_torque_nm: Some(0.0),
         ..Params::default()
     };
     let calm = Ripple::new(&Setup { params: perfect, ..setup }, &question).unwrap();
-    assert!(calm.worst.iter().all(|w| w.across_um < 1e-4), "{:?}", calm.best);
+    assert!(calm.worst.iter().all(|w| w.across_um == 0.0), "{:?}", calm.best);
+    assert!(!calm.to_string().contains("assumed") && Amounts::of(&Params::default()).is_detent_assumed, "{calm}");
 }
 
 /// Slow motors close to a diagonal meet a mode within a tenth of a degree, which even distances pass over.

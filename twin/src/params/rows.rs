@@ -301,11 +301,12 @@ pub static ROWS: [Row; 43] = [
     Row {
         key: "detent_torque_Nm",
         unit: "N m",
-        default: Some(0.0),
+        default: None,
         may_be_zero: true,
         meaning: "Detent torque of a motor; 0 leaves it out",
-        source: "assumed; the data sheet of a small motor (42BYG228, by Mosaic Industries) gives up to 0.022",
-        field: |p| Field::One(&mut p.detent_torque_nm),
+        source: "5.5 % of the holding torque in `twin ripple`, 0 elsewhere: the data sheet of a small motor (42BYG228, \
+                 by Mosaic Industries) gives up to 0.022",
+        field: |p| Field::Maybe(&mut p.detent_torque_nm),
     },
     Row {
         key: "full_step_error_percent",
@@ -321,7 +322,7 @@ pub static ROWS: [Row; 43] = [
         unit: "%",
         default: Some(2.0),
         may_be_zero: true,
-        meaning: "The same once an electrical turn, by unlike phases or drivers",
+        meaning: "The same once an electrical turn, by an offset of a phase's current",
         source: "assumed, as once a full step",
         field: |p| Field::One(&mut p.electrical_turn_error_percent),
     },

@@ -4,13 +4,13 @@
 //! |---|---|---|
 //! | detent | every full step | a torque on the rotor |
 //! | full step | every full step | a field that rests off its place |
-//! | electrical turn | every four full steps | the same |
+//! | electrical turn | every four full steps | the same, as by an offset of a phase's current |
 //! | tooth | every tooth of a motor's pulley | a pulley that seems to turn by more or less belt |
 //! | pulley | every turn of a motor's pulley or an idler | a pulley with its circle off its axis |
 //!
 //! An eccentric circle moves with its pulley: by the segment law, the part of the belt that arrives in direction t is
 //! stretched by `t . dP`, and the part that leaves by `-t . dP`. Teeth of idlers are left out: an idler turns freely,
-//! so they hardly pull.
+//! so they hardly pull. Phases of unlike strength are left out too: they shift the field twice an electrical turn.
 
 use crate::geometry::layout;
 use crate::model::coordinate::Coordinate;
@@ -37,7 +37,7 @@ pub enum Kind {
     Detent,
     /// Error of a motor's field once a full step.
     FullStep,
-    /// Error of a motor's field once an electrical turn.
+    /// Error of a motor's field once an electrical turn, as by an offset of a phase's current.
     ElectricalTurn,
     /// Error of a tooth on a motor's pulley.
     Tooth,
@@ -84,12 +84,9 @@ impl Amounts {
     /// As the machine's numbers have them.
     #[must_use]
     pub fn of(params: &Params) -> Self {
-        let is_detent_assumed = params.detent_torque_nm == 0.0;
-        let detent_torque_nm =
-            if is_detent_assumed { DETENT_PART * params.holding_torque_nm } else { params.detent_torque_nm };
         Self {
-            detent_torque_nm,
-            is_detent_assumed,
+            detent_torque_nm: params.detent_torque_nm.unwrap_or(DETENT_PART * params.holding_torque_nm),
+            is_detent_assumed: params.detent_torque_nm.is_none(),
             full_step_error_percent: params.full_step_error_percent,
             electrical_turn_error_percent: params.electrical_turn_error_percent,
             tooth_error_um: params.tooth_error_um,
