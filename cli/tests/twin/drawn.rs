@@ -44,6 +44,15 @@ fn the_papers_figures_in_the_documents_are_the_commands() {
     let blocked = file("figures-blocked", "");
     assert!(complaint(&format!("figures {}", blocked.display())).contains("cannot create the folder"));
     assert_eq!(twin("figures").status.code(), Some(2));
+    // The page of another hand stays, and one of the command is made again.
+    let page = made.join("README.md");
+    fs::write(&page, "# My printer\n").unwrap();
+    let refused = complaint(&format!("figures {}", made.display()));
+    assert!(refused.contains("README.md") && refused.contains("choose another folder"), "{refused}");
+    assert_eq!(fs::read_to_string(&page).unwrap(), "# My printer\n");
+    fs::write(&page, "# Figures of the CoreH-bot paper\n").unwrap();
+    json(&format!("figures {}", made.display()));
+    same(&made, &documents().join("corehbot-paper"));
 }
 
 /// Figures of docs/research/twin.md's table of misprints, which were computed elsewhere.
