@@ -99,6 +99,10 @@ fn a_name_without_an_axis_asks_for_it() {
     assert!(out.contains("give --axis") && !out.contains("M593"), "{out}");
     let (out, _) = said(&resonance(&[&plain], &[&SWEPT[..], &["--axis", "y"]].concat()));
     assert!(out.contains("M593 Y F"), "{out}");
+    // Names that tell the axis keep it.
+    let x = swept("raw_data_x_named.csv", &[(48.6, 0.06, 1.0)]);
+    let (out, _) = said(&resonance(&[&plain, &x], &[&SWEPT[..], &["--axis", "y"]].concat()));
+    assert!(out.contains("M593 X F") && out.contains("M593 Y F"), "{out}");
     // The default sweep is longer, which is remarked.
     let (out, _) = said(&resonance(&[&plain], &["--axis", "y"]));
     assert!(out.contains("it lasts 40 s, a sweep from 5 to 135 Hz 130 s"), "{out}");

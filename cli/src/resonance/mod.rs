@@ -32,7 +32,7 @@ pub(crate) struct Resonance {
     /// (.stdata, with the names of its recordings in it).
     #[arg(value_name = "FILE.csv", required = true)]
     files: Vec<PathBuf>,
-    /// Axis of the sweep in all files, where names do not tell it: x, y, z, or the belt paths a (1,-1) and b (1,1).
+    /// Axis of the sweep in files with names that do not tell it: x, y, z, or the belt paths a (1,-1) and b (1,1).
     #[arg(long, value_name = "AXIS", value_parser = parse_axis)]
     axis: Option<label::Axis>,
     /// First and last frequency of the sweep, in Hz.
@@ -106,10 +106,10 @@ impl Prepared {
                 false => read(&bytes).map(|recording| vec![(name.clone(), recording)]),
             };
             for (name, recording) in recordings.with_context(|| name.clone())? {
-                match label::run(&name).filter(|_| args.axis.is_none()) {
+                match label::run(&name) {
                     Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
                     None => {
-                        let axis = args.axis.or_else(|| label::axis(&name));
+                        let axis = label::axis(&name).or(args.axis);
                         sweeps.entry(axis).or_insert_with(Vec::new).push((name, recording));
                     }
                 }
