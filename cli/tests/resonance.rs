@@ -109,6 +109,15 @@ fn a_name_without_an_axis_asks_for_it() {
 }
 
 #[test]
+fn a_calibration_of_the_sensor_is_refused_in_words() {
+    let map = swept("axesmap_20260101_X.csv", &[(48.6, 0.06, 1.0)]);
+    for words in [&SWEPT[..], &[&SWEPT[..], &["--axis", "x"]].concat()] {
+        let refused = resonance(&[&map], words);
+        assert!(!refused.status.success() && said(&refused).1.contains("calibration of the sensor's axes"));
+    }
+}
+
+#[test]
 fn two_belt_paths_are_compared() {
     let a = swept("raw_data_axis=1.000,-1.000_a.csv", &[(60.0, 0.05, 1.0)]);
     let b = swept("raw_data_axis=1.000,1.000_b.csv", &[(66.0, 0.05, 1.0)]);

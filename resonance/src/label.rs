@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `raw_data_x_20260101_120000.csv`, `resonances_y.csv` | Klipper, `TEST_RESONANCES AXIS=X OUTPUT=raw_data` |
 //! | `raw_data_axis=1.000,-1.000_a.csv` | Klipper, a diagonal |
-//! | `belts_20240101_A.csv`, `axis_X.csv` | Shake&Tune |
+//! | `belts_20240101_A.csv`, `axis_X.csv` | Shake&Tune; a belt is a path, A or B |
+//! | `axesmap_20240101_X.csv` | Shake&Tune's calibration of the sensor's axes, short moves without a sweep |
 //! | `vib_an45_00sp120_00n1.csv` | Shake&Tune's profile: 45 degrees, 120 mm/s |
 
 use serde::Serialize;
@@ -70,8 +71,23 @@ pub fn axis(name: &str) -> Option<Axis> {
             };
         }
     }
-    let words = stem(name).split(|c: char| !c.is_ascii_alphanumeric());
-    words.filter_map(Axis::of).next_back()
+    let is_belt = words(name).any(|word| BELTS.iter().any(|belt| word.eq_ignore_ascii_case(belt)));
+    let is_meant = |axis: &Axis| !is_belt || matches!(axis, Axis::A | Axis::B);
+    words(name).filter_map(Axis::of).rfind(is_meant)
+}
+
+/// Words for a belt path in names.
+const BELTS: [&str; 2] = ["belt", "belts"];
+
+/// Whether a name is of a calibration of the sensor's axes.
+#[must_use]
+pub fn is_axes_map(name: &str) -> bool {
+    stem(name).to_ascii_lowercase().starts_with("axesmap")
+}
+
+/// The words of a name without folders.
+fn words(name: &str) -> impl DoubleEndedIterator<Item = &str> {
+    stem(name).split(|c: char| !c.is_ascii_alphanumeric())
 }
 
 /// Angle in degrees and speed in mm/s of a run that a file's name tells, as `an45_00sp120_00`.
@@ -116,12 +132,22 @@ mod tests {
             ("raw_data_axis=1.000,1.000_a.csv", Some(Axis::B)),
             ("raw_data_axis=0.000,1.000_1.csv", Some(Axis::Y)),
             ("belts_20240101_B.csv", Some(Axis::B)),
+            ("belt_b.stdata", Some(Axis::B)),
+            ("belt_X.csv", None),
+            ("belts_20240101_y.csv", None),
+            ("belt_z.csv", None),
             ("x.csv", Some(Axis::X)),
             ("sweep.csv", None),
             ("matrix.csv", None),
         ] {
             assert_eq!(axis(name), known, "{name}");
         }
+    }
+
+    #[test]
+    fn a_calibration_of_the_sensor_is_no_sweep() {
+        assert!(is_axes_map("axesmap_20240101_X.csv") && is_axes_map("/tmp/AxesMap_x"));
+        assert!(!is_axes_map("axes_X.csv") && !is_axes_map("/tmp/axesmap/raw_data_x.csv"));
     }
 
     #[test]

@@ -64,6 +64,10 @@ pub(crate) struct Resonance {
     json: Json,
 }
 
+/// Why a recording of an axes map is refused.
+const AXES_MAP: &str = "this is a calibration of the sensor's axes by Shake&Tune, with short moves and no sweep; \
+                        record a sweep (AXES_SHAPER_CALIBRATION)";
+
 /// The recordings, read and checked.
 pub(crate) struct Prepared {
     sweeps: BTreeMap<Option<label::Axis>, Vec<(String, Recording)>>,
@@ -106,6 +110,7 @@ impl Prepared {
                 false => read(&bytes).map(|recording| vec![(name.clone(), recording)]),
             };
             for (name, recording) in recordings.with_context(|| name.clone())? {
+                ensure!(!label::is_axes_map(&name), "{name}: {AXES_MAP}");
                 match label::run(&name) {
                     Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
                     None => {
