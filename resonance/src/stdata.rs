@@ -24,11 +24,20 @@ struct Line {
     samples: Vec<[f64; 4]>,
 }
 
-/// Reads all recordings with their names.
+/// What a file has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// The recordings with their names.
+    pub recordings: Vec<(String, Recording)>,
+    /// Recordings that would mislead, and are left out: each a [`Flaw::In`].
+    pub left_out: Vec<Flaw>,
+}
+
+/// Reads all recordings. One run of a hundred that is too short or has a gap spoils no other.
 ///
 /// # Errors
-/// The file is damaged, or a recording would mislead.
-pub fn read(packed: &[u8]) -> Result<Vec<(String, Recording)>, Flaw> {
+/// The file is damaged, or all of its recordings would mislead; the first flaw is told.
+pub fn read(packed: &[u8]) -> Result<Contents, Flaw> {
     let text = unpack(packed)?;
     if text.first() == Some(&PICKLE) {
         return Err(Flaw::NotText(
@@ -36,7 +45,7 @@ pub fn read(packed: &[u8]) -> Result<Vec<(String, Recording)>, Flaw> {
                                   write it again with a newer one, or as CSV",
         ));
     }
-    let mut all = Vec::new();
+    let mut all = Contents::default();
     for (number, line) in text.split(|byte| *byte == b'\n').enumerate().filter(|(_, l)| !l.trim_ascii().is_empty()) {
         let number = number + 1;
         let Line { name, samples } =
@@ -46,10 +55,16 @@ pub fn read(packed: &[u8]) -> Result<Vec<(String, Recording)>, Flaw> {
             // The number of the sample is told as its line.
             rows.push(i + 1, time, [x, y, z])
         });
-        let recording = recording.and_then(|()| rows.checked()).map_err(|flaw| Flaw::In(name.clone(), flaw.into()))?;
-        all.push((name, recording));
+        match recording.and_then(|()| rows.checked()) {
+            Ok(recording) => all.recordings.push((name, recording)),
+            Err(flaw) => all.left_out.push(Flaw::In(name, flaw.into())),
+        }
     }
-    if all.is_empty() { Err(Flaw::Empty) } else { Ok(all) }
+    match all.left_out.first() {
+        _ if !all.recordings.is_empty() => Ok(all),
+        Some(first) => Err(first.clone()),
+        None => Err(Flaw::Empty),
+    }
 }
 
 /// Every frame of it.

@@ -4,7 +4,7 @@
 use corehbot_resonance::label;
 use corehbot_resonance::profile::run;
 use corehbot_resonance::recording::Flaw;
-use corehbot_resonance::stdata::{HEAD, read};
+use corehbot_resonance::stdata::{Contents, HEAD, read};
 
 /// Two runs of 2 s at 800 Hz with 50 Hz along x, of 1000 and of 500 mm/s^2; made by zstd itself (`zstd -3`).
 const TWO_RUNS: &[u8] = include_bytes!("files/two_runs.stdata");
@@ -24,8 +24,8 @@ fn packed(content: &[u8]) -> Vec<u8> {
 
 #[test]
 fn all_recordings_of_a_file_are_read_with_their_names() {
-    let found = read(TWO_RUNS).unwrap();
-    assert_eq!(found.len(), 2);
+    let Contents { recordings: found, left_out } = read(TWO_RUNS).unwrap();
+    assert_eq!((found.len(), left_out), (2, Vec::new()));
     for ((name, recording), (angle, amplitude)) in found.iter().zip([(0.0, 1000.0), (90.0, 500.0)]) {
         assert_eq!(label::run(name), Some((angle, 100.0)), "{name}");
         assert!((recording.rate_hz / 800.0 - 1.0).abs() < 1e-3 && recording.axes[0].len() == 1600, "{name}");
@@ -47,7 +47,7 @@ fn a_file_that_is_cut_or_of_another_kind_is_refused_in_words() {
     assert!(flaw(&packed(b"\x80\x05\x95")).to_string().contains("only Python reads"));
     let line = flaw(&packed(b"{\"name\": \"axis_X\", \"samples\": [[0, 1, 2]]}\n"));
     assert!(matches!(line, Flaw::Json(1, _)), "{line}");
-    // A flaw of a recording is told with its name.
+    // A flaw of the only recording is told with its name.
     let short =
         flaw(&packed(b"{\"name\": \"axis_X\", \"samples\": [[0, 1, 2, 3], [0.001, 1, 2, 3], [0.001, 1, 2, 3]]}"));
     assert_eq!(short, Flaw::In("axis_X".to_owned(), Box::new(Flaw::Backwards(3, 0.001, 0.001))));
@@ -57,5 +57,16 @@ fn a_file_that_is_cut_or_of_another_kind_is_refused_in_words() {
 /// Two frames, one after the other, are one file, as of `cat`.
 #[test]
 fn frames_follow_each_other() {
-    assert_eq!(read(&[TWO_RUNS, TWO_RUNS].concat()).unwrap().len(), 4);
+    assert_eq!(read(&[TWO_RUNS, TWO_RUNS].concat()).unwrap().recordings.len(), 4);
+}
+
+#[test]
+fn a_short_run_is_left_out_and_the_others_stay() {
+    let short = packed(b"{\"name\": \"vib_an0_00sp300_00n1\", \"samples\": [[0, 1, 2, 3], [0.001, 2, 2, 3], [0.002, 1, 2, 3]]}\n");
+    // Lines of both frames follow each other.
+    for file in [[&short[..], TWO_RUNS].concat(), [TWO_RUNS, &packed(b"\n"), &short].concat()] {
+        let Contents { recordings, left_out } = read(&file).unwrap();
+        assert_eq!(recordings, read(TWO_RUNS).unwrap().recordings);
+        assert_eq!(left_out, [Flaw::In("vib_an0_00sp300_00n1".to_owned(), Box::new(Flaw::Short(0.002)))]);
+    }
 }

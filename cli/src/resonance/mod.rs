@@ -15,7 +15,7 @@ use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure};
 use corehbot_resonance::label;
 use corehbot_resonance::profile::{self, Profile};
 use corehbot_resonance::recording::{Recording, read};
-use corehbot_resonance::stdata;
+use corehbot_resonance::stdata::{self, Contents};
 use corehbot_resonance::sweep::Sweep;
 use corehbot_twin::shaping::wall::Print;
 use serde::Serialize;
@@ -72,6 +72,7 @@ const AXES_MAP: &str = "this is a calibration of the sensor's axes by Shake&Tune
 pub(crate) struct Prepared {
     sweeps: BTreeMap<Option<label::Axis>, Vec<(String, Recording)>>,
     runs: Vec<(String, [f64; 2], Recording)>,
+    left_out: Vec<String>,
 }
 
 /// Everything that was found.
@@ -83,6 +84,9 @@ pub(crate) struct Answer {
     belts: Option<Belts>,
     /// Vibration by speed and angle.
     profile: Option<Profile>,
+    /// Recordings of a file with several that would mislead, each with its flaw.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out: Vec<String>,
 }
 
 /// Comparison of two belt paths, and their recordings.
@@ -99,18 +103,27 @@ impl Prepared {
     /// One is no recording, or the files do not belong together.
     pub(crate) fn new(args: &Resonance) -> Result<Self> {
         ensure!(args.corner_speed <= args.speed, "the speed at corners is above the speed of the walls");
-        let (mut sweeps, mut runs) = (BTreeMap::new(), Vec::new());
+        let (mut sweeps, mut runs, mut left_out) = (BTreeMap::new(), Vec::new(), Vec::new());
+        let check = |name: &str| {
+            ensure!(!label::is_axes_map(name), "{name}: {AXES_MAP}");
+            Ok(())
+        };
         for path in &args.files {
             let name = path.display().to_string();
             let cannot = || format!("cannot read {name}");
             ensure!(!path.is_dir(), "{}: it is a directory", cannot());
+            // Before its samples, which are too few for a sweep.
+            check(&name)?;
             let bytes = std::fs::read(path).with_context(cannot)?;
-            let recordings = match bytes.starts_with(stdata::HEAD) {
+            let contents = match bytes.starts_with(stdata::HEAD) {
                 true => stdata::read(&bytes),
-                false => read(&bytes).map(|recording| vec![(name.clone(), recording)]),
+                false => read(&bytes)
+                    .map(|recording| Contents { recordings: vec![(name.clone(), recording)], left_out: Vec::new() }),
             };
-            for (name, recording) in recordings.with_context(|| name.clone())? {
-                ensure!(!label::is_axes_map(&name), "{name}: {AXES_MAP}");
+            let contents = contents.with_context(|| name.clone())?;
+            left_out.extend(contents.left_out.iter().map(|flaw| format!("{}: {flaw}", short(&name))));
+            for (name, recording) in contents.recordings {
+                check(&name)?;
                 match label::run(&name) {
                     Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
                     None => {
@@ -120,7 +133,7 @@ impl Prepared {
                 }
             }
         }
-        Ok(Self { sweeps, runs })
+        Ok(Self { sweeps, runs, left_out })
     }
 
     /// Judges the recordings and gives the answer.
@@ -171,7 +184,7 @@ impl Prepared {
         };
         let runs = self.runs.iter().map(run).collect::<Result<Vec<_>>>()?;
         let profile = (!runs.is_empty()).then(|| profile::profile(runs));
-        Ok(Answer { axes, belts, profile })
+        Ok(Answer { axes, belts, profile, left_out: self.left_out })
     }
 }
 

@@ -19,7 +19,8 @@ impl Display for Answer {
                 told_recording(f, recording)?;
             }
         }
-        self.profile.as_ref().map_or(Ok(()), |profile| told_profile(f, profile))
+        self.profile.as_ref().map_or(Ok(()), |profile| told_profile(f, profile))?;
+        self.left_out.iter().try_for_each(|flaw| writeln!(f, "remark: left out, {flaw}"))
     }
 }
 
