@@ -108,6 +108,28 @@ fn a_name_without_an_axis_asks_for_it() {
     assert!(out.contains("it lasts 40 s, a sweep from 5 to 135 Hz 130 s"), "{out}");
 }
 
+/// A frame of zstd (RFC 8878) with one raw block.
+fn packed(line: &str) -> Vec<u8> {
+    let block = (1 | (line.len() as u32) << 3).to_le_bytes();
+    [&b"\x28\xb5\x2f\xfd\0\x58"[..], &block[..3], line.as_bytes()].concat()
+}
+
+#[test]
+fn a_short_run_of_an_stdata_is_a_remark() {
+    let short = packed("{\"name\": \"vib_an0_00sp300_00n1\", \"samples\": [[0, 1, 2, 3], [0.001, 2, 2, 3], [0.002, 1, 2, 3]]}\n");
+    let runs = include_bytes!("../../resonance/tests/files/two_runs.stdata");
+    let (path, alone) = (scratch("with_short.stdata"), scratch("short.stdata"));
+    std::fs::write(&path, [&short[..], runs].concat()).unwrap();
+    std::fs::write(&alone, &short).unwrap();
+    let answer = json(&[&path], &[]);
+    assert_eq!(answer["profile"]["runs"].as_array().unwrap().len(), 2, "{answer}");
+    assert!(answer["left_out"][0].as_str().unwrap().starts_with("with_short.stdata: vib_an0_00sp300_00n1: it lasts"));
+    let (out, _) = said(&resonance(&[&path], &[]));
+    assert!(out.contains("remark: left out, with_short.stdata: vib_an0"), "{out}");
+    let refused = resonance(&[&alone], &[]);
+    assert!(!refused.status.success() && said(&refused).1.contains("it lasts 0.00 s"));
+}
+
 #[test]
 fn a_calibration_of_the_sensor_is_refused_in_words() {
     let map = swept("axesmap_20260101_X.csv", &[(48.6, 0.06, 1.0)]);
