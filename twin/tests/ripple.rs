@@ -197,6 +197,11 @@ fn pitches_of_the_belts_parts() {
     assert!((tight.parts[8].tension_n.unwrap() - 48.4).abs() < 1e-9);
     assert!((tight.heard[0].tension_n - 44.2).abs() < 1e-9 && tight.heard.len() == 1, "{:?}", tight.heard);
     assert!(tight.to_string().contains("-72 % of 160.0 N"), "{tight}");
+    assert_eq!(Tension::new(&setup, None, &[(2, 60.0), (9, 60.0), (2, 70.0)]), Err(TensionError::Twice(2)));
+    // A belt without a wanted tension has no part of it.
+    let slack = Setup { params: Params { preload_n: Each::all(0.0), ..Params::default() }, ..setup.clone() };
+    let text = Tension::new(&slack, None, &[(2, 60.0)]).unwrap().to_string();
+    assert!(text.contains("belt 1:") && !text.contains("inf"), "{text}");
     assert_eq!(Tension::new(&setup, None, &[(15, 60.0)]), Err(TensionError::NoPart(15, 14)));
 }
 

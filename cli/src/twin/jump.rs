@@ -13,7 +13,7 @@ pub(crate) struct Jump {
     /// The jump of speed in mm/s, to the right and away from the front.
     #[arg(long, value_name = "VX,VY", value_parser = parse_pair, allow_hyphen_values = true)]
     speed: [f64; 2],
-    /// Without damping and friction: the amplitude is speed over angular frequency.
+    /// Without damping and friction: the amplitude of a single mode (--model reduced) is speed over angular frequency.
     #[arg(long)]
     undamped: bool,
     /// Parts that move besides the tool.

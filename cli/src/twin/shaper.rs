@@ -1,7 +1,8 @@
 //! `twin shaper`: the rating of a given shaper.
 
 use super::answer::Json;
-use anyhow::Result;
+use crate::values::number;
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use corehbot_twin::queries::shaper::Rating;
 use corehbot_twin::shaping::shaper::Kind;
@@ -10,12 +11,12 @@ use corehbot_twin::shaping::shaper::Kind;
 #[derive(Args)]
 pub(crate) struct Shaper {
     /// The kind of the shaper.
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, ignore_case = true)]
     kind: KindArg,
-    /// The frequency in Hz for which it is made, without damping (F of M593).
-    #[arg(long, value_name = "HZ", value_parser = parse_frequency)]
+    /// The frequency in Hz for which it is made, without damping (F of M593): 10 to 500.
+    #[arg(long, value_name = "HZ", value_parser = number(10.0, 500.0))]
     frequency: f64,
-    /// The damping for which it is made, of critical damping (D of M593).
+    /// The damping for which it is made, of critical damping (D of M593): 0 to 0.5; to 0.3 of 2HUMP_EI.
     #[arg(long, value_name = "PART", value_parser = parse_damping, default_value = "0.1")]
     damping: f64,
     /// Vibrations that it is to remove: their frequencies in Hz, without damping.
@@ -28,6 +29,9 @@ pub(crate) struct Shaper {
     json: Json,
 }
 
+/// Greatest damping for which the parts of 2HUMP_EI are known.
+const TWO_HUMPS: f64 = 0.3;
+
 /// A kind by its word.
 #[derive(Clone, Copy, ValueEnum)]
 enum KindArg {
@@ -35,7 +39,7 @@ enum KindArg {
     Mzv,
     Zvd,
     Ei,
-    #[value(name = "2hump-ei")]
+    #[value(name = "2hump-ei", alias = "2hump_ei")]
     TwoHumpEi,
 }
 
@@ -48,6 +52,8 @@ impl Shaper {
             KindArg::Ei => Kind::Ei,
             KindArg::TwoHumpEi => Kind::TwoHumpEi,
         };
+        let is_fitted = !matches!(kind, Kind::TwoHumpEi) || self.damping <= TWO_HUMPS;
+        ensure!(is_fitted, "2HUMP_EI is known for dampings up to {TWO_HUMPS} alone, not for {}", self.damping);
         let ring_damping = self.ring_damping.unwrap_or(self.damping);
         self.json.give(&Rating::new(kind, self.frequency, self.damping, &self.ring, ring_damping), [])
     }

@@ -108,6 +108,7 @@ fn tensions_and_ripple_are_told_of_any_routing() {
     assert!(complaint("tension --heard 99=20").contains("1 to 14"));
     assert!(complaint("tension --at 40,100 --heard 12=60").contains("too short"));
     assert_eq!(twin("tension --heard 2").status.code(), Some(2));
+    assert!(complaint("tension --heard 2=60 --heard 2=70").contains("part 2 has two pitches"));
     let picture = file("ripple.svg", "");
     let words = format!("ripple --speeds 20-120 --step 5 --angle-step 15 --svg {}", picture.display());
     let told = json(&words);
@@ -115,6 +116,7 @@ fn tensions_and_ripple_are_told_of_any_routing() {
     assert_eq!(told["across_um"][0].as_array().unwrap().len(), 21, "{told}");
     assert!(told["best"]["across_um"].as_f64().unwrap() > 0.0 && told["currents"].as_array().unwrap().len() == 5);
     let drawn = std::fs::read_to_string(picture).unwrap();
+    assert!(drawn.contains("<title>Amplitude of the ripple across the wall"), "{drawn}");
     assert!(drawn.starts_with("<svg") && drawn.trim_end().ends_with("</svg>") && !drawn.contains("NaN"), "{drawn}");
     assert!(complaint("ripple --at 1,1").contains("outside"));
     for wrong in ["ripple --speeds 20", "ripple --speeds 100-20", "ripple --step 0", "ripple --longest nan"] {

@@ -69,7 +69,8 @@ fn draw(ripple: &Ripple) -> Result<String, std::fmt::Error> {
     writeln!(svg, "<rect width=\"720\" height=\"380\" fill=\"#fff\"/>")?;
     let at = &ripple.at;
     let (name, x, y) = (corehbot_twin::routing::Machine::name_of(at.machine), at.x_mm, at.y_mm);
-    writeln!(svg, "<text x=\"{left}\" y=\"20\">Ripple across the wall, {name} at ({x:.0}, {y:.0}) mm</text>")?;
+    let title = format!("Amplitude of the ripple across the wall, {name} at ({x:.0}, {y:.0}) mm");
+    writeln!(svg, "<title>{title}</title>\n<text x=\"{left}\" y=\"20\">{title}</text>")?;
     // Runs of one colour along a row are one rectangle, and all of one colour one path.
     let mut paths = vec![String::new(); COLOURS.len()];
     for (i, line) in ripple.across_um.iter().enumerate() {

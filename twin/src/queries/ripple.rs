@@ -401,8 +401,8 @@ impl std::fmt::Display for Ripple {
         let range =
             |[from, to]: &[f64; 2]| if from == to { format!("{from:.0}") } else { format!("{from:.0} to {to:.0}") };
         let quiet: Vec<String> = self.quiet_mm_s.iter().map(range).collect();
-        let quiet = if quiet.is_empty() { "none".to_owned() } else { quiet.join(", ") };
-        writeln!(f, "  quiet in every direction           {quiet} mm/s")?;
+        let quiet = if quiet.is_empty() { "none".to_owned() } else { format!("{} mm/s", quiet.join(", ")) };
+        writeln!(f, "  quiet in every direction           {quiet}")?;
         writeln!(f, "Motor current (torque in proportion)")?;
         for c in &self.currents {
             write!(f, "  {:>4.0} %  {:.2} N m  ", c.current_percent, c.holding_torque_nm)?;

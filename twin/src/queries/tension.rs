@@ -83,12 +83,15 @@ pub enum TensionError {
     NoPart(usize, usize),
     /// This part, with a free length in mm, has no pitch.
     Short(usize, f64),
+    /// This part has several pitches.
+    Twice(usize),
 }
 
 impl std::fmt::Display for TensionError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NoPart(part, count) => write!(f, "there is no part {part}; the belts have 1 to {count}"),
+            Self::Twice(part) => write!(f, "part {part} has two pitches; give one"),
             Self::Short(part, mm) => write!(f, "part {part} is too short for a pitch, {mm:.1} mm; move the tool"),
         }
     }
@@ -100,7 +103,7 @@ impl Tension {
     /// The answer for a wanted tension in N (nothing is each belt's own), and for pitches in Hz of parts by number.
     ///
     /// # Errors
-    /// A pitch of a part that does not exist, or that has none.
+    /// A pitch of a part that does not exist or that has none, or two pitches of one.
     pub fn new(setup: &Setup, wanted_n: Option<f64>, heard: &[(usize, f64)]) -> Result<Self, TensionError> {
         let (machine, params) = (setup.machine, &setup.params);
         let stops = machine.stops();
@@ -111,7 +114,7 @@ impl Tension {
             let mass = params.belt_kg_per_m.of(link.belt);
             let wanted_n = wanted_n.unwrap_or_else(|| params.preload_n.of(link.belt));
             let unit = span_tension_n(segment.length_mm, mass, 1.0);
-            let heard_hz = heard.iter().rev().find(|(part, _)| *part == index + 1).map(|(_, hz)| *hz);
+            let heard_hz = heard.iter().find(|(part, _)| *part == index + 1).map(|(_, hz)| *hz);
             Part {
                 part: index + 1,
                 belt: link.belt + 1,
@@ -126,7 +129,10 @@ impl Tension {
             }
         };
         let mut parts: Vec<Part> = segments.iter().zip(&links).enumerate().map(part).collect();
-        for (wanted, _) in heard {
+        for (index, (wanted, _)) in heard.iter().enumerate() {
+            if heard.iter().skip(index + 1).any(|(other, _)| other == wanted) {
+                return Err(TensionError::Twice(*wanted));
+            }
             let part = parts.iter().find(|part| part.part == *wanted);
             let part = part.ok_or(TensionError::NoPart(*wanted, parts.len()))?;
             if part.pitch_hz.is_none() {
@@ -178,7 +184,8 @@ impl std::fmt::Display for Tension {
         for heard in &self.heard {
             let Heard { belt, tension_n, wanted_n, spread } = heard;
             let more = 100.0 * (tension_n / wanted_n - 1.0);
-            writeln!(f, "  belt {belt}: {tension_n:.1} N, {more:+.0} % of {wanted_n:.1} N")?;
+            let more = if *wanted_n > 0.0 { format!(", {more:+.0} % of {wanted_n:.1} N") } else { String::new() };
+            writeln!(f, "  belt {belt}: {tension_n:.1} N{more}")?;
             if *spread > ALIKE {
                 let percent = 100.0 * spread;
                 writeln!(f, "    its parts differ by {percent:.0} %: move the tool about, and pluck again")?;
