@@ -61,7 +61,8 @@ pub(crate) enum Twin {
     /// Computes the ringing after a jump of speed.
     ///
     /// Motors run from rest at a constant speed at once, as after a corner that asks for a jump of speed. Distances are
-    /// the tool's place minus the commanded one: to the right and away from the front is positive.
+    /// the tool's place minus the commanded one: to the right and away from the front is positive. The tool rings about
+    /// its lag at constant speed (rest_um).
     Jump(jump::Jump),
     /// Rates a given shaper: the part of given vibrations that it leaves, its delay, its rounding.
     ///

@@ -43,7 +43,14 @@ fn a_given_shaper_is_rated_at_a_given_vibration() {
     assert_eq!(told["rings"].as_array().unwrap().len(), 2);
     assert_eq!(told["rings"][1]["damping"], 0.02);
     assert_eq!(twin("shaper --kind zv --frequency 60").status.code(), Some(2));
-    assert_eq!(twin("shaper --kind zv --frequency 0 --ring 60").status.code(), Some(2));
+    // Frequencies and dampings as M593 takes them, and kinds as it reports them.
+    for (wrong, right) in [("--frequency 9.9", "--frequency 10"), ("--frequency 501", "--frequency 500")] {
+        let ask = |frequency: &str| twin(&format!("shaper --kind 2HUMP_EI {frequency} --ring 60")).status.code();
+        assert_eq!((ask(wrong), ask(right)), (Some(2), Some(0)));
+    }
+    let humps = |damping: &str| format!("shaper --kind 2hump_ei --frequency 60 --ring 60 --damping {damping}");
+    assert!(twin(&humps("0.3")).status.success() && complaint(&humps("0.31")).contains("up to 0.3"));
+    assert!(twin("shaper --kind MZV --frequency 60 --ring 60 --damping 0.5").status.success());
 }
 
 /// `v / w`, and the figures with idlers of an independent computation.
@@ -64,6 +71,8 @@ fn a_jump_of_speed_rings_by_speed_over_angular_frequency() {
     }
     // Friction holds the tool back: 1 N of dry friction and 0.004 N s/mm against 278.4 N/mm.
     let told = json("jump --speed 0,100 --model reduced --at 235,235");
+    let help = String::from_utf8(twin("jump --help").stdout).unwrap();
+    assert!(help.contains("of a single mode (--model reduced)") && help.contains("lag at constant speed"), "{help}");
     assert!(near(&told["y"]["rest_um"], -1000.0 * 1.4 / 278.358, 0.02), "{told}");
     assert!(complaint("jump --speed 3000,0").contains("the path takes"));
 }

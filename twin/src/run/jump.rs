@@ -33,7 +33,7 @@ pub struct Jump {
 /// The tool about its commanded place along an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Ringing {
-    /// Place relative to the commanded one, where it comes to rest: friction holds it back.
+    /// Lag at constant speed: the place that the tool rings about, relative to the commanded one. Friction holds it back.
     pub rest_um: f64,
     /// Largest distance from that place.
     pub amplitude_um: f64,
@@ -143,7 +143,7 @@ impl std::fmt::Display for Jump {
             if let Some(hz) = frequency_hz {
                 write!(f, " at {hz:.2} Hz")?;
             }
-            writeln!(f, ", about {} um from the commanded place", shown(rest_um, 2))?;
+            writeln!(f, ", about {} um from the commanded place, its lag at constant speed", shown(rest_um, 2))?;
         }
         Ok(())
     }
