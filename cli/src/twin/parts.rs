@@ -7,7 +7,7 @@ use super::setup::{FileArgs, MachineArg, MachineArgs, has_room, parse_pair};
 use super::source::steps_of;
 use crate::stop::Stop;
 use crate::watched::progress_bar;
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::Args;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -18,6 +18,7 @@ use corehbot_twin::parts::figures::{PartFigures, Parts as Answer};
 use corehbot_twin::parts::{Part, ROOM_MM};
 use corehbot_twin::queries::compare::COMPARED;
 use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::run::RunError;
 use indicatif::ProgressBar;
 use rayon::iter::{IndexedParallelIterator as _, IntoParallelRefIterator as _, ParallelIterator as _};
 use std::path::PathBuf;
@@ -106,8 +107,16 @@ impl Parts {
         bar: &ProgressBar,
         stop: &Stop,
     ) -> Result<corehbot_twin::run::watch::Watch> {
-        let (_, watch) = played(machine, params, place, self.model, (trace, None), |_| !stop.is_set())
-            .with_context(|| format!("{}, {part:?}", machine.name()))?;
+        let name = machine.name();
+        let played = played(machine, params, place, self.model, (trace, None), |_| !stop.is_set());
+        let (_, watch) = played.map_err(|error| {
+            // The firmware makes the steps for the motors of the file.
+            let context = match &error {
+                RunError::NoColumn(_) => format!("the {name} needs a machine file with its motors (--settings)"),
+                _ => format!("{name}, {part:?}"),
+            };
+            anyhow::Error::new(error).context(context)
+        })?;
         bar.inc(1);
         Ok(watch)
     }

@@ -71,6 +71,8 @@ fn parts_that_do_not_fit_are_told() {
     assert!(complaint("parts --at 45,100").contains("tool reaches"));
     let small = file("small.toml", "[axes]\nx.length = 30\n");
     assert!(complaint(&format!("parts --settings {}", small.display())).contains("the parts need axes of 42 mm"));
+    let told = complaint("parts --machine corexyz --speed 100");
+    assert!(told.contains("CoreXYZ needs a machine file with its motors (--settings)"), "{told}");
     assert_eq!(twin("parts --speed 0").status.code(), Some(2));
     assert_eq!(twin("parts --machine nobot").status.code(), Some(2));
 }
