@@ -116,7 +116,9 @@ fn packed(line: &str) -> Vec<u8> {
 
 #[test]
 fn a_short_run_of_an_stdata_is_a_remark() {
-    let short = packed("{\"name\": \"vib_an0_00sp300_00n1\", \"samples\": [[0, 1, 2, 3], [0.001, 2, 2, 3], [0.002, 1, 2, 3]]}\n");
+    let short = packed(
+        "{\"name\": \"vib_an0_00sp300_00n1\", \"samples\": [[0, 1, 2, 3], [0.001, 2, 2, 3], [0.002, 1, 2, 3]]}\n",
+    );
     let runs = include_bytes!("../../resonance/tests/files/two_runs.stdata");
     let (path, alone) = (scratch("with_short.stdata"), scratch("short.stdata"));
     std::fs::write(&path, [&short[..], runs].concat()).unwrap();

@@ -60,11 +60,10 @@ pub fn read(packed: &[u8]) -> Result<Contents, Flaw> {
             Err(flaw) => all.left_out.push(Flaw::In(name, flaw.into())),
         }
     }
-    match all.left_out.first() {
-        _ if !all.recordings.is_empty() => Ok(all),
-        Some(first) => Err(first.clone()),
-        None => Err(Flaw::Empty),
+    if all.recordings.is_empty() {
+        return Err(all.left_out.into_iter().next().unwrap_or(Flaw::Empty));
     }
+    Ok(all)
 }
 
 /// Every frame of it.

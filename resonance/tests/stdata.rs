@@ -62,7 +62,9 @@ fn frames_follow_each_other() {
 
 #[test]
 fn a_short_run_is_left_out_and_the_others_stay() {
-    let short = packed(b"{\"name\": \"vib_an0_00sp300_00n1\", \"samples\": [[0, 1, 2, 3], [0.001, 2, 2, 3], [0.002, 1, 2, 3]]}\n");
+    let short = packed(
+        b"{\"name\": \"vib_an0_00sp300_00n1\", \"samples\": [[0, 1, 2, 3], [0.001, 2, 2, 3], [0.002, 1, 2, 3]]}\n",
+    );
     // Lines of both frames follow each other.
     for file in [[&short[..], TWO_RUNS].concat(), [TWO_RUNS, &packed(b"\n"), &short].concat()] {
         let Contents { recordings, left_out } = read(&file).unwrap();

@@ -233,13 +233,15 @@ impl<'q> Look<'q> {
     /// Each kind where it is loudest.
     fn by_source(&self, all: &[Vec<Sum>]) -> Vec<SourceAnswer> {
         let [slowest, fastest] = [self.speeds.first(), self.speeds.last()].map(|speed| speed.copied().unwrap_or(0.0));
-        let even = self.angles.iter().zip(all).flat_map(|(angle, row)| {
-            self.speeds.iter().zip(row).map(move |(speed, sum)| (*angle, *speed, *sum))
-        });
-        let by_speed = self.speeds.iter().flat_map(|v| self.resonant(*v).into_iter().map(|(a, sum)| (a, *v, sum)));
+        let even = self
+            .angles
+            .iter()
+            .zip(all)
+            .flat_map(|(angle, row)| self.speeds.iter().zip(row).map(move |(speed, sum)| (*angle, *speed, *sum)));
+        let by_speed = self.speeds.iter().flat_map(|v| self.resonant(*v).into_iter().map(move |(a, sum)| (a, *v, sum)));
         let by_angle = self.angles.iter().flat_map(|angle| {
             let speeds = self.response.resonant_speeds(angle.to_radians());
-            speeds.filter(|v| (slowest..=fastest).contains(v)).map(|v| (*angle, v, self.sum(*angle, v)))
+            speeds.filter(move |v| (slowest..=fastest).contains(v)).map(move |v| (*angle, v, self.sum(*angle, v)))
         });
         let places: Vec<(f64, f64, Sum)> = even.chain(by_speed).chain(by_angle).collect();
         let loudest = |kind: Kind| {
