@@ -356,7 +356,7 @@ impl std::fmt::Display for Ripple {
         writeln!(f, "Amplitude across the wall in um, waves up to {longest} mm; peak to valley is twice as much")?;
         writeln!(
             f,
-            "  speed, mm/s    along x    along y    45 deg   135 deg   worst, at       all phases aligned, by"
+            "  speed, mm/s    along x    along y    45 deg   135 deg   worst, at         all phases aligned, by"
         )?;
         let nearest = |angle: f64| self.angles_deg.iter().position(|a| (a - angle).abs() < 1e-6);
         let mut from = 0;
@@ -379,7 +379,7 @@ impl std::fmt::Display for Ripple {
                 let by = worst.by.map_or("", Kind::name);
                 write!(
                     f,
-                    "{:>9}, {:>3.0} deg {:>11}  {by}",
+                    "{:>9}, {:>5.1} deg {:>11}  {by}",
                     shown(worst.across_um, 1),
                     worst.angle_deg,
                     shown(worst.aligned_um, 1)
@@ -391,7 +391,7 @@ impl std::fmt::Display for Ripple {
         writeln!(f, "Loudest of each kind")?;
         for s in &self.sources {
             write!(f, "  {:<17} {:>6} um at {:.0} mm/s", s.kind.name(), shown(s.across_um, 1), s.speed_mm_s)?;
-            writeln!(f, ", {:.0} degrees: {:.1} Hz, a wave every {:.2} mm", s.angle_deg, s.frequency_hz, s.wave_mm)?;
+            writeln!(f, ", {:.1} degrees: {:.1} Hz, a wave every {:.2} mm", s.angle_deg, s.frequency_hz, s.wave_mm)?;
         }
         writeln!(f, "  longer waves      {:>6} um, an error of shape", shown(self.long_waves_um, 1))?;
         let best = |f: &mut std::fmt::Formatter<'_>, what: &str, best: &Best| {
