@@ -120,7 +120,9 @@ fn the_loudest_speeds_are_the_resonant_ones_and_less_detent_is_calmer() {
     let teeth = found.sources.iter().find(|s| s.kind == Kind::Tooth).unwrap();
     assert!((teeth.frequency_hz / 57.64 - 1.0).abs() < 0.03 && teeth.speed_mm_s > 100.0, "{teeth:?}");
     let worst = found.worst.iter().map(|w| w.across_um).fold(0.0, f64::max);
-    assert!(found.best.across_um < 0.2 * worst && found.best.across_um >= found.best_along_x_and_y.across_um);
+    // At every speed a motor meets y in some direction close to a diagonal; along x and y there are calm speeds.
+    assert!(found.best.across_um < worst && found.best.across_um > 0.5 * worst, "{:?}", found.best);
+    assert!(found.best_along_x_and_y.across_um < 0.2 * worst, "{:?}", found.best_along_x_and_y);
     assert!(found.loud_mm_s.iter().all(|loud| *loud != found.best.speed_mm_s), "{:?}", found.loud_mm_s);
     // All phases together are at most the root of the number of sources as much.
     assert!(found.worst.iter().all(|w| w.aligned_um >= w.across_um && w.aligned_um <= 30.0_f64.sqrt() * w.across_um));
