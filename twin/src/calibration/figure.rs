@@ -3,8 +3,10 @@
 //! The model has rotors, idlers and the bar's yaw: a head beside the middle also turns the bar when it is pushed or
 //! rings along y.
 
+use super::parameter::Parameter;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
+use crate::model::links::Links;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
@@ -132,6 +134,9 @@ impl Measurement {
 /// mm in an m, N mm in an N m, and mrad in a rad.
 const THOUSAND: f64 = 1000.0;
 
+/// A belt turns no bar if its couple has a lever below this, in mm: rounding.
+const NO_COUPLE: f64 = 1e-6;
+
 /// Tension of a plucked string: T = 4 m L^2 f^2 (Mersenne), in N.
 ///
 /// A belt's bending stiffness raises the pitch a little, more for short parts.
@@ -185,6 +190,20 @@ impl Figure {
         }
     }
 
+    /// The part that this machine lacks for the figure, if it lacks one.
+    #[must_use]
+    pub fn lacks(&self, machine: Machine, params: &Params) -> Option<&'static str> {
+        let lacks = |parameter: Parameter| parameter.parts(machine) == 0;
+        match *self {
+            Self::Weight(Weighed::Gantry) if lacks(Parameter::GantryMass) => Some("gantry that belts lift"),
+            Self::Weight(Weighed::Bed) if lacks(Parameter::BedMass) => Some("bed that a belt moves"),
+            Self::Skew { at } if Model::new(machine, params).couples_nmm(at).iter().all(|c| c.abs() < NO_COUPLE) => {
+                Some("belts that turn its bar")
+            }
+            _ => None,
+        }
+    }
+
     /// Its value on this machine, in the figure's unit.
     ///
     /// # Errors
@@ -229,7 +248,7 @@ impl<'m> Model<'m> {
             Figure::Ring { at, along } => self.mode(at, along.into())?.frequency_hz,
             Figure::YawRing { at } => self.mode(at, Coordinate::Yaw)?.frequency_hz,
             Figure::Damping { at, along } => self.mode(at, along.into())?.damping_ratio,
-            Figure::Skew { at } => self.skew_mrad(at)?,
+            Figure::Skew { at } => self.skew_mrad(at),
             Figure::Weight(Weighed::Head) => params.head_mass_kg,
             Figure::Weight(Weighed::Bar) => params.bar_mass_kg,
             Figure::Weight(Weighed::Both) => params.head_mass_kg + params.bar_mass_kg,
@@ -270,16 +289,30 @@ impl<'m> Model<'m> {
         Ok(settled(&elastic, &(&row * force_n))?.dot(&row))
     }
 
-    /// The turn at which the guides and the stretch of the belts bear the couple of the tensions.
-    fn skew_mrad(&self, at: Place) -> Result<f64, NotHeld> {
-        let elastic = self.elastic(at);
-        let mut force = DVector::zeros(elastic.parts.len());
-        for link in &elastic.links.links {
-            force -= DVector::from_column_slice(&link.row) * self.params.preload_n.of(link.belt);
+    /// The turn at which the guides bear the couple of the tensions. These are the tensions of the turned machine, so
+    /// no belt resists them.
+    fn skew_mrad(&self, at: Place) -> f64 {
+        let couples = self.couples_nmm(at);
+        let couple: f64 = couples.iter().enumerate().map(|(belt, nmm)| nmm * self.params.preload_n.of(belt)).sum();
+        // N mm over N m/rad are mrad.
+        couple / self.params.bar_yaw_stiffness_nm_per_rad
+    }
+
+    /// Couple in N mm with which each belt turns the bar, for a tension of 1 N.
+    fn couples_nmm(&self, at: Place) -> Vec<f64> {
+        let mut couples = vec![0.0; self.machine.belts().len()];
+        if !self.machine.has_yawing_bar() {
+            return couples;
         }
-        let moved = settled(&elastic, &force)?;
-        let yaw = elastic.links.index(Coordinate::Yaw).and_then(|i| moved.get(i)).copied();
-        Ok(yaw.unwrap_or_default() * THOUSAND)
+        let links = Links::segments(self.machine, self.params, at);
+        let yaw = links.index(Coordinate::Yaw);
+        for link in &links.links {
+            let row = yaw.and_then(|yaw| link.row.get(yaw)).copied().unwrap_or_default();
+            if let Some(couple) = couples.get_mut(link.belt) {
+                *couple -= row;
+            }
+        }
+        couples
     }
 }
 
@@ -342,5 +375,21 @@ mod tests {
         assert!(skew(Machine::CoreHBot, &[55.0]).abs() < 1e-9 && skew(Machine::CoreXy, &[55.0]).abs() < 1e-9);
         let [left, right] = [[60.0, 40.0], [40.0, 60.0]].map(|both| skew(Machine::CoreXy, &both));
         assert!(left.abs() > 0.05 && (left + right).abs() < 1e-9, "{left} {right}");
+    }
+
+    /// 20 N more in one belt, whose ends pull 470 mm apart: 9.4 N m on the guides.
+    #[test]
+    fn guides_alone_bear_the_couple_of_the_tensions() {
+        for (stiffness, mrad) in [(500.0, 18.8), (2000.0, 4.7), (20_000.0, 0.47)] {
+            let params = Params {
+                preload_n: crate::params::Each::listed(&[60.0, 40.0]).unwrap(),
+                bar_yaw_stiffness_nm_per_rad: stiffness,
+                ..Params::default()
+            };
+            for x in [235.0, 100.0] {
+                let skew = Figure::Skew { at: Place::flat(x, 235.0) }.predict(Machine::CoreXy, &params).unwrap();
+                assert!((skew.abs() / mrad - 1.0).abs() < 1e-9, "{skew} {mrad}");
+            }
+        }
     }
 }

@@ -107,7 +107,7 @@ impl Parameter {
     }
 
     /// How many parts of this machine have one each; 0 if it has none.
-    fn parts(self, machine: Machine) -> usize {
+    pub(super) fn parts(self, machine: Machine) -> usize {
         let has_moving_bed = matches!(machine, Machine::Own(own) if own.has_moving_bed);
         match self {
             Self::BeltStiffness | Self::Preload => machine.belts().len(),
