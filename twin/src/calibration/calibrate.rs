@@ -11,7 +11,7 @@ use super::search::{Best, Search, weights};
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// A machine that reproduces the measurements.
@@ -85,7 +85,10 @@ pub enum CalibrateError {
     Undetermined(Vec<Unknown>),
     /// No machine within a factor of a hundred of the start reproduces the measurements.
     NoMachine,
-    /// Differences of the nearest machine from each measurement, too large for one.
+    /// The search found no minimum.
+    NotConverged,
+    /// Differences from each measurement, too large for one: those of the nearest machine, or of the machine that the
+    /// others fit if there is a suspect.
     Unlike(Vec<Misfit>),
     /// Nothing holds the machine.
     NotHeld(NotHeld),
@@ -102,6 +105,9 @@ impl std::fmt::Display for CalibrateError {
                 f.write_str("measure something else that depends on it, or name one in `fixed`")
             }
             Self::NoMachine => f.write_str("no machine within a hundredfold of the nominal numbers measures like this"),
+            Self::NotConverged => f.write_str(
+                "the search for a machine did not converge; check units, and leave measurements out in turn",
+            ),
             Self::Unlike(misfits) => {
                 let most = misfits.iter().map(|misfit| misfit.uncertainties.abs()).fold(0.0, f64::max);
                 write!(f, "no machine measures like this: the nearest is {most:.0} uncertainties from a measurement")
@@ -149,17 +155,28 @@ pub fn calibrate(
     // A number that is 0 is left out of the machine, and has no logarithm.
     sought.retain(|unknown| unknown.of(params) > 0.0);
     // A number that follows from others counts from here on.
-    let nominal = sought.iter().fold(params.clone(), |params, unknown| unknown.with(unknown.of(&params), &params));
+    let mut nominal = sought.iter().fold(params.clone(), |params, unknown| unknown.with(unknown.of(&params), &params));
+    // A fixed one stays, whatever it would follow.
+    if fixed.contains(&Parameter::YawInertia) {
+        nominal.bar_yaw_inertia_kg_m2 = Some(params.bar_yaw_inertia_kg_mm2() * 1e-6);
+    }
     let is_belt_weighed = measurements.iter().any(|m| matches!(m.figure, Figure::BeltMass));
     let weights = weights(&sought, is_belt_weighed);
     let search = Search { machine, nominal: &nominal, measurements, sought: &sought, weights: &weights };
-    let best = search.run()?;
+    let best = match search.run() {
+        Ok(best) => best,
+        Err(error @ (CalibrateError::NoMachine | CalibrateError::NotConverged)) => {
+            return Err(search.without_suspect(0..measurements.len())?.map_or(error, CalibrateError::Unlike));
+        }
+        Err(error) => return Err(error),
+    };
     if best.slopes.iter().all(|slope| *slope == 0.0) {
         return Err(CalibrateError::Nothing);
     }
-    let misfits = search.misfits(&best)?;
+    let misfits = search.misfits(&best.excess, None);
     if misfits.iter().any(|misfit| misfit.uncertainties.abs() > LIKE) {
-        return Err(CalibrateError::Unlike(misfits));
+        let doubted = search.doubted(&best)?;
+        return Err(CalibrateError::Unlike(search.without_suspect(doubted)?.unwrap_or(misfits)));
     }
     let spread = search.spread(&best)?;
     let covariance = search.covariance(&best.slopes, spread)?;
@@ -218,9 +235,9 @@ fn sources(parts: impl Iterator<Item = f64>) -> Vec<usize> {
 }
 
 impl Search<'_> {
-    /// Differences of the best machine, with the suspect if they are too large.
-    fn misfits(&self, best: &Best) -> Result<Vec<Misfit>, CalibrateError> {
-        let misfit = |(m, uncertainties): (&Measurement, &f64)| {
+    /// Differences of a machine with this excess.
+    fn misfits(&self, excess: &DVector<f64>, suspect: Option<usize>) -> Vec<Misfit> {
+        let misfit = |(i, (m, uncertainties)): (usize, (&Measurement, &f64))| {
             let off = uncertainties * m.uncertainty;
             let (model, size) = if m.figure.has_sign() {
                 (m.measured + off, m.measured.abs().max(m.uncertainty))
@@ -233,38 +250,40 @@ impl Search<'_> {
                 unit: m.figure.unit(),
                 part: (model - m.measured) / size,
                 uncertainties: *uncertainties,
-                is_suspect: false,
+                is_suspect: suspect == Some(i),
             }
         };
-        let mut misfits: Vec<Misfit> = self.measurements.iter().zip(best.excess.iter()).map(misfit).collect();
-        if misfits.iter().any(|misfit| misfit.uncertainties.abs() > LIKE)
-            && let Some(suspect) = self.suspect(best)?
-            && let Some(misfit) = misfits.get_mut(suspect)
-        {
-            misfit.is_suspect = true;
-        }
-        Ok(misfits)
+        self.measurements.iter().zip(excess.iter()).enumerate().map(misfit).collect()
     }
 
-    /// The measurement without which the others fit; the one without which they fit best, where there are several. The
-    /// doubtful ones are those with the largest difference over its own uncertainty: a measurement that pulls the
-    /// machine to itself hides its error.
-    fn suspect(&self, best: &Best) -> Result<Option<usize>, CalibrateError> {
+    /// The doubtful measurements: those with the largest difference over its own uncertainty. A measurement that pulls
+    /// the machine to itself hides its error.
+    fn doubted(&self, best: &Best) -> Result<Vec<usize>, CalibrateError> {
         let covariance = self.covariance(&best.slopes, 1.0)?;
         let pulls = (&best.slopes * covariance * best.slopes.transpose()).diagonal();
         let doubt = |(i, excess): (usize, &f64)| (i, excess.abs() / (1.0 - pulls[i]).max(1e-9).sqrt());
         let mut doubted: Vec<(usize, f64)> = best.excess.iter().enumerate().map(doubt).collect();
         doubted.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let mut found: Option<(usize, f64)> = None;
-        for (out, _) in doubted.into_iter().take(DOUBTED) {
+        Ok(doubted.into_iter().take(DOUBTED).map(|(out, _)| out).collect())
+    }
+
+    /// The suspect is the measurement without which the others fit; the one without which they fit best, where there
+    /// are several. Differences of the machine that the others fit.
+    fn without_suspect(&self, doubted: impl IntoIterator<Item = usize>) -> Result<Option<Vec<Misfit>>, CalibrateError> {
+        let mut found: Option<(usize, Best)> = None;
+        for out in doubted {
             let others: Vec<Measurement> =
                 self.measurements.iter().enumerate().filter(|(i, _)| *i != out).map(|(_, m)| *m).collect();
+            if others.is_empty() {
+                continue;
+            }
             let Ok(best) = (Search { measurements: &others, ..*self }).run() else { continue };
             let fits = best.excess.iter().all(|excess| excess.abs() <= LIKE);
-            if fits && found.is_none_or(|(_, cost)| best.cost < cost) {
-                found = Some((out, best.cost));
+            if fits && found.as_ref().is_none_or(|(_, found)| best.cost < found.cost) {
+                found = Some((out, best));
             }
         }
-        Ok(found.map(|(out, _)| out))
+        let Some((out, best)) = found else { return Ok(None) };
+        Ok(Some(self.misfits(&self.excess(&best.params)?, Some(out))))
     }
 }
