@@ -3,11 +3,11 @@
 use super::measured::Measured;
 use anyhow::{Context as _, Result, anyhow};
 use corehbot_twin::calibration::{
-    CalibrateError, Calibrated as Found, Direction, Estimate, Figure, Further, Improved, Misfit, Parameter, Weighed,
-    calibrate,
+    CalibrateError, Calibrated as Found, Direction, Estimate, Figure, Further, Improved, Misfit, Parameter, Unknown,
+    Weighed, calibrate,
 };
 use corehbot_twin::geometry::workspace;
-use corehbot_twin::params::{Each, Params, ROWS};
+use corehbot_twin::params::{Each, Params, ROWS, Row};
 use corehbot_twin::routing::{Machine, Place};
 use serde::Serialize;
 use std::path::Path;
@@ -15,9 +15,13 @@ use std::path::Path;
 /// The result of a calibration.
 #[derive(Serialize)]
 pub(super) struct Calibrated {
+    /// The routing that the machine file must name.
+    routing: Option<&'static str>,
     estimates: Vec<Sourced>,
     /// Numbers that are hardly better known than before.
     not_told: Vec<Sourced>,
+    /// Numbers on which no measurement depends.
+    unasked: Vec<Unasked>,
     /// Parameters that were not sought.
     fixed: Vec<Parameter>,
     measurements: Vec<Told>,
@@ -27,6 +31,9 @@ pub(super) struct Calibrated {
     further: Vec<Helps>,
     /// All numbers of the machine.
     params: Params,
+    /// The same before.
+    #[serde(skip)]
+    was: Params,
 }
 
 /// A number and the measurements that it comes from.
@@ -34,7 +41,17 @@ pub(super) struct Calibrated {
 struct Sourced {
     #[serde(flatten)]
     estimate: Estimate,
+    /// Of the value.
+    unit: &'static str,
     from: Vec<String>,
+}
+
+/// A number of a belt, or of the machine.
+#[derive(Serialize)]
+struct Unasked {
+    parameter: Parameter,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    belt: Option<usize>,
 }
 
 /// A measurement and the model.
@@ -66,18 +83,22 @@ impl Calibrated {
     /// # Errors
     /// Errors in the file, quantities that the measurements do not determine, or measurements that contradict each
     /// other on every machine.
-    pub(super) fn read(path: &Path, machine: Machine, params: &Params) -> Result<Self> {
-        let reach = workspace(machine, params);
-        let Measured { measurements, fixed } = Measured::read(path, &reach, machine.belts().len())?;
+    pub(super) fn read(path: &Path, machine: Machine, routing: Option<&'static str>, was: &Params) -> Result<Self> {
+        let reach = workspace(machine, was);
+        let Measured { measurements, fixed } = Measured::read(path, machine, was, &reach)?;
         let (names, measurements): (Vec<_>, Vec<_>) = measurements.into_iter().unzip();
-        let found = calibrate(machine, params, &measurements, &fixed);
+        let found = calibrate(machine, was, &measurements, &fixed);
         let found = found.map_err(|error| unlike(&names, error)).with_context(|| path.display().to_string())?;
-        let Found { params, estimates, not_told, misfits, spread, further, .. } = found;
+        let Found { params, estimates, not_told, unasked, misfits, spread, further } = found;
         let sourced = |estimate: Estimate| {
             let from = estimate.from.iter().filter_map(|i| names.get(*i)).cloned().collect();
-            Sourced { estimate, from }
+            let unit = Row::of(estimate.parameter.key()).map_or("", |row| row.unit);
+            Sourced { estimate, unit, from }
         };
         let [estimates, not_told] = [estimates, not_told].map(|all| all.into_iter().map(sourced).collect());
+        let belt = |unknown: &Unknown| (unknown.parts > 1).then_some(unknown.part + 1);
+        let unasked =
+            unasked.iter().map(|unknown| Unasked { parameter: unknown.parameter, belt: belt(unknown) }).collect();
         let origin = reach.origin();
         let helps = |Further { figure, removes, improves }| Helps {
             measurement: described(&figure, origin),
@@ -87,7 +108,8 @@ impl Calibrated {
         let further = further.into_iter().map(helps).collect();
         let told = |(measurement, misfit): (&String, Misfit)| Told { measurement: measurement.clone(), misfit };
         let measurements = names.iter().zip(misfits).map(told).collect();
-        Ok(Self { estimates, not_told, fixed, measurements, spread, further, params })
+        let was = was.clone();
+        Ok(Self { routing, estimates, not_told, unasked, fixed, measurements, spread, further, params, was })
     }
 
     /// What was found of a key, part after part: told or not.
@@ -97,6 +119,23 @@ impl Calibrated {
         let mut all: Vec<_> = all.filter(|(_, sourced)| sourced.estimate.parameter.key() == key).collect();
         all.sort_by_key(|(_, sourced)| sourced.estimate.belt);
         all
+    }
+
+    /// The numbers of a row that the table has, with a remark if no measurement changed them; `None` if it leaves them
+    /// out, as the machine has them without it.
+    fn unchanged(&self, row: &Row) -> Option<(Each, &'static str)> {
+        if self.fixed.iter().any(|parameter| parameter.key() == row.key) {
+            return Some((row.values(&self.params), "fixed, taken as exact"));
+        }
+        let was = row.values(&self.was);
+        (was != row.values(&Params::default())).then_some((was, "as it was"))
+    }
+
+    /// Whether a number would print otherwise if its row stayed as it was.
+    fn is_changed(&self, row: &Row, estimate: &Estimate) -> bool {
+        let mut kept = self.params.clone();
+        (row.field)(&mut kept).set(row.values(&self.was));
+        digits(estimate.unknown.of(&kept)) != digits(estimate.value)
     }
 }
 
@@ -108,7 +147,8 @@ fn remark(is_told: bool, sourced: &Sourced) -> String {
         format!("+- {:.1} %: {from}", 100.0 * uncertainty)
     } else {
         let [now, before] = [uncertainty, assumed_uncertainty].map(|u| u.exp());
-        format!("not told: good to a factor of {now:.2}, assumed {before:.2}")
+        let from = if from.is_empty() { from } else { format!(": {from}") };
+        format!("not told: good to a factor of {now:.2}, assumed {before:.2}{from}")
     };
     let factor = (value / nominal).max(nominal / value);
     if is_told && factor > FAR {
@@ -121,7 +161,8 @@ impl std::fmt::Display for Calibrated {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             f,
-            "# For the machine file. Uncertainties are standard ones, by the measurements' own and by what is not told."
+            "# Replaces the table [twin] of the machine file. Uncertainties are standard ones, by the measurements' own and \
+            by what is not told."
         )?;
         if self.spread > 1.0 {
             let spread = self.spread;
@@ -131,12 +172,19 @@ impl std::fmt::Display for Calibrated {
             )?;
         }
         writeln!(f, "[twin]")?;
-        let nominal = Params::default();
+        if let Some(routing) = self.routing {
+            writeln!(f, "routing = \"{routing}\"")?;
+        }
         for row in &ROWS {
             let values = row.values(&self.params);
-            match &self.found(row.key)[..] {
-                [] if values == row.values(&nominal) => {}
-                [] => writeln!(f, "{} = {values}  # as it was", row.key)?,
+            let found = self.found(row.key);
+            if !found.iter().any(|(is_told, one)| *is_told || self.is_changed(row, &one.estimate)) {
+                if let Some((values, remark)) = self.unchanged(row) {
+                    writeln!(f, "{} = {values}  # {remark}", row.key)?;
+                }
+                continue;
+            }
+            match &found[..] {
                 [(is_told, one)] if one.estimate.belt.is_none() => {
                     let key = row.key;
                     // One number for all belts may be a list in proportion.
@@ -153,10 +201,6 @@ impl std::fmt::Display for Calibrated {
                     writeln!(f, "]")?;
                 }
             }
-        }
-        for parameter in &self.fixed {
-            let values = ROWS.iter().find(|row| row.key == parameter.key()).map(|row| row.values(&self.params));
-            writeln!(f, "# Fixed: {} stays {}, taken as exact.", parameter.key(), values.unwrap_or(Each::NONE))?;
         }
         for Told { measurement, misfit: Misfit { part, uncertainties, .. } } in &self.measurements {
             let percent = 100.0 * part;
@@ -235,14 +279,14 @@ fn unlike(names: &[String], error: CalibrateError) -> anyhow::Error {
     let worst = all().max_by(|a, b| a.1.uncertainties.abs().total_cmp(&b.1.uncertainties.abs()));
     let Some((name, Misfit { part, uncertainties, .. })) = suspect.or(worst) else { return error.into() };
     let (percent, uncertainties) = (100.0 * part, uncertainties.abs());
-    let others = if suspect.is_some() {
-        "the others fit without it"
+    let (machine, others) = if suspect.is_some() {
+        ("the one that the others fit", "the others fit without it")
     } else {
-        "if it stays, check the others: no single one is wrong"
+        ("the nearest one", "if it stays, check the others: no single one is wrong")
     };
     anyhow!(
-        "no machine measures like this: of {name} the nearest one says {percent:+.0} %, {uncertainties:.0} \
-        uncertainties; check its unit and measure it again; {others}"
+        "no machine measures like this: of {name} {machine} says {percent:+.0} %, {uncertainties:.0} uncertainties; \
+        check its unit and measure it again; {others}"
     )
 }
 

@@ -48,17 +48,18 @@ struct Answer {
 
 impl Fit {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = self.machine.read(&self.settings.read()?)?;
+        let machine_file = self.settings.read()?;
+        let (machine, params) = self.machine.read(&machine_file)?;
         if let Some(file) = &self.file {
-            let answer = Calibrated::read(file, machine, &params)?;
+            let routing = self.machine.to_be_named(&machine_file, machine);
+            let answer = Calibrated::read(file, machine, routing, &params)?;
             return self.json.give(&answer, self.settings.files().chain([file.as_path()]));
         }
         let reach = workspace(machine, &params);
         let mut rung = self.measured.clone();
         for Rung { at, .. } in &mut rung {
-            if self.gcode_frame {
-                *at = Place::flat(at.x + reach.origin().x, at.y + reach.origin().y);
-            }
+            let origin = if self.gcode_frame { reach.origin() } else { Place::flat(0.0, 0.0) };
+            *at = reach.at(at.x + origin.x, at.y + origin.y);
             ensure!(reach.has(*at), "({:.1}, {:.1}) mm is outside what the tool reaches", at.x, at.y);
         }
         let count = rung.iter().flat_map(|r| r.frequencies_hz).flatten().count();

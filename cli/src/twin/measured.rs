@@ -6,7 +6,8 @@ use super::setup::syntax;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weighed};
 use corehbot_twin::geometry::Workspace;
-use corehbot_twin::routing::Place;
+use corehbot_twin::params::Params;
+use corehbot_twin::routing::{Machine, Place};
 use serde::Deserialize;
 use serde_json::Value;
 use std::ops::RangeInclusive;
@@ -150,6 +151,7 @@ struct ShaperToml {
 struct ResonanceToml {
     at: Spanned<[f64; 2]>,
     file: Spanned<PathBuf>,
+    recording: Option<Spanned<String>>,
 }
 
 /// Standard uncertainty of a frequency that a shaper was tuned to: prints are judged in steps of some Hz. Assumed.
@@ -168,17 +170,17 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Reads a file about a machine with this reach and number of belts.
+    /// Reads a file about a machine with this reach.
     ///
     /// # Errors
     /// The problem, with file and line.
-    pub(super) fn read(path: &Path, reach: &Workspace, belts: usize) -> Result<Self> {
+    pub(super) fn read(path: &Path, machine: Machine, params: &Params, reach: &Workspace) -> Result<Self> {
         let file = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
         let toml: MeasuredToml =
             toml::from_str(&text).map_err(|error| syntax(&text, &error)).context(file.to_string())?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let mut reader = Reader { text: &text, folder, reach, belts, frame: toml.frame, found: Vec::new() };
+        let mut reader = Reader { text: &text, folder, machine, params, reach, frame: toml.frame, found: Vec::new() };
         reader.all(&toml).context(file.to_string())?;
         Ok(Self { measurements: reader.found, fixed: toml.fixed })
     }
@@ -188,8 +190,9 @@ struct Reader<'t> {
     text: &'t str,
     /// Where other files are.
     folder: &'t Path,
+    machine: Machine,
+    params: &'t Params,
     reach: &'t Workspace,
-    belts: usize,
     frame: Frame,
     found: Vec<(String, Measurement)>,
 }
@@ -244,6 +247,7 @@ impl Reader<'_> {
         for skew in &toml.skew {
             let figure = Figure::Skew { at: self.place(&skew.at)? };
             let measured = self.number("mrad", &skew.mrad, -50.0..=50.0)?;
+            self.has_part(&skew.mrad, &figure)?;
             let mrad = skew.uncertainty_mrad.as_ref();
             let mrad = mrad.map(|mrad| self.number("uncertainty_mrad", mrad, 0.001..=50.0)).transpose()?;
             let uncertainty = mrad.unwrap_or(figure.usual_uncertainty());
@@ -263,7 +267,8 @@ impl Reader<'_> {
             let at = self.place(&resonance.at)?;
             let path = self.folder.join(resonance.file.get_ref());
             let line = self.line(&resonance.file);
-            let found = recorded(&path, at).with_context(|| format!("line {line}: {}", path.display()))?;
+            let wanted = resonance.recording.as_ref().map(|name| name.get_ref().as_str());
+            let found = recorded(&path, at, wanted).with_context(|| format!("line {line}: {}", path.display()))?;
             self.found.extend(found.into_iter().map(|(name, found)| (format!("{name} in line {line}"), found)));
         }
         Ok(())
@@ -300,6 +305,7 @@ impl Reader<'_> {
         percent: Option<&Spanned<f64>>,
     ) -> Result<()> {
         let measured = self.number(key, value, legal)?;
+        self.has_part(value, &figure)?;
         let uncertainty = self.percent(percent)?.unwrap_or(figure.usual_uncertainty());
         let kind = match figure {
             Figure::BeltMass => key.to_owned(),
@@ -313,11 +319,21 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Whether the machine has what was measured.
+    fn has_part(&self, value: &Spanned<f64>, figure: &Figure) -> Result<()> {
+        let (line, machine) = (self.line(value), self.machine.name());
+        match figure.lacks(self.machine, self.params) {
+            Some(part) => bail!("line {line}: a {machine} has no {part}"),
+            None => Ok(()),
+        }
+    }
+
     /// A belt by its number, from 1; the first without one.
     fn belt(&self, belt: Option<&Spanned<i64>>) -> Result<usize> {
         let Some(belt) = belt else { return Ok(0) };
-        let place = usize::try_from(*belt.get_ref()).ok().filter(|number| (1..=self.belts).contains(number));
-        let (line, belts) = (self.line(belt), self.belts);
+        let belts = self.machine.belts().len();
+        let place = usize::try_from(*belt.get_ref()).ok().filter(|number| (1..=belts).contains(number));
+        let line = self.line(belt);
         place.map(|number| number - 1).with_context(|| {
             format!("line {line}: belt = {} is not one of the machine's belts, 1 to {belts}", belt.get_ref())
         })
@@ -350,7 +366,7 @@ impl Reader<'_> {
             Frame::Gcode => self.reach.origin(),
             Frame::Motor1 => Place::flat(0.0, 0.0),
         };
-        let place = Place::flat(x + origin.x, y + origin.y);
+        let place = self.reach.at(x + origin.x, y + origin.y);
         if !self.reach.has(place) {
             let [x0, x1] = self.reach.x.map(|v| v - origin.x);
             let [y0, y1] = self.reach.y.map(|v| v - origin.y);
@@ -375,8 +391,8 @@ impl Reader<'_> {
 }
 
 /// Frequency and damping of the strongest mode of each axis in the answer of `corehbot resonance`, which was recorded
-/// at this place.
-fn recorded(path: &Path, at: Place) -> Result<Vec<(String, Measurement)>> {
+/// at this place: of the recording with this name, or of an axis' only one.
+fn recorded(path: &Path, at: Place, wanted: Option<&str>) -> Result<Vec<(String, Measurement)>> {
     let text = std::fs::read_to_string(path).context("cannot open it")?;
     let json: Value = serde_json::from_str(&text).context("it is not the --json of `corehbot resonance`")?;
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
@@ -387,7 +403,17 @@ fn recorded(path: &Path, at: Place) -> Result<Vec<(String, Measurement)>> {
             Some("Y") => (Direction::Y, "y"),
             _ => continue,
         };
-        for recording in list(&axis["recordings"]) {
+        let mut recordings = list(&axis["recordings"]);
+        let name = |recording: &Value| recording["file"].as_str().unwrap_or_default().to_owned();
+        match wanted {
+            Some(wanted) => recordings.retain(|recording| name(recording) == wanted),
+            None if recordings.len() > 1 => {
+                let names: Vec<String> = recordings.iter().map(name).collect();
+                bail!("it has several recordings of {letter}; name one as `recording`: {}", names.join(", "));
+            }
+            None => {}
+        }
+        for recording in recordings {
             let modes = list(&recording["fit"]["modes"]);
             let number = |mode: &Value, key: &str| mode[key].as_f64().filter(|number| number.is_finite());
             let part = |mode: &&Value| number(mode, "part").unwrap_or_default();
@@ -404,6 +430,9 @@ fn recorded(path: &Path, at: Place) -> Result<Vec<(String, Measurement)>> {
                 found.push((name("_damping"), Measurement { figure, measured, uncertainty }));
             }
         }
+    }
+    if let Some(wanted) = wanted.filter(|_| found.is_empty()) {
+        bail!("it has no mode of a recording {wanted} of x or y");
     }
     ensure!(!found.is_empty(), "it has no mode of x or y (`corehbot resonance FILE.csv... --json` writes such a file)");
     Ok(found)

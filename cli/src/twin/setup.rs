@@ -118,6 +118,13 @@ impl MachineArgs {
         self.machine.is_some()
     }
 
+    /// The routing that the file must name for this machine: the command line has it, or the motors' rows say another.
+    pub(super) fn to_be_named(&self, file: &File, machine: Machine) -> Option<&'static str> {
+        let by_rows = Layout::new(&file.settings, &file.twin.params.clone().into());
+        let is_by_rows = by_rows.is_ok_and(|layout| layout.machine == machine);
+        (self.is_given() || !is_by_rows).then(|| machine.key())
+    }
+
     /// The machine and its numbers.
     ///
     /// # Errors

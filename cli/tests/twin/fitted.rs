@@ -80,6 +80,9 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
         ("[[pluck]]\nlength_mm = 380\nfrequency_Hz = 74\nbelt = 2\n".to_owned(), "line 4: belt = 2 is not one of"),
         ("[[skew]]\nat = [195, 208.8]\nmrad = 80\n".to_owned(), "line 3: mrad = 80 is outside -50 to 50"),
+        ("[[skew]]\nat = [195, 208.8]\nmrad = 1\n".to_owned(), "line 3: a CoreH-bot has no belts that turn its bar"),
+        ("[[weight]]\nof = \"gantry\"\nmass_kg = 2\n".to_owned(), "line 3: a CoreH-bot has no gantry"),
+        ("[[weight]]\nof = \"bed\"\nmass_kg = 2\n".to_owned(), "line 3: a CoreH-bot has no bed"),
         ("[[resonance]]\nat = [195, 208.8]\nfile = \"no.json\"\n".to_owned(), "cannot open it"),
         (
             format!("{ring}{}{weights}", ring.replace("101", "202")),
@@ -148,4 +151,99 @@ fn a_machine_of_two_belts_is_fitted_from_all_kinds_of_measurements() {
     let heavy = file("heavy.toml", "[[weight]]\nof = \"head\"\nmass_kg = 30\n");
     let printed = String::from_utf8(twin(&format!("fit {}", heavy.display())).stdout).unwrap();
     assert!(printed.contains("times from the nominal 0.6: are the units right?"), "{printed}");
+}
+
+/// Places are at half the height where belts lift the tool.
+#[test]
+fn every_example_machine_is_fitted() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines");
+    let text = "[[weight]]\nof = \"head\"\nmass_kg = 0.6\n[[push]]\nat = [90, 90]\nforce_N = 20\nx_mm = 0.1\n";
+    let measured = file("any.toml", text);
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "toml") {
+            continue;
+        }
+        let settings = path.display();
+        let found = json(&format!("fit {} --settings {settings}", measured.display()));
+        assert!(near(&found["params"]["head_mass_kg"], 0.6, 0.02), "{settings}: {found}");
+        let modes = json(&format!("modes --model rotors --at 90,90 --gcode-frame --settings {settings}"));
+        let of = |axis: &str| {
+            let place = modes["of"].as_array().unwrap().iter().position(|of| of == axis).unwrap();
+            modes["frequencies_Hz"][place].as_f64().unwrap()
+        };
+        let words = format!("fit --measured 90,90,{:.3},{:.3} --gcode-frame --settings {settings}", of("x"), of("y"));
+        let found = json(&words);
+        assert!(found["worst_difference"].as_f64().unwrap() < 0.01, "{settings}: {found}");
+        count += 1;
+    }
+    assert!(count > 10, "{count}");
+}
+
+/// The table names a routing where the motors' rows say another, or where the command line does.
+#[test]
+fn the_table_names_the_routing_that_rows_do_not_give() {
+    let printed = |words: &str| {
+        let output = twin(&format!("fit {words}"));
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let head = file("one-head.toml", "[[weight]]\nof = \"head\"\nmass_kg = 0.6\n");
+    let head = head.display();
+    let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines");
+    let [hbot, corexy] = ["hbot.toml", "corexy.toml"].map(|name| machines.join(name));
+    let hbot = printed(&format!("{head} --settings {}", hbot.display()));
+    assert!(hbot.starts_with("# Replaces the table [twin]") && hbot.contains("[twin]\nrouting = \"hbot\"\n"), "{hbot}");
+    let corexy = printed(&format!("{head} --settings {}", corexy.display()));
+    assert!(!corexy.contains("routing = "), "{corexy}");
+    let named = printed(&format!("{head} --machine corexy"));
+    assert!(named.contains("[twin]\nrouting = \"corexy\"\n"), "{named}");
+}
+
+/// A fixed inertia does not follow the bar's mass, and is printed; what no measurement changed is not.
+#[test]
+fn the_table_has_fixed_numbers_and_leaves_unchanged_ones_out() {
+    let bar = "[[weight]]\nof = \"bar\"\nmass_kg = 2.4\n[[weight]]\nof = \"head\"\nmass_kg = 0.6\n";
+    let fixed = file("fixed.toml", &format!("fixed = [\"bar_yaw_inertia_kg_m2\", \"preload_N\"]\n{bar}"));
+    let output = twin(&format!("fit {}", fixed.display()));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    // A slender bar of 1.2 kg and 470 mm: m L^2 / 12.
+    assert!(printed.contains("bar_yaw_inertia_kg_m2 = 0.02209"), "{printed}");
+    assert!(printed.contains("preload_N = 40  # fixed, taken as exact"), "{printed}");
+    assert!(!printed.contains("belt_EA_N = "), "{printed}");
+    let found = json(&format!("fit {}", fixed.display()));
+    assert!(near(&found["params"]["bar_yaw_inertia_kg_m2"], 1.2 * 0.47 * 0.47 / 12.0, 1e-6), "{found}");
+    // Units, and what nothing depends on.
+    assert_eq!(found["estimates"][0]["unit"], "kg");
+    let unasked = found["unasked"].as_array().unwrap();
+    assert!(unasked.iter().any(|number| number["parameter"] == "belt_EA_N"), "{found}");
+    // A number that is hardly determined names where it comes from, too.
+    let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 90\n[[weight]]\nof = \"head\"\nmass_kg = 0.6\n";
+    let printed = String::from_utf8(twin(&format!("fit {}", file("slow.toml", ring).display())).stdout).unwrap();
+    let torque = printed.lines().find(|line| line.starts_with("holding_torque_Nm")).unwrap();
+    assert!(torque.contains("not told") && torque.contains("ring x_Hz in line 3"), "{printed}");
+}
+
+/// Of several recordings the entry names the one of its place.
+#[test]
+fn several_recordings_of_an_axis_need_a_name() {
+    let recording = |name: &str, hz: f64| {
+        format!("{{\"file\": \"{name}\", \"fit\": {{\"modes\": [{{\"frequency_Hz\": {hz}, \"part\": 0.9}}]}}}}")
+    };
+    let both = [recording("x1.csv", 101.0), recording("x2.csv", 107.0)].join(", ");
+    let recorded = file("twice.json", &format!("{{\"axes\": [{{\"axis\": \"X\", \"recordings\": [{both}]}}]}}"));
+    let measured = |name: &str| {
+        let text = format!(
+            "[[weight]]\nof = \"head\"\nmass_kg = 0.6\n[[resonance]]\nat = [195, 208.8]\nfile = \"{}\"\n{name}",
+            recorded.display()
+        );
+        format!("fit {}", file("twice.toml", &text).display())
+    };
+    let told = complaint(&measured(""));
+    assert!(told.contains("line 6") && told.contains("several recordings of x") && told.contains("x1.csv, x2.csv"));
+    assert!(complaint(&measured("recording = \"x3.csv\"\n")).contains("no mode of a recording x3.csv"));
+    let found = json(&measured("recording = \"x2.csv\"\n"));
+    assert_eq!(found["measurements"].as_array().unwrap().len(), 2);
+    assert_eq!(found["measurements"][1]["measured"], 107.0);
 }
