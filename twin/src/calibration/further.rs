@@ -4,7 +4,7 @@
 //! it says. So its help is known before: the part of all variance (of the logarithms) that it removes. Variances
 //! of numbers that are right within a factor of two are alike.
 
-use super::calibrate::CalibrateError;
+use super::error::CalibrateError;
 use super::figure::{Direction, Figure, Measurement, Weighed};
 use super::parameter::{Parameter, Unknown};
 use super::search::Search;

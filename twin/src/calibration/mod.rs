@@ -26,15 +26,18 @@
 //! | `parameter` | the numbers, and what is expected of them |
 //! | `search` | the best machine and its covariance |
 //! | `calibrate` | the answer: numbers, sources, differences, refusal |
+//! | `error` | differences, and why there is no answer |
 //! | `further` | the measurements that would help most |
 
 mod calibrate;
+mod error;
 mod figure;
 mod further;
 mod parameter;
 mod search;
 
-pub use calibrate::{CalibrateError, Calibrated, Estimate, Misfit, calibrate};
+pub use calibrate::{Calibrated, Estimate, calibrate};
+pub use error::{CalibrateError, Misfit};
 pub use figure::{Direction, Figure, Measurement, Model, Weighed, span_tension_n};
 pub use further::{Further, Improved};
 pub use parameter::{Parameter, Unknown};

@@ -16,7 +16,7 @@
 //! A stiffer guide lifts the bar's yaw through the axes' modes, so there may be several minima. The search begins at
 //! several stiffnesses of the yaw.
 
-use super::calibrate::CalibrateError;
+use super::error::CalibrateError;
 use super::figure::{Measurement, Model};
 use super::parameter::{Parameter, Unknown};
 use crate::params::Params;
