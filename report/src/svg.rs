@@ -111,6 +111,13 @@ impl Drawing {
         let _ = writeln!(self.text, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" {style}>{text}</text>");
     }
 
+    /// Small notes below a drawing, from `top` on, `line` apart.
+    pub fn notes(&mut self, top: f64, line: f64, notes: &[&str]) {
+        for (number, note) in (0..).zip(notes) {
+            self.text([12.0, top + line * f64::from(number)], Anchor::Start, note, "class=\"small\"");
+        }
+    }
+
     /// The whole.
     #[must_use]
     pub fn finish(mut self) -> String {

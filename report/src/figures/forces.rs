@@ -53,9 +53,7 @@ pub(super) fn simple() -> String {
         "both sides bear it, each by its stiffness EA / L. So the changes are to each other as the lengths of the other sides.",
         "The part from 1 to 2 on the other side does not change, because both motors hold it.",
     ];
-    for (line, note) in (0..).zip(notes) {
-        drawing.text([12.0, 210.0 + 14.0 * f64::from(line)], Anchor::Start, note, "class=\"small\"");
-    }
+    drawing.notes(210.0, 14.0, &notes);
     drawing.finish()
 }
 

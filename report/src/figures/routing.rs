@@ -190,9 +190,7 @@ pub(super) fn corehbot() -> String {
         "Filled: motors 1, 4, 8 and 11. Dotted rim: pulleys on the toothed side. Full rim: pulleys on the back, which may be smooth.",
         "Arrows: travel of the belt that turns motors counter-clockwise. The origin is motor 1's axis.",
     ];
-    for (line, note) in (0..).zip(notes) {
-        drawing.text([12.0, 618.0 + 13.0 * f64::from(line)], Anchor::Start, note, "class=\"small\"");
-    }
+    drawing.notes(618.0, 13.0, &notes);
     drawing.finish()
 }
 

@@ -33,7 +33,8 @@ pub struct Jump {
 /// The tool about its commanded place along an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Ringing {
-    /// Lag at constant speed: the place that the tool rings about, relative to the commanded one. Friction holds it back.
+    /// Lag at constant speed: the place that the tool rings about, relative to the commanded one. Friction holds it
+    /// back.
     pub rest_um: f64,
     /// Largest distance from that place.
     pub amplitude_um: f64,
