@@ -2,6 +2,7 @@
 
 mod bench;
 mod bringup;
+mod browser;
 mod build;
 mod checkout;
 mod clients;

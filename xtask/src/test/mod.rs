@@ -17,7 +17,7 @@ mod tools;
 pub use compare::{beginning, check_file, sliced_file};
 pub use tools::{has_emulator, install, lack_of_emulator, succeeds};
 
-use crate::{bench, clients, cluster, usb};
+use crate::{bench, browser, clients, cluster, usb};
 use Lane::{Cable, Emulated, First, Host, Images};
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ pub enum Verdict {
 }
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 18] = [
+const STEPS: [Step; 19] = [
     Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
@@ -100,6 +100,7 @@ const STEPS: [Step; 18] = [
     // now the other lane has built QEMU's image.
     Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
     Step { name: "cluster", lane: Host, heading: "a study outlives a worker that is killed", run: cluster::check },
+    Step { name: "browser", lane: Host, heading: "pages work in a headless Chromium", run: browser::check },
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },

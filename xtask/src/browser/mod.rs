@@ -1,0 +1,63 @@
+//! The step `browser` of the test: pages in a headless Chromium, driven by Selenium through WebDriver.
+//!
+//! Each trial is a Python program in `xtask/browser`, which gets the path of `corehbot` and says in a line what it has
+//! measured. A Rust client of WebDriver would be built of 150 crates on each clean computer; Selenium installs in
+//! seconds, as the clients of the step `clients` do.
+
+mod program;
+
+use crate::checkout::{self, root, target_dir};
+use crate::clients::venv::Venv;
+use crate::test::Verdict;
+use anyhow::{Context as _, Result};
+use program::Programs;
+use std::process::Command;
+use std::time::Instant;
+
+/// The client of WebDriver, and what compares pictures.
+const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.51.0", "pillow==13.0.0"], options: &[] };
+
+/// Where the trials are.
+const FOLDER: &str = "xtask/browser";
+
+/// The trials, in this order.
+const TRIALS: [&str; 1] = ["report.py"];
+
+/// Runs all trials.
+pub fn check() -> Result<Verdict> {
+    let programs = match Programs::find_or_install()? {
+        Ok(programs) => programs,
+        Err(lack) => return Ok(Verdict::Skipped(lack)),
+    };
+    CLIENT.install().with_context(|| {
+        let packages = CLIENT.packages.join(" ");
+        format!("cannot install {packages} from PyPI, which takes python3 with venv and, the first time, a network")
+    })?;
+    let corehbot = checkout::build_command()?;
+    // Pictures that differ from their models stay here.
+    let pictures = target_dir()?.join("browser");
+    std::fs::create_dir_all(&pictures).with_context(|| format!("cannot make {}", pictures.display()))?;
+    let mut failures = Vec::new();
+    for trial in TRIALS {
+        let mut command = Command::new(CLIENT.python()?);
+        // No compiled files in the sources.
+        command.arg("-B").arg(root().join(FOLDER).join(trial)).arg(&corehbot);
+        command.env("PICTURES", &pictures);
+        programs.tell(&mut command);
+        let begin = Instant::now();
+        let output = command.output().with_context(|| format!("cannot run {}", checkout::words(&command)))?;
+        let seconds = begin.elapsed().as_secs_f64();
+        let words = if output.status.success() { &output.stdout } else { &output.stderr };
+        let words = String::from_utf8_lossy(words);
+        if output.status.success() {
+            println!("{trial}: {} ({seconds:.1} s)", words.trim());
+        } else {
+            println!("{trial}: FAILED: {}", words.trim());
+            failures.push(trial);
+        }
+    }
+    let failed = u32::try_from(failures.len())?;
+    let passed = u32::try_from(TRIALS.len())? - failed;
+    let remark = if failed > 0 { format!("fail: {}", failures.join(", ")) } else { programs.version };
+    Ok(Verdict::Tested { passed, failed, remark })
+}
