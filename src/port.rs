@@ -8,6 +8,7 @@ pub use crate::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 
 use crate::connectors::BoardConnectors;
 use crate::units::{Celsius, Instant, Tick};
+use core::any::Any;
 
 /// The time that a step line has to be high, in ns, for every supported driver. TMC2209 datasheet rev 1.09, section
 /// 13.1: t_SH >= max(t_FILTSD, t_CLK + 20 ns). That is 103 ns with the internal clock of 12 MHz and 118 ns at its
@@ -91,6 +92,10 @@ pub trait Pend {
 
     /// Wakes the Stepper's context (its alarm may be silent).
     fn pend_stepper(&self);
+
+    /// Sees what is queued for the StepGenerator, an `Entry` of `motion`, before it is. Hardware has no use for it, and
+    /// without a body it is no code; a simulator follows the moves by it.
+    fn sees_queued(&self, _entry: &dyn Any) {}
 }
 
 /// The Console's clock.

@@ -116,7 +116,9 @@ impl<'m, W: Pend> Link<'m, W> {
             | Work::Surface(_)
             | Work::Heights(..) => SubTicks::ZERO,
         };
-        if self.queue.enqueue(Entry { epoch: self.epoch, work }).is_ok() {
+        let entry = Entry { epoch: self.epoch, work };
+        self.pend.sees_queued(&entry);
+        if self.queue.enqueue(entry).is_ok() {
             self.entries = self.entries.wrapping_add(1);
             self.left += time;
             self.pend.pend_generator();

@@ -55,6 +55,12 @@ impl CurrentMove {
         (self.index, self.elapsed, self.begin, self.laid) = (0, SubTicks::ZERO, 0, None);
     }
 
+    /// The time of it that is laid.
+    pub fn laid_time(&self) -> SubTicks {
+        let before = self.phases.iter().take(self.index).map(|phase| phase.time.0).sum::<u64>();
+        SubTicks(before) + self.elapsed
+    }
+
     /// End of the move.
     pub fn last_phase(&self) -> Option<LastPhase> {
         let (last, before) = self.phases.split_last()?;

@@ -221,6 +221,18 @@ impl<'m> StepGenerator<'m> {
         })
     }
 
+    /// Entries of the MoveQueue that are done or dropped, wrapping, so the number of the present one. If that is a move
+    /// on its planned path, the Stepper's tick, wrapping, at which this path began. It is for a simulator.
+    #[must_use]
+    pub fn under_way(&self) -> (u32, Option<u32>) {
+        let is_move = matches!(self.task, Task::Move | Task::ComingToRest(true)) && self.braking == Braking::No;
+        let begin = is_move.then(|| {
+            let begin = self.trajectory.end().time.saturating_sub(self.current_move.laid_time());
+            self.base_tick.wrapping_add(begin.whole_ticks() as u32)
+        });
+        (self.status.entries_done(), begin)
+    }
+
     /// Checks the taps of an axis, which no other context can see, in one of [`SCRUB`] calls: all axes in turn.
     fn scrub(&mut self) {
         self.calls = self.calls.wrapping_add(1);
