@@ -118,6 +118,10 @@ impl Host for Watched<'_> {
         self.host.interject(out);
     }
 
+    fn sent(&self) -> Option<(u32, u16, &str)> {
+        self.host.sent()
+    }
+
     fn hear(&mut self, line: &str) {
         self.host.hear(line);
     }

@@ -1,5 +1,6 @@
 //! Ends: the two ends of a print. A host talks to the printer; a sink records motors and heaters.
 
+use crate::moves::MadeMove;
 use corehbot::connectors::{FANS, HEATERS};
 use corehbot::motors::MotorSet;
 use corehbot::units::Celsius;
@@ -10,6 +11,12 @@ pub trait Sink {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
     /// z follows a mesh, and the next event leads to this z of the program, in mm; or z follows none.
     fn stand_on_mesh(&mut self, _z: Option<f64>) {}
+    /// Whether moves are to be followed for [`moved`](Self::moved); asked once.
+    fn wants_moves(&self) -> bool {
+        false
+    }
+    /// A move has been made to its end.
+    fn moved(&mut self, _made: &MadeMove) {}
     /// A control period has passed on a machine with heaters.
     fn heat(&mut self, _period: &HeatPeriod) {}
 }
@@ -49,6 +56,11 @@ pub trait Host {
     /// Whether it opens its line now, so that earlier bytes belong to another host; polled all the time.
     fn opens(&mut self) -> bool {
         false
+    }
+    /// The command that was sent last: its line in the file, its type for the slicer (an index into
+    /// [`types`](crate::slicer::Notes::types)), and its text.
+    fn sent(&self) -> Option<(u32, u16, &str)> {
+        None
     }
     /// A whole line from the printer, without its line end.
     fn hear(&mut self, line: &str);

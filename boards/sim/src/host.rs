@@ -10,6 +10,7 @@
 
 use crate::file_line::{command_of, words};
 use crate::lines::{Lines, Survey, lines_of, survey};
+use crate::slicer::Notes;
 use crate::world::Host;
 use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
@@ -44,6 +45,8 @@ struct Command {
     text: String,
     /// Line in the file, from 1; 0 for a line that the host adds.
     line: u32,
+    /// Its type for the slicer.
+    kind: u16,
     /// Its checksum in the file does not match its text.
     is_damaged: bool,
 }
@@ -111,6 +114,8 @@ impl Asked {
 pub struct FileHost {
     file: Lines<Box<dyn BufRead + Send>>,
     survey: Survey,
+    /// What the slicer says in the lines read so far.
+    notes: Notes,
     /// Lines read so far.
     read: u32,
     /// The last commands that were read, and the index of the first of them.
@@ -156,10 +161,11 @@ impl FileHost {
 
     /// A host that will send the commands of `file`; `survey` describes its content.
     #[must_use]
-    pub const fn reading(file: Lines<Box<dyn BufRead + Send>>, survey: Survey) -> Self {
+    pub fn reading(file: Lines<Box<dyn BufRead + Send>>, survey: Survey) -> Self {
         Self {
             file,
             survey,
+            notes: Notes::default(),
             read: 0,
             recent: VecDeque::new(),
             first: 0,
@@ -207,15 +213,23 @@ impl FileHost {
     fn read_command(&mut self) -> Result<Command, &'static str> {
         while let Some(line) = self.file.next_line().map_err(|_| "the file cannot be read any further")? {
             self.read += 1;
+            self.notes.read(&line);
             let (text, is_damaged) = command_of(&line);
             if !text.is_empty() {
-                return Ok(Command { text: text.into_owned(), line: self.read, is_damaged });
+                let kind = self.notes.current();
+                return Ok(Command { text: text.into_owned(), line: self.read, kind, is_damaged });
             }
         }
         if self.first + self.recent.len() as i64 != self.total() - 1 {
             return Err("the file has become shorter");
         }
-        Ok(Command { text: "M400".to_owned(), line: 0, is_damaged: false })
+        Ok(Command { text: "M400".to_owned(), line: 0, kind: self.notes.current(), is_damaged: false })
+    }
+
+    /// What the slicer says in the lines that were sent.
+    #[must_use]
+    pub const fn notes(&self) -> &Notes {
+        &self.notes
     }
 
     /// Lines of the file.
@@ -384,6 +398,11 @@ impl Host for FileHost {
         self.sent += 1;
         self.awaiting = 1;
         self.await_heat(index);
+    }
+
+    fn sent(&self) -> Option<(u32, u16, &str)> {
+        let place = usize::try_from(self.next - 1 - self.first).ok()?;
+        self.recent.get(place).map(|command| (command.line, command.kind, command.text.as_str()))
     }
 
     fn clock(&mut self, tick: u64) {

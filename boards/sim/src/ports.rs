@@ -8,7 +8,7 @@ use crate::ends::{Host, Sink};
 use crate::mesh_log::MeshLog;
 use crate::plugs::Plugs;
 use corehbot::kinematics::MotorTable;
-use corehbot::motion::SurfaceFrame;
+use corehbot::motion::{Entry, SurfaceFrame};
 use corehbot::motors::{EndstopSet, GroupSet, MOTORS, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
 use corehbot::surface::Heights;
@@ -16,6 +16,7 @@ use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
+use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
@@ -29,6 +30,9 @@ pub(crate) struct Shared {
     pub stepper: Cell<bool>,
     /// Switches that a hand presses.
     pub pressed: Cell<EndstopSet>,
+    /// Whether moves are followed, and what the Console has queued for the generator since the last look.
+    pub is_followed: Cell<bool>,
+    pub queued: RefCell<Vec<Entry>>,
 }
 
 /// Bytes in transit between the printer and one host.
@@ -95,6 +99,14 @@ impl Pend for Pends<'_> {
 
     fn pend_stepper(&self) {
         self.0.stepper.set(true);
+    }
+
+    fn sees_queued(&self, entry: &dyn Any) {
+        if self.0.is_followed.get()
+            && let Some(entry) = entry.downcast_ref::<Entry>()
+        {
+            self.0.queued.borrow_mut().push(entry.clone());
+        }
     }
 }
 

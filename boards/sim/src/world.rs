@@ -13,6 +13,7 @@ use crate::drivers::Drivers;
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
 use crate::heat_plant::{Accident, HeatSetup};
 use crate::mesh_log::MeshLog;
+use crate::moves::Tap;
 use crate::odometer::Odometer;
 use crate::plugs::Plugs;
 pub use crate::ports::Wire;
@@ -187,6 +188,8 @@ pub struct World<'w> {
     met: EndstopSet,
     wakes: Arc<Wakes>,
     odometer: Odometer,
+    /// Follows the moves, if the sink wants them.
+    tap: Option<Box<Tap>>,
     z_shifts: &'w mut ZShifts,
     /// The firmware's position of each group, less its steps.
     origin: [i32; MOST_GROUPS],
@@ -245,6 +248,8 @@ impl<'w> World<'w> {
         bed.iter_mut().for_each(|bed| bed.restart());
         let plugs = plugs.as_ref();
         let mesh_log = mesh_log.as_deref_mut();
+        let tap = sink.wants_moves().then(|| Box::new(Tap::new(settings, mechanics.nozzle())));
+        shared.is_followed.set(tap.is_some());
         let pins = Pins { mechanics, bed, mesh_log, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
@@ -280,6 +285,7 @@ impl<'w> World<'w> {
             met: EndstopSet::NONE,
             wakes: Arc::default(),
             odometer: Odometer::default(),
+            tap,
             z_shifts,
             origin: [0; MOST_GROUPS],
         }
@@ -291,6 +297,9 @@ impl<'w> World<'w> {
         while let Some(console) = &mut self.console {
             if console.as_mut().poll(&mut Context::from_waker(&waker)).is_ready() {
                 self.console = None;
+            }
+            if let Some(tap) = &mut self.tap {
+                tap.after_console(self.status.planned().0, self.shared.queued.take());
             }
             if !self.wakes.0.swap(false, Ordering::Relaxed) {
                 break;
@@ -313,6 +322,7 @@ impl<'w> World<'w> {
         for _ in 0..EVENTS_A_TURN {
             while shared.generator.replace(false) {
                 self.generator.run(&Pends(shared));
+                self.follow_moves();
                 self.note_surface();
                 self.z_shifts.attend(self.status, self.stepper.tick());
             }
@@ -349,6 +359,34 @@ impl<'w> World<'w> {
             }
         }
         moved
+    }
+
+    /// The host has sent a line.
+    pub(crate) fn read(&mut self, (line, kind, command): (u32, u16, &str)) {
+        if let Some(tap) = &mut self.tap {
+            tap.read(line, kind, command);
+        }
+    }
+
+    /// Follows the moves that the generator has begun, and hands on those that have ended.
+    fn follow_moves(&mut self) {
+        let Some(tap) = &mut self.tap else { return };
+        let (now, is_met) = (self.stepper.tick(), !self.status.triggered().is_empty());
+        tap.after_generator(self.generator.under_way(), now, self.status.epoch(), is_met);
+        while let Some(made) = tap.ended(now) {
+            self.stepper.port().sink.moved(&made);
+        }
+    }
+
+    /// Hands on the moves that have ended; a move that has not is what there is of it.
+    fn end_moves(&mut self) {
+        self.follow_moves();
+        let Some(tap) = &mut self.tap else { return };
+        let now = self.stepper.tick();
+        tap.break_off(now);
+        while let Some(made) = tap.ended(now) {
+            self.stepper.port().sink.moved(&made);
+        }
     }
 
     /// Applies the accidents that are due by now.

@@ -3,7 +3,6 @@
 use super::{Desk, Outcome, World};
 use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
-use crate::ports::Wire;
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -113,8 +112,15 @@ pub fn run_at(
             wire.take(|bytes| host.interject(bytes));
         }
         if world.is_awaiting_hosts() {
-            let sent = |(host, wire): (&mut &mut dyn Host, &Wire)| wire.take(|bytes| host.send(bytes));
-            if hosts.iter_mut().zip(world.wires()).map(sent).sum::<usize>() > 0 {
+            let mut sent = 0;
+            for (host, wire) in hosts.iter_mut().zip(world.wires()) {
+                let bytes = wire.take(|bytes| host.send(bytes));
+                if let Some(command) = host.sent().filter(|_| bytes > 0) {
+                    world.read(command);
+                }
+                sent += bytes;
+            }
+            if sent > 0 {
                 idle_ms = 0;
                 continue;
             }
@@ -129,6 +135,7 @@ pub fn run_at(
         }
     }
     world.poll();
+    world.end_moves();
     for (host, wire) in hosts.iter_mut().zip(world.wires()) {
         wire.deliver(*host);
     }

@@ -1,0 +1,80 @@
+//! Trapezoids: times and speeds of a move's three phases, and the part of it that was made when it ends early.
+
+use corehbot::motion::{Move, WHOLE};
+use corehbot::units::TICKS_PER_SECOND;
+
+/// Ticks times 2^16 a second.
+const SUB_TICKS: f64 = TICKS_PER_SECOND as f64 * 65536.0;
+
+/// Times and speeds of a move.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Trapezoid {
+    /// Of the three phases, in s.
+    pub times: [f64; 3],
+    /// Entry, top and exit speed in mm/s.
+    pub speeds: [f64; 3],
+}
+
+impl Trapezoid {
+    /// A planned move's.
+    pub fn of(m: &Move) -> Self {
+        let times = [m.accelerate, m.cruise, m.decelerate].map(|time| time.0 as f64 / SUB_TICKS);
+        let length = m.length.0 as f64 / 2f64.powi(32);
+        let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
+        let ends = [part(m.accelerated), part(m.cruised), 1.0];
+        let means: [f64; 3] = std::array::from_fn(|i| {
+            let begin = if i == 0 { 0.0 } else { ends[i - 1] };
+            if times[i] > 0.0 { (ends[i] - begin) * length / times[i] } else { 0.0 }
+        });
+        // A phase's lower speed alone would cover the share of it; its mean is half the sum of its two speeds.
+        let ramp = |mean: f64, share: u32| [part(share) * mean, (2.0 - part(share)) * mean];
+        let [low, high] = ramp(means[0], m.entry_share);
+        let [entry, after_entry] = if m.brakes_first { [high, low] } else { [low, high] };
+        let [exit, before_exit] = ramp(means[2], m.exit_share);
+        let top = match times {
+            [_, cruise, _] if cruise > 0.0 => means[1],
+            [rise, ..] if rise > 0.0 => after_entry,
+            _ => before_exit,
+        };
+        let entry = if times[0] > 0.0 { entry } else { top };
+        let exit = if times[2] > 0.0 { exit } else { top };
+        Self { times, speeds: [entry, top, exit] }
+    }
+
+    /// Its part in the first `time` s, and the share of its way in it.
+    pub fn cut(&self, time: f64) -> (Self, f64) {
+        let [entry, top, exit] = self.speeds;
+        let (mut left, mut way, mut whole) = (time, 0.0, 0.0);
+        let (mut times, mut end) = ([0.0; 3], entry);
+        for (i, (from, to)) in [(entry, top), (top, top), (top, exit)].into_iter().enumerate() {
+            whole += (from + to) / 2.0 * self.times[i];
+            times[i] = left.clamp(0.0, self.times[i]);
+            if times[i] > 0.0 {
+                end = from + (to - from) * times[i] / self.times[i];
+                way += (from + end) / 2.0 * times[i];
+            }
+            left -= times[i];
+        }
+        let top = if times[1] > 0.0 || times[2] > 0.0 { top } else { end };
+        (Self { times, speeds: [entry, top, end] }, if whole > 0.0 { way / whole } else { 1.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_trapezoid_has_the_way_under_it() {
+        let whole = Trapezoid { times: [1.0, 2.0, 1.0], speeds: [0.0, 10.0, 0.0] };
+        // 5 + 20 + 5 mm.
+        let (part, share) = whole.cut(0.5);
+        assert_eq!((part.times, part.speeds), ([0.5, 0.0, 0.0], [0.0, 5.0, 5.0]));
+        assert!((share - 1.25 / 30.0).abs() < 1e-12);
+        let (part, share) = whole.cut(3.5);
+        assert_eq!((part.times, part.speeds), ([1.0, 2.0, 0.5], [0.0, 10.0, 5.0]));
+        assert!((share - 28.75 / 30.0).abs() < 1e-12);
+        let (part, share) = whole.cut(9.0);
+        assert_eq!((part, share), (whole, 1.0));
+    }
+}
