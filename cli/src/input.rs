@@ -89,6 +89,14 @@ impl GcodeFile {
         survey(&mut Lines::new(BufReader::new(&self.file)), each).with_context(|| self.name.clone())
     }
 
+    /// The same file, to be read once more after its lines.
+    ///
+    /// # Errors
+    /// If the system gives no other handle for it.
+    pub fn again(&self) -> Result<File> {
+        self.file.try_clone().with_context(|| self.name.clone())
+    }
+
     /// Its lines from the first on.
     ///
     /// # Errors

@@ -17,6 +17,7 @@ use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
 use corehbot_report::heat_log::HeatLog;
 use corehbot_report::mesh::MeshSummary;
+use corehbot_report::moves::{Moves, StoredMoves};
 use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;
 use corehbot_report::printable;
@@ -31,12 +32,13 @@ use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::{Limits, Widening};
 use corehbot_sim::mesh_log::MeshLog;
+use corehbot_sim::moves::{Limit, MadeMove};
 use corehbot_sim::tally::{Figures, Tally};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
 use corehbot_sim::world::{self, Desk, HeatPeriod, Outcome, Sink};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek as _, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -77,6 +79,8 @@ type Out = BufWriter<Stream>;
 pub(crate) struct Prepared {
     name: String,
     host: FileHost,
+    /// The file once more, for the report.
+    gcode: Option<File>,
     limits: Limits,
     machine: Machine,
     belt: Option<Box<BeltPlant>>,
@@ -121,11 +125,13 @@ impl Prepared {
             Ok(())
         })?;
         let name = file.name.clone();
+        let gcode = report.is_some().then(|| file.again()).transpose()?;
         let host = FileHost::reading(file.into_lines()?, survey);
         let limits = limits.finish();
         Ok(Self {
             name,
             host,
+            gcode,
             limits,
             machine,
             belt,
@@ -145,18 +151,20 @@ impl Prepared {
     /// Prints, and says with which status it ended.
     pub fn run(self, args: &Run) -> Result<u8> {
         let Self { name, host, limits, machine, belt, heat, bed, probe_accidents, .. } = self;
-        let Self { mut eeprom, stop, outputs, trace, vcd, json, report, .. } = self;
+        let Self { mut eeprom, stop, outputs, trace, vcd, json, report, gcode, .. } = self;
         let settings = &machine.settings;
         let mut host = Watched::new(host, &stop);
         let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
-        let path = report.is_some().then(tempfile::tempfile).transpose();
-        let path = path.context("cannot keep the tool path in a temporary file")?;
+        let scratch = || report.is_some().then(tempfile::tempfile).transpose();
+        let path = scratch().context("cannot keep the tool path in a temporary file")?;
+        let moves = scratch().context("cannot keep the moves in a temporary file")?;
         let mut sinks = Sinks {
             trace: TraceWriter::new(trace, settings.into()),
             vcd,
             tally: Tally::new(settings, begin),
             checker: Checker::new(settings, &limits),
             path: path.map(|file| ToolPath::new(settings, begin, file)),
+            moves: moves.map(Moves::new),
             heat: HeatLog::default(),
         };
         let start = Instant::now();
@@ -176,7 +184,7 @@ impl Prepared {
             motors: machine.settings.motor_names,
         };
         let heat = std::mem::take(&mut sinks.heat);
-        let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
+        let Results { mut summary, figures, path, moves } = sinks.finish(names, &host, &outcome)?;
         let mut belt = desk.belt;
         summary.belt = belt.as_mut().map(|plant| {
             plant.ring_out();
@@ -202,11 +210,13 @@ impl Prepared {
         if let Some(json) = json {
             write_all(json, &summary.to_json()?).context("cannot write the JSON")?;
         }
-        if let (Some(mut report), Some(path)) = (report, path) {
-            let heat_waits = host.heat_waits();
+        if let (Some(mut report), Some(path), Some(moves), Some(mut gcode)) = (report, path, moves, gcode) {
+            let (heat_waits, notes) = (host.heat_waits(), host.notes());
             let belt = belt.as_deref().map(BeltPlant::course);
-            let page = print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings };
-            page.write(path, &mut report).context("cannot write the report")?;
+            let page =
+                print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings, notes };
+            gcode.rewind().with_context(|| name.clone())?;
+            page.write(print::Streams { path, moves, gcode }, &mut report).context("cannot write the report")?;
         }
         say(&summary, outputs.is_standard_taken())?;
         if let Some(status) = interrupted {
@@ -243,7 +253,16 @@ struct Sinks {
     tally: Tally,
     checker: Checker,
     path: Option<ToolPath<File>>,
+    moves: Option<Moves<File>>,
     heat: HeatLog,
+}
+
+/// All that they have found.
+struct Results {
+    summary: Summary,
+    figures: Figures,
+    path: Option<Stored<File>>,
+    moves: Option<StoredMoves<File>>,
 }
 
 impl Sink for Sinks {
@@ -265,18 +284,23 @@ impl Sink for Sinks {
         }
     }
 
+    fn wants_moves(&self) -> bool {
+        self.moves.is_some()
+    }
+
+    fn moved(&mut self, made: &MadeMove) {
+        if let Some(moves) = &mut self.moves {
+            moves.add(made, Limit::Feed);
+        }
+    }
+
     fn heat(&mut self, period: &HeatPeriod) {
         self.heat.add(period);
     }
 }
 
 impl Sinks {
-    fn finish(
-        self,
-        names: Names<'_>,
-        host: &FileHost,
-        outcome: &Outcome,
-    ) -> Result<(Summary, Figures, Option<Stored<File>>)> {
+    fn finish(self, names: Names<'_>, host: &FileHost, outcome: &Outcome) -> Result<Results> {
         if let Some(vcd) = self.vcd {
             vcd.finish().context("cannot write the VCD file")?;
         }
@@ -284,6 +308,8 @@ impl Sinks {
         let figures = self.tally.finish(outcome.ticks);
         let findings = self.checker.finish(Some(outcome.counts));
         let path = self.path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
-        Ok((Summary::new(names, host, outcome, &figures, &findings, trace.sha256), figures, path))
+        let moves = self.moves.map(Moves::finish).transpose().context("cannot keep the moves")?;
+        let summary = Summary::new(names, host, outcome, &figures, &findings, trace.sha256);
+        Ok(Results { summary, figures, path, moves })
     }
 }

@@ -9,6 +9,8 @@
 //! | [`summary`] | the result of a print, in words and as JSON |
 //! | [`heat_log`] | temperatures and duties over a print |
 //! | [`mesh`] | the mesh of the bed, and its effect |
+//! | [`moves`] | every move with its line, its type and its times |
+//! | [`record`] | all of a print: one JSON object and three streams |
 //! | [`path`] | the way of the tool, exact to a step |
 //! | [`mod@print`] | the page of a print |
 //! | [`twin`] | the pages of the twin |
@@ -24,14 +26,18 @@
 pub mod corexyz;
 pub mod figures;
 pub mod heat_log;
+mod layers;
 pub mod mesh;
 pub mod misalignment;
+pub mod moves;
 pub mod parts;
 pub mod path;
 pub mod print;
 pub mod printable;
+pub mod record;
 pub mod resonance;
 pub mod summary;
 pub mod svg;
 pub mod twin;
+mod varint;
 pub mod yin;

@@ -1,13 +1,18 @@
 //! Print: one page that shows the tool path, speed and load of a print, without any network.
 //!
-//! The page is a template. It holds the path in chunks of base64, which the page unpacks when it shows them. So a print
-//! of any length has all of its lines and still opens at once. Everything else is one JSON object.
+//! The page is a template. It holds the streams of the [record](crate::record) in blobs of base64, which the page
+//! unpacks when it shows them. So a print of any length has all of its lines and still opens at once. Everything else
+//! is one JSON object.
 
 mod belt;
 mod heat;
+mod machine;
+pub mod sums;
 
 use crate::heat_log::HeatLog;
+use crate::moves::StoredMoves;
 use crate::path::{Bounds, Chunk, Stored};
+use crate::record::{Record, TextChunk, blobs, text_blobs};
 use crate::summary::Summary;
 use belt::BeltData;
 use corehbot::kinematics::Row;
@@ -16,10 +21,16 @@ use corehbot::settings::{HomedAxis, Settings};
 use corehbot::units::{Mm, TICKS_PER_SECOND};
 use corehbot_sim::belt::course::Course;
 use corehbot_sim::host::HeatWait;
+use corehbot_sim::moves::Limit;
+use corehbot_sim::slicer::{LineType, Notes};
 use corehbot_sim::tally::Figures;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
 use heat::HeatData;
+use machine::MachineData;
 use serde::Serialize;
-use std::io::{self, BufReader, Read, Seek, Write};
+use std::io::{self, Read, Seek, Write};
+use sums::{Filament, LayerSum, TypeSum, by_layer, by_type, chunk_row};
 
 /// The page.
 const TEMPLATE: &str = include_str!("print.html");
@@ -57,7 +68,40 @@ pub struct Page<'a> {
     pub belt: Option<&'a Course>,
     /// The machine.
     pub settings: &'a Settings,
+    /// What the slicer says in the file.
+    pub notes: &'a Notes,
 }
+
+/// The streams of a print: its path, its moves and the text of its file.
+#[derive(Debug)]
+pub struct Streams<P, M, T> {
+    /// The way of the tool.
+    pub path: Stored<P>,
+    /// The moves.
+    pub moves: StoredMoves<M>,
+    /// The G-code file from its begin.
+    pub gcode: T,
+}
+
+/// How the blobs of a stream are packed in a page.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Packing {
+    /// Not at all.
+    Raw,
+    /// RFC 1951.
+    DeflateRaw,
+}
+
+/// The packing of each stream in a page.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Packings {
+    path: Packing,
+    moves: Packing,
+    gcode: Packing,
+}
+
+const PACKINGS: Packings = Packings { path: Packing::Raw, moves: Packing::DeflateRaw, gcode: Packing::DeflateRaw };
 
 #[derive(Serialize)]
 struct Data<'a> {
@@ -82,6 +126,25 @@ struct Data<'a> {
     /// `None` on a rigid machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     belt: Option<BeltData>,
+    types: &'a [LineType],
+    limits: [Limit; Limit::ALL.len()],
+    by_type: Vec<TypeSum>,
+    by_layer: Vec<LayerSum>,
+    time: TimeData,
+    filament: Filament,
+    machine: MachineData,
+    move_chunks: Vec<[i64; 7]>,
+    gcode_chunks: Vec<TextChunk>,
+    packing: Packings,
+}
+
+/// Times in s.
+#[derive(Serialize)]
+struct TimeData {
+    total: f64,
+    motion: f64,
+    heat: f64,
+    waits: f64,
 }
 
 /// A motor that is fitted.
@@ -109,11 +172,15 @@ impl BoundsData {
 }
 
 impl Page<'_> {
-    /// Writes the page with the path of `stored`.
+    /// Writes the page with these streams.
     ///
     /// # Errors
-    /// The error from `out` or from the file of the path.
-    pub fn write<F: Read + Seek>(&self, stored: Stored<F>, out: &mut impl Write) -> io::Result<()> {
+    /// The error from `out` or from a stream.
+    pub fn write<P: Read + Seek, M: Read + Seek>(
+        &self,
+        streams: Streams<P, M, impl Read>,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
         let (begin, rest) = cut(TEMPLATE, MARKS[0])?;
         let (head, rest) = cut(rest, MARKS[1])?;
@@ -121,22 +188,59 @@ impl Page<'_> {
         let (curves, rest) = cut(rest, MARKS[3])?;
         let (setting, rest) = cut(rest, MARKS[4])?;
         let (bed, end) = cut(rest, MARKS[5])?;
-        // A file name with "</script>" in it must not end the script.
-        let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
         for text in [HEAD, begin, STYLE, head] {
             out.write_all(text.as_bytes())?;
         }
-        write_path(stored, out)?;
+        let data = self.read(streams, |stream, blob| script(stream, blob, out))?;
+        // A file name with "</script>" in it must not end the script.
+        let json = serde_json::to_string(&data)?.replace('<', "\\u003c");
         for text in [middle, &json, curves, BELT, setting, HEAT, bed, MESH, end] {
             out.write_all(text.as_bytes())?;
         }
         out.flush()
     }
 
-    fn data<F>(&self, stored: &Stored<F>) -> Data<'_> {
-        let Self { summary, figures, heat, heat_waits, belt, settings } = *self;
+    /// The same for a page that has the simulator in it.
+    ///
+    /// # Errors
+    /// The error from a stream.
+    pub fn record<P: Read + Seek, M: Read + Seek>(&self, streams: Streams<P, M, impl Read>) -> io::Result<Record> {
+        let mut record = Record { data: String::new(), path: Vec::new(), moves: Vec::new(), gcode: Vec::new() };
+        let data = self.read(streams, |stream, blob| {
+            let blobs = match stream {
+                Stream::Path => &mut record.path,
+                Stream::Moves => &mut record.moves,
+                Stream::Gcode => &mut record.gcode,
+            };
+            blobs.push(blob.to_vec());
+            Ok(())
+        })?;
+        record.data = serde_json::to_string(&data)?;
+        Ok(record)
+    }
+
+    /// Shows every blob of the streams, and returns the data.
+    fn read<P: Read + Seek, M: Read + Seek>(
+        &self,
+        streams: Streams<P, M, impl Read>,
+        mut each: impl FnMut(Stream, &[u8]) -> io::Result<()>,
+    ) -> io::Result<Data<'_>> {
+        let Streams { path, moves, gcode } = streams;
+        let mut data = self.data(&path, &moves);
+        blobs(path.file, path.chunks.iter().map(|chunk| chunk.bytes), |blob| each(Stream::Path, blob))?;
+        blobs(moves.file, moves.chunks.iter().map(|chunk| chunk.bytes), |blob| each(Stream::Moves, blob))?;
+        text_blobs(gcode, |chunk, blob| {
+            data.gcode_chunks.push(chunk);
+            each(Stream::Gcode, blob)
+        })?;
+        Ok(data)
+    }
+
+    fn data<F, M>(&self, stored: &Stored<F>, moves: &StoredMoves<M>) -> Data<'_> {
+        let Self { summary, figures, heat, heat_waits, belt, settings, notes } = *self;
         let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
         let bins = figures.series.bins();
+        let filament_mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
         Data {
             summary,
             reach: [HomedAxis::X, HomedAxis::Y]
@@ -153,8 +257,49 @@ impl Page<'_> {
             rate: bins.iter().map(|b| (f64::from(b.events) / bin_s).round() as u64).collect(),
             heat: HeatData::new(heat, heat_waits, &settings.thermal),
             belt: belt.zip(summary.belt.as_ref()).map(|(course, figures)| BeltData::new(course, figures)),
+            types: notes.types(),
+            limits: Limit::ALL,
+            by_type: by_type(&moves.by_type),
+            by_layer: by_layer(&moves.by_layer, &stored.heights),
+            time: TimeData {
+                total: summary.print_time_s,
+                motion: summary.motion_time_s,
+                heat: summary.heating_time_s,
+                waits: summary.waiting_time_s,
+            },
+            filament: Filament::new(filament_mm, notes),
+            machine: MachineData::new(settings),
+            move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &stored.heights)).collect(),
+            gcode_chunks: Vec::new(),
+            packing: PACKINGS,
         }
     }
+}
+
+/// A stream of a record.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Stream {
+    Path,
+    Moves,
+    Gcode,
+}
+
+/// A blob as a script that does nothing.
+fn script(stream: Stream, blob: &[u8], out: &mut impl Write) -> io::Result<()> {
+    let (class, packing) = match stream {
+        Stream::Path => ("path", PACKINGS.path),
+        Stream::Moves => ("moves", PACKINGS.moves),
+        Stream::Gcode => ("gcode", PACKINGS.gcode),
+    };
+    let text = match packing {
+        Packing::Raw => base64(blob),
+        Packing::DeflateRaw => {
+            let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+            encoder.write_all(blob)?;
+            base64(&encoder.finish()?)
+        }
+    };
+    writeln!(out, "<script type=\"text/plain\" class=\"{class}\">{text}</script>")
 }
 
 fn row(chunk: &Chunk, heights: &[i64]) -> [u64; 4] {
@@ -190,20 +335,6 @@ fn drives(row: Row) -> String {
         }
     }
     text
-}
-
-/// Each chunk as a script that does nothing.
-fn write_path<F: Read + Seek>(stored: Stored<F>, out: &mut impl Write) -> io::Result<()> {
-    let Stored { mut file, chunks, .. } = stored;
-    file.rewind()?;
-    let mut from = BufReader::new(file);
-    let mut bytes = Vec::new();
-    for chunk in chunks {
-        bytes.resize(chunk.bytes, 0);
-        from.read_exact(&mut bytes)?;
-        writeln!(out, "<script type=\"text/plain\" class=\"path\">{}</script>", base64(&bytes))?;
-    }
-    Ok(())
 }
 
 fn tenth(value: f64) -> f64 {

@@ -4,6 +4,7 @@
 mod belt;
 mod heat;
 mod mesh;
+mod moves;
 
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -36,7 +37,7 @@ struct Page {
     data: Value,
     /// Lines of each layer.
     layers: Vec<Vec<Line>>,
-    bytes: usize,
+    text: String,
 }
 
 fn page(name: &str, gcode: &str, args: &[&str]) -> Page {
@@ -69,11 +70,11 @@ fn page(name: &str, gcode: &str, args: &[&str]) -> Page {
         let lines = vertices.windows(2).map(|w| Line { from: mm(w[0].0), to: mm(w[1].0), is_printed: w[1].1 });
         layers[number(0) as usize].extend(lines);
     }
-    Page { data, layers, bytes: text.len() }
+    Page { data, layers, text }
 }
 
-/// x, y, z in um and the time in 10 us of each vertex, and whether the line to it is printed.
-fn unpack(text: &str) -> Vec<([i64; 4], bool)> {
+/// RFC 4648, section 4.
+fn base64(text: &str) -> Vec<u8> {
     let digit = |b: u8| match b {
         b'A'..=b'Z' => b - b'A',
         b'a'..=b'z' => b - b'a' + 26,
@@ -82,7 +83,11 @@ fn unpack(text: &str) -> Vec<([i64; 4], bool)> {
         _ => 63,
     };
     let mut bits = text.bytes().filter(|b| *b != b'=').flat_map(|b| (0..6).rev().map(move |i| digit(b) >> i & 1));
-    let bytes = std::iter::from_fn(|| (0..8).try_fold(0u8, |byte, _| Some(byte << 1 | bits.next()?)));
+    std::iter::from_fn(|| (0..8).try_fold(0u8, |byte, _| Some(byte << 1 | bits.next()?))).collect()
+}
+
+/// Numbers of seven bits a byte.
+fn numbers_of(bytes: impl Iterator<Item = u8>) -> Vec<u64> {
     let mut numbers = Vec::new();
     let (mut value, mut shift) = (0u64, 0);
     for byte in bytes {
@@ -93,6 +98,12 @@ fn unpack(text: &str) -> Vec<([i64; 4], bool)> {
             (value, shift) = (0, 0);
         }
     }
+    numbers
+}
+
+/// x, y, z in um and the time in 10 us of each vertex, and whether the line to it is printed.
+fn unpack(text: &str) -> Vec<([i64; 4], bool)> {
+    let numbers = numbers_of(base64(text).into_iter());
     let signed = |v: u64| if v % 2 == 1 { -(v.div_ceil(2) as i64) } else { (v / 2) as i64 };
     let mut at = [0; 4];
     let vertex = |n: &[u64]| {
@@ -188,7 +199,7 @@ fn every_move_of_every_layer_is_drawn_where_it_was_made() {
         assert!(next == printed.len(), "layer {layer}: {:?} is drawn, but was not printed", &printed[next..]);
     }
     // Of some 20 bytes of G-code a move.
-    assert!(page.bytes < 40_000 + 60 * LAYERS * MOVES, "{}", page.bytes);
+    assert!(page.text.len() < 40_000 + 60 * LAYERS * MOVES, "{}", page.text.len());
 }
 
 #[test]

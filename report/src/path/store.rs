@@ -2,11 +2,12 @@
 //!
 //! They are packed in chunks of one layer each, so that a page can unpack the layer that it shows. A vertex is four
 //! numbers. Three are the differences of x, y and z to the previous one in um. The fourth is the time difference in 10
-//! us, doubled, plus one if the line to it is printed. Each number takes as many bytes as it needs, seven bits in each,
-//! the least first; a negative n is stored as -2n-1, another as 2n. The first vertex of a chunk is where the previous
-//! one ended, with differences to 0.
+//! us, doubled, plus one if the line to it is printed; all as [varints](crate::varint). The first vertex of a chunk is
+//! where the previous one ended, with differences to 0.
 
 use super::Vertex;
+use crate::layers::Layers;
+use crate::varint;
 use corehbot::units::TICKS_PER_SECOND;
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
@@ -16,15 +17,6 @@ pub const CHUNK: usize = 4096;
 
 /// Ticks in 10 us.
 const TICKS: u64 = TICKS_PER_SECOND as u64 / 100_000;
-
-/// A line that rises while it is printed belongs to a layer of this height in um.
-const RISING_LAYER: i64 = 200;
-
-/// It still rises if its z has not made a step for so long, in mm.
-const RISING: f64 = 20.0;
-
-/// A steeper line is not a line of a print.
-const STEEPEST: f64 = 1.0;
 
 /// A line shorter than this says little of its speed, in mm.
 const SHORTEST: f64 = 0.3;
@@ -91,8 +83,7 @@ pub struct Stored<F> {
 pub(super) struct Store<F: Write> {
     out: BufWriter<F>,
     error: Option<io::Error>,
-    /// The way printed since z has changed while printing, in mm.
-    level: f64,
+    layers: Layers,
     packed: Vec<u8>,
     chunk: Chunk,
     chunks: Vec<Chunk>,
@@ -109,7 +100,7 @@ impl<F: Write> Store<F> {
         Self {
             out: BufWriter::new(file),
             error: None,
-            level: f64::INFINITY,
+            layers: Layers::NONE,
             packed: Vec::new(),
             chunk: Chunk { height: None, vertices: 0, time: [0; 2], bytes: 0 },
             chunks: Vec::new(),
@@ -141,16 +132,8 @@ impl<F: Write> Store<F> {
 
     /// The layer of a printed line begins a chunk if the last one was another.
     fn enter(&mut self, last: Vertex, vertex: Vertex) {
-        // Filament is pushed where the tool stands, too, which makes no layer.
-        let way = (vertex.at[0] - last.at[0]).hypot(vertex.at[1] - last.at[1]);
-        if way == 0.0 {
-            return;
-        }
-        let rise = (vertex.at[2] - last.at[2]).abs();
-        self.level = if rise > 0.0 && rise < STEEPEST * way { 0.0 } else { self.level + way };
-        let z = (vertex.at[2] * 1000.0).round() as i64;
-        let band = z.div_euclid(RISING_LAYER) * RISING_LAYER + RISING_LAYER / 2;
-        let height = if self.level > RISING { z } else { band };
+        let way = std::array::from_fn(|i| vertex.at[i] - last.at[i]);
+        let Some(height) = self.layers.enter(way, vertex.at[2]) else { return };
         *self.heights.entry(height).or_default() += 1;
         match self.chunk.height {
             Some(own) if own == height => {}
@@ -179,23 +162,15 @@ impl<F: Write> Store<F> {
         let um = |vertex: Vertex| vertex.at.map(|v| (v * 1000.0).round() as i64);
         let origin = before.map_or([0; 3], um);
         for (now, then) in um(vertex).into_iter().zip(origin) {
-            self.number(zigzag(now - then));
+            varint::put_signed(&mut self.packed, now - then);
         }
         let [now, then] = [vertex.tick / TICKS, before.map_or(0, |before| before.tick / TICKS)];
-        self.number((now - then) << 1 | u64::from(vertex.is_printing));
+        varint::put(&mut self.packed, (now - then) << 1 | u64::from(vertex.is_printing));
         if before.is_none() {
             self.chunk.time[0] = now;
         }
         self.chunk.time[1] = now;
         self.chunk.vertices += 1;
-    }
-
-    fn number(&mut self, mut value: u64) {
-        while value >= 0x80 {
-            self.packed.push(value as u8 | 0x80);
-            value >>= 7;
-        }
-        self.packed.push(value as u8);
     }
 
     /// The whole path.
@@ -212,8 +187,4 @@ impl<F: Write> Store<F> {
             travelled: self.travelled,
         })
     }
-}
-
-const fn zigzag(value: i64) -> u64 {
-    (value << 1 ^ value >> 63).cast_unsigned()
 }
