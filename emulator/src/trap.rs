@@ -13,8 +13,8 @@ const PLACE: u32 = 0x0807_F000;
 /// The word that springs the trap: just beyond the RAM of the F446.
 pub const TRIGGER: u32 = 0x2002_0000;
 
-/// A panic that needs only the place in the source as argument, and that every image with an `async fn` has.
-const PANIC: &str = "panic_const_async_fn_resumed";
+/// The core library's panic, which every image has. The image's handler reads no argument.
+const PANIC: &str = "panic_fmt";
 
 /// Interrupt control and state register: bit 31 pends the NMI (ARM DDI 0403E, B3.2.4).
 const ICSR: u32 = 0xE000_ED04;
@@ -25,6 +25,9 @@ const ISPR: u32 = 0xE000_E200;
 
 /// Where a context goes that has fallen into the trap.
 pub const FALLEN: u32 = PLACE + 24;
+
+/// The call of the panic there, as the image names it: within the instruction.
+pub const PANIC_CALL: u32 = FALLEN + 2;
 
 /// The place of a trap: the beginning of code that a context runs again and again.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -146,15 +149,9 @@ fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], V
             word(&mut code, ISPR);
         }
         Trap::Panic => {
-            // ldr r0, =location; nop; nop; nop
-            code.extend([0x4802, 0xBF00, 0xBF00, 0xBF00]);
-            code.extend(branch(PLACE + 32, panic));
-            word(&mut code, PLACE + 40);
-            // A `core::panic::Location`: file, its length, line and column.
-            for field in [PLACE + 56, 4, 1, 1] {
-                word(&mut code, field);
-            }
-            code.extend([u16::from_le_bytes(*b"tr"), u16::from_le_bytes(*b"ap")]);
+            // A call: BL differs from B.W in a bit (ARMv7-M manual, A7.7.12 and A7.7.18).
+            let [first, second] = branch(FALLEN, panic);
+            code.extend([first, second | 0x4000]);
         }
     }
     (branch(handler, PLACE), code)
@@ -197,8 +194,9 @@ mod tests {
     fn the_literals_lie_where_the_code_looks_for_them() {
         let (_, code) = detour(Trap::Panic, 0x0801_0000, 0x0801_1000, [0xB5F0, 0xAF03]);
         let word = |at: usize| u32::from(code[at / 2]) | u32::from(code[at / 2 + 1]) << 16;
-        assert_eq!((word(20), word(36), word(40)), (TRIGGER, PLACE + 40, PLACE + 56));
-        assert_eq!(word(56).to_le_bytes(), *b"trap");
+        assert_eq!(word(20), TRIGGER);
+        // llvm-mc: `bl` from there to 0x08011000 is f791 fff2.
+        assert_eq!(code[12..], [0xF791, 0xFFF2]);
         for (trap, wanted) in
             [(Trap::BadPointer, BELOW_RAM), (Trap::Unaligned, IN_RAM + 1), (Trap::ExecuteRam, IN_RAM + 1)]
         {

@@ -5,7 +5,7 @@ use crate::common::{Bench, MS, firmware, heated_bench, print_on};
 use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
-use corehbot_emulator::trap::{Place, Trap};
+use corehbot_emulator::trap::{PANIC_CALL, Place, Trap};
 use corehbot_emulator::watch::{End, Injection, With};
 
 /// Full power for the hotend and a long move, until something happens; and the same with motors that stand.
@@ -89,7 +89,9 @@ fn fall_at_once(place: Place, trap: Trap, with: With, told: &str) -> Seen {
 fn f31_a_panic_is_off_at_once_in_every_context() {
     // The control period's is in F39.
     for place in [Place::Console, Place::Generator, Place::Stepper] {
-        fall_at_once(place, Trap::Panic, With::Nothing, "a panic at trap:1");
+        let seen = fall_at_once(place, Trap::Panic, With::Nothing, "a panic, called at 0");
+        let call = format!(" {PANIC_CALL:08x}");
+        assert!(seen.line.said.iter().any(|line| line.contains(&call)), "{call}: {:?}", seen.line.said);
     }
 }
 

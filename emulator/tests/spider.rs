@@ -147,7 +147,7 @@ fn timers_end_the_pulses_of_a_processor_that_hangs() {
 #[test]
 fn a_panic_and_a_processor_fault_are_off_at_once_and_told() {
     for (hotend, trap, told) in [
-        (Output::He0, Trap::Panic, "a panic at trap:1"),
+        (Output::He0, Trap::Panic, "a panic, called at 0"),
         (Output::He1, Trap::BadPointer, "a hard fault: CFSR 00000082"),
     ] {
         let (fallen, seen) = fall(hotend, trap);

@@ -46,7 +46,7 @@ pub enum Cause {
     SelfTest = 16,
     /// A context sends no heartbeat; the subject is its number.
     ContextHangs = 17,
-    /// The program panicked; the value is the line.
+    /// The program panicked; value and limit are addresses of calls that led to it.
     Panic = 18,
     /// The processor refused an instruction or an address; value and limit are CFSR and the program counter.
     HardFault = 19,

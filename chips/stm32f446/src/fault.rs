@@ -6,6 +6,7 @@ use corehbot::fault::{Cause, Fault};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 
+use crate::calls::{Calls, word};
 use crate::{reset_reason, safe_levels, stack_guard};
 
 /// The part of CFSR about the MPU (ARM DDI 0403E, B3.2.15).
@@ -52,16 +53,15 @@ pub fn give_up(cause: Cause, reason: &str) -> ! {
     end((cause, 0, 0), format_args!("{reason}"))
 }
 
+/// The place and the message of a panic are not read ([`calls`](crate::calls)). The values are the second and the third
+/// call: the first one is the core library's own.
 #[panic_handler]
-fn on_panic(info: &PanicInfo<'_>) -> ! {
+#[inline(never)]
+fn on_panic(_: &PanicInfo<'_>) -> ! {
     make_safe();
-    match info.location() {
-        Some(at) => {
-            let text = format_args!("a panic at {}:{}: {}", at.file(), at.line(), info.message());
-            end((Cause::Panic, at.line(), 0), text)
-        }
-        None => end((Cause::Panic, 0, 0), format_args!("a panic")),
-    }
+    let calls = Calls::here();
+    let [value, limit] = [1, 2].map(|place| calls.clone().nth(place).unwrap_or_default());
+    end((Cause::Panic, value, limit), format_args!("a panic, called at{calls}"))
 }
 
 /// The crystal has stopped (RM0390, 6.2.7), or memory is at fault.
@@ -117,11 +117,5 @@ extern "C" fn describe(stack: u32) -> ! {
 fn counter(stack: u32) -> u32 {
     /// Offset of the program counter in the exception frame (ARM DDI 0403E, B1.5.6).
     const OFFSET: u32 = 24;
-    /// SRAM1 and SRAM2.
-    const RAM: core::ops::Range<u32> = 0x2000_0000..0x2000_0000 + stack_guard::RAM_SIZE - OFFSET - 4;
-    if !RAM.contains(&stack) || !stack.is_multiple_of(4) {
-        return 0;
-    }
-    // SAFETY: the address is aligned and lies in RAM; any word is a valid u32.
-    unsafe { core::ptr::read_volatile((stack + OFFSET) as *const u32) }
+    stack.checked_add(OFFSET).and_then(word).unwrap_or_default()
 }

@@ -42,6 +42,8 @@ mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;
 #[cfg(target_os = "none")]
+mod calls;
+#[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
 mod contexts;
