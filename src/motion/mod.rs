@@ -74,6 +74,7 @@ pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
 pub use surface::SurfaceFrame;
 pub use ticks::MIN_STEP_INTERVAL;
+pub(crate) use trajectory::AXES;
 pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
 pub use work::{Entry, Work, surface_work};
 pub use z_limits::ZLimits;

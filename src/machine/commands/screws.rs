@@ -144,7 +144,8 @@ pub(super) async fn level_screws<P: PortSet, W: Pend>(
         done += 1;
         main_loop.reply(Answer::Screws(ScrewAnswer::Round(done))).await?;
         let mut heights: Vec<f32, SCREWS> = Vec::new();
-        for point in screws.points.clone() {
+        for place in 0..screws.points.len() {
+            let Some(point) = screws.points.get(place).copied() else { break };
             let height = touch_bed(main_loop, Some(point.map(f32_to_mm)), end).await?;
             let _ = heights.push(mm_to_f32(height));
         }

@@ -4,7 +4,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
-use crate::motion::{Work, stiffenings, taps};
+use crate::motion::{AXES, Work, stiffenings, taps};
 use crate::port::Pend;
 use crate::units::Steps;
 
@@ -98,9 +98,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.until(|c| c.motion.has_room_for_work()).await?;
             self.motion.send(Work::Stiffen(axis as u8, stiffening));
         }
-        for (axis, taps) in taps(&self.settings.shapers, window).into_iter().enumerate() {
+        // Found again for each axis, because a vector that waits here would have to be dropped: every future of the
+        // Console would get code that drops it, 8 KB in all.
+        for axis in 0..AXES {
             self.until(|c| c.motion.has_room_for_work()).await?;
-            self.motion.send(Work::Follow(axis as u8, taps));
+            if let Some(taps) = taps(&self.settings.shapers, window).into_iter().nth(axis) {
+                self.motion.send(Work::Follow(axis as u8, taps));
+            }
         }
         Ok(())
     }
