@@ -13,6 +13,7 @@
 //! | [`record`] | all of a print: one JSON object and three streams |
 //! | [`path`] | the way of the tool, exact to a step |
 //! | [`mod@print`] | the page of a print |
+//! | [`viewer`] | the script that shows a print |
 //! | [`twin`] | the pages of the twin |
 //! | [`misalignment`] | the twin's pulleys off their places, drawn |
 //! | [`resonance`] | the page of what an accelerometer measured |
@@ -40,4 +41,5 @@ pub mod summary;
 pub mod svg;
 pub mod twin;
 mod varint;
+pub mod viewer;
 pub mod yin;

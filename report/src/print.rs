@@ -14,6 +14,7 @@ use crate::moves::StoredMoves;
 use crate::path::{Bounds, Chunk, Stored};
 use crate::record::{Record, TextChunk, blobs, text_blobs};
 use crate::summary::Summary;
+use crate::viewer::{self, TEMPLATE};
 use belt::BeltData;
 use corehbot::kinematics::Row;
 use corehbot::motors::MotorName;
@@ -32,26 +33,14 @@ use serde::Serialize;
 use std::io::{self, Read, Seek, Write};
 use sums::{Filament, LayerSum, TypeSum, by_layer, by_type, chunk_row};
 
-/// The page.
-const TEMPLATE: &str = include_str!("print.html");
-
-/// Its script that draws heat.
-const HEAT: &str = include_str!("print/heat.js");
-
-/// Its script that draws the belt plant.
-const BELT: &str = include_str!("print/belt.js");
-
-/// Its script that draws the mesh.
-const MESH: &str = include_str!("print/mesh.js");
-
 /// The head of every page.
 pub(crate) const HEAD: &str = include_str!("print/head.html");
 
 /// How pages look.
 pub(crate) const STYLE: &str = include_str!("print/page.css");
 
-/// Where the style goes, the path, the data and these scripts.
-const MARKS: [&str; 6] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*BELT*/", "/*HEAT*/", "/*MESH*/"];
+/// Where the style goes, the path, the viewer and the data.
+const MARKS: [&str; 4] = ["/*STYLE*/\n", "<!--PATH-->", "/*VIEWER*/", "/*DATA*/"];
 
 /// The content of a page.
 #[derive(Clone, Copy, Debug)]
@@ -82,26 +71,6 @@ pub struct Streams<P, M, T> {
     /// The G-code file from its begin.
     pub gcode: T,
 }
-
-/// How the blobs of a stream are packed in a page.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Packing {
-    /// Not at all.
-    Raw,
-    /// RFC 1951.
-    DeflateRaw,
-}
-
-/// The packing of each stream in a page.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Packings {
-    path: Packing,
-    moves: Packing,
-    gcode: Packing,
-}
-
-const PACKINGS: Packings = Packings { path: Packing::Raw, moves: Packing::DeflateRaw, gcode: Packing::DeflateRaw };
 
 #[derive(Serialize)]
 struct Data<'a> {
@@ -135,7 +104,6 @@ struct Data<'a> {
     machine: MachineData,
     move_chunks: Vec<[i64; 7]>,
     gcode_chunks: Vec<TextChunk>,
-    packing: Packings,
 }
 
 /// Times in s.
@@ -185,16 +153,14 @@ impl Page<'_> {
         let (begin, rest) = cut(TEMPLATE, MARKS[0])?;
         let (head, rest) = cut(rest, MARKS[1])?;
         let (middle, rest) = cut(rest, MARKS[2])?;
-        let (curves, rest) = cut(rest, MARKS[3])?;
-        let (setting, rest) = cut(rest, MARKS[4])?;
-        let (bed, end) = cut(rest, MARKS[5])?;
-        for text in [HEAD, begin, STYLE, head] {
+        let (before, end) = cut(rest, MARKS[3])?;
+        for text in [HEAD, begin, &viewer::style(), head] {
             out.write_all(text.as_bytes())?;
         }
         let data = self.read(streams, |stream, blob| script(stream, blob, out))?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&data)?.replace('<', "\\u003c");
-        for text in [middle, &json, curves, BELT, setting, HEAT, bed, MESH, end] {
+        for text in [middle, &viewer::script(), before, &json, end] {
             out.write_all(text.as_bytes())?;
         }
         out.flush()
@@ -271,7 +237,6 @@ impl Page<'_> {
             machine: MachineData::new(settings),
             move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &stored.heights)).collect(),
             gcode_chunks: Vec::new(),
-            packing: PACKINGS,
         }
     }
 }
@@ -286,19 +251,15 @@ enum Stream {
 
 /// A blob as a script that does nothing.
 fn script(stream: Stream, blob: &[u8], out: &mut impl Write) -> io::Result<()> {
-    let (class, packing) = match stream {
-        Stream::Path => ("path", PACKINGS.path),
-        Stream::Moves => ("moves", PACKINGS.moves),
-        Stream::Gcode => ("gcode", PACKINGS.gcode),
+    let class = match stream {
+        Stream::Path => "path",
+        Stream::Moves => "moves",
+        Stream::Gcode => "gcode",
     };
-    let text = match packing {
-        Packing::Raw => base64(blob),
-        Packing::DeflateRaw => {
-            let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
-            encoder.write_all(blob)?;
-            base64(&encoder.finish()?)
-        }
-    };
+    // RFC 1951: browsers unpack it by themselves.
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(blob)?;
+    let text = base64(&encoder.finish()?);
     writeln!(out, "<script type=\"text/plain\" class=\"{class}\">{text}</script>")
 }
 
@@ -367,12 +328,9 @@ mod tests {
     }
 
     #[test]
-    fn the_template_has_places_for_path_and_data_and_needs_no_network() {
+    fn the_template_has_places_for_path_viewer_and_data() {
         assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
         assert!(MARKS.map(|mark| TEMPLATE.find(mark)).is_sorted());
-        assert!(
-            [TEMPLATE, HEAT, BELT, MESH].iter().all(|text| !text.contains("http://") && !text.contains("https://"))
-        );
     }
 
     #[test]

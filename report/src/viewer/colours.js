@@ -1,0 +1,38 @@
+// Colours: scales and sets that people with any colour vision can tell apart.
+
+/** Viridis at tenths (van der Walt and Smith, 2015); a dark page leaves the darkest fifth out, a light one the lightest. */
+const VIRIDIS = [[68, 1, 84], [72, 40, 120], [62, 73, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [110, 206, 88], [181, 222, 43], [253, 231, 37]];
+/** Okabe and Ito, Color Universal Design (2008). */
+const OKABE_ITO = { orange: [230, 159, 0], sky: [86, 180, 233], green: [0, 158, 115], yellow: [240, 228, 66], blue: [0, 114, 178], vermilion: [213, 94, 0], purple: [204, 121, 167], grey: [150, 150, 150] };
+const darkScheme = matchMedia("(prefers-color-scheme: dark)");
+/** Calls when the page gets dark or light, as long as an element is in it. */
+function onScheme(element, each) {
+  const listen = () => { if (element.isConnected) each(); else darkScheme.removeEventListener("change", listen); };
+  darkScheme.addEventListener("change", listen);
+}
+const rgb = c => "rgb(" + c.join(",") + ")";
+function viridis(share) {
+  const [from, to] = darkScheme.matches ? [0.2, 1] : [0, 0.86];
+  const f = (from + (to - from) * clamp(share, 0, 1)) * 9, k = Math.min(8, Math.floor(f)), r = f - k;
+  return VIRIDIS[k].map((c, j) => Math.round(c + (VIRIDIS[k + 1][j] - c) * r));
+}
+/** Between a colour and white or black. */
+const mixed = (c, other, share) => c.map((v, i) => Math.round(v + (other[i] - v) * share));
+const WHITE = [255, 255, 255], BLACK = [0, 0, 0];
+const ROLES = {
+  "outer wall": OKABE_ITO.orange, "inner wall": OKABE_ITO.yellow, infill: OKABE_ITO.vermilion, skin: OKABE_ITO.purple,
+  support: OKABE_ITO.green, skirt: mixed(OKABE_ITO.green, WHITE, 0.5), purge: mixed(OKABE_ITO.blue, WHITE, 0.35), bridge: OKABE_ITO.sky,
+  other: OKABE_ITO.blue, travel: OKABE_ITO.grey,
+};
+/** What limits a move, in the order of the record. */
+const LIMIT_COLOURS = {
+  feed: OKABE_ITO.green, axis: OKABE_ITO.vermilion, motor: OKABE_ITO.purple, corner: OKABE_ITO.orange, "look-ahead": OKABE_ITO.yellow,
+  "cruise ratio": OKABE_ITO.sky, extruder: OKABE_ITO.blue, mesh: mixed(OKABE_ITO.purple, BLACK, 0.45), "slow host": mixed(OKABE_ITO.vermilion, BLACK, 0.5),
+};
+/** Lines of a chart, by number. */
+const curveColour = i => {
+  const set = darkScheme.matches ? ["sky", "orange", "green", "purple", "yellow", "vermilion", "blue", "grey"] : ["blue", "vermilion", "green", "purple", "orange", "sky", "grey", "yellow"];
+  return rgb(OKABE_ITO[set[i % set.length]]);
+};
+/** As a colour of a chart, faint. */
+const faint = (colour, share = 0.25) => colour.replace("rgb(", "rgba(").replace(")", "," + share + ")");

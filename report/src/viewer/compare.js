@@ -1,0 +1,84 @@
+// Compare: a second report over the first, where they differ first, and the time saved by layer.
+
+/** The first move that differs, by `isSame`; -1 if none does. */
+function firstDifference(a, b, isSame) {
+  const n = Math.min(a.n, b.n);
+  for (let i = 0; i < n; i++) if (!isSame(i)) return i;
+  return a.n === b.n ? -1 : n;
+}
+const differs = (u, v, by) => Math.abs(u - v) > by;
+
+/** Places and keys that two records have with other values. */
+function otherKeys(a, b, path = "", found = []) {
+  if (found.length > 40) return found;
+  if (a && b && typeof a === "object" && typeof b === "object") for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) otherKeys(a[key], b[key], path ? path + "." + key : key, found);
+  else if (a !== b) found.push([path, JSON.stringify(a) ?? "\u2013", JSON.stringify(b) ?? "\u2013"]);
+  return found;
+}
+
+function compareCard(record, stage, player) {
+  const result = make("div", { className: "panel flat" }), file = make("input", { type: "file", accept: ".html,.htm", ariaLabel: "Second report" });
+  const status = make("output", { role: "status" });
+  const choose = make("label", { className: "drop" }, "Choose or drop a second report of the same file: other settings, or another version. ", file);
+  const section = card("Compare with another run", choose, status, result);
+  let plot = null;
+  async function take(text, name) {
+    status.textContent = "reading " + name;
+    await breathe();
+    const found = recordOfText(text);
+    if (!found) { status.textContent = name + " is no report of a print, or one of an older version"; return; }
+    try {
+      const second = await loadRecord(found.data, found.streams, share => { status.textContent = `reading ${name}: ${(100 * share).toFixed(0)} %`; });
+      status.textContent = "";
+      show(second, name);
+    } catch (error) { status.textContent = `${name} cannot be read: ${error.message}`; }
+  }
+  function show(second, name) {
+    if (stage.second) stage.lines.remove(stage.second.body);
+    stage.second = { record: second, body: stage.lines.add(second.moves, OKABE_ITO.vermilion) };
+    stage.redraw();
+    const a = record.moves, b = second.moves;
+    const isPlace = i => [0, 1, 2, 4, 5, 6].every(k => !differs(a.points[4 * i + k], b.points[4 * i + k], 0.002)) && !differs(a.e[i], b.e[i], 0.002);
+    const path = firstDifference(a, b, isPlace), speed = firstDifference(a, b, i => isPlace(i) && !differs(a.top[i], b.top[i], 0.05) && !differs(a.entry[i], b.entry[i], 0.05) && !differs(a.exit[i], b.exit[i], 0.05));
+    const jump = i => {
+      if (i < 0) return "none";
+      const at = Math.min(i, a.n - 1), go = make("button", { type: "button", textContent: `line ${count(a.line[at])}, move ${count(i + 1)}` });
+      go.onclick = () => { player.stop(); player.setMove(at + 1); stage.element.scrollIntoView({ block: "nearest" }); };
+      return go;
+    };
+    const A = record.data, B = second.data, time = data => data.time?.total ?? data.summary.print_time_s, saved = time(A) - time(B);
+    const rows = [
+      ["File", A.summary.file, B.summary.file], ["Machine", A.summary.machine, B.summary.machine], ["Time", clock(time(A)), clock(time(B))], ["Motion", clock(A.summary.motion_time_s), clock(B.summary.motion_time_s)],
+      ["Moves", count(a.n), count(b.n)], ["Greatest speed, mm/s", A.summary.peak_speed_mm_s.toFixed(1), B.summary.peak_speed_mm_s.toFixed(1)], ["Filament, m", ((A.filament?.mm ?? 0) / 1000).toFixed(2), ((B.filament?.mm ?? 0) / 1000).toFixed(2)], ["Trace SHA-256", A.summary.trace_sha256.slice(0, 12) + "\u2026", B.summary.trace_sha256.slice(0, 12) + "\u2026"],
+    ];
+    const sides = select("What is drawn", [["both", "both paths"], ["first", "this report"], ["second", "the second one"]], side => { stage.sides = side; stage.redraw(); });
+    stage.sides = "both";
+    const end = make("button", { type: "button", textContent: "End the comparison" });
+    end.onclick = () => { stage.lines.remove(stage.second.body); stage.second = null; stage.sides = "both"; plot?.destroy(); plot = null; result.replaceChildren(); stage.redraw(); };
+    const dot = make("i", { className: "dot" }); dot.style.background = rgb(OKABE_ITO.vermilion);
+    const chart = make("div", { className: "plot", role: "img", ariaLabel: "Time saved by layer, s" }), out = make("output");
+    const keys = otherKeys(A.machine ?? {}, B.machine ?? {});
+    result.replaceChildren(
+      make("div", { className: "bar" }, make("span", { className: "legend" }, dot, name), sides, end),
+      make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${clock(Math.abs(saved))} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
+      table(["", "this report", "second report"], rows, "figures"),
+      ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []),
+      make("div", { className: "bar" }, make("h3", { textContent: "Time saved by layer, s" }), make("span", { className: "grow" }), out), chart);
+    const layers = Math.max(A.by_layer?.length ?? 0, B.by_layer?.length ?? 0);
+    const gain = Array.from({ length: layers }, (_, i) => (A.by_layer[i]?.seconds ?? 0) - (B.by_layer[i]?.seconds ?? 0));
+    plot?.destroy(); plot = null;
+    if (!layers) return;
+    const ink = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, font = "11px system-ui, sans-serif", stroke = curveColour(0);
+    plot = plotted({ width: Math.max(chart.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers + 0.5] } }, cursor: { y: false, drag: { x: false, y: false } },
+      series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }], axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
+      hooks: { setCursor: [u => { const i = u.cursor.idx; if (i !== null && i !== undefined && u.cursor.left >= 0) out.textContent = `layer ${i + 1}: ${gain[i].toFixed(3)} s`; }] } }, [gain.map((_, i) => i + 1), gain], chart);
+    plot.over.addEventListener("click", () => { const i = plot.cursor.idx; if (i !== null && i !== undefined) { player.single = true; player.setLayers(i, i); }; });
+    new ResizeObserver(() => plot?.setSize({ width: Math.max(chart.clientWidth, 200), height: 200 })).observe(chart);
+  }
+  const open = async f => { if (f) await take(await f.text(), f.name); };
+  file.onchange = () => open(file.files[0]);
+  section.addEventListener("dragover", e => { e.preventDefault(); section.classList.add("over"); });
+  section.addEventListener("dragleave", () => section.classList.remove("over"));
+  section.addEventListener("drop", e => { e.preventDefault(); section.classList.remove("over"); open(e.dataTransfer.files[0]); });
+  return section;
+}

@@ -1,0 +1,119 @@
+// Facts: what the print was, in numbers and tables; a failure comes first.
+
+function header(record) {
+  const { summary: S } = record.data, name = S.file.split("/").pop();
+  const badge = make("span", { className: "badge " + (S.ok ? "good" : "bad"), textContent: S.ok ? "done, every step sound" : S.failure || record.fault ? "failed" : S.violations_total + " violations" });
+  const F = record.data.filament, filament = F.mm > 0 ? `, ${(F.mm / 1000).toFixed(2)} m of filament, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g` : "";
+  return make("header", {}, make("h1", { textContent: name, title: S.file }), make("span", { className: "sub", textContent: `on ${S.machine}: ${clock(record.data.time.total)}${filament}` }), badge);
+}
+
+/** What happened, when, what to do, and where more of it is written. */
+function faultCard(record, player) {
+  const { data, fault } = record, S = data.summary;
+  if (S.ok && !fault) return "";
+  const lines = [];
+  const row = (name, ...content) => lines.push(make("dt", { textContent: name }), make("dd", {}, ...content));
+  const title = fault ? (fault.code ? fault.code + ": " : "") + fault.text : S.failure ?? S.violations_total + " violations of the machine's limits";
+  if (fault && S.failure && S.failure !== fault.text) row("Message", S.failure);
+  if (fault && (fault.time_s !== null && fault.time_s !== undefined)) {
+    const go = make("button", { type: "button", textContent: "Show the place" });
+    go.onclick = () => { player.stop(); player.setTime(fault.time_s); };
+    row("When", `${clock(fault.time_s)} of motion` + (fault.line ? `, line ${count(fault.line)} of the file. ` : ". "), go);
+  }
+  const cures = fault?.cure ? [fault.cure] : [];
+  if (cures.length) row("What to do", ...cures);
+  if (fault?.page) row("More", record.docs ? make("a", { href: record.docs + fault.page, textContent: fault.page, target: "_blank", rel: "noopener" }) : make("code", { textContent: fault.page }));
+  const some = S.violations.slice(0, 5);
+  if (some.length) row("Violations", make("ul", { className: "remarks" }, ...some.map(textContent => make("li", { textContent }))), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));
+  const section = make("section", { className: "card panel fault", role: "alert", ariaLabel: "What went wrong" }, make("h2", { textContent: title }), make("dl", {}, ...lines));
+  return section;
+}
+
+function tiles(record) {
+  const { data } = record, S = data.summary, { filament: F, time: T } = data;
+  const metre = mm => mm >= 10000 ? [(mm / 1000).toFixed(1), "m"] : [mm.toFixed(0), "mm"];
+  const list = [
+    [clock(T.total), "", `= motion ${clock(T.motion)} + heat ${clock(T.heat)} + waits ${clock(T.waits)}`],
+    F.mm > 0 && [...metre(F.mm), `filament of ${F.diameter_mm} mm, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g at ${F.density} g/cm\u00b3${F.is_density_known === false ? ", the density of PLA" : ""}`],
+    [...metre(S.path_mm), "path of the tool"],
+    [count(S.moves), "", `moves of ${count(S.commands)} commands`],
+    [S.peak_speed_mm_s.toFixed(0), "mm/s", "greatest speed, over 20 ms"],
+    [(S.peak_event_rate_hz / 1000).toFixed(1), "kHz", `greatest step rate, of ${count(S.events)} steps`],
+    [S.underruns, "", "underruns" + (S.look_ahead_low_water === null ? "" : ", \u2265 " + S.look_ahead_low_water + " moves ahead")],
+  ];
+  return make("section", { className: "tiles", ariaLabel: "Figures" }, ...list.filter(Boolean).map(([value, unit, name]) => make("div", { className: "card tile" },
+    make("b", { className: String(value).length + unit.length > 9 ? "long" : "" }, value + " ", make("small", { textContent: unit })), make("span", { textContent: name }))));
+}
+
+const table = (heads, rows, className = "") => {
+  const body = make("tbody"), head = make("tr", {}, ...heads.map(textContent => make("th", { textContent, scope: "col" })));
+  for (const row of rows) { const line = body.insertRow(); for (const cell of row) line.insertCell().append(cell); }
+  return make("div", { className: "wide" }, make("table", { className }, make("thead", {}, head), body));
+};
+
+/** Time and filament by line type, and time by layer. */
+function timeCards(record, player) {
+  const { data } = record, cards = [], types = (data.by_type ?? []).filter(row => row.seconds > 0 || row.moves > 0).sort((a, b) => b.seconds - a.seconds);
+  const whole = types.reduce((sum, row) => sum + row.seconds, 0) || 1, F = data.filament;
+  const gram = mm => F && F.mm > 0 ? (F.g * mm / F.mm).toFixed(2) : "";
+  if (types.length) {
+    const rows = types.map(row => {
+      const bar = make("i", { className: "share" }), type = data.types[row.type] ?? { name: "?", role: "other" };
+      bar.style.cssText = `width:${100 * row.seconds / whole}%;background:${rgb(ROLES[type.role] ?? ROLES.other)}`;
+      return [type.name, clock(row.seconds), make("span", {}, (100 * row.seconds / whole).toFixed(1) + " %", bar), row.filament_mm > 0 ? (row.filament_mm / 1000).toFixed(2) : "", row.filament_mm > 0 ? gram(row.filament_mm) : "", count(row.moves)];
+    });
+    cards.push(card("Time and filament by line type", table(["Line type", "Time", "Share of motion", "Filament, m", "g", "Moves"], rows, "figures shares")));
+  }
+  const layers = data.by_layer ?? [];
+  if (layers.length > 1) {
+    const place = make("div", { className: "plot", tabIndex: 0, role: "img", ariaLabel: "Time of each layer in s" }), out = make("output");
+    const box = make("section", { className: "card panel", ariaLabel: "Time by layer" }, make("div", { className: "bar" }, make("h2", { textContent: "Time by layer, s" }), make("span", { className: "grow" }), out), place);
+    let plot = null;
+    const build = () => {
+      plot?.destroy();
+      const ink = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, font = "11px system-ui, sans-serif", stroke = curveColour(0);
+      plot = plotted({ width: Math.max(place.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers.length + 0.5] }, y: { range: (_, a, b) => [0, b * 1.06 || 1] } },
+        cursor: { y: false, drag: { x: false, y: false } }, series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }],
+        axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
+        hooks: { setCursor: [u => { const i = u.cursor.left >= 0 ? u.cursor.idx : player.high, layer = layers[i]; if (layer) out.textContent = `layer ${i + 1}, Z ${layer.height.toFixed(2)} mm: ${clock(layer.seconds)}, ${(layer.filament_mm / 1000).toFixed(2)} m`; }] },
+      }, [layers.map((_, i) => i + 1), layers.map(layer => layer.seconds)], place);
+      plot.over.addEventListener("click", () => { const i = plot.cursor.idx; if (i !== null && i !== undefined) { player.single = true; player.setLayers(i, i); }; });
+    };
+    onScheme(place, build);
+    new ResizeObserver(() => plot ? plot.setSize({ width: Math.max(place.clientWidth, 200), height: 200 }) : build()).observe(place);
+    cards.push(box);
+  }
+  return cards.length ? make("section", { className: cards.length > 1 ? "pair" : "" }, ...cards) : "";
+}
+
+/** Motors, remarks, and the hash of the trace. */
+function endCards(record) {
+  const { data } = record, S = data.summary;
+  const motors = table(["Motor", "Drives", "Steps", "Net steps"], data.motors.map(m => [m.name, m.drives, count(m.steps), count(m.net)]), "figures");
+  const remarks = [...S.violations, ...S.warnings, ...S.pauses, ...(data.belt?.skips.map(skip => "skipped: " + skip.text) ?? [])];
+  const list = remarks.length ? make("ul", { className: "remarks" }, ...remarks.map(textContent => make("li", { textContent }))) : make("span", { className: "sub", textContent: S.ok ? "None: limits kept, no step strains the belt, end position exact." : "None." });
+  return make("section", { className: "pair" }, card("Motors", motors), make("section", { className: "card panel" }, make("h2", { textContent: "Remarks" }), list, make("h2", { textContent: "Trace SHA-256" }), make("div", { className: "hash", textContent: S.trace_sha256 })));
+}
+
+/** What the pointer says of a move. */
+function teller(record) {
+  const { data, moves, motors } = record;
+  return i => {
+    const type = data.types[moves.type[i]]?.name ?? "", v = x => short(x) + " mm/s", length = moves.length(i), rows = [];
+    rows.push([moves.line[i] ? "Line " + count(moves.line[i]) : "Firmware's own", type]);
+    rows.push(["Layer", `${moves.layer[i] + 1}, ${clock(moves.begin[i])}`]);
+    rows.push(["Commanded", v(moves.feed[i])], ["Reached", v(moves.top[i])], ["Entry, exit", `${short(moves.entry[i])}, ${v(moves.exit[i])}`]);
+    const isSlower = moves.top[i] < moves.feed[i] * 0.995, limit = data.limits[moves.limit[i]];
+    // A move below its feed is not limited by it: the record does not know the reason.
+    rows.push([isSlower ? "No faster because of" : "Limited by", isSlower && limit === "feed" ? "unknown" : limit]);
+    rows.push(["Acceleration", short(moves.acceleration(i)) + " mm/s\u00b2"], ["Length, time", `${length.toFixed(3)} mm, ${(1000 * moves.duration(i)).toFixed(2)} ms`]);
+    if (moves.e[i]) rows.push(["Filament", `${moves.e[i].toFixed(4)} mm, ${short(moves.flow(i))} mm\u00b3/s`]);
+    if (moves.points[4 * i + 3] > 0) rows.push(["Line width", moves.points[4 * i + 3].toFixed(2) + " mm"]);
+    if (motors.length) {
+      const u = direction(moves, i, length), s = length > 0 ? length : Math.abs(moves.e[i]) > 0 ? 1 : 0;
+      const rates = motors.map(m => [m.name, m.steps_per_mm.reduce((sum, row, axis) => sum + row * u[axis], 0) * (s ? moves.top[i] : 0)]).filter(([, rate]) => Math.abs(rate) >= 1);
+      if (rates.length) rows.push(["Motors, steps/s", rates.map(([name, rate]) => `${name} ${rate < 0 ? "\u2212" : ""}${short(Math.abs(rate))}`).join("  ")]);
+    }
+    return rows;
+  };
+}

@@ -1,0 +1,75 @@
+// G-code: the file's text in step with the picture. Only the lines in sight are elements, and only their blobs are open.
+
+const ROW = 19, TALLEST = 6e6;
+class Text {
+  constructor(record, player, blobs) {
+    const chunks = record.data.gcode_chunks ?? [];
+    Object.assign(this, { record, player, blobs, chunks, open: new Map(), top: 0, chosen: 0 });
+    const last = chunks[chunks.length - 1];
+    this.lines = last ? last[0] + last[1] - 1 : 0;
+    this.sheet = make("div", { className: "sheet" });
+    this.rows = make("div", { className: "rows" });
+    this.element = make("div", { className: "text", tabIndex: 0, role: "listbox", ariaLabel: "G-code: choose a line to see its moves" }, this.sheet, this.rows);
+    this.tall = Math.min(this.lines * ROW, TALLEST);
+    this.sheet.style.height = this.tall + "px";
+    this.element.onscroll = () => { if (this.own) { this.own = false; return; } this.top = this.element.scrollTop / Math.max(this.tall - this.element.clientHeight, 1) * Math.max(this.lines - this.fits(), 0); this.draw(); };
+    // A file that is longer than the tallest sheet would be scrolled by many lines at once.
+    this.element.addEventListener("wheel", e => { if (this.tall < TALLEST) return; e.preventDefault(); this.scrollTo(this.top + e.deltaY / ROW); }, { passive: false });
+    this.rows.onclick = e => { const line = +e.target.closest("[data-line]")?.dataset.line; if (line) this.choose(line); };
+    this.element.addEventListener("keydown", e => {
+      const by = { ArrowDown: 1, ArrowUp: -1, PageDown: this.fits(), PageUp: -this.fits() }[e.key];
+      if (!by) return;
+      e.preventDefault();
+      this.choose(clamp(this.chosen + by, 1, this.lines));
+    });
+    player.on("time", () => { const line = this.lineNow(); if (line && line !== this.chosen) { this.chosen = line; this.reveal(); } });
+    new ResizeObserver(() => this.reveal()).observe(this.element);
+  }
+  fits() { return Math.max(1, Math.floor(this.element.clientHeight / ROW)); }
+  lineNow() {
+    const { moves } = this.record;
+    for (let i = this.player.current; i >= 0 && i > this.player.current - 2000; i--) if (moves.line[i]) return moves.line[i];
+    return 0;
+  }
+  choose(line) {
+    this.chosen = line;
+    const i = this.record.moves.ofLine(line);
+    this.player.stop();
+    if (i >= 0) { this.player.setMove(i + 1); this.chosen = line; }
+    this.reveal();
+  }
+  reveal() {
+    const at = this.chosen - 1 - this.top;
+    if (at < 1 || at > this.fits() - 2) this.scrollTo(this.chosen - 1 - this.fits() / 2); else this.draw();
+  }
+  scrollTo(top) {
+    this.top = clamp(top, 0, Math.max(this.lines - this.fits(), 0));
+    const to = Math.round(this.top / Math.max(this.lines - this.fits(), 1) * Math.max(this.tall - this.element.clientHeight, 0));
+    if (Math.abs(this.element.scrollTop - to) >= 1) { this.own = true; this.element.scrollTop = to; }
+    this.draw();
+  }
+  /** The lines of a blob; opened when it is needed first. */
+  linesOf(c) {
+    const known = this.open.get(c);
+    if (known) return known instanceof Array ? known : null;
+    this.open.set(c, opened(this.blobs[c]).then(bytes => {
+      this.open.set(c, new TextDecoder().decode(bytes).split("\n"));
+      if (this.open.size > 12) this.open.delete(this.open.keys().next().value);
+      this.draw();
+    }));
+    return null;
+  }
+  draw() {
+    const first = Math.floor(this.top), n = Math.min(this.fits() + 2, this.lines - first), rows = [];
+    const digits = String(this.lines).length;
+    for (let line = first + 1; line <= first + n; line++) {
+      const c = after(this.chunks.length, k => this.chunks[k][0], line) - 1, text = c >= 0 ? this.linesOf(c)?.[line - this.chunks[c][0]] : "";
+      const row = make("div", { role: "option", className: line === this.chosen ? "chosen" : line === this.record.fault?.line ? "failed" : "" }, make("i", { textContent: String(line).padStart(digits) }), make("span", { textContent: text ?? "\u2026" }));
+      row.dataset.line = line;
+      row.ariaSelected = String(line === this.chosen);
+      rows.push(row);
+    }
+    this.rows.style.transform = `translateY(${this.element.scrollTop - (this.top - first) * ROW}px)`;
+    this.rows.replaceChildren(...rows);
+  }
+}

@@ -1,0 +1,79 @@
+// Open: the whole viewer of a record, in an element of any page.
+
+async function loadRecord(data, streams, progress) {
+  const record = { data, motors: data.machine.motors, heat: new Heat(data), fault: data.fault ?? null };
+  record.moves = await readMoves(data, streams.moves, progress);
+  record.tell = teller(record);
+  const { fault } = record;
+  record.marks = fault && Number.isFinite(fault.time_s) ? [{ time_s: fault.time_s, code: fault.code || "fault" }] : [];
+  return record;
+}
+
+/** Chunks of a large print that give a first picture: the last ones, and some of all. */
+const PREVIEW = 32, LARGE = 100;
+async function previewOf(root, data, streams, wait) {
+  const rows = data.move_chunks ?? [], n = rows.length;
+  if (n < LARGE) return null;
+  const chosen = rows.map((_, i) => i).filter(i => i >= n - 6 || i % Math.ceil(n / PREVIEW) === 0);
+  const part = { ...data, move_chunks: chosen.map(i => rows[i]), fault: null };
+  try {
+    const record = await loadRecord(part, { moves: chosen.map(i => streams.moves[i]) });
+    const player = new Player(record.moves, layersOf(data).heights.length), stage = new Stage(record, player);
+    colourBar(record, stage, player);
+    stage.element.inert = true;
+    root.replaceChildren(header(record), make("section", { className: "card panel view" }, wait, stage.element));
+    // The picture, before the rest is read.
+    await new Promise(go => { stage.onPicture = () => setTimeout(go, 60); setTimeout(go, 2000); });
+    root.dispatchEvent(new CustomEvent("corehbot-picture", { bubbles: true }));
+    return stage;
+  } catch { return null; }
+}
+
+/**
+ * Shows a record in `root`, in place of what was there. Streams are lists of Uint8Array, or of functions that make them.
+ * `docs` is the address that paths of the documents begin with, if there is one.
+ */
+async function openRecord(root, data, streams, { docs = null } = {}) {
+  const round = root.corehbotRound = (root.corehbotRound ?? 0) + 1;
+  // Graphics memory of a record that was here before.
+  root.corehbotView?.player.stop();
+  root.corehbotView?.stage?.lines.end();
+  root.corehbotView = null;
+  const wait = make("p", { className: "sub", role: "status", textContent: "Reading the print" });
+  root.classList.add("viewer");
+  root.replaceChildren(wait);
+  const preview = await previewOf(root, data, streams, wait);
+  const record = await loadRecord(data, streams, share => { wait.textContent = `Reading the print, ${(100 * share).toFixed(0)} %`; });
+  if (root.corehbotRound !== round) return;
+  record.docs = docs;
+  const { heights } = layersOf(data), player = new Player(record.moves, heights.length);
+  const parts = [header(record), faultCard(record, player)];
+  let stage = null;
+  try { stage = new Stage(record, player); } catch (error) { parts.push(card("Tool path", make("p", { textContent: `The path cannot be drawn: ${error.message}.` }))); }
+  if (stage) {
+    const colours = colourBar(record, stage, player), text = new Text(record, player, streams.gcode ?? []);
+    const hasText = text.lines > 0;
+    const view = make("section", { className: "card panel view", ariaLabel: "Tool path" },
+      make("div", { className: "bar" }, make("h2", { textContent: "Tool path" }), ...viewButtons(stage, player, record, streams.path), make("span", { className: "grow" }), colours.travel, colours.choice),
+      colours.legend,
+      make("div", { className: hasText ? "beside" : "" }, stage.element, ...(hasText ? [text.element] : [])),
+      moveSlider(player, record), layerSlider(player, heights), help());
+    parts.push(view);
+    keyboard(root, stage, player);
+    stage.onPicture = () => { stage.onPicture = null; root.dispatchEvent(new CustomEvent("corehbot-picture", { bubbles: true })); };
+    stage.onWhole = () => { root.dataset.whole = String(Math.round(performance.now())); };
+  }
+  parts.push(tiles(record));
+  root.replaceChildren(...parts);
+  preview?.lines.end();
+  // Curves come after the first picture.
+  await new Promise(go => requestAnimationFrame(() => setTimeout(go)));
+  if (root.corehbotRound !== round) return;
+  const more = [timeCards(record, player), motionCharts(record, player).element, heatCharts(record, player)?.element ?? "", meshCards(record), ...(stage ? [compareCard(record, stage, player)] : []), endCards(record)];
+  root.append(...more);
+  return (root.corehbotView = { record, player, stage });
+}
+function help() {
+  const keys = [["\u2190 \u2192", "one move; with Shift 100"], ["\u2191 \u2193", "one layer"], ["Space", "play, pause"], ["+ \u2212", "zoom"], ["0", "fit"], ["3", "above or 3D"], ["[ ] PgUp PgDn", "orbit"], ["Alt + arrows", "pan"], ["Home End", "first, last move"]];
+  return make("details", { className: "keys" }, make("summary", { textContent: "Keys and hands" }), make("p", { textContent: "Drag: pan from above, orbit in 3D (Shift or the right button pans). Wheel or two fingers: zoom. Click a move, a line of G-code or a chart: the others follow." }), make("dl", {}, ...keys.flatMap(([key, what]) => [make("dt", { textContent: key }), make("dd", { textContent: what })])));
+}

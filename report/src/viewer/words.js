@@ -1,0 +1,36 @@
+// Words: elements, numbers and times as text.
+const make = (tag, props = {}, ...children) => {
+  const element = Object.assign(document.createElement(tag), props);
+  element.append(...children);
+  return element;
+};
+const count = n => Math.round(n).toLocaleString("en-US");
+/** `1:02:03`, or seconds with their fractions below a minute. */
+const clock = s => {
+  if (s < 60) return s === 0 ? "0 s" : s.toFixed(s < 1 ? 3 : s < 10 ? 2 : 1) + " s";
+  const whole = Math.floor(s), two = n => String(n).padStart(2, "0");
+  return (whole >= 3600 ? Math.floor(whole / 3600) + ":" + two(Math.floor(whole / 60) % 60) : Math.floor(whole / 60)) + ":" + two(whole % 60);
+};
+/** A number with as many digits as its size needs. */
+const short = v => {
+  const size = Math.abs(v);
+  if (size >= 10000) return (v / 1000).toFixed(size >= 100000 ? 0 : 1) + "k";
+  return String(+v.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3));
+};
+/** The next of 1, 2, 5, 10, 20, 50 ... that is not below `span`. */
+const nice = span => {
+  const power = 10 ** Math.floor(Math.log10(span));
+  return [1, 2, 5, 10].map(times => times * power).find(step => step >= span * 0.999999);
+};
+const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
+/** The first of `n` numbers, sorted, with a value above `limit`. */
+const after = (n, value, limit) => {
+  let a = 0, b = n;
+  while (a < b) { const m = (a + b) >> 1; if (value(m) <= limit) a = m + 1; else b = m; }
+  return a;
+};
+const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+/** A card with a heading of its own. */
+const card = (title, ...children) => make("section", { className: "card panel", ariaLabel: title }, make("h2", { textContent: title }), ...children);
+/** Lets the page draw and react. */
+const breathe = () => new Promise(go => setTimeout(go));
