@@ -21,7 +21,7 @@ const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.5
 const FOLDER: &str = "xtask/browser";
 
 /// The trials, in this order.
-const TRIALS: [&str; 1] = ["report.py"];
+const TRIALS: [&str; 2] = ["report.py", "viewer.py"];
 
 /// Runs all trials.
 pub fn check() -> Result<Verdict> {

@@ -1,0 +1,122 @@
+"""The viewer of a print: layers, moves, text and charts follow each other, every control has a name, two runs compare.
+
+Arguments: corehbot.
+"""
+
+from chromium import DESK, PHONE, Chromium, check
+from selenium.webdriver.common.keys import Keys
+from trial import ROOT, main, print_report
+
+# What is shown; the page keeps its parts where a trial finds them.
+STATE = """const { player, stage } = document.querySelector('.viewer').corehbotView;
+    return { done: player.done, low: player.low, high: player.high, layers: player.layers, moves: player.moves.n,
+        line: +(document.querySelector('.rows .chosen')?.dataset.line ?? 0), isAbove: stage.camera.isAbove,
+        hover: stage.hover, playing: player.playing };"""
+
+# The share of the picture that lines cover.
+COVERED = """const { stage } = document.querySelector('.viewer').corehbotView, gl = stage.lines.gl;
+    const { width, height } = gl.canvas, pixels = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    let lines = 0;
+    for (let i = 3; i < pixels.length; i += 4) lines += pixels[i] > 0;
+    return lines / (width * height);"""
+
+# Whether all is drawn, exactly.
+WHOLE = """const view = document.querySelector('.viewer')?.corehbotView;
+    return view && !view.stage.dirty && !view.stage.lines.queue.length && view.stage.drawn === view.player.done;"""
+
+
+def run(corehbot, folder):
+    report = print_report(corehbot, ROOT / "examples/first-print.gcode", folder)
+    with Chromium() as browser:
+        seconds = browser.open(report)
+        whole(browser)
+        desk(browser, report)
+        frames = browser.frames_per_second()
+        browser.resize(PHONE, True)
+        browser.open(report)
+        whole(browser)
+        phone(browser)
+    return f"opened in {seconds:.2f} s, {frames:.0f} frames/s"
+
+
+def whole(browser):
+    browser.wait("whole picture", lambda: browser.run(WHOLE))
+
+
+def state(browser):
+    whole(browser)
+    return browser.run(STATE)
+
+
+def desk(browser, report):
+    browser.check_labels()
+    stage = browser.find(".stage")
+    begin = state(browser)
+    check(begin["done"] == begin["moves"] and begin["high"] == begin["layers"] - 1, f"it does not begin whole: {begin}")
+    check(browser.run(COVERED) > 0.1, "the print is not in the middle of the picture")
+
+    # An arrow is one move, another one a layer; a layer alone is never blank, whatever the time was.
+    stage.send_keys(Keys.ARROW_LEFT)
+    check(state(browser)["done"] == begin["moves"] - 1, "an arrow is not one move")
+    browser.run("document.querySelector('.viewer').corehbotView.player.setMove(5)")
+    next(box for box in browser.find_all(".line label") if "only" in box.text).click()
+    single = state(browser)
+    check(single["low"] == single["high"] and browser.run(COVERED) > 0.02, f"a layer alone is blank: {single}")
+    stage.send_keys(Keys.ARROW_DOWN)
+    lower = state(browser)
+    check(lower["high"] == single["high"] - 1 and browser.run(COVERED) > 0.02, f"the layer below is blank: {lower}")
+    next(box for box in browser.find_all(".line label") if "only" in box.text).click()
+
+    # A line of the text shows its move; a move chooses its line.
+    browser.run("document.querySelector('.viewer').corehbotView.player.setMove(1e9)")
+    row = browser.find('.rows [data-line]:nth-child(3)')
+    line = int(row.get_attribute("data-line"))
+    row.click()
+    chosen = state(browser)
+    check(chosen["line"] == line and chosen["done"] < begin["moves"], f"line {line} chose {chosen}")
+
+    # Every colour has a legend.
+    for value in browser.run("return [...document.querySelector('label select').options].map(option => option.value)"):
+        script = "const list = document.querySelector('label select'); list.value = arguments[0]; list.onchange();"
+        browser.run(script, value)
+        check(browser.find(".kinds").text.strip(), f"{value} has no legend")
+    whole(browser)
+
+    # Hover in the middle of the outer wall of the last layer.
+    place = browser.run(
+        """const { stage, record } = document.querySelector('.viewer').corehbotView, { moves } = record;
+        let i = moves.n - 1;
+        while (record.data.types[moves.type[i]].role !== 'outer wall') i--;
+        const box = stage.element.getBoundingClientRect(), [x, y] = stage.camera.toScreen(moves.place(i, 0.5));
+        stage.player.setMove(moves.n); stage.look(x, y);
+        return i"""
+    )
+    browser.wait("words under the pointer", lambda: "Commanded" in browser.find(".tip").text)
+    check(state(browser)["hover"] == place, f"the pointer is at move {place}: {state(browser)}")
+
+    stage.send_keys("3")
+    check(not state(browser)["isAbove"] and browser.run(COVERED) > 0.02, "nothing in three dimensions")
+    stage.send_keys(" ")
+    browser.wait("motion", lambda: browser.run(STATE)["playing"])
+    stage.send_keys(" ")
+    check(not state(browser)["playing"], "play does not pause")
+
+    # The same report once more: nothing differs.
+    browser.find("input[type=file]").send_keys(str(report))
+    browser.wait("comparison", lambda: "same time" in browser.find("section[aria-label^=Compare]").text)
+    told = browser.find("section[aria-label^=Compare]").text
+    check("path: none" in told and "speeds: none" in told, f"a report differs from itself: {told[:300]}")
+    browser.check_quiet()
+
+
+def phone(browser):
+    browser.check_width()
+    browser.run("document.querySelector('.charts').scrollIntoView()")
+    browser.wait("a chart", lambda: browser.find_all(".charts .u-over"))
+    touch = browser.run("return getComputedStyle(document.querySelector('.charts .u-over')).touchAction")
+    check(touch == "pan-y", f"a chart cannot be scrolled past: {touch}")
+    browser.check_quiet()
+
+
+main(run)
