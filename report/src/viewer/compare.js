@@ -77,8 +77,8 @@ function compareCard(record, stage, player) {
   }
   const open = async f => { if (f) await take(await f.text(), f.name); };
   file.onchange = () => open(file.files[0]);
-  section.addEventListener("dragover", e => { e.preventDefault(); section.classList.add("over"); });
-  section.addEventListener("dragleave", () => section.classList.remove("over"));
-  section.addEventListener("drop", e => { e.preventDefault(); section.classList.remove("over"); open(e.dataTransfer.files[0]); });
+  section.addEventListener("dragover", e => { e.preventDefault(); section.classList.add("dropping"); });
+  section.addEventListener("dragleave", () => section.classList.remove("dropping"));
+  section.addEventListener("drop", e => { e.preventDefault(); section.classList.remove("dropping"); open(e.dataTransfer.files[0]); });
   return section;
 }

@@ -49,7 +49,7 @@ function layerSlider(player, heights) {
 function moveSlider(player, record) {
   const { moves } = record;
   const slider = make("input", { type: "range", step: 1, ariaLabel: "Move" }), out = make("output", { className: "now" });
-  const speed = select("Speed of playing", [[0, "20 s"], [0.1, "\u00d7 0.1"], [1, "\u00d7 1"], [10, "\u00d7 10"], [100, "\u00d7 100"], [1000, "\u00d7 1000"]], v => { player.speed = +v; });
+  const speed = select("Speed of playing", [[0, "in 20 s"], [0.1, "\u00d7 0.1"], [1, "\u00d7 1"], [10, "\u00d7 10"], [100, "\u00d7 100"], [1000, "\u00d7 1000"]], v => { player.speed = +v; });
   const span = () => { [slider.min, slider.max] = player.span(); show(); };
   const show = () => {
     slider.value = player.done;

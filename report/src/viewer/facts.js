@@ -14,14 +14,12 @@ function faultCard(record, player) {
   const lines = [];
   const row = (name, ...content) => lines.push(make("dt", { textContent: name }), make("dd", {}, ...content));
   const title = fault ? (fault.code ? fault.code + ": " : "") + fault.text : S.failure ?? S.violations_total + " violations of the machine's limits";
-  if (fault && S.failure && S.failure !== fault.text) row("Message", S.failure);
-  if (fault && (fault.time_s !== null && fault.time_s !== undefined)) {
+  if (fault) {
     const go = make("button", { type: "button", textContent: "Show the place" });
-    go.onclick = () => { player.stop(); player.setTime(fault.time_s); };
-    row("When", `${clock(fault.time_s)} of motion` + (fault.line ? `, line ${count(fault.line)} of the file. ` : ". "), go);
+    go.onclick = () => { player.stop(); player.setTime(fault.motion_s); };
+    row("When", `${clock(fault.time_s)} after the start, at ${clock(fault.motion_s)} of motion` + (fault.line ? `, line ${count(fault.line)}: ` : " "), ...(fault.command ? [make("code", { textContent: fault.command }), " "] : []), go);
   }
-  const cures = fault?.cure ? [fault.cure] : [];
-  if (cures.length) row("What to do", ...cures);
+  if (fault?.cure) row("What to do", fault.cure);
   if (fault?.page) row("More", record.docs ? make("a", { href: record.docs + fault.page, textContent: fault.page, target: "_blank", rel: "noopener" }) : make("code", { textContent: fault.page }));
   const some = S.violations.slice(0, 5);
   if (some.length) row("Violations", make("ul", { className: "remarks" }, ...some.map(textContent => make("li", { textContent }))), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));

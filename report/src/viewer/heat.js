@@ -22,7 +22,7 @@ class Heat {
 function heatCharts(record, player) {
   const { data, heat } = record, H = data.heat;
   if (!H || !H.motion.length) return null;
-  const marks = record.marks.map(mark => ({ ...mark, time_s: heat.clockOf(mark.time_s) }));
+  const marks = record.marks.map(mark => ({ ...mark, time_s: mark.since_start_s }));
   const waits = H.waits.map(({ command, begin, end }) => ({ begin, end, text: command }));
   const charts = new Charts("Heat", [0, H.end_s], { toTime: t => heat.motionOf(t), fromTime: t => heat.clockOf(t), marks, waits, player, note: "over the time since the start; grey: a command waits; dashed: target" });
   const time = H.motion.map((_, i) => Math.min((i + 0.5) * H.bin_s, H.end_s)), targets = H.heaters.map(({ target }) => target.map(t => t || null));

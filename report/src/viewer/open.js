@@ -5,7 +5,8 @@ async function loadRecord(data, streams, progress) {
   record.moves = await readMoves(data, streams.moves, progress);
   record.tell = teller(record);
   const { fault } = record;
-  record.marks = fault && Number.isFinite(fault.time_s) ? [{ time_s: fault.time_s, code: fault.code || "fault" }] : [];
+  // Two clocks: motion time, and the time since the start, which goes on while a command waits.
+  record.marks = fault ? [{ time_s: fault.motion_s, since_start_s: fault.time_s, code: fault.code || "failed" }] : [];
   return record;
 }
 

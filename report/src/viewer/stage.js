@@ -21,12 +21,15 @@ class Stage {
   box() {
     const { moves, data } = this.record, out = data.types.map(type => !this.withSkirt && (type.role === "skirt" || type.role === "purge"));
     const find = take => {
-      const least = [Infinity, Infinity, Infinity], most = [-Infinity, -Infinity, -Infinity];
+      const p = moves.points, least = [Infinity, Infinity, Infinity], most = [-Infinity, -Infinity, -Infinity];
       for (let i = 0; i < moves.n; i++) {
         if (!take(i)) continue;
-        for (let k = 4 * i, axis = 0; axis < 3; axis++) for (const v of [moves.points[k + axis], moves.points[k + 4 + axis]]) {
-          if (v < least[axis]) least[axis] = v;
-          if (v > most[axis]) most[axis] = v;
+        for (let k = 4 * i, axis = 0; axis < 3; axis++, k++) {
+          const from = p[k], to = p[k + 4];
+          if (from < least[axis]) least[axis] = from;
+          if (from > most[axis]) most[axis] = from;
+          if (to < least[axis]) least[axis] = to;
+          if (to > most[axis]) most[axis] = to;
         }
       }
       return least[0] <= most[0] ? [least, most] : null;
