@@ -163,11 +163,12 @@ class Lines {
 
 /** A part of runs with at most `most` lines: the end of them whole, and slices of the rest; and the parts left out. */
 function thinned(runs, most) {
-  const SLICE = 128, sum = runs.reduce((n, [, first, end]) => n + end - first, 0);
+  // Many short slices show the shape better than few long ones.
+  const SLICE = clamp(Math.round(most / 128), 12, 256), sum = runs.reduce((n, [, first, end]) => n + end - first, 0);
   if (sum <= most) return [runs, []];
   const taken = [], left = [];
-  let top = most / 2;
-  const every = Math.max(2, Math.ceil((sum - top) / (most / 2)));
+  let top = most / 3;
+  const every = Math.max(2, Math.ceil((sum - top) / (most - top)));
   let slice = 0;
   for (let k = runs.length - 1; k >= 0; k--) {
     let [body, first, end] = runs[k];
