@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of each crate, its name, and the crates that it may use: only those above it.
-const CRATES: [(&str, &str, &[&str]); 10] = [
+const CRATES: [(&str, &str, &[&str]); 11] = [
     (".", "corehbot", &[]),
     ("rig", "corehbot-rig", &["corehbot"]),
     ("twin", "corehbot-twin", &[]),
@@ -21,6 +21,19 @@ const CRATES: [(&str, &str, &[&str]); 10] = [
     ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring", "corehbot-twin"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
     ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-sim"]),
+    (
+        "page",
+        "corehbot-page",
+        &[
+            "corehbot",
+            "corehbot-boards",
+            "corehbot-rig",
+            "corehbot-twin",
+            "corehbot-machine-file",
+            "corehbot-sim",
+            "corehbot-report",
+        ],
+    ),
     (
         "cli",
         "corehbot-cli",

@@ -131,6 +131,26 @@ class Chromium:
             requestAnimationFrame(next);"""
         return self.driver.execute_async_script(count, seconds)
 
+    def processor_seconds(self):
+        """Time of processors that the browser has taken so far, whatever else goes on on this computer."""
+        parents, times = {}, {}
+        for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+            try:
+                # The name, in parentheses, may have blanks.
+                fields = path.read_text().rsplit(")", 1)[1].split()
+            except OSError:
+                continue
+            pid = int(path.parent.name)
+            parents[pid] = int(fields[1])
+            times[pid] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+        def is_ours(pid):
+            while pid in parents and pid != self.driver.service.process.pid:
+                pid = parents[pid]
+            return pid == self.driver.service.process.pid
+
+        return sum(seconds for pid, seconds in times.items() if is_ours(pid))
+
     def check_quiet(self):
         """Nothing since the last call was a complaint in the console, and nothing asked a network."""
         said = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]

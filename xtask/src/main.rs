@@ -11,6 +11,7 @@ mod dist;
 mod emulate;
 mod flash;
 mod mutants;
+mod page;
 mod picture;
 mod qemu;
 mod soak;
@@ -48,6 +49,8 @@ enum Task {
     Flash(flash::Args),
     /// Puts faults into the core, one at a time, and counts the faults that its tests notice. Takes hours.
     Mutants(mutants::Args),
+    /// Builds the page with the firmware inside: a folder of files that a browser opens.
+    Page(page::Args),
     /// Draws the picture in the README: the report of a print, by a headless Chromium.
     Picture,
     /// Prints a G-code file on the firmware in QEMU.
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Task::Equal(args) => emulate::equal(&args),
         Task::Flash(args) => flash::main(&args),
         Task::Mutants(args) => mutants::main(&args),
+        Task::Page(args) => page::main(&args),
         Task::Picture => picture::main(),
         Task::Qemu(args) => qemu::main(&args),
         Task::Soak(args) => soak::main(&args),

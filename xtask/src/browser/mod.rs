@@ -8,6 +8,7 @@ mod program;
 
 use crate::checkout::{self, root, target_dir};
 use crate::clients::venv::Venv;
+use crate::page;
 use crate::test::Verdict;
 use anyhow::{Context as _, Result};
 use program::Programs;
@@ -21,7 +22,7 @@ const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.5
 const FOLDER: &str = "xtask/browser";
 
 /// The trials, in this order.
-const TRIALS: [&str; 2] = ["report.py", "viewer.py"];
+const TRIALS: [&str; 4] = ["report.py", "viewer.py", "page_use.py", "page_hashes.py"];
 
 /// Runs all trials.
 pub fn check() -> Result<Verdict> {
@@ -34,6 +35,7 @@ pub fn check() -> Result<Verdict> {
         format!("cannot install {packages} from PyPI, which takes python3 with venv and, the first time, a network")
     })?;
     let corehbot = checkout::build_command()?;
+    let page = page::write(None)?;
     // Pictures that differ from their models stay here.
     let pictures = target_dir()?.join("browser");
     std::fs::create_dir_all(&pictures).with_context(|| format!("cannot make {}", pictures.display()))?;
@@ -42,7 +44,7 @@ pub fn check() -> Result<Verdict> {
         let mut command = Command::new(CLIENT.python()?);
         // No compiled files in the sources.
         command.arg("-B").arg(root().join(FOLDER).join(trial)).arg(&corehbot);
-        command.env("PICTURES", &pictures);
+        command.env("PICTURES", &pictures).env("PAGE", &page);
         programs.tell(&mut command);
         let begin = Instant::now();
         let output = command.output().with_context(|| format!("cannot run {}", checkout::words(&command)))?;

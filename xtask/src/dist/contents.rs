@@ -4,6 +4,7 @@ use super::archive::File;
 use super::git;
 use crate::build::{self, Board};
 use crate::checkout::{self, cargo, command_output, run};
+use crate::page;
 use anyhow::{Context as _, Result, ensure};
 use std::path::Path;
 
@@ -23,6 +24,9 @@ pub(super) fn contents() -> Result<Vec<File>> {
     for board in Board::all() {
         let bytes = read(&build::image(board)?.binary)?;
         files.push(File { path: format!("images/{}.bin", board.key()), bytes, is_program: false });
+    }
+    for file in page::files()? {
+        files.push(File { path: format!("page/{}", file.name), bytes: file.bytes, is_program: false });
     }
     for file in &files {
         ensure_nothing_of_here(file)?;

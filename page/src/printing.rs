@@ -1,0 +1,177 @@
+//! Printing: a file to its end, judged and recorded as `corehbot run --report` does.
+
+use crate::job::{Job, Prepared};
+use anyhow::{Context as _, Result, ensure};
+use corehbot::motors::MotorSet;
+use corehbot::port::NoStorage;
+use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_report::heat_log::HeatLog;
+use corehbot_report::mesh::MeshSummary;
+use corehbot_report::moves::Moves;
+use corehbot_report::path::ToolPath;
+use corehbot_report::print;
+use corehbot_report::summary::{Names, Summary};
+use corehbot_rig::bed::BedPlant;
+use corehbot_sim::belt::BeltPlant;
+use corehbot_sim::check::Checker;
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::host::FileHost;
+use corehbot_sim::limits::Widening;
+use corehbot_sim::lines::{LONGEST_LINE, Lines, survey};
+use corehbot_sim::mesh_log::MeshLog;
+use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_sim::tally::Tally;
+use corehbot_sim::trace::TraceWriter;
+use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
+use std::io::{self, Cursor};
+use std::sync::Arc;
+
+/// Turns of the world between two words of progress: some milliseconds of a processor.
+const TURNS: u32 = 1 << 13;
+
+/// The result of a print.
+pub struct Printed {
+    /// The summary, as JSON.
+    pub summary: String,
+    /// The summary in words.
+    pub words: String,
+    /// The page of the report.
+    pub report: Vec<u8>,
+}
+
+/// Prints a file; `tell` gets the commands answered, all commands, and the printer's time in s.
+///
+/// # Errors
+/// It is not text, or something of the job cannot be.
+pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> Result<Printed> {
+    let Prepared { machine, homed, belt, heat, bed, probe_accidents } = job.prepare()?;
+    let settings = &machine.settings;
+    let gcode: Arc<[u8]> = gcode.into();
+    let lines = || Lines::new(Box::new(Cursor::new(gcode.clone())) as Box<_>);
+    let mut limits = Widening::new(settings, None);
+    let known = survey(&mut lines(), |number, line, command| {
+        ensure!(!line.contains('\0'), "line {number} contains a zero byte: this is not text");
+        ensure!(command.len() < LONGEST_LINE, "line {number} is longer than a MiB: this is not G-code");
+        if !command.is_empty() {
+            limits.command(command);
+        }
+        Ok(())
+    });
+    let host = FileHost::reading(lines(), known.with_context(|| job.file.clone())?);
+    let limits = limits.finish();
+    let begin = homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
+    let mut sinks = Sinks {
+        trace: TraceWriter::new(None, settings.into()),
+        tally: Tally::new(settings, begin),
+        checker: Checker::new(settings, &limits),
+        path: ToolPath::new(settings, begin, Cursor::new(Vec::new())),
+        moves: Moves::new(Cursor::new(Vec::new())),
+        heat: HeatLog::default(),
+    };
+    let mut host = Watched { host, tell, turns: 0 };
+    let drivers = Drivers::new();
+    let mut desk = Desk::new(1);
+    desk.mesh_log = Some(Box::new(MeshLog::new(settings)));
+    (desk.belt, desk.heat, desk.bed, desk.probe_accidents) = (belt, heat, bed, probe_accidents);
+    let outcome = world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks);
+    let host = host.host;
+    let outcome = outcome.with_context(|| format!("{}: the simulation failed", job.file))?;
+    let Sinks { trace, tally, checker, path, moves, heat } = sinks;
+    let trace = trace.finish()?;
+    let figures = tally.finish(outcome.ticks);
+    let findings = checker.finish(Some(outcome.counts));
+    let names = Names {
+        file: &job.file,
+        machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
+        motors: settings.motor_names,
+    };
+    let mut summary = Summary::new(names, &host, &outcome, &figures, &findings, trace.sha256);
+    let mut belt = desk.belt;
+    summary.belt = belt.as_mut().map(|plant| {
+        plant.ring_out();
+        plant.figures()
+    });
+    let effect = desk.mesh_log.as_ref().and_then(|log| log.effect(desk.bed.as_deref()));
+    summary.mesh = effect.map(|effect| MeshSummary::new(effect, outcome.slowed_moves));
+    if let Some(depth) = desk.bed.as_deref().and_then(BedPlant::deepest) {
+        summary.note_depth(depth.mm, depth.nozzle);
+    }
+    summary.note_asked(host.asked(), settings);
+    let course = belt.as_deref().map(BeltPlant::course);
+    let (heat_waits, notes) = (host.heat_waits(), host.notes());
+    let page =
+        print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt: course, settings, notes };
+    let streams = print::Streams { path: path.finish()?, moves: moves.finish()?, gcode: Cursor::new(gcode) };
+    let mut report = Vec::new();
+    page.write(streams, &mut report).context("cannot write the report")?;
+    Ok(Printed { summary: summary.to_json()?, words: summary.to_string(), report })
+}
+
+/// A host that tells how far it is.
+struct Watched<'t> {
+    host: FileHost,
+    tell: &'t mut dyn FnMut(f64, f64, f64),
+    turns: u32,
+}
+
+impl Host for Watched<'_> {
+    fn send(&mut self, out: &mut Vec<u8>) {
+        self.host.send(out);
+    }
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        self.host.interject(out);
+    }
+
+    fn clock(&mut self, tick: u64) {
+        self.host.clock(tick);
+        self.turns += 1;
+        if self.turns.is_multiple_of(TURNS) {
+            let seconds = tick as f64 / f64::from(TICKS_PER_SECOND);
+            (self.tell)(self.host.answered() as f64, self.host.commands() as f64, seconds);
+        }
+    }
+
+    fn hear(&mut self, line: &str) {
+        self.host.hear(line);
+    }
+
+    fn is_done(&self) -> bool {
+        self.host.is_done()
+    }
+}
+
+/// All that listen to the steps.
+struct Sinks {
+    trace: TraceWriter<io::Sink>,
+    tally: Tally,
+    checker: Checker,
+    path: ToolPath<Cursor<Vec<u8>>>,
+    moves: Moves<Cursor<Vec<u8>>>,
+    heat: HeatLog,
+}
+
+impl Sink for Sinks {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.trace.event(tick, steps, forward);
+        self.tally.event(tick, steps, forward);
+        self.checker.event(tick, steps, forward);
+        self.path.event(tick, steps, forward);
+    }
+
+    fn stand_on_mesh(&mut self, z: Option<f64>) {
+        self.path.stand_on_mesh(z);
+    }
+
+    fn wants_moves(&self) -> bool {
+        true
+    }
+
+    fn moved(&mut self, made: &MadeMove) {
+        self.moves.add(made, Limit::Feed);
+    }
+
+    fn heat(&mut self, period: &HeatPeriod) {
+        self.heat.add(period);
+    }
+}
