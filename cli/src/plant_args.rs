@@ -33,6 +33,11 @@ pub struct PlantArgs {
     /// of motion time on, for good or for MS milliseconds. May be repeated.
     #[arg(long, value_name = "MOTOR,N[,S[,MS]]", requires = "plant", allow_hyphen_values = true)]
     brake: Vec<String>,
+    /// A part breaks at second TIME of motion time: `seized`, `loose`, `jump` or `cord`, at a belt motor by its name in
+    /// the machine file or a pulley by its number in `twin geometry`. Such as `seized:7@20s`, `loose:m1:15N@20s+5s`,
+    /// `jump:m8:-1@1m` or `cord:m1:50%@20s`; docs/explanation/belt.md has them all. May be repeated.
+    #[arg(long, value_name = "WHAT:WHERE[:HOW]@TIME[+TIME]", requires = "plant")]
+    accident: Vec<String>,
 }
 
 impl PlantArgs {
@@ -44,7 +49,9 @@ impl PlantArgs {
         let Some(Plant::Belt) = self.plant else { return Ok(None) };
         let hits = self.hit.iter().map(|text| text.parse().with_context(|| format!("--hit {text}")));
         let brakes = self.brake.iter().map(|text| text.parse().with_context(|| format!("--brake {text}")));
-        let accidents = Accidents { hits: hits.collect::<Result<_>>()?, brakes: brakes.collect::<Result<_>>()? };
+        let parts = self.accident.iter().map(|text| text.parse().with_context(|| format!("--accident {text}")));
+        let (hits, brakes) = (hits.collect::<Result<_>>()?, brakes.collect::<Result<_>>()?);
+        let accidents = Accidents { hits, brakes, parts: parts.collect::<Result<_>>()? };
         Ok(Some(BeltSetup { twin: twin.clone(), seed: self.seed, accidents }))
     }
 
@@ -63,8 +70,13 @@ impl PlantArgs {
 
     /// The option that an error is about.
     fn option_of(&self, error: &LayoutError) -> String {
-        let LayoutError::NoBrake(name, _) = error else { return "--plant belt".to_owned() };
-        let is_of = |text: &&String| text.split(',').next().is_some_and(|motor| motor.trim() == name.as_str());
-        format!("--brake {}", self.brake.iter().find(is_of).map_or(name.as_str(), |text| text))
+        match error {
+            LayoutError::NoBrake(name, _) => {
+                let is_of = |text: &&String| text.split(',').next().is_some_and(|motor| motor.trim() == name.as_str());
+                format!("--brake {}", self.brake.iter().find(is_of).map_or(name.as_str(), |text| text))
+            }
+            LayoutError::NoPart(text, ..) => format!("--accident {text}"),
+            _ => "--plant belt".to_owned(),
+        }
     }
 }

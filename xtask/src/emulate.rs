@@ -51,13 +51,16 @@ struct PlantArgs {
     /// Something that rubs on a motor.
     #[arg(long, value_name = "MOTOR,N[,S[,MS]]", allow_hyphen_values = true)]
     brake: Vec<String>,
+    /// A part that breaks.
+    #[arg(long, value_name = "WHAT:WHERE[:HOW]@TIME[+TIME]")]
+    accident: Vec<String>,
 }
 
 impl PlantArgs {
     /// The options that were given, for the emulator to check.
     fn given(&self) -> impl Iterator<Item = (&'static str, &String)> {
         let one = [("--plant", &self.plant), ("--seed", &self.seed)];
-        let many = [("--hit", &self.hit), ("--brake", &self.brake)];
+        let many = [("--hit", &self.hit), ("--brake", &self.brake), ("--accident", &self.accident)];
         let one = one.into_iter().filter_map(|(option, value)| Some((option, value.as_ref()?)));
         one.chain(many.into_iter().flat_map(|(option, values)| values.iter().map(move |value| (option, value))))
     }

@@ -43,13 +43,14 @@ enum Part {
     Belt,
 }
 
-/// Studies of the belt: alignment by load and by phases, skips, trust in a place.
-const BELT: [&str; 5] = [
+/// Studies of the belt: alignment by load and by phases, skips, trust in a place, parts that break.
+const BELT: [&str; 6] = [
     "aligned_motors",
     "a_machine_that_was_aligned_once",
     "a_single_skip",
     "a_place_that_is_said",
     "a_place_is_trusted",
+    "parts_that_break",
 ];
 
 /// Runs the long forms.

@@ -6,7 +6,7 @@
 //! (docs/research/twin.md has the reason).
 
 use super::path::RATE;
-use crate::dynamics::plant::CREEP;
+use crate::dynamics::friction::CREEP;
 use crate::geometry::workspace;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;

@@ -3,8 +3,9 @@
 //! Tensions are elastic, without damping. Between two steps a held motor is at rest, so damping would show the belt's
 //! whole speed. The motion of the steps themselves is in their impulses.
 
+use super::field::Field;
 use super::frame::{FrameAxis, MM_PER_M};
-use super::plant::{Field, Plant, Spring, sum};
+use super::plant::{Plant, Spring, sum};
 use std::f64::consts::TAU;
 
 impl Plant {

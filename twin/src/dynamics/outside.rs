@@ -1,6 +1,6 @@
 //! Outside: actions on a machine other than the steps of its motors.
 //!
-//! Power, the phase of each motor at power-up, a force on the tool, and friction on a rotor. By default all motors have
+//! Power, the phase of each motor at power-up, a force on the tool, and friction on a rotor or idler. By default all motors have
 //! power, and their magnetic zeros lie where the belt is free of strain.
 
 /// Outside actions. Motors are numbered as in the plant; values that are not listed have the default.
@@ -16,6 +16,19 @@ pub struct Outside {
     pub obstacle_n: f64,
     /// Dry friction on each rotor, in N at the belt. Default 0.
     pub brakes_n: Vec<f64>,
+    /// The same on each idler that the plant has, in the order of its stops.
+    pub idler_brakes_n: Vec<f64>,
+    /// Screws of motors' pulleys that do not hold whatever pulls. Default none.
+    pub screws: Vec<Screw>,
+}
+
+/// The loose screw of a motor's pulley.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Screw {
+    /// The motor's index.
+    pub motor: usize,
+    /// Pull of the belt in N, clockwise and counter-clockwise, up to which the pulley does not slip.
+    pub most_n: [f64; 2],
 }
 
 impl Outside {

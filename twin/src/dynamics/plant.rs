@@ -5,18 +5,16 @@
 //! stiffness follows from its free length at the commanded positions: motors change the amount of belt in a segment,
 //! stretch does not. So stiffness is constant between two steps, and energy is conserved.
 
+use super::field::Field;
 use super::frame::{Frame, FrameAxis, MM_PER_M};
 use super::outside::Outside;
 use crate::model::SHORTEST_FREE_MM;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
-use crate::model::links::Link;
+use crate::model::links::{Link, Links};
 use crate::model::ways::Ways;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
-
-/// Dry friction changes its sign over this speed, in mm/s.
-pub(crate) const CREEP: f64 = 1.0;
 
 /// Time in which a holding brake or obstacle stops a moving part, in s: three of the longest steps. It is not shorter
 /// than the longest step of a [live](crate::live) machine, so that the integration stays stable.
@@ -36,9 +34,11 @@ pub struct Detail {
 pub(super) struct Spring {
     /// Free length at the start, in mm.
     length_mm: f64,
+    /// Its belt, in the order of the machine's belts.
+    pub(super) belt: usize,
     /// Tensile stiffness of its belt and its tension at rest, in N.
-    ea_n: f64,
-    preload_n: f64,
+    pub(super) ea_n: f64,
+    pub(super) preload_n: f64,
     /// Its growth per millimetre of the tool in x, y and z.
     pub(super) grows: [f64; 3],
     /// Coordinates that stretch it, with their factors.
@@ -47,21 +47,6 @@ pub(super) struct Spring {
     pub(super) yaw_mm: f64,
     /// Present value, in N/mm.
     pub(super) stiffness: f64,
-}
-
-/// Field and rotor of a motor, at the belt.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Field {
-    /// Its maximum force, in N.
-    pub(super) holding_n: f64,
-    /// The detent's, in N.
-    pub(super) detent_n: f64,
-    /// Belt in mm per electrical radian.
-    pub(super) radian_mm: f64,
-    /// Its stiffness at rest, in N/mm.
-    stiffness: f64,
-    /// Viscous friction of its rotor, in N s/mm.
-    damping: f64,
 }
 
 /// Forces and masses.
@@ -112,7 +97,19 @@ impl Plant {
     #[must_use]
     pub fn new(machine: Machine, params: &Params, start: Place, detail: Detail) -> Self {
         let freedom = Freedom { idlers: detail.idlers, rotors: detail.rotors, yaw: false, free_motor: None };
-        let elastic = Elastic::new(machine, params, start, freedom);
+        Self::of(Elastic::new(machine, params, start, freedom), params, start, detail)
+    }
+
+    /// The same with rotors, and with these idlers alone: the stops by their indices.
+    #[must_use]
+    pub fn with_idlers(machine: Machine, params: &Params, start: Place, stops: &[usize]) -> Self {
+        let links = Links::spans_between(machine, params, start, stops);
+        let elastic = Elastic::of(links, machine, params, start, Freedom { rotors: true, ..Freedom::default() });
+        Self::of(elastic, params, start, Detail { idlers: false, rotors: true })
+    }
+
+    fn of(elastic: Elastic, params: &Params, start: Place, detail: Detail) -> Self {
+        let machine = elastic.machine;
         let ways = Ways::new(machine, params);
         let are = |wanted: fn(&Coordinate) -> bool| elastic.links.coordinates.iter().copied().filter(wanted);
         let idlers = are(|c| matches!(c, Coordinate::Idler(_)));
@@ -127,6 +124,7 @@ impl Plant {
         let masses = order.iter().take(moving).filter_map(index).map(|i| elastic.mass[(i, i)]);
         let spring = |link: &Link| Spring {
             length_mm: link.length_mm,
+            belt: link.belt,
             ea_n: params.belt_ea_n.of(link.belt),
             preload_n: params.preload_n.of(link.belt),
             grows: Coordinate::TOOL.map(|axis| entry(link, &axis)),
@@ -140,19 +138,12 @@ impl Plant {
                 spans.push((link.span, i));
             }
         }
-        let field = |motor: usize| Field {
-            holding_n: params.holding_force_n(motor),
-            detent_n: params.detent_force_n(motor),
-            radian_mm: params.electrical_radian_mm(motor),
-            stiffness: params.field_stiffness_n_per_mm(motor),
-            damping: params.rotor_damping_n_s_per_mm(motor),
-        };
         let mut plant = Self {
             params: params.clone(),
             axes,
             masses_kg: machine.masses_kg(params),
             frame: Frame::new(machine, params),
-            fields: (0..ways.motors.len()).map(field).collect(),
+            fields: (0..ways.motors.len()).map(|motor| Field::of(params, motor)).collect(),
             start,
             mobility: masses.map(|kg| MM_PER_M / kg).collect(),
             count: order.len(),
@@ -280,12 +271,6 @@ impl Plant {
         self.most_step_s.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
     }
 
-    /// Deceleration rate of creeping parts by dry friction of the guides, in 1/s.
-    fn rubs(&self) -> f64 {
-        let guides = self.params.guides().into_iter().take(self.axes);
-        guides.zip(&self.mobility).map(|((_, dry), mobility)| dry * mobility / CREEP).fold(0.0, f64::max)
-    }
-
     /// Effect of a held motor's step on all speeds: the belt's damping passes the sudden turn on as an impulse.
     pub fn strike(&self, coordinate: usize, step_mm: f64, at: &[f64], speeds: &mut [f64]) {
         for spring in &self.springs {
@@ -333,8 +318,14 @@ impl Plant {
         accelerations: &mut [f64],
     ) {
         accelerations.fill(0.0);
+        // Loose pulleys give way first. Spans to them have no damping: they are not stretched as fast as they seem.
+        let slipped = self.slipped(at, &outside.screws);
         for spring in &self.springs {
-            let tension = self.pull_of(spring, at, speeds);
+            let tension = if self.is_loose(spring, &outside.screws) {
+                self.tension(spring, slipped.as_ref().map_or(at, |slipped| &slipped.at))
+            } else {
+                self.pull_of(spring, at, speeds)
+            };
             for (i, c) in &spring.row {
                 if let Some(force) = accelerations.get_mut(*i) {
                     *force -= c * tension;
@@ -347,8 +338,9 @@ impl Plant {
         }
         if self.are_rotors {
             self.pull(at, speeds, sent_mm, outside, accelerations);
-            self.brake(speeds, &outside.brakes_n, accelerations);
+            self.brake(self.first_motor(), speeds, &outside.brakes_n, accelerations);
         }
+        self.brake(self.axes, speeds, &outside.idler_brakes_n, accelerations);
         if outside.obstacle_n > 0.0 {
             self.obstruct(speeds, outside.obstacle_n, accelerations);
         }
@@ -367,17 +359,6 @@ impl Plant {
         }
     }
 
-    /// Guides: viscous and dry friction.
-    pub(super) fn rub(&self, speeds: &[f64], forces: &mut [f64]) {
-        let guides = self.params.guides().into_iter().take(self.axes);
-        for ((viscous, dry), (speed, force)) in guides.zip(speeds.iter().zip(forces)) {
-            *force -= viscous / MM_PER_M * speed;
-            if dry > 0.0 {
-                *force -= dry * (speed / CREEP).tanh();
-            }
-        }
-    }
-
     /// Fields, detents and friction of the rotors.
     fn pull(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], outside: &Outside, forces: &mut [f64]) {
         let first = self.first_motor();
@@ -389,25 +370,6 @@ impl Plant {
         }
     }
 
-    /// Dry friction that sticks: the force that stops the rotor at once, as far as the brake can.
-    fn brake(&self, speeds: &[f64], brakes_n: &[f64], forces: &mut [f64]) {
-        let first = self.first_motor();
-        let rotors = speeds.iter().zip(&self.mobility).skip(first).zip(forces.iter_mut().skip(first));
-        for (((speed, mobility), force), brake) in rotors.zip(brakes_n) {
-            let stops = *force + speed / (mobility * BRAKED_IN_S);
-            *force -= stops.clamp(-brake, *brake);
-        }
-    }
-
-    /// The same on the tool, in any direction of motion.
-    fn obstruct(&self, speeds: &[f64], most_n: f64, forces: &mut [f64]) {
-        let ([vx, vy, ..], [mx, my, ..], [fx, fy, ..]) = (speeds, &self.mobility[..], forces) else { return };
-        let stops = [*fx + vx / (mx * BRAKED_IN_S), *fy + vy / (my * BRAKED_IN_S)];
-        let part = (most_n / stops[0].hypot(stops[1]).max(most_n)).min(1.0);
-        *fx -= part * stops[0];
-        *fy -= part * stops[1];
-    }
-
     pub(super) fn field(&self, motor: usize) -> Field {
         self.fields.get(motor).copied().unwrap_or_default()
     }
@@ -417,22 +379,6 @@ impl Plant {
     pub fn field_n(&self, motor: usize, at_mm: f64, sent_mm: f64) -> f64 {
         let field = self.field(motor);
         field.holding_n(at_mm, sent_mm) + field.detent_n(at_mm)
-    }
-}
-
-impl Field {
-    /// Force of a full-strength field on a rotor, in N at the belt.
-    fn holding_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        self.holding_n * ((sent_mm - at_mm) / self.radian_mm).sin()
-    }
-
-    /// Detent force on a rotor at this distance from a detent position, in N at the belt.
-    fn detent_n(&self, off_mm: f64) -> f64 {
-        if self.detent_n == 0.0 {
-            return 0.0;
-        }
-        // Four detents an electrical turn: one a full step.
-        -self.detent_n * (4.0 * off_mm / self.radian_mm).sin()
     }
 }
 

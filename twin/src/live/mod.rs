@@ -2,17 +2,18 @@
 //!
 //! It is the plant with rotors, in open-ended real time. Motors get and lose power, each at its own phase. The tool is
 //! pushed and rotors are braked ([`Outside`](crate::dynamics::outside::Outside)). Ten thousand times a second [`rotor`]
-//! looks at each motor and reports skips. Time at rest costs nothing.
+//! looks at each motor and reports skips. Time at rest costs nothing. Parts may break ([`failing`]).
 //!
 //! A motor at speed has less than its holding torque: the law is [`pull_out`](crate::torque::pull_out), with the speed
 //! of its rotor at the last look.
 
+pub mod failing;
 mod phase;
 pub mod rotor;
 
 pub use phase::phases_mm;
 
-use crate::dynamics::plant::{BRAKED_IN_S, Detail, Plant};
+use crate::dynamics::plant::{BRAKED_IN_S, Plant};
 use crate::dynamics::state::State;
 use crate::model::ways::residual_mm;
 use crate::params::Params;
@@ -67,9 +68,16 @@ pub struct Live {
     given: Vec<f64>,
     rotors: Vec<Rotor>,
     skips: Vec<Skip>,
+    /// By how much belt each pulley is ahead of its rotor, in mm.
+    shifted_mm: Vec<f64>,
     now: u64,
     next_look: u64,
     is_at_rest: bool,
+}
+
+/// A plant with rotors, and with these idlers.
+fn plant_of(machine: Machine, params: &Params, start: Place, idlers: &[usize]) -> Plant {
+    Plant::with_idlers(machine, params, start, idlers).in_steps_of(LONGEST_STEP_S)
 }
 
 impl Live {
@@ -78,8 +86,7 @@ impl Live {
     /// strain.
     #[must_use]
     pub fn new(machine: Machine, params: &Params, start: Place, step_mm: &[f64], phases_mm: &[f64], now: u64) -> Self {
-        let detail = Detail { idlers: false, rotors: true };
-        let plant = Plant::new(machine, params, start, detail).in_steps_of(LONGEST_STEP_S);
+        let plant = plant_of(machine, params, start, &[]);
         let motors = plant.ways.motors.len();
         let mut state = State::at_rest(&plant);
         for (sent, phase) in state.sent_mm.iter_mut().zip(phases_mm) {
@@ -98,6 +105,7 @@ impl Live {
             given: vec![0.0; motors],
             rotors: vec![Rotor::default(); motors],
             skips: Vec::new(),
+            shifted_mm: vec![0.0; motors],
             now,
             next_look: now + LOOK,
             is_at_rest: true,
@@ -127,6 +135,7 @@ impl Live {
             let until = tick.min(self.next_look);
             self.state.advance(&self.plant, (until - self.now) as f64 / TICKS_PER_SECOND);
             self.now = until;
+            self.slip();
             if until == self.next_look {
                 self.next_look += LOOK;
                 self.look();

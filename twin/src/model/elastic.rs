@@ -63,6 +63,12 @@ impl Elastic {
     pub fn new(machine: Machine, params: &Params, tool: Place, freedom: Freedom) -> Self {
         let links =
             if freedom.idlers { Links::segments(machine, params, tool) } else { Links::spans(machine, params, tool) };
+        Self::of(links, machine, params, tool, freedom)
+    }
+
+    /// The same with these links.
+    #[must_use]
+    pub fn of(links: Links, machine: Machine, params: &Params, tool: Place, freedom: Freedom) -> Self {
         let parts = links.coordinates.iter().map(|c| part(*c, freedom)).collect();
         let held_by: Vec<f64> = links.coordinates.iter().map(|c| held_by(*c, machine, params, freedom)).collect();
         let stiffness = stiffness(&links, &held_by, params);

@@ -70,16 +70,29 @@ impl Links {
     /// A link for every span between motors and clamps.
     #[must_use]
     pub fn spans(machine: Machine, params: &Params, tool: Place) -> Self {
+        Self::spans_between(machine, params, tool, &[])
+    }
+
+    /// The same, with a span ending at each of these idlers too: the stops by their indices. They keep their
+    /// coordinates.
+    #[must_use]
+    pub fn spans_between(machine: Machine, params: &Params, tool: Place, idlers: &[usize]) -> Self {
         let Self { coordinates, links: segments } = Self::segments(machine, params, tool);
+        let is_kept = |coordinate: &Coordinate| matches!(coordinate, Coordinate::Idler(stop) if idlers.contains(stop));
+        // An idler between two links turns with the end of one and the begin of the other.
+        let is_parted = |before: &Link, after: &Link| {
+            let entries = before.row.iter().zip(&after.row).zip(&coordinates);
+            entries.into_iter().any(|((a, b), coordinate)| is_kept(coordinate) && *a != 0.0 && *b != 0.0)
+        };
         let mut links: Vec<Link> = Vec::new();
         for segment in segments {
             match links.last_mut() {
-                Some(span) if span.span == segment.span => span.join(&segment),
+                Some(span) if span.span == segment.span && !is_parted(span, &segment) => span.join(&segment),
                 _ => links.push(segment),
             }
         }
         let mut spans = Self { coordinates, links };
-        spans.keep(|coordinate| !matches!(coordinate, Coordinate::Idler(_)));
+        spans.keep(|coordinate| !matches!(coordinate, Coordinate::Idler(_)) || is_kept(&coordinate));
         spans
     }
 

@@ -170,6 +170,12 @@ impl Stop {
         (self.role == Role::Motor).then_some(self.number)
     }
 
+    /// Whether it turns with the belt.
+    #[must_use]
+    pub const fn is_idler(&self) -> bool {
+        matches!(self.role, Role::Idler(_))
+    }
+
     /// The part that it moves with.
     #[must_use]
     pub const fn block(&self) -> Block {

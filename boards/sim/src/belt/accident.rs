@@ -2,8 +2,10 @@
 //!
 //! A hit is an obstacle for the tool: when the tool first comes within 1 mm of a place on its way, a force acts against
 //! its motion for a time. The force opposes motion up to a limit in newtons; a tool that has stopped is held, and not
-//! thrown back. A brake rubs on a rotor from some motion time on, for good or for a time.
+//! thrown back. A brake rubs on a rotor from some motion time on, for good or for a time. Parts that
+//! break are in [`part`](super::part).
 
+use super::part::PartAccident;
 use corehbot::motors::MotorName;
 use corehbot::units::TICKS_PER_MS;
 
@@ -50,12 +52,14 @@ pub struct Brake {
 }
 
 /// All of them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Accidents {
     /// Hits.
     pub hits: Vec<Hit>,
     /// Brakes.
     pub brakes: Vec<Brake>,
+    /// Parts that break.
+    pub parts: Vec<PartAccident>,
 }
 
 /// Why a text does not describe an accident.
@@ -140,12 +144,28 @@ pub(super) enum AccidentState {
 }
 
 impl AccidentState {
-    /// A brake rubs from `now` on.
-    pub(super) fn rub(&mut self, brake: &Brake, now: u64) {
+    /// Acts from `now` on, for a time or for good.
+    pub(super) fn start(&mut self, force_n: f64, ms: Option<f64>, now: u64) {
         if *self == Self::Waiting {
-            let end = brake.ms.map_or(u64::MAX, |ms| now + ticks(ms));
-            *self = Self::Acting(brake.force_n, end);
+            *self = Self::Acting(force_n, ms.map_or(u64::MAX, |ms| now + ticks(ms)));
         }
+    }
+
+    /// When it ends, if it acts.
+    pub(super) const fn end(&self) -> Option<u64> {
+        match self {
+            Self::Acting(_, end) => Some(*end),
+            Self::Waiting | Self::Over => None,
+        }
+    }
+
+    /// Ends if it acts no longer than to `now`, and returns whether it did.
+    pub(super) fn end_at(&mut self, now: u64) -> bool {
+        let ends = self.end().is_some_and(|end| end <= now);
+        if ends {
+            *self = Self::Over;
+        }
+        ends
     }
 
     /// The N with which it acts.
@@ -168,29 +188,6 @@ impl AccidentState {
 /// Milliseconds in ticks.
 fn ticks(ms: f64) -> u64 {
     (ms * f64::from(TICKS_PER_MS)).round() as u64
-}
-
-/// When the next of them ends, if any acts.
-pub(super) fn next_end<'s>(states: impl IntoIterator<Item = &'s AccidentState>) -> Option<u64> {
-    let end = |state: &AccidentState| match state {
-        AccidentState::Acting(_, end) => Some(*end),
-        AccidentState::Waiting | AccidentState::Over => None,
-    };
-    states.into_iter().filter_map(end).min()
-}
-
-/// Ends the accidents that act no longer than to `now`.
-pub(super) fn end_all(states: &mut [AccidentState], now: u64) {
-    for state in states {
-        if matches!(state, AccidentState::Acting(_, end) if *end <= now) {
-            *state = AccidentState::Over;
-        }
-    }
-}
-
-/// The opposing force, in N.
-pub(super) fn force_n(states: &[AccidentState]) -> f64 {
-    states.iter().map(AccidentState::force_n).sum()
 }
 
 #[cfg(test)]
@@ -222,16 +219,16 @@ mod tests {
     #[test]
     fn a_hit_acts_once_and_for_its_time() {
         let hit = Hit { at_mm: [10.0, 0.0], force_n: 50.0, ms: 2.0 };
-        let mut hits = [AccidentState::Waiting];
-        hits[0].begin(&hit, 0, [8.9, 0.0], [100.0, 0.0]);
-        hits[0].begin(&hit, 0, [9.5, 0.0], [0.5, 0.0]);
-        assert_eq!(hits, [AccidentState::Waiting]);
-        hits[0].begin(&hit, 100, [9.1, 0.0], [30.0, 40.0]);
-        assert_eq!((force_n(&hits), next_end(&hits)), (50.0, Some(20_100)));
-        end_all(&mut hits, 20_099);
-        assert_eq!(next_end(&hits), Some(20_100));
-        end_all(&mut hits, 20_100);
-        hits[0].begin(&hit, 30_000, [10.0, 0.0], [100.0, 0.0]);
-        assert_eq!((hits[0], force_n(&hits)), (AccidentState::Over, 0.0));
+        let mut state = AccidentState::Waiting;
+        state.begin(&hit, 0, [8.9, 0.0], [100.0, 0.0]);
+        state.begin(&hit, 0, [9.5, 0.0], [0.5, 0.0]);
+        assert_eq!(state, AccidentState::Waiting);
+        state.begin(&hit, 100, [9.1, 0.0], [30.0, 40.0]);
+        assert_eq!((state.force_n(), state.end()), (50.0, Some(20_100)));
+        assert!(!state.end_at(20_099));
+        assert_eq!(state.end(), Some(20_100));
+        assert!(state.end_at(20_100) && !state.end_at(20_100));
+        state.begin(&hit, 30_000, [10.0, 0.0], [100.0, 0.0]);
+        assert_eq!((state, state.force_n()), (AccidentState::Over, 0.0));
     }
 }

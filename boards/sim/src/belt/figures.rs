@@ -1,7 +1,6 @@
 //! Figures: the state of the machine after a print, for a person and for a program.
 
 use super::BeltPlant;
-use super::accident::AccidentState;
 use corehbot::motors::MotorName;
 use serde::Serialize;
 use std::fmt;
@@ -33,6 +32,21 @@ pub struct BeltFigures {
     pub largest_off_mm: f64,
     /// Hits at places that the tool never reached.
     pub missed_hits: usize,
+    /// Accidents of parts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub accidents: Vec<PartFigures>,
+}
+
+/// An accident of a part.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct PartFigures {
+    /// As it was written.
+    pub accident: String,
+    /// When it began, in s of motion time; `None` if its time never came.
+    pub began_s: Option<f64>,
+    /// By how much belt the motor's pulley is ahead of the motor in the end, in mm, if it is about that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt_ahead_mm: Option<f64>,
 }
 
 /// The load of a motor.
@@ -68,6 +82,11 @@ impl BeltPlant {
         };
         let skip =
             |skip: &SkipFigures| SkipFigures { time_s: rounded(skip.time_s), at_mm: skip.at_mm.map(rounded), ..*skip };
+        let part = |(accident, began_s, motor): (&str, Option<f64>, Option<usize>)| PartFigures {
+            accident: accident.to_owned(),
+            began_s: began_s.map(rounded),
+            belt_ahead_mm: motor.map(|motor| rounded(self.layout.sense(motor) * self.live.shifted_mm(motor))),
+        };
         BeltFigures {
             machine: self.live.machine().name(),
             seed: self.seed,
@@ -78,7 +97,8 @@ impl BeltPlant {
             off_xy_mm: off.map(|[x, y, _]| [x, y].map(rounded)),
             off_z_mm: off.filter(|_| self.live.machine().lifts()).map(|[_, _, z]| rounded(z)),
             largest_off_mm: rounded(self.largest_off_mm),
-            missed_hits: self.hits.iter().filter(|hit| **hit == AccidentState::Waiting).count(),
+            missed_hits: self.trouble.missed_hits(),
+            accidents: self.trouble.of_parts().map(part).collect(),
         }
     }
 }
@@ -109,6 +129,11 @@ impl fmt::Display for BeltFigures {
         }
         if self.missed_hits > 0 {
             writeln!(f, "{:<18} {} that the tool never came by", "hits", self.missed_hits)?;
+        }
+        for PartFigures { accident, began_s, belt_ahead_mm } in &self.accidents {
+            let began = began_s.map_or_else(|| "its time never came".to_owned(), |s| format!("at {s:.3} s"));
+            let ahead = belt_ahead_mm.map_or_else(String::new, |mm| format!(", belt {mm:+.3} mm ahead of the motor"));
+            writeln!(f, "{:<18} {accident}: {began}{ahead}", "accident")?;
         }
         writeln!(f, "{:<18} {}", "skips", self.skips.len())?;
         for skip in &self.skips {

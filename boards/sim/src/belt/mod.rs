@@ -3,7 +3,7 @@
 //! ```text
 //!  step events, at the world's time ──┐                        ┌──> endstops X and Y: where the tool is
 //!  motors with power (Drivers) ───────┼──> twin: rotors, belt ─┼──> load of each driver (SG_RESULT)
-//!  accidents: hits and brakes ────────┘                        └──> figures at the end
+//!  accidents ─────────────────────────┘                        └──> figures at the end
 //!  step events of Z and E ───────────────> rigid rig ─────────────> endstop Z
 //! ```
 //!
@@ -22,6 +22,9 @@
 //! |---|---|
 //! | [`layout`] | which machine of the twin the settings are, and which motor turns which |
 //! | [`accident`] | hits and brakes, as the command line has them |
+//! | [`part`] | accidents of parts, as the command line has them |
+//! | `find` | the part of a machine that an accident names |
+//! | `trouble` | what accidents do to the machine, and since when |
 //! | `timeline` | motion time of an instant that has passed |
 //! | [`course`] | shares and residual over time |
 //! | `field` | by how much a driver turns its field at a step |
@@ -32,13 +35,16 @@ pub mod accident;
 pub mod course;
 mod field;
 pub mod figures;
+mod find;
 pub mod layout;
 mod load;
+pub mod part;
 mod timeline;
+mod trouble;
 
 use crate::drivers::Drivers;
 use crate::tmc2209::Tmc2209;
-use accident::{AccidentState, Accidents};
+use accident::Accidents;
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -52,6 +58,7 @@ use figures::SkipFigures;
 use layout::{Layout, LayoutError};
 use load::Load;
 use timeline::Timeline;
+use trouble::Trouble;
 
 /// The endstops of the belt's axes: of z too where belts lift the tool.
 const SWITCHES: [EndstopSet; 3] = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
@@ -109,9 +116,7 @@ pub struct BeltPlant {
     powered: MotorSet,
     /// Motors of the filament.
     filament: MotorSet,
-    accidents: Accidents,
-    hits: Vec<AccidentState>,
-    brakes: Vec<AccidentState>,
+    trouble: Trouble,
     /// Whether homing or printing has begun.
     has_begun: bool,
     /// The tool's position error where each switch was met; `None` before.
@@ -147,8 +152,8 @@ impl BeltPlant {
         let BeltSetup { twin, seed, accidents } = setup;
         let place = place.unwrap_or(AT_POWER_UP);
         let layout = Layout::new(settings, &twin)?;
-        accidents.brakes.iter().try_for_each(|brake| layout.check_brake(brake.motor))?;
         let (origin, start) = layout.places(settings, place)?;
+        let (trouble, idlers) = Trouble::new(accidents, &layout, start)?;
         let motors = layout.drives.len();
         let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &layout.params));
         // A motor's steps are those of the axes that it moves.
@@ -160,7 +165,7 @@ impl BeltPlant {
         let step_mm: Vec<f64> = layout.drives.iter().map(step_mm).collect();
         let noise = seed.unwrap_or_default();
         Ok(Self {
-            live: Live::new(layout.machine, &layout.params, start, &step_mm, &phases, now),
+            live: Live::new(layout.machine, &layout.params, start, &step_mm, &phases, now).with_idlers(&idlers),
             rig: Rig::new(settings, Some(place)),
             inputs: EndstopSet::SWITCHES,
             loads: (0..motors).map(|motor| Load::new(noise, motor)).collect(),
@@ -172,9 +177,7 @@ impl BeltPlant {
             reversed: reversed(settings),
             powered: MotorSet::NONE,
             filament: settings.mechanism.motors_of(3),
-            hits: vec![AccidentState::Waiting; accidents.hits.len()],
-            brakes: vec![AccidentState::Waiting; accidents.brakes.len()],
-            accidents,
+            trouble,
             has_begun: is_known,
             met: [is_known.then_some(0.0); 3],
             largest_off_mm: 0.0,
@@ -347,12 +350,9 @@ impl BeltPlant {
 
     /// Moves on to `now`, with the ends of accidents on the way.
     fn advance(&mut self, now: u64) {
-        while let Some(end) = accident::next_end(self.hits.iter().chain(&self.brakes)).filter(|end| *end <= now) {
+        while let Some(end) = self.trouble.next_end().filter(|end| *end <= now) {
             self.live.advance(end);
-            accident::end_all(&mut self.hits, end);
-            accident::end_all(&mut self.brakes, end);
-            self.live.obstruct(accident::force_n(&self.hits));
-            self.rub();
+            self.trouble.end_all(end, &mut self.live);
         }
         self.live.advance(now);
         for skip in self.live.take_skips() {
@@ -368,31 +368,13 @@ impl BeltPlant {
         }
     }
 
-    /// Hits and brakes begin.
+    /// Accidents begin.
     fn happen(&mut self, now: u64) {
-        if self.has_begun && self.hits.contains(&AccidentState::Waiting) {
-            let (tool, velocity) = (self.tool_mm(), self.live.velocity_mm_s());
-            for (state, hit) in self.hits.iter_mut().zip(&self.accidents.hits) {
-                state.begin(hit, now, tool, velocity);
-            }
-            self.live.obstruct(accident::force_n(&self.hits));
+        if self.has_begun && self.trouble.missed_hits() > 0 {
+            let tool = self.tool_mm();
+            self.trouble.meet(now, tool, &mut self.live);
         }
-        let motion_s = self.timeline.now_s();
-        for (state, brake) in self.brakes.iter_mut().zip(&self.accidents.brakes) {
-            if brake.from_s <= motion_s {
-                state.rub(brake, now);
-            }
-        }
-        self.rub();
-    }
-
-    /// Rotors are rubbed on as hard as brakes act now.
-    fn rub(&mut self) {
-        for (index, drive) in self.layout.drives.iter().enumerate() {
-            let both = self.brakes.iter().zip(&self.accidents.brakes);
-            let force_n = both.filter(|(_, brake)| brake.motor == drive.name).map(|(state, _)| state.force_n()).sum();
-            self.live.brake(index, force_n);
-        }
+        self.trouble.fail(now, self.timeline.now_s(), &mut self.live);
     }
 
     /// Records the motors' load for the report.

@@ -19,7 +19,8 @@ const MIDDLE: [&str; 3] = ["G1 X195 Y208.8 F6000", "M400", "G4 P500"];
 fn after(start: [f64; 2], hits: &[&str], brakes: &[&str]) -> BeltFigures {
     let hits = hits.iter().map(|hit| hit.parse().unwrap()).collect();
     let brakes = brakes.iter().map(|brake| brake.parse().unwrap()).collect();
-    let (_, plant) = print(Some([start[0], start[1], 10.0]), Accidents { hits, brakes }, &MIDDLE);
+    let (_, plant) =
+        print(Some([start[0], start[1], 10.0]), Accidents { hits, brakes, ..Accidents::default() }, &MIDDLE);
     plant.figures()
 }
 

@@ -8,6 +8,7 @@ mod ended;
 mod limp;
 mod loads;
 mod machines;
+mod parts;
 mod phases;
 mod power;
 mod printer;

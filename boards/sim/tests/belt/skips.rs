@@ -149,7 +149,7 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     let setup = BeltSetup {
         twin: Description::default(),
         seed: Some(7),
-        accidents: Accidents { hits: vec![], brakes: vec!["m11,170,57.36,14".parse().unwrap()] },
+        accidents: Accidents { brakes: vec!["m11,170,57.36,14".parse().unwrap()], ..Accidents::default() },
     };
     let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
     let lines: Vec<&str> = ["G28", "G1 Z5 F900"].into_iter().chain(lines).collect();
@@ -171,7 +171,7 @@ fn the_tool_is_back_where_it_was_after_a_repair() {
     let setup = BeltSetup {
         twin: Description::default(),
         seed: Some(7),
-        accidents: Accidents { hits: vec![], brakes: vec!["m11,170,57.36,14".parse().unwrap()] },
+        accidents: Accidents { brakes: vec!["m11,170,57.36,14".parse().unwrap()], ..Accidents::default() },
     };
     let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
     let printed = print_as(&Settings::prototype(), &mut plant, None, &lines);
@@ -199,6 +199,7 @@ fn the_example_in_the_documentation_is_what_happens() {
         let accidents = Accidents {
             hits: hit.into_iter().map(|hit| hit.parse().unwrap()).collect(),
             brakes: vec![brake.parse().unwrap()],
+            ..Accidents::default()
         };
         let setup = BeltSetup { twin: Description::default(), seed: Some(7), accidents };
         let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));

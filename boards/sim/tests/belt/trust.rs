@@ -56,7 +56,7 @@ fn accidents(trouble: Trouble, random: &mut Random) -> Vec<Brake> {
 }
 
 /// The place that M114 reports, in x and y.
-fn told_place(heard: &[String]) -> Option<[f64; 2]> {
+pub fn told_place(heard: &[String]) -> Option<[f64; 2]> {
     let line = heard.iter().rev().find(|line| line.starts_with("X:"))?;
     let number = |name| line.split_once(name)?.1.split(' ').next()?.parse().ok();
     Some([number("X:")?, number("Y:")?])

@@ -1,0 +1,215 @@
+//! Trouble: what accidents do to the machine in motion, and since when.
+
+use super::accident::{AccidentState, Accidents, Hit};
+use super::find::Part;
+use super::layout::{Layout, LayoutError};
+use super::part::{Does, PartAccident};
+use corehbot_twin::live::Live;
+use corehbot_twin::live::failing::seized_idler_n;
+use corehbot_twin::routing::Place;
+
+/// Friction in N of a motor's pulley that does not turn, unless the accident says another one: sixteen times the
+/// holding torque of a nominal motor.
+const STALLS_N: f64 = 1000.0;
+
+/// What an accident changes.
+#[derive(Clone, Debug)]
+enum Effect {
+    /// These rotors are braked.
+    Rub(Vec<usize>, f64),
+    /// These idlers are, by their places among those that turn by themselves, each by its own force.
+    Seize(Vec<(usize, f64)>),
+    /// The screw of a motor's pulley holds so much, clockwise and counter-clockwise.
+    Loosen(usize, [f64; 2]),
+    /// The belt jumps so many teeth ahead of a motor.
+    Jump(usize, f64),
+    /// This part of a belt's stiffness is left.
+    Weaken(usize, f64),
+}
+
+/// An accident of a part.
+#[derive(Clone, Debug)]
+struct Failing {
+    effect: Effect,
+    from_s: f64,
+    ms: Option<f64>,
+    state: AccidentState,
+    /// When it began, in s of motion time.
+    began_s: Option<f64>,
+    /// The accident as it was written; a brake has none.
+    text: Option<String>,
+}
+
+/// The accidents of a machine.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trouble {
+    hits: Vec<(Hit, AccidentState)>,
+    parts: Vec<Failing>,
+}
+
+impl Trouble {
+    /// These accidents, and the idlers that they need: stops by their indices.
+    ///
+    /// # Errors
+    /// The machine has no such part.
+    pub(super) fn new(accidents: Accidents, layout: &Layout, start: Place) -> Result<(Self, Vec<usize>), LayoutError> {
+        let Accidents { hits, brakes, parts } = accidents;
+        let mut failing = Vec::new();
+        for brake in brakes {
+            let effect = Effect::Rub(layout.motors_of(brake.motor)?, brake.force_n);
+            failing.push(Failing::new(effect, brake.from_s, brake.ms, None));
+        }
+        let mut idlers = Vec::new();
+        for part in parts {
+            let effect = effect_of(&part, layout, start, &mut idlers)?;
+            failing.push(Failing::new(effect, part.from_s, part.ms, Some(part.text)));
+        }
+        // The plant has its idlers in the order of their stops.
+        let mut stops = idlers.clone();
+        stops.sort_unstable();
+        for failing in &mut failing {
+            if let Effect::Seize(seized) = &mut failing.effect {
+                for (idler, _) in seized {
+                    let place = idlers.get(*idler).and_then(|stop| stops.iter().position(|other| other == stop));
+                    *idler = place.unwrap_or_default();
+                }
+            }
+        }
+        let hits = hits.into_iter().map(|hit| (hit, AccidentState::Waiting)).collect();
+        Ok((Self { hits, parts: failing }, stops))
+    }
+
+    /// When the next of them ends, if any acts.
+    pub(super) fn next_end(&self) -> Option<u64> {
+        let parts = self.parts.iter().map(|part| &part.state);
+        self.hits.iter().map(|(_, state)| state).chain(parts).filter_map(AccidentState::end).min()
+    }
+
+    /// Ends those that act no longer than to `now`.
+    pub(super) fn end_all(&mut self, now: u64, live: &mut Live) {
+        for (_, state) in &mut self.hits {
+            state.end_at(now);
+        }
+        for part in &mut self.parts {
+            if let (true, Effect::Loosen(motor, _)) = (part.state.end_at(now), &part.effect) {
+                live.tighten(*motor);
+            }
+        }
+        self.act(live);
+    }
+
+    /// Hits begin where the tool is on its way near them.
+    pub(super) fn meet(&mut self, now: u64, tool_mm: [f64; 2], live: &mut Live) {
+        for (hit, state) in &mut self.hits {
+            state.begin(hit, now, tool_mm, live.velocity_mm_s());
+        }
+        self.act(live);
+    }
+
+    /// Parts fail that are due at this motion time.
+    pub(super) fn fail(&mut self, now: u64, motion_s: f64, live: &mut Live) {
+        let mut is_changed = false;
+        let due = |part: &&mut Failing| part.state == AccidentState::Waiting && part.from_s <= motion_s;
+        for part in self.parts.iter_mut().filter(due) {
+            is_changed = true;
+            part.began_s = Some(motion_s);
+            let force_n = if let Effect::Rub(_, force_n) = part.effect { force_n } else { 0.0 };
+            part.state.start(force_n, part.ms, now);
+            match part.effect {
+                Effect::Loosen(motor, most_n) => live.loosen(motor, most_n),
+                Effect::Jump(motor, teeth) => live.jump(motor, teeth),
+                Effect::Weaken(belt, left) => live.weaken(belt, left),
+                Effect::Rub(..) | Effect::Seize(_) => {}
+            }
+        }
+        if is_changed {
+            self.act(live);
+        }
+    }
+
+    /// Obstacles and friction are as hard as they are now.
+    fn act(&self, live: &mut Live) {
+        live.obstruct(self.hits.iter().map(|(_, state)| state.force_n()).sum());
+        let acting = || self.parts.iter().filter(|part| part.state.end().is_some());
+        for motor in 0..live.counts().len() {
+            let rubs = acting().filter_map(|part| match &part.effect {
+                Effect::Rub(motors, force_n) if motors.contains(&motor) => Some(*force_n),
+                _ => None,
+            });
+            live.brake(motor, rubs.sum());
+        }
+        for idler in self.parts.iter().flat_map(Failing::idlers) {
+            let all = acting().flat_map(Failing::idlers).filter(|(other, _)| *other == idler.0);
+            live.seize(idler.0, all.map(|(_, force_n)| *force_n).fold(0.0, f64::max));
+        }
+    }
+
+    /// Hits at places that the tool never reached.
+    pub(super) fn missed_hits(&self) -> usize {
+        self.hits.iter().filter(|(_, state)| *state == AccidentState::Waiting).count()
+    }
+
+    /// Each accident of a part: its text, when it began, and the motor with a belt that it moves on.
+    pub(super) fn of_parts(&self) -> impl Iterator<Item = (&str, Option<f64>, Option<usize>)> {
+        self.parts.iter().filter_map(|part| {
+            let motor = match part.effect {
+                Effect::Loosen(motor, _) | Effect::Jump(motor, _) => Some(motor),
+                _ => None,
+            };
+            Some((part.text.as_deref()?, part.began_s, motor))
+        })
+    }
+}
+
+impl Failing {
+    const fn new(effect: Effect, from_s: f64, ms: Option<f64>, text: Option<String>) -> Self {
+        Self { effect, from_s, ms, state: AccidentState::Waiting, began_s: None, text }
+    }
+
+    /// The idlers that it seizes.
+    fn idlers(&self) -> impl Iterator<Item = &(usize, f64)> {
+        let idlers: &[(usize, f64)] = if let Effect::Seize(idlers) = &self.effect { idlers } else { &[] };
+        idlers.iter()
+    }
+}
+
+/// The effect of an accident on its part. Idlers that it seizes are added to `idlers`.
+fn effect_of(
+    part: &PartAccident,
+    layout: &Layout,
+    start: Place,
+    idlers: &mut Vec<usize>,
+) -> Result<Effect, LayoutError> {
+    let how = part.how.unwrap_or_default();
+    let motor = || layout.motor_part(part);
+    Ok(match part.kind.does {
+        Does::Seize => match layout.part(part)? {
+            Part::Motor(motor) => Effect::Rub(vec![motor], part.how.unwrap_or(STALLS_N)),
+            Part::Idlers(stops) => {
+                let force_n = |stop| {
+                    let slides_n = || seized_idler_n(layout.machine, &layout.params, start, stop);
+                    part.how.unwrap_or_else(slides_n)
+                };
+                let mut place_of = |stop: usize| {
+                    idlers.iter().position(|other| *other == stop).unwrap_or_else(|| {
+                        idlers.push(stop);
+                        idlers.len() - 1
+                    })
+                };
+                Effect::Seize(stops.into_iter().map(|stop| (place_of(stop), force_n(stop))).collect())
+            }
+        },
+        Does::Loosen => {
+            let motor = motor()?;
+            let held = |holds: bool| if holds { f64::INFINITY } else { how.abs() };
+            // A motor that drives forward is pulled back.
+            let [back, forward] = [held(part.direction < 0), held(part.direction > 0)];
+            Effect::Loosen(motor, if layout.sense(motor) > 0.0 { [back, forward] } else { [forward, back] })
+        }
+        Does::Jump => {
+            let motor = motor()?;
+            Effect::Jump(motor, how * layout.sense(motor))
+        }
+        Does::Weaken => Effect::Weaken(layout.belt_of(motor()?), how / 100.0),
+    })
+}
