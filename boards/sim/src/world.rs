@@ -299,7 +299,8 @@ impl<'w> World<'w> {
                 self.console = None;
             }
             if let Some(tap) = &mut self.tap {
-                tap.after_console(self.status.planned().0, self.shared.queued.take());
+                let dry = self.status.overload().underruns;
+                tap.after_console(self.status.planned().0, dry, self.shared.queued.take());
             }
             if !self.wakes.0.swap(false, Ordering::Relaxed) {
                 break;
@@ -373,7 +374,8 @@ impl<'w> World<'w> {
         let Some(tap) = &mut self.tap else { return };
         let (now, is_met) = (self.stepper.tick(), !self.status.triggered().is_empty());
         tap.after_generator(self.generator.under_way(), now, self.status.epoch(), is_met);
-        while let Some(made) = tap.ended(now) {
+        tap.end(now);
+        while let Some(made) = tap.judged() {
             self.stepper.port().sink.moved(&made);
         }
     }
@@ -382,9 +384,8 @@ impl<'w> World<'w> {
     fn end_moves(&mut self) {
         self.follow_moves();
         let Some(tap) = &mut self.tap else { return };
-        let now = self.stepper.tick();
-        tap.break_off(now);
-        while let Some(made) = tap.ended(now) {
+        tap.finish(self.stepper.tick());
+        while let Some(made) = tap.judged() {
             self.stepper.port().sink.moved(&made);
         }
     }

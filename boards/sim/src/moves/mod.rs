@@ -11,7 +11,9 @@
 //! which they were planned, unless they are dropped; a new position in the queue tells this.
 
 mod limit;
+mod observer;
 mod program;
+mod rules;
 mod tap;
 mod trapezoid;
 
@@ -27,6 +29,8 @@ pub struct Source {
     pub kind: u16,
     /// The commanded speed with the feed override in mm/s, if the line commands one.
     pub feed: Option<f64>,
+    /// Which rules were in force, in the order in which they came up.
+    pub rules: u16,
 }
 
 /// A move as it was made.
@@ -48,6 +52,20 @@ pub struct MadeMove {
     pub is_apart: bool,
     /// Whether an endstop or the probe may end it.
     pub is_watched: bool,
+    /// Length of its path in mm, of the filament if the tool stands.
+    pub length: f64,
+    /// Acceleration of its ramps in mm/s2.
+    pub acceleration: f64,
+    /// The part of its length that it cruises.
+    pub cruise: f64,
+    /// Moves in the look-ahead when it left.
+    pub ahead: u32,
+    /// Whether z follows a mesh.
+    pub is_on_mesh: bool,
+    /// Whether the stream of commands was dry after it.
+    pub is_dry: bool,
+    /// What keeps it from being faster.
+    pub limit: Limit,
 }
 
 impl MadeMove {
@@ -62,6 +80,16 @@ impl MadeMove {
     #[must_use]
     pub fn plane_length(&self) -> f64 {
         self.way[0].hypot(self.way[1])
+    }
+
+    /// Whether it gets faster all along.
+    const fn only_accelerates(&self) -> bool {
+        self.phases[1] == 0 && self.phases[2] == 0
+    }
+
+    /// Whether it gets slower all along.
+    const fn only_decelerates(&self) -> bool {
+        self.phases[0] == 0 && self.phases[1] == 0
     }
 
     /// Whether it lays filament.

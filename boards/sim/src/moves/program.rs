@@ -4,7 +4,9 @@
 //! the words that change it: F, G20, G21 and M220.
 
 use super::Source;
+use super::rules::Rules;
 use crate::file_line::words;
+use corehbot::settings::Settings;
 
 /// mm an inch.
 const INCH: f64 = 25.4;
@@ -28,11 +30,19 @@ pub(super) struct Program {
     kept_percent: f64,
     /// Whether the present line moves at its feed.
     has_feed: bool,
+    /// The rules that were in force, each once, and the present one.
+    rules: Vec<Rules>,
+    present: usize,
 }
 
+/// So many rules are told apart. A slicer uses some acceleration for each type of line.
+const MOST_RULES: usize = 1000;
+
 impl Program {
-    pub const fn new() -> Self {
+    pub fn new(settings: &Settings) -> Self {
         Self {
+            rules: vec![Rules::new(settings)],
+            present: 0,
             line: 0,
             kind: crate::slicer::UNNAMED,
             unit: 1.0,
@@ -49,6 +59,9 @@ impl Program {
         let mut words = words(command);
         let code = words.next();
         self.has_feed = matches!(code, Some(('G', Some(0.0..=3.0))));
+        if !self.has_feed {
+            self.follow_rules(command);
+        }
         let Some((letter, Some(code))) = code else { return };
         let mut word = |wanted: char| words.by_ref().find(|(letter, _)| *letter == wanted);
         match (letter, code) {
@@ -66,6 +79,22 @@ impl Program {
         }
     }
 
+    fn follow_rules(&mut self, command: &str) {
+        let Some(mut rules) = self.rules.get(self.present).copied() else { return };
+        rules.read(command, self.unit);
+        let known = self.rules.iter().position(|known| *known == rules);
+        if known.is_none() && self.rules.len() < MOST_RULES {
+            self.rules.push(rules);
+        }
+        self.present = known.unwrap_or(self.rules.len() - 1);
+    }
+
+    /// The rules of a move.
+    pub fn rules(&self, source: &Source) -> &Rules {
+        // The first are always there.
+        self.rules.get(usize::from(source.rules)).unwrap_or(&self.rules[0])
+    }
+
     fn override_feed(&mut self, command: &str) {
         let word = |wanted: char| words(command).find(|(letter, _)| *letter == wanted);
         if word('B').is_some() {
@@ -80,7 +109,7 @@ impl Program {
     /// Why a move is planned now.
     pub fn source(&self) -> Source {
         let feed = self.has_feed.then_some(self.feed);
-        Source { line: self.line, kind: self.kind, feed }
+        Source { line: self.line, kind: self.kind, feed, rules: self.present as u16 }
     }
 
     /// The feed override in force, of 1.
@@ -95,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_feed_stays_until_the_next_and_has_the_unit_of_its_line() {
-        let mut program = Program::new();
+        let mut program = Program::new(&Settings::prototype());
         let mut feed = |command: &str| {
             program.read(1, 0, command);
             program.source().feed.map(|feed| feed * program.share())

@@ -1,11 +1,13 @@
 //! Tap: follows every move from the line that caused it to the end of its motion.
 
+use super::observer::Observer;
 use super::program::Program;
+use super::rules::Motors;
 use super::trapezoid::Trapezoid;
-use super::{MadeMove, Source};
+use super::{Limit, MadeMove, Source};
 use crate::slicer;
 use corehbot::kinematics::Grouping;
-use corehbot::motion::{Entry, Move, Work};
+use corehbot::motion::{Entry, Move, WHOLE, Work};
 use corehbot::settings::{Axes, HomedAxis, Settings};
 use corehbot::units::{Mm, Steps, TICKS_PER_SECOND};
 use std::collections::VecDeque;
@@ -20,11 +22,14 @@ const EDGE: f64 = 15.0;
 
 /// What was queued for the generator.
 enum What {
-    Move(Box<Move>, Source),
+    /// With the moves that waited in the look-ahead then, and whether the stream was dry after it.
+    Move(Box<Move>, Source, u32, bool),
     Position([Steps; 4]),
     /// Whether the third coordinate is z.
     Regroup(bool),
     Pause(u64),
+    /// Whether z follows a mesh.
+    Surface(bool),
     Nothing,
 }
 
@@ -56,8 +61,12 @@ pub(crate) struct Tap {
     at: [f64; 3],
     /// The place has another name since the last move.
     is_apart: bool,
-    /// Whether the third coordinate of moves is z.
+    /// Whether the third coordinate of moves is z, and whether z follows a mesh.
     has_z: bool,
+    is_on_mesh: bool,
+    observer: Observer,
+    /// Underruns seen so far.
+    underruns: u32,
     /// When the last move ends, in ticks.
     end: u64,
     /// Filament was laid away from the edge, or under a slicer's name.
@@ -69,7 +78,7 @@ impl Tap {
     pub fn new(settings: &Settings, place: [f64; 3]) -> Self {
         let Axes { x, y, z, e } = settings.axes;
         Self {
-            program: Program::new(),
+            program: Program::new(settings),
             step: [x, y, z, e].map(|axis| 1.0 / axis.steps_per_mm.to_num::<f64>()),
             bed: [HomedAxis::X, HomedAxis::Y].map(|axis| {
                 let reach = settings.reach(axis);
@@ -85,6 +94,9 @@ impl Tap {
             at: place,
             is_apart: true,
             has_z: true,
+            is_on_mesh: false,
+            observer: Observer::new(Motors::new(settings)),
+            underruns: 0,
             end: 0,
             has_printed: false,
         }
@@ -95,8 +107,11 @@ impl Tap {
         self.program.read(line, kind, command);
     }
 
-    /// The Console has had a turn: so many moves are planned, and this is queued.
-    pub fn after_console(&mut self, planned: u32, entries: Vec<Entry>) {
+    /// The Console has had a turn: so many moves are planned, the stream was dry so often, and this is queued.
+    pub fn after_console(&mut self, planned: u32, underruns: u32, entries: Vec<Entry>) {
+        if std::mem::replace(&mut self.underruns, underruns) != underruns {
+            self.note_dry();
+        }
         let before = self.expected.len();
         let fresh = planned.wrapping_sub(self.planned);
         if fresh > 0 {
@@ -106,17 +121,35 @@ impl Tap {
         let mut dropped = before;
         for Entry { epoch, work } in entries {
             let what = match work {
-                Work::Move(m) => What::Move(Box::new(m), self.next_source()),
+                Work::Move(m) => {
+                    let source = self.next_source();
+                    let ahead = self.expected.iter().map(|(count, _)| count).sum();
+                    What::Move(Box::new(m), source, ahead, false)
+                }
                 // The machine stands, so moves planned earlier were made or dropped.
                 Work::Position(position) => {
                     self.expected.drain(..std::mem::take(&mut dropped).min(self.expected.len()));
                     What::Position(position)
                 }
                 Work::Regroup(grouping) => What::Regroup(grouping == Grouping::Tool),
+                Work::Surface(frame) => What::Surface(!frame.is_none()),
                 Work::Dwell(time) => What::Pause(time.whole_ticks()),
                 _ => What::Nothing,
             };
             self.queued.push_back(Queued { epoch, what });
+        }
+    }
+
+    /// The last move that left has stopped, or slowed down, because none followed in time.
+    fn note_dry(&mut self) {
+        let queued = self.queued.iter_mut().rev().find_map(|queued| match &mut queued.what {
+            What::Move(.., is_dry) => Some(is_dry),
+            _ => None,
+        });
+        match (queued, self.running.back_mut()) {
+            (Some(is_dry), _) => *is_dry = true,
+            (None, Some(last)) => last.is_dry = true,
+            (None, None) => self.observer.note_dry(),
         }
     }
 
@@ -158,9 +191,15 @@ impl Tap {
         let is_dropped = epoch != self.epoch || is_met;
         match what {
             _ if is_dropped => {}
-            What::Move(m, source) => self.begin(&m, source, begin.unwrap_or(self.end)),
+            What::Move(m, source, ahead, is_dry) => {
+                self.begin(&m, source, begin.unwrap_or(self.end));
+                if let Some(last) = self.running.back_mut() {
+                    (last.ahead, last.is_dry) = (ahead, is_dry);
+                }
+            }
             What::Position(position) => self.stand_at(position),
             What::Regroup(has_z) => self.has_z = has_z,
+            What::Surface(is_on_mesh) => self.is_on_mesh = is_on_mesh,
             What::Pause(ticks) => self.end += ticks,
             What::Nothing => {}
         }
@@ -199,6 +238,13 @@ impl Tap {
             way,
             is_apart: std::mem::take(&mut self.is_apart),
             is_watched: !m.watch.is_empty(),
+            length: m.length.0 as f64 / 2f64.powi(32),
+            acceleration: m.acceleration.to_num(),
+            cruise: f64::from(m.cruised - m.accelerated) / f64::from(WHOLE),
+            ahead: 0,
+            is_on_mesh: self.is_on_mesh,
+            is_dry: false,
+            limit: Limit::default(),
         };
         made.source.kind = self.kind_of(&made);
         self.at = std::array::from_fn(|i| self.at[i] + way[i]);
@@ -226,7 +272,7 @@ impl Tap {
     }
 
     /// All motion ends at `now`: moves that have not begun are dropped, and one that has is shortened.
-    pub fn break_off(&mut self, now: u64) {
+    fn break_off(&mut self, now: u64) {
         while let Some(last) = self.running.back_mut()
             && last.end() > now
         {
@@ -246,8 +292,22 @@ impl Tap {
         self.end = now;
     }
 
-    /// The next move that has ended by `now`.
-    pub fn ended(&mut self, now: u64) -> Option<MadeMove> {
-        self.running.pop_front_if(|first| first.end() <= now)
+    /// Moves that have ended by `now` are judged.
+    pub fn end(&mut self, now: u64) {
+        while let Some(made) = self.running.pop_front_if(|first| first.end() <= now) {
+            self.observer.add(&made, self.program.rules(&made.source));
+        }
+    }
+
+    /// Nothing follows: all that is left is judged.
+    pub fn finish(&mut self, now: u64) {
+        self.break_off(now);
+        self.end(now);
+        self.observer.finish();
+    }
+
+    /// The next move that is judged.
+    pub fn judged(&mut self) -> Option<MadeMove> {
+        self.observer.next()
     }
 }
