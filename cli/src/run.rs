@@ -32,7 +32,7 @@ use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::{Limits, Widening};
 use corehbot_sim::mesh_log::MeshLog;
-use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_sim::moves::MadeMove;
 use corehbot_sim::tally::{Figures, Tally};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
@@ -156,6 +156,7 @@ impl Prepared {
         let mut host = Watched::new(host, &stop);
         let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
         let scratch = || report.is_some().then(tempfile::tempfile).transpose();
+        // Without a page their sums count.
         let path = scratch().context("cannot keep the tool path in a temporary file")?;
         let moves = scratch().context("cannot keep the moves in a temporary file")?;
         let mut sinks = Sinks {
@@ -164,7 +165,7 @@ impl Prepared {
             tally: Tally::new(settings, begin),
             checker: Checker::new(settings, &limits),
             path: path.map(|file| ToolPath::new(settings, begin, file)),
-            moves: moves.map(Moves::new),
+            moves: Moves::new(Scratch(moves)),
             heat: HeatLog::default(),
         };
         let start = Instant::now();
@@ -184,7 +185,8 @@ impl Prepared {
             motors: machine.settings.motor_names,
         };
         let heat = std::mem::take(&mut sinks.heat);
-        let Results { mut summary, figures, path, moves } = sinks.finish(names, &host, &outcome)?;
+        let Results { mut summary, figures, path, mut moves } = sinks.finish(names, &host, &outcome)?;
+        summary.note_moves(&moves, host.notes());
         let mut belt = desk.belt;
         summary.belt = belt.as_mut().map(|plant| {
             plant.ring_out();
@@ -210,12 +212,14 @@ impl Prepared {
         if let Some(json) = json {
             write_all(json, &summary.to_json()?).context("cannot write the JSON")?;
         }
-        if let (Some(mut report), Some(path), Some(moves), Some(mut gcode)) = (report, path, moves, gcode) {
+        if let (Some(mut report), Some(path), Some(file), Some(mut gcode)) = (report, path, moves.file.0.take(), gcode)
+        {
             let (heat_waits, notes) = (host.heat_waits(), host.notes());
             let belt = belt.as_deref().map(BeltPlant::course);
             let page =
                 print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings, notes };
             gcode.rewind().with_context(|| name.clone())?;
+            let moves = moves.in_file(file);
             page.write(print::Streams { path, moves, gcode }, &mut report).context("cannot write the report")?;
         }
         say(&summary, outputs.is_standard_taken())?;
@@ -253,8 +257,21 @@ struct Sinks {
     tally: Tally,
     checker: Checker,
     path: Option<ToolPath<File>>,
-    moves: Option<Moves<File>>,
+    moves: Moves<Scratch>,
     heat: HeatLog,
+}
+
+/// A temporary file, or none.
+struct Scratch(Option<File>);
+
+impl Write for Scratch {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.as_mut().map_or(Ok(bytes.len()), |file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.as_mut().map_or(Ok(()), Write::flush)
+    }
 }
 
 /// All that they have found.
@@ -262,7 +279,7 @@ struct Results {
     summary: Summary,
     figures: Figures,
     path: Option<Stored<File>>,
-    moves: Option<StoredMoves<File>>,
+    moves: StoredMoves<Scratch>,
 }
 
 impl Sink for Sinks {
@@ -285,13 +302,11 @@ impl Sink for Sinks {
     }
 
     fn wants_moves(&self) -> bool {
-        self.moves.is_some()
+        true
     }
 
     fn moved(&mut self, made: &MadeMove) {
-        if let Some(moves) = &mut self.moves {
-            moves.add(made, Limit::Feed);
-        }
+        self.moves.add(made);
     }
 
     fn heat(&mut self, period: &HeatPeriod) {
@@ -308,7 +323,7 @@ impl Sinks {
         let figures = self.tally.finish(outcome.ticks);
         let findings = self.checker.finish(Some(outcome.counts));
         let path = self.path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
-        let moves = self.moves.map(Moves::finish).transpose().context("cannot keep the moves")?;
+        let moves = self.moves.finish().context("cannot keep the moves")?;
         let summary = Summary::new(names, host, outcome, &figures, &findings, trace.sha256);
         Ok(Results { summary, figures, path, moves })
     }

@@ -221,10 +221,25 @@ fn heaters_break_when_they_are_told_to() {
     let gcode = "G28\nM109 S200\nG4 S60\n";
     let whole = heat_text("break", gcode, &[]);
     assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stdout));
-    for (accident, cause) in [("open:hotend@20s", "[E01]"), ("short@1.5m", "[E02]"), ("converter@30s", "[E14]")] {
-        let output = heat_text("break", gcode, &["--break", accident]);
+    let json = scratch("break").join("s.json");
+    for (accident, cause, at, line) in
+        [("open:hotend@20s", "E01", 20.0, 2), ("short@1.5m", "E02", 90.0, 2), ("converter@30s", "E14", 30.0, 2)]
+    {
+        let output = heat_text("break", gcode, &["--break", accident, "--json", json.to_str().unwrap()]);
         let out = text(&output.stdout);
-        assert_eq!((output.status.code(), out.contains(cause)), (Some(1), true), "{accident}: {out}");
+        assert_eq!((output.status.code(), out.contains(&format!("[{cause}]"))), (Some(1), true), "{accident}: {out}");
+        let summary: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        let fault = &summary["fault"];
+        assert_eq!(
+            (fault["code"].as_str(), fault["page"].as_str()),
+            (Some(cause), Some("docs/reference/errors.md#faults"))
+        );
+        // Guards wait for a second or two before they believe it.
+        let late = fault["time_s"].as_f64().unwrap() - at;
+        assert!((0.0..5.0).contains(&late), "{accident}: {fault}");
+        assert!(
+            fault["cure"].as_str().is_some_and(|cure| !cure.is_empty()) && fault["line"].as_u64() <= Some(line + 1)
+        );
     }
     let wrong = heat_text("break", gcode, &["--break", "opne@20s"]);
     assert_eq!(wrong.status.code(), Some(2));

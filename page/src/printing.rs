@@ -19,7 +19,7 @@ use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::Widening;
 use corehbot_sim::lines::{LONGEST_LINE, Lines, survey};
 use corehbot_sim::mesh_log::MeshLog;
-use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_sim::moves::MadeMove;
 use corehbot_sim::tally::Tally;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
@@ -99,9 +99,11 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
     summary.note_asked(host.asked(), settings);
     let course = belt.as_deref().map(BeltPlant::course);
     let (heat_waits, notes) = (host.heat_waits(), host.notes());
+    let moves = moves.finish()?;
+    summary.note_moves(&moves, notes);
     let page =
         print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt: course, settings, notes };
-    let streams = print::Streams { path: path.finish()?, moves: moves.finish()?, gcode: Cursor::new(gcode) };
+    let streams = print::Streams { path: path.finish()?, moves, gcode: Cursor::new(gcode) };
     let mut report = Vec::new();
     page.write(streams, &mut report).context("cannot write the report")?;
     Ok(Printed { summary: summary.to_json()?, words: summary.to_string(), report })
@@ -168,7 +170,7 @@ impl Sink for Sinks {
     }
 
     fn moved(&mut self, made: &MadeMove) {
-        self.moves.add(made, Limit::Feed);
+        self.moves.add(made);
     }
 
     fn heat(&mut self, period: &HeatPeriod) {

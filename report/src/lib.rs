@@ -7,6 +7,8 @@
 //! |---|---|
 //! | [`printable`] | texts of others that must not command a terminal |
 //! | [`summary`] | the result of a print, in words and as JSON |
+//! | [`fault`] | why a print failed, and what to do |
+//! | [`sums`] | time and filament of a print by type of line, layer and limit |
 //! | [`heat_log`] | temperatures and duties over a print |
 //! | [`mesh`] | the mesh of the bed, and its effect |
 //! | [`moves`] | every move with its line, its type and its times |
@@ -25,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 pub mod corexyz;
+pub mod fault;
 pub mod figures;
 pub mod heat_log;
 mod layers;
@@ -38,6 +41,7 @@ pub mod printable;
 pub mod record;
 pub mod resonance;
 pub mod summary;
+pub mod sums;
 pub mod svg;
 pub mod twin;
 mod varint;

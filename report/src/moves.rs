@@ -87,6 +87,16 @@ pub struct StoredMoves<F> {
     /// Sums by the height of the layer in um. What comes before a layer's first printed move counts to the layer
     /// before.
     pub by_layer: BTreeMap<i64, Sum>,
+    /// Seconds by the number of the limit.
+    pub by_limit: [f64; Limit::ALL.len()],
+}
+
+impl<F> StoredMoves<F> {
+    /// The same moves in another file.
+    pub fn in_file<G>(self, file: G) -> StoredMoves<G> {
+        let Self { chunks, by_type, by_layer, by_limit, .. } = self;
+        StoredMoves { file, chunks, by_type, by_layer, by_limit }
+    }
 }
 
 /// What differences are taken to.
@@ -109,6 +119,7 @@ pub struct Moves<F: Write> {
     before: Before,
     by_type: Vec<Sum>,
     by_layer: BTreeMap<i64, Sum>,
+    by_limit: [f64; Limit::ALL.len()],
     /// What comes before the first layer.
     first: Sum,
 }
@@ -137,12 +148,13 @@ impl<F: Write> Moves<F> {
             before: Before::default(),
             by_type: Vec::new(),
             by_layer: BTreeMap::new(),
+            by_limit: [0.0; Limit::ALL.len()],
             first: Sum::default(),
         }
     }
 
     /// The next move.
-    pub fn add(&mut self, made: &MadeMove, limit: Limit) {
+    pub fn add(&mut self, made: &MadeMove) {
         let height = made.is_printing().then(|| {
             let [x, y, z, _] = made.way;
             self.layers.enter([x, y, z], made.from[2] + z)
@@ -154,7 +166,7 @@ impl<F: Write> Moves<F> {
         }
         self.chunk.height = height;
         self.count(made);
-        self.pack(made, limit);
+        self.pack(made);
     }
 
     fn count(&mut self, made: &MadeMove) {
@@ -163,6 +175,7 @@ impl<F: Write> Moves<F> {
             self.by_type.resize(kind + 1, Sum::default());
         }
         self.by_type[kind].add(made);
+        self.by_limit[made.limit as usize] += (made.end() - made.begin) as f64 / f64::from(TICKS_PER_SECOND);
         let sum = match self.chunk.height {
             Some(height) => self.by_layer.entry(height).or_insert_with(|| std::mem::take(&mut self.first)),
             None => &mut self.first,
@@ -170,7 +183,7 @@ impl<F: Write> Moves<F> {
         sum.add(made);
     }
 
-    fn pack(&mut self, made: &MadeMove, limit: Limit) {
+    fn pack(&mut self, made: &MadeMove) {
         let Self { packed, chunk, before, .. } = self;
         if chunk.moves == 0 {
             (chunk.from, chunk.time[0]) = (made.from.map(um), made.begin / TICKS);
@@ -198,7 +211,7 @@ impl<F: Write> Moves<F> {
             put_signed(packed, um(from + way) - um(from));
         }
         put_signed(packed, um(made.way[3]));
-        put(packed, u64::from(made.source.kind) << 4 | limit as u64);
+        put(packed, u64::from(made.source.kind) << 4 | made.limit as u64);
         *before = Before { line, end: ends[2], speeds, feed };
         chunk.time[1] = ends[2];
         chunk.moves += 1;
@@ -235,6 +248,7 @@ impl<F: Write> Moves<F> {
             chunks: self.chunks,
             by_type: self.by_type,
             by_layer: self.by_layer,
+            by_limit: self.by_limit,
         })
     }
 }

@@ -7,13 +7,14 @@
 mod belt;
 mod heat;
 mod machine;
-pub mod sums;
 
+use crate::fault::Fault;
 use crate::heat_log::HeatLog;
 use crate::moves::StoredMoves;
 use crate::path::{Bounds, Chunk, Stored};
 use crate::record::{Record, TextChunk, blobs, text_blobs};
 use crate::summary::Summary;
+use crate::sums::{Filament, LayerSum, LimitSum, TypeSum, by_layer, by_limit, by_type, chunk_row};
 use crate::viewer::{self, TEMPLATE};
 use belt::BeltData;
 use corehbot::kinematics::Row;
@@ -31,7 +32,6 @@ use heat::HeatData;
 use machine::MachineData;
 use serde::Serialize;
 use std::io::{self, Read, Seek, Write};
-use sums::{Filament, LayerSum, TypeSum, by_layer, by_type, chunk_row};
 
 /// The head of every page.
 pub(crate) const HEAD: &str = include_str!("print/head.html");
@@ -99,6 +99,9 @@ struct Data<'a> {
     limits: [Limit; Limit::ALL.len()],
     by_type: Vec<TypeSum>,
     by_layer: Vec<LayerSum>,
+    by_limit: Vec<LimitSum>,
+    /// Why the print failed, if it did.
+    fault: Option<&'a Fault>,
     time: TimeData,
     filament: Filament,
     machine: MachineData,
@@ -225,8 +228,10 @@ impl Page<'_> {
             belt: belt.zip(summary.belt.as_ref()).map(|(course, figures)| BeltData::new(course, figures)),
             types: notes.types(),
             limits: Limit::ALL,
-            by_type: by_type(&moves.by_type),
+            by_type: by_type(&moves.by_type, notes),
             by_layer: by_layer(&moves.by_layer, &stored.heights),
+            by_limit: by_limit(&moves.by_limit),
+            fault: summary.fault.as_ref(),
             time: TimeData {
                 total: summary.print_time_s,
                 motion: summary.motion_time_s,

@@ -1,7 +1,10 @@
 //! Summary: the result of a run, for a person and for a program.
 
+use crate::fault::Fault;
 use crate::mesh::MeshSummary;
+use crate::moves::StoredMoves;
 use crate::printable::line;
+use crate::sums::{Filament, LayerSum, LimitSum, TypeSum, by_layer, by_limit, by_type};
 use corehbot::connectors::Heater;
 use corehbot::motors::{MOTORS, MotorName};
 use corehbot::settings::Settings;
@@ -10,6 +13,7 @@ use corehbot_sim::bed_plant::FLOOR_MM;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::check::Findings;
 use corehbot_sim::host::{Asked, FileHost};
+use corehbot_sim::slicer::Notes;
 use corehbot_sim::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
 use corehbot_sim::world::Outcome;
 use serde::{Serialize, Serializer};
@@ -87,6 +91,8 @@ pub struct Summary {
     pub pauses_total: u32,
     /// Why the print failed, if it did.
     pub failure: Option<String>,
+    /// The same with number, cure, time and document, if the printer said it.
+    pub fault: Option<Fault>,
     /// The checker's first few violations.
     pub violations: Vec<String>,
     /// All that the checker found.
@@ -97,6 +103,14 @@ pub struct Summary {
     /// The mesh that z followed, if it ever did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshSummary>,
+    /// Time, way and filament by type of line.
+    pub by_type: Vec<TypeSum>,
+    /// The same by layer.
+    pub by_layer: Vec<LayerSum>,
+    /// The time of moves by what keeps them from being faster.
+    pub by_limit: Vec<LimitSum>,
+    /// All filament, if any moved.
+    pub filament: Option<Filament>,
     /// SHA-256 of the step trace.
     pub trace_sha256: String,
     /// How long the simulation took.
@@ -162,13 +176,28 @@ impl Summary {
             pauses: host.pauses().iter().map(|pause| at(pause)).collect(),
             pauses_total: host.pauses_total(),
             failure,
+            fault: host.failure().map(|remark| Fault::new(remark, rounded(whole), rounded(motion))),
             violations: findings.first.iter().map(ToString::to_string).collect(),
             violations_total: findings.total,
             belt: None,
             mesh: None,
+            by_type: Vec::new(),
+            by_layer: Vec::new(),
+            by_limit: Vec::new(),
+            filament: None,
             trace_sha256,
             wall_time_s: 0.0,
         }
+    }
+
+    /// Notes the sums of the moves.
+    pub fn note_moves<F>(&mut self, moves: &StoredMoves<F>, notes: &Notes) {
+        let heights: Vec<_> = moves.by_layer.keys().copied().collect();
+        self.by_type = by_type(&moves.by_type, notes);
+        self.by_layer = by_layer(&moves.by_layer, &heights);
+        self.by_limit = by_limit(&moves.by_limit);
+        let mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
+        self.filament = self.by_type.iter().any(|row| row.filament_mm != 0.0).then(|| Filament::new(mm, notes));
     }
 
     /// Notes how deep the nozzle was in the bed, if that is deeper than a bed stands.
@@ -238,6 +267,7 @@ impl fmt::Display for Summary {
         for ((name, steps), (_, net)) in self.steps.iter().zip(self.net_steps.iter()) {
             writeln!(f, "{:<5} {:>14} {:>14}", name.as_str(), grouped(steps), grouped(net))?;
         }
+        self.write_sums(f)?;
         if let Some(belt) = &self.belt {
             write!(f, "\n{belt}")?;
         }
@@ -249,6 +279,29 @@ impl fmt::Display for Summary {
 }
 
 impl Summary {
+    /// Filament, layers, limits and types, of a print that lays filament.
+    fn write_sums(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(filament) = &self.filament else { return Ok(()) };
+        writeln!(f, "\n{:<30} {:>12} {:>14} {:>10}", "line type", "time", "filament, mm", "moves")?;
+        for row in &self.by_type {
+            let (time, moves) = (clock(row.seconds), grouped(row.moves as i64));
+            writeln!(f, "{:<30} {time:>12} {:>14.1} {moves:>10}", line(&row.name), row.filament_mm)?;
+        }
+        let Filament { diameter_mm, mm, cm3, g, density, is_density_known } = filament;
+        let whose = if *is_density_known { "" } else { " of PLA, for the file names none" };
+        writeln!(
+            f,
+            "\nfilament           {mm:.1} mm of {diameter_mm} mm, {cm3:.2} cm3, {g:.2} g ({density} g/cm3{whose})"
+        )?;
+        let whole: f64 = self.by_limit.iter().map(|row| row.seconds).sum();
+        let part = |row: &LimitSum| format!("{} {:.1} %", row.limit.name(), 100.0 * row.seconds / whole);
+        let limits: Vec<_> = self.by_limit.iter().map(part).collect();
+        writeln!(f, "limited by         {}", limits.join(", "))?;
+        let seconds = self.by_layer.iter().map(|row| row.seconds);
+        let (least, most) = (seconds.clone().fold(f64::INFINITY, f64::min), seconds.fold(0.0, f64::max));
+        writeln!(f, "layers             {}, {least:.1} to {most:.1} s each", self.by_layer.len())
+    }
+
     fn write_troubles(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lists = [
             ("pauses", &self.pauses, self.pauses_total.into()),

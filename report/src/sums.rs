@@ -1,7 +1,8 @@
-//! Sums of a print: time and filament by type of line and by layer.
+//! Sums of a print: time and filament by type of line, by layer and by limit.
 
 use crate::moves::{MoveChunk, Sum};
-use corehbot_sim::slicer::Notes;
+use corehbot_sim::moves::Limit;
+use corehbot_sim::slicer::{LineType, Notes, Role};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -18,6 +19,10 @@ pub struct TypeSum {
     /// Index of the type.
     #[serde(rename = "type")]
     pub kind: usize,
+    /// Its name.
+    pub name: String,
+    /// What it is for.
+    pub role: Role,
     /// Their time in s.
     pub seconds: f64,
     /// Filament that they move.
@@ -39,6 +44,15 @@ pub struct LayerSum {
     pub filament_mm: f64,
     /// The way on which filament was laid.
     pub printed_mm: f64,
+}
+
+/// The time of moves with a limit.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct LimitSum {
+    /// What keeps them from being faster.
+    pub limit: Limit,
+    /// Their time in s.
+    pub seconds: f64,
 }
 
 /// All filament.
@@ -77,10 +91,12 @@ impl Filament {
 }
 
 /// Sums of the types that occur.
-pub(super) fn by_type(sums: &[Sum]) -> Vec<TypeSum> {
-    let occurs = sums.iter().enumerate().filter(|(_, sum)| sum.moves > 0);
-    let row = |(kind, sum): (usize, &Sum)| TypeSum {
+pub(crate) fn by_type(sums: &[Sum], notes: &Notes) -> Vec<TypeSum> {
+    let occurs = sums.iter().zip(notes.types()).enumerate().filter(|(_, (sum, _))| sum.moves > 0);
+    let row = |(kind, (sum, named)): (usize, (&Sum, &LineType))| TypeSum {
         kind,
+        name: named.name.clone(),
+        role: named.role,
         seconds: to_thousandth(sum.seconds),
         filament_mm: to_thousandth(sum.filament_mm),
         printed_mm: to_thousandth(sum.printed_mm),
@@ -89,8 +105,17 @@ pub(super) fn by_type(sums: &[Sum]) -> Vec<TypeSum> {
     occurs.map(row).collect()
 }
 
+/// Times of the limits that occur, the longest first.
+pub(crate) fn by_limit(sums: &[f64; Limit::ALL.len()]) -> Vec<LimitSum> {
+    let occurs = Limit::ALL.into_iter().zip(sums).filter(|(_, seconds)| **seconds > 0.0);
+    let mut rows: Vec<_> =
+        occurs.map(|(limit, seconds)| LimitSum { limit, seconds: to_thousandth(*seconds) }).collect();
+    rows.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    rows
+}
+
 /// Sums of the layers at `heights` in um, one row a height.
-pub(super) fn by_layer(sums: &BTreeMap<i64, Sum>, heights: &[i64]) -> Vec<LayerSum> {
+pub(crate) fn by_layer(sums: &BTreeMap<i64, Sum>, heights: &[i64]) -> Vec<LayerSum> {
     let mut rows = vec![Sum::default(); heights.len()];
     for (height, sum) in sums {
         if let Some(row) = layer_of(*height, heights).and_then(|layer| rows.get_mut(layer)) {
@@ -107,21 +132,21 @@ pub(super) fn by_layer(sums: &BTreeMap<i64, Sum>, heights: &[i64]) -> Vec<LayerS
 }
 
 /// The layer with the height nearest to `height`: planned heights and those in whole steps differ by a step at most.
-pub(super) fn layer_of(height: i64, heights: &[i64]) -> Option<usize> {
+pub(crate) fn layer_of(height: i64, heights: &[i64]) -> Option<usize> {
     let above = heights.partition_point(|other| *other < height);
     let near = [above.checked_sub(1), Some(above)].into_iter().flatten().filter(|index| *index < heights.len());
     near.min_by_key(|index| (heights[*index] - height).abs())
 }
 
 /// Moves, begin and end in 10 us, layer, and x, y and z in um at the begin of a chunk.
-pub(super) fn chunk_row(chunk: &MoveChunk, heights: &[i64]) -> [i64; 7] {
+pub(crate) fn chunk_row(chunk: &MoveChunk, heights: &[i64]) -> [i64; 7] {
     let layer = chunk.height.and_then(|height| layer_of(height, heights)).unwrap_or(0);
     let ([begin, end], [x, y, z]) = (chunk.time.map(|time| time as i64), chunk.from);
     [chunk.moves as i64, begin, end, layer as i64, x, y, z]
 }
 
 /// To three decimals: more would be noise.
-pub(super) fn to_thousandth(value: f64) -> f64 {
+pub(crate) fn to_thousandth(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 

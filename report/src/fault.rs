@@ -1,0 +1,93 @@
+//! Fault: why a print failed, when, and what to do.
+
+use corehbot_sim::host::Remark;
+use serde::Serialize;
+
+/// The document about faults, and its part about numbered ones.
+const PAGE: &str = "docs/reference/errors.md";
+const NUMBERED: &str = "docs/reference/errors.md#faults";
+
+/// What the firmware says around a fault (`Replies::killed_by`, `killed_after`).
+const WRAPPING: [&str; 2] = ["Error:", "Printer halted. kill() called! ("];
+const END: &str = ") Send M999 or reset";
+
+/// A fault as a card shows it.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Fault {
+    /// `E08`, if it has a number.
+    pub code: Option<String>,
+    /// What happened.
+    pub text: String,
+    /// What to do, if the firmware says it.
+    pub cure: Option<String>,
+    /// The document about it.
+    pub page: &'static str,
+    /// When, in s since the printer was switched on.
+    pub time_s: f64,
+    /// The same in s of motion time.
+    pub motion_s: f64,
+    /// The line of the file that was under way; 0 if there is none.
+    pub line: u32,
+    /// The command in it.
+    pub command: String,
+}
+
+impl Fault {
+    /// The fault that ended a print with this remark.
+    #[must_use]
+    pub fn new(remark: &Remark, time_s: f64, motion_s: f64) -> Self {
+        let (code, text, cure) = parts(&remark.reply);
+        Self {
+            page: if code.is_some() { NUMBERED } else { PAGE },
+            code: code.map(str::to_owned),
+            text: text.to_owned(),
+            cure: cure.map(str::to_owned),
+            time_s,
+            motion_s,
+            line: remark.line,
+            command: remark.command.clone(),
+        }
+    }
+}
+
+/// Number, text and cure in the printer's words: `Error:hotend: sensor shorted [E02]: mend the sensor's wire`.
+fn parts(reply: &str) -> (Option<&str>, &str, Option<&str>) {
+    let reply = WRAPPING.iter().fold(reply, |reply, begin| reply.strip_prefix(begin).unwrap_or(reply));
+    let reply = reply.strip_suffix(END).unwrap_or(reply);
+    let numbered = reply.split_once(" [").and_then(|(text, rest)| {
+        let (code, cure) = rest.split_once("]: ")?;
+        let is_code = code.strip_prefix('E').is_some_and(|digits| digits.bytes().all(|b| b.is_ascii_digit()));
+        is_code.then_some((code, text, cure))
+    });
+    match numbered {
+        Some((code, text, cure)) => (Some(code), text, Some(cure)),
+        None => (None, reply, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use corehbot::fault::{Cause, Fault as Told};
+
+    #[test]
+    fn every_fault_of_the_firmware_comes_apart() {
+        for cause in Cause::all() {
+            let told = Told { subject: 0, ..Told::plain(cause) }.to_string();
+            for reply in
+                [format!("Error:{told}"), format!("Error:Printer halted. kill() called! ({told}){}", &END[1..])]
+            {
+                let (code, text, cure) = parts(&reply);
+                assert_eq!(code, Some(format!("E{:02}", cause as u8).as_str()), "{reply}");
+                assert_eq!(format!("{text} [{}]: {}", code.unwrap(), cure.unwrap()), told);
+            }
+        }
+    }
+
+    #[test]
+    fn other_ends_have_a_text() {
+        let text = "the printer has ended the print";
+        assert_eq!(parts(text), (None, text, None));
+        assert_eq!(parts("Error:no [homing] here"), (None, "no [homing] here", None));
+    }
+}
