@@ -51,11 +51,13 @@ pub(super) struct Observer {
     known: usize,
     /// The reason of the last junction before the waiting moves.
     reason: Limit,
+    /// Whether the stream was ever dry: only then the feed may have been shared.
+    was_dry: bool,
 }
 
 impl Observer {
     pub fn new(motors: Motors) -> Self {
-        Self { motors, waiting: VecDeque::new(), known: 0, reason: Limit::Corner }
+        Self { motors, waiting: VecDeque::new(), known: 0, reason: Limit::Corner, was_dry: false }
     }
 
     /// The next move, with the rules in force for it.
@@ -72,7 +74,12 @@ impl Observer {
         self.know(self.waiting.len());
     }
 
-    /// The stream was dry after the last move.
+    /// The stream was dry.
+    pub const fn share_feed(&mut self) {
+        self.was_dry = true;
+    }
+
+    /// It was dry after the last move.
     pub fn note_dry(&mut self) {
         if let Some(last) = self.waiting.back_mut() {
             last.made.is_dry = true;
@@ -119,7 +126,7 @@ impl Observer {
         let shares = (1..WHOLE_SHARE).map(|share| feed * f64::from(share) / f64::from(WHOLE_SHARE));
         if let Some(limit) = speeds.equal_to(top, EQUAL) {
             limit
-        } else if shares.into_iter().any(|speed| is_same(speed, top)) {
+        } else if self.was_dry && shares.into_iter().any(|speed| is_same(speed, top)) {
             Limit::SlowHost
         } else if rules.has_advance && made.way[3] != 0.0 && !made.is_on_mesh {
             Limit::Extruder

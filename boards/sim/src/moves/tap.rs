@@ -142,6 +142,7 @@ impl Tap {
 
     /// The last move that left has stopped, or slowed down, because none followed in time.
     fn note_dry(&mut self) {
+        self.observer.share_feed();
         let queued = self.queued.iter_mut().rev().find_map(|queued| match &mut queued.what {
             What::Move(.., is_dry) => Some(is_dry),
             _ => None,
