@@ -15,7 +15,7 @@ pub use store::{Bounds, CHUNK, Chunk, Stored};
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::Settings;
-use corehbot_sim::sampler::Counts;
+use corehbot_sim::sampler::{Counts, count};
 use corehbot_twin::contour::cut::ends;
 use filament::Filament;
 use std::io::{self, Write};
@@ -99,10 +99,7 @@ impl<F: Write> ToolPath<F> {
 
     /// One instant in which `steps` move, each forward or backward.
     pub fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        for (i, count) in self.counts.iter_mut().enumerate() {
-            let step = i64::from(steps.0 >> i & 1);
-            *count += step * (2 * i64::from(forward.0 >> i & 1) - 1);
-        }
+        count(&mut self.counts, steps, forward);
         let way = self.back.fractions(&self.counts);
         let mut at = std::array::from_fn(|i| {
             let (sum, over) = way[i];

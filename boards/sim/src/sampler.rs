@@ -19,6 +19,38 @@ pub const LONGEST_WINDOW: usize = 512;
 /// Steps of each motor since the start, in the order of [`Motor::ALL`](corehbot::motors::Motor::ALL).
 pub type Counts = [i64; MOTORS];
 
+/// Motors whose steps are looked up together.
+const HALF: usize = MOTORS / 2;
+
+/// Steps of four motors, by the motors that step (low four bits) and those that would go forward (high four bits).
+const STEPS: [[i64; HALF]; 1 << MOTORS] = {
+    let mut table = [[0; HALF]; 1 << MOTORS];
+    let mut index = 0;
+    while index < table.len() {
+        let mut motor = 0;
+        while motor < HALF {
+            if index >> motor & 1 != 0 {
+                table[index][motor] = if index >> (HALF + motor) & 1 != 0 { 1 } else { -1 };
+            }
+            motor += 1;
+        }
+        index += 1;
+    }
+    table
+};
+
+/// Adds an event to the counts: looked up, because this runs several times an event.
+#[inline]
+pub fn count(counts: &mut Counts, steps: MotorSet, forward: MotorSet) {
+    let (s, f) = (usize::from(steps.0), usize::from(forward.0));
+    let (low, high) = counts.split_at_mut(HALF);
+    for (counts, index) in [(low, s & 0xF | (f & 0xF) << HALF), (high, s >> HALF | f & 0xF0)] {
+        for (count, step) in counts.iter_mut().zip(&STEPS[index]) {
+            *count += step;
+        }
+    }
+}
+
 /// Positions at one instant.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sample {
@@ -52,10 +84,7 @@ impl Sampler {
         if tick > self.now.tick {
             self.advance(tick, each);
         }
-        for (i, count) in self.now.counts.iter_mut().enumerate() {
-            let step = i64::from(steps.0 >> i & 1);
-            *count += step * (2 * i64::from(forward.0 >> i & 1) - 1);
-        }
+        count(&mut self.now.counts, steps, forward);
     }
 
     /// Shows `each` sample before `tick`.
@@ -88,6 +117,18 @@ mod tests {
         }
         assert_eq!(seen, [(0, 0), (5000, 2), (10_000, 5), (15_000, 7)]);
         assert_eq!(sampler.counts()[6], 10);
+    }
+
+    #[test]
+    fn every_set_of_motors_is_counted() {
+        for (steps, forward) in (0..=u8::MAX).flat_map(|steps| (0..=u8::MAX).map(move |forward| (steps, forward))) {
+            let mut counts = [7; MOTORS];
+            count(&mut counts, MotorSet(steps), MotorSet(forward));
+            for (motor, count) in corehbot::motors::Motor::ALL.into_iter().zip(counts) {
+                let way = if MotorSet(forward).has(motor) { 1 } else { -1 };
+                assert_eq!(count, if MotorSet(steps).has(motor) { 7 + way } else { 7 });
+            }
+        }
     }
 
     #[test]

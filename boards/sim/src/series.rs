@@ -42,6 +42,31 @@ impl Default for Series {
     }
 }
 
+/// A bin that was found last, near which the next one is: a division of ticks a sample would take longer than all else.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Cursor {
+    /// The length of the bins then; 0 before the first one.
+    bin_ticks: u64,
+    begin: u64,
+    index: usize,
+}
+
+impl Cursor {
+    /// The bin of a tick, where bins are so long.
+    fn find(&mut self, tick: u64, bin_ticks: u64) -> usize {
+        if self.bin_ticks == bin_ticks && tick >= self.begin && tick - self.begin < 2 * bin_ticks {
+            if tick - self.begin >= bin_ticks {
+                self.begin += bin_ticks;
+                self.index += 1;
+            }
+        } else {
+            let index = tick / bin_ticks;
+            *self = Self { bin_ticks, begin: index * bin_ticks, index: index as usize };
+        }
+        self.index
+    }
+}
+
 impl Series {
     /// Ticks in a bin.
     #[must_use]
@@ -55,12 +80,12 @@ impl Series {
         &self.bins
     }
 
-    /// Adds the values at `tick`.
-    pub fn add(&mut self, tick: u64, what: Bin) {
-        while tick / self.bin_ticks >= MOST_BINS as u64 {
+    /// Adds the values at `tick`. The caller keeps a cursor for each of the quantities that it adds in order of time.
+    pub fn add(&mut self, cursor: &mut Cursor, tick: u64, what: Bin) {
+        while tick >= MOST_BINS as u64 * self.bin_ticks {
             self.halve();
         }
-        let index = (tick / self.bin_ticks) as usize;
+        let index = cursor.find(tick, self.bin_ticks);
         if index >= self.bins.len() {
             self.bins.resize(index + 1, Bin::default());
         }
@@ -80,13 +105,24 @@ mod tests {
 
     #[test]
     fn a_day_fits_and_nothing_is_lost() {
-        let mut series = Series::default();
+        let (mut series, mut cursor) = (Series::default(), Cursor::default());
         for second in 0..86_400u64 {
-            series.add(second * 10_000_000, Bin { path: 1.0, peak_speed: second as f32, events: 3 });
+            series.add(&mut cursor, second * 10_000_000, Bin { path: 1.0, peak_speed: second as f32, events: 3 });
         }
         assert!(series.bins().len() <= MOST_BINS);
         assert_eq!(series.bins().iter().map(|b| b.events).sum::<u32>(), 3 * 86_400);
         assert_eq!(series.bins().iter().map(|b| b.peak_speed).fold(0.0, f32::max), 86_399.0);
         assert!(series.bin_ticks() * series.bins().len() as u64 > 86_399 * 10_000_000);
+    }
+
+    #[test]
+    fn a_cursor_finds_the_bin_of_a_division() {
+        let mut cursor = Cursor::default();
+        // On in small and large steps, back, and with longer bins.
+        let ticks = [0, 1, 99, 100, 199, 200, 450, 449, 300, 0, 1_000_000, 1_000_099, 1_000_100, 1_000_299];
+        for (bin_ticks, tick) in [100, 200, 100].into_iter().flat_map(|ticks_each| ticks.map(|tick| (ticks_each, tick)))
+        {
+            assert_eq!(cursor.find(tick, bin_ticks) as u64, tick / bin_ticks, "{tick} in bins of {bin_ticks}");
+        }
     }
 }

@@ -4,9 +4,9 @@
 //! 1/80 mm is wrong by up to one step, so 20 ms can add at most 0.6 mm/s. Shorter peaks are shown lower than they are.
 //! The event rate counts the events of the last [`RATE_WINDOW_MS`].
 
-use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler};
-use crate::series::{Bin, Series};
-use corehbot::kinematics::ForwardKinematics;
+use crate::axis_sums::AxisSums;
+use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler, count};
+use crate::series::{Bin, Cursor, Series};
 use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::Settings;
 
@@ -23,25 +23,28 @@ const RATE_WINDOW: usize = (RATE_WINDOW_MS * SAMPLES_PER_SECOND / 1000) as usize
 pub struct Tally {
     sampler: Sampler,
     measure: Measure,
-    pulses: [u64; MOTORS],
+    pulses: Counts,
     events: u64,
 }
 
 /// Measurements on samples.
 struct Measure {
-    /// Where motors bring the tool.
-    back: ForwardKinematics<{ MOTORS }>,
-    /// mm a step of x, y and z.
-    step: [f64; 3],
+    /// Where motors bring the tool, and mm of a unit of x, y and z there.
+    sums: AxisSums,
+    unit: [f64; 3],
     origin: [f64; 3],
-    /// The last places, in a ring: `index` counts all samples.
+    /// The last places, in a ring; `oldest` is the next to be replaced.
     places: [Place; SPEED_WINDOW + 1],
-    index: u64,
-    /// Events up to each of the last samples.
+    oldest: usize,
+    /// Events up to each of the last samples, in a ring, and up to the last one.
     totals: [u64; RATE_WINDOW],
+    oldest_total: usize,
+    last_total: u64,
     peak_speed: f64,
     peak_rate: f64,
     series: Series,
+    /// Where the series was last added to: speeds lag behind events.
+    cursors: [Cursor; 2],
 }
 
 /// A sample in mm.
@@ -72,16 +75,21 @@ impl Tally {
     /// A tally for a tool that begins at `origin` (mm).
     #[must_use]
     pub fn new(s: &Settings, origin: [f64; 3]) -> Self {
+        let sums = AxisSums::new(&s.mechanism);
+        let pitch = [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>());
         let measure = Measure {
-            back: s.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE),
-            step: [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>()),
+            unit: std::array::from_fn(|i| pitch[i] / sums.over()[i] as f64),
+            sums,
             origin,
             places: [Place { at: origin, ..Place::default() }; SPEED_WINDOW + 1],
-            index: 0,
+            oldest: 0,
             totals: [0; RATE_WINDOW],
+            oldest_total: 0,
+            last_total: 0,
             peak_speed: 0.0,
             peak_rate: 0.0,
             series: Series::default(),
+            cursors: [Cursor::default(); 2],
         };
         Self { sampler: Sampler::default(), measure, pulses: [0; MOTORS], events: 0 }
     }
@@ -94,9 +102,7 @@ impl Tally {
         let Self { sampler, measure, events, .. } = self;
         sampler.event(tick, steps, forward, |sample| measure.sample(sample, *events));
         self.events += 1;
-        for (i, pulses) in self.pulses.iter_mut().enumerate() {
-            *pulses += u64::from(steps.0 >> i & 1);
-        }
+        count(&mut self.pulses, steps, MotorSet::ALL);
     }
 
     /// The figures of a run that lasted `ticks`.
@@ -108,7 +114,7 @@ impl Tally {
         sampler.advance(end, |sample| measure.sample(sample, *events));
         Figures {
             events: self.events,
-            pulses: self.pulses,
+            pulses: self.pulses.map(i64::unsigned_abs),
             position: *self.sampler.counts(),
             peak_speed: self.measure.peak_speed,
             peak_rate: self.measure.peak_rate,
@@ -120,33 +126,34 @@ impl Tally {
 impl Measure {
     fn sample(&mut self, sample: &Sample, events: u64) {
         let here = self.place(sample);
-        let length = self.places.len() as u64;
-        let slot = |back: u64| ((self.index + length - back) % length) as usize;
-        let (then, centre) = (self.places[slot(length - 1)], self.places[slot(length / 2)]);
-        let speed = distance(here.at, then.at) * 1000.0 / f64::from(SPEED_WINDOW_MS);
+        let length = self.places.len();
+        // The oldest place is one sample before the window.
+        let [then, centre] = [1, 1 + SPEED_WINDOW / 2].map(|later| self.places[(self.oldest + later) % length]);
+        let way = distance(here.at, then.at);
+        let speed = way * 1000.0 / f64::from(SPEED_WINDOW_MS);
         self.peak_speed = self.peak_speed.max(speed);
 
-        let rate_slot = (self.index % RATE_WINDOW as u64) as usize;
-        let rate = (events - self.totals[rate_slot]) as f64 * 1000.0 / f64::from(RATE_WINDOW_MS);
+        let rate = (events - self.totals[self.oldest_total]) as f64 * 1000.0 / f64::from(RATE_WINDOW_MS);
         self.peak_rate = self.peak_rate.max(rate);
-        let before = self.totals[((self.index + RATE_WINDOW as u64 - 1) % RATE_WINDOW as u64) as usize];
-        self.totals[rate_slot] = events;
+        let fresh = events - self.last_total;
+        self.last_total = events;
+        self.totals[self.oldest_total] = events;
+        self.oldest_total = (self.oldest_total + 1) % RATE_WINDOW;
 
         // A chord of the path over the whole window, shared among its samples, is free of the zig-zag of steps.
-        let path = distance(here.at, then.at) / SPEED_WINDOW as f64;
-        self.series.add(centre.tick, Bin { path: path as f32, peak_speed: speed as f32, events: 0 });
-        self.series.add(sample.tick, Bin { events: (events - before) as u32, ..Bin::default() });
-        self.places[slot(0)] = here;
-        self.index += 1;
+        let path = way / SPEED_WINDOW as f64;
+        let [speeds, rates] = &mut self.cursors;
+        self.series.add(speeds, centre.tick, Bin { path: path as f32, peak_speed: speed as f32, events: 0 });
+        self.series.add(rates, sample.tick, Bin { events: fresh as u32, ..Bin::default() });
+        self.places[self.oldest] = here;
+        self.oldest = (self.oldest + 1) % length;
     }
 
     fn place(&self, sample: &Sample) -> Place {
-        let way = self.back.fractions(&sample.counts);
-        let at = std::array::from_fn(|i| {
-            let (sum, over) = way[i];
-            self.origin[i] + sum as f64 * (self.step[i] / over as f64)
-        });
-        Place { at, tick: sample.tick }
+        let [x, y, z, _] = self.sums.at(&sample.counts).map(|sum| sum as f64);
+        let [along_x, along_y, along_z] = self.unit;
+        let [from_x, from_y, from_z] = self.origin;
+        Place { at: [from_x + x * along_x, from_y + y * along_y, from_z + z * along_z], tick: sample.tick }
     }
 }
 

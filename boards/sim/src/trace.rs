@@ -5,7 +5,8 @@
 //! over exactly the bytes of the file; it is computed even if no file is written, so two runs can be
 //! compared without keeping gigabytes.
 //!
-//! A print has tens of millions of rows, so rows are joined from prepared pieces instead of being formatted.
+//! A print has tens of millions of rows, so rows are joined from prepared pieces instead of being formatted. The digits
+//! of a tick before its last four change once a millisecond and are kept in between.
 
 use corehbot::kinematics::Mechanism;
 use corehbot::motors::{MOTORS, MotorName, MotorSet, prototype};
@@ -19,6 +20,23 @@ const CHUNK: usize = 1 << 16;
 
 /// Longest row: 20 digits and eight signed columns with their commas and line end.
 const LONGEST_ROW: usize = 64;
+
+/// A tick is written as its last four digits and all digits before them.
+const LOW_TICKS: u64 = 10_000;
+
+/// Digits before the last four, at most: a tick has 20.
+const HIGH_DIGITS: usize = 16;
+
+/// The numbers below 100 in two digits.
+const PAIRS: [[u8; 2]; 100] = {
+    let mut pairs = [[b'0'; 2]; 100];
+    let mut number = 0;
+    while number < pairs.len() {
+        pairs[number] = [b'0' + (number / 10) as u8, b'0' + (number % 10) as u8];
+        number += 1;
+    }
+    pairs
+};
 
 /// The machine's description in the first comment of a trace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -98,14 +116,53 @@ struct Piece {
     length: u8,
 }
 
+/// The digits of a tick before its last four.
+#[derive(Clone, Copy, Default)]
+struct High {
+    value: u64,
+    text: [u8; HIGH_DIGITS],
+    length: usize,
+}
+
+impl High {
+    fn new(value: u64) -> Self {
+        let mut digits = [0; 20];
+        let length = decimal(value, &mut digits);
+        let mut text = [0; HIGH_DIGITS];
+        text.copy_from_slice(&digits[..HIGH_DIGITS]);
+        Self { value, text, length }
+    }
+
+    /// Writes `tick` to the begin of `out` and returns its length.
+    #[inline]
+    fn write(&mut self, tick: u64, out: &mut [u8]) -> usize {
+        let value = tick / LOW_TICKS;
+        if value == 0 {
+            return decimal(tick, out);
+        }
+        if value != self.value {
+            *self = Self::new(value);
+        }
+        let low = (tick - value * LOW_TICKS) as usize;
+        let length = self.length;
+        out[..HIGH_DIGITS].copy_from_slice(&self.text);
+        out[length..length + 2].copy_from_slice(&PAIRS[low / 100]);
+        out[length + 2..length + 4].copy_from_slice(&PAIRS[low % 100]);
+        length + 4
+    }
+}
+
 /// Writes a trace and computes its digest.
 ///
 /// An I/O error is kept and returned by [`finish`](Self::finish), so that a sink need not fail.
 pub struct TraceWriter<W> {
     out: Option<W>,
     hash: Sha256,
-    buffer: Vec<u8>,
+    /// Bytes not hashed yet: the first `filled` of them.
+    buffer: Box<[u8]>,
+    filled: usize,
     events: u64,
+    high: High,
     error: Option<io::Error>,
     /// The first four columns, by steps and directions.
     first: Box<[Piece; 256]>,
@@ -117,13 +174,15 @@ impl<W: Write> TraceWriter<W> {
     /// A trace that goes to `out`, or only into the digest.
     #[must_use]
     pub fn new(out: Option<W>, header: Header) -> Self {
-        let mut buffer = Vec::with_capacity(CHUNK + LONGEST_ROW);
-        buffer.extend_from_slice(header.text().as_bytes());
+        let text = header.text();
+        let mut buffer = vec![0; text.len() + CHUNK + LONGEST_ROW].into_boxed_slice();
+        buffer[..text.len()].copy_from_slice(text.as_bytes());
         let columns = header.names().count();
         let of = |columns, end| Box::new(std::array::from_fn(|i| piece(i as u8 & 0xF, i as u8 >> 4, columns, end)));
         let first = of(columns.min(4) as u8, b"");
         let others = of(columns.saturating_sub(4) as u8, b"\n");
-        Self { out, hash: Sha256::new(), buffer, events: 0, error: None, first, others }
+        let (filled, high) = (text.len(), High::default());
+        Self { out, hash: Sha256::new(), buffer, filled, events: 0, high, error: None, first, others }
     }
 
     /// One instant in which `steps` move, each forward or backward. An instant without steps has no row.
@@ -132,19 +191,17 @@ impl<W: Write> TraceWriter<W> {
             return;
         }
         self.events += 1;
-        let start = self.buffer.len();
-        self.buffer.resize(start + LONGEST_ROW, 0);
         let (s, f) = (usize::from(steps.0), usize::from(forward.0));
         let first = &self.first[(s & 0xF) | (f & 0xF) << 4];
         let others = &self.others[(s >> 4 & 0xF) | (f >> 4 & 0xF) << 4];
-        let row = &mut self.buffer[start..];
-        let mut length = decimal(tick, row);
+        let row = &mut self.buffer[self.filled..][..LONGEST_ROW];
+        let mut length = self.high.write(tick, row);
         for piece in [first, others] {
             row[length..length + 16].copy_from_slice(&piece.text);
             length += usize::from(piece.length);
         }
-        self.buffer.truncate(start + length);
-        if self.buffer.len() >= CHUNK {
+        self.filled += length;
+        if self.filled >= CHUNK {
             self.flush();
         }
     }
@@ -166,14 +223,17 @@ impl<W: Write> TraceWriter<W> {
         }
     }
 
+    // A function of its own, so that counts of instructions tell it from the rows.
+    #[inline(never)]
     fn flush(&mut self) {
-        self.hash.update(&self.buffer);
+        let bytes = &self.buffer[..self.filled];
+        self.hash.update(bytes);
         if let Some(out) = &mut self.out
             && self.error.is_none()
         {
-            self.error = out.write_all(&self.buffer).err();
+            self.error = out.write_all(bytes).err();
         }
-        self.buffer.clear();
+        self.filled = 0;
     }
 }
 

@@ -15,7 +15,6 @@ use corehbot::kinematics::{Group, Groups};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
-use std::collections::VecDeque;
 
 /// Samples of the window: 4 ms.
 const WINDOW_SAMPLES: usize = 8;
@@ -26,14 +25,11 @@ const BEND: f64 = 1.3;
 /// Two steps farther apart than this are a rest.
 const REST: u64 = 20 * SAMPLES_PER_SECOND as u64 * SAMPLE_TICKS / 1000;
 
-/// Mean speed between two steps, in steps a tick.
-struct Piece {
-    from: u64,
-    to: u64,
-    speed: f64,
-}
+/// Samples of which ways are gathered at a time: those of a rest, and of the steps at its ends.
+const GATHERED: usize = 64;
+const _: () = assert!(GATHERED as u64 >= REST / SAMPLE_TICKS + 3);
 
-/// A coordinate of motors.
+/// A coordinate of motors. Between two steps it has a mean speed, and so a way in each sample.
 struct Line {
     lead: Motor,
     /// mm of x and of y for a step of it, all other coordinates standing.
@@ -41,56 +37,80 @@ struct Line {
     count: i64,
     /// When it last passed the middle between two steps, and which.
     last: Option<(u64, f64)>,
-    pieces: VecDeque<Piece>,
+    /// End of the last way between two steps.
+    end: Option<u64>,
+    /// Its way in each sample, in steps, from the next sample on: a ring by the sample's number.
+    ways: [f64; GATHERED],
 }
 
 impl Line {
-    fn event(&mut self, tick: u64, is_forward: bool) {
+    /// Its lead steps; `next` is the begin of the next sample, and earlier ones are not asked for any more.
+    fn event(&mut self, tick: u64, is_forward: bool, next: u64) {
         let way = if is_forward { 1 } else { -1 };
         let middle = self.count as f64 + 0.5 * f64::from(way);
         self.count += i64::from(way);
         if let Some((from, before)) = self.last.replace((tick, middle))
             && (1..=REST).contains(&tick.saturating_sub(from))
         {
-            self.pieces.push_back(Piece { from, to: tick, speed: (middle - before) / (tick - from) as f64 });
+            let speed = (middle - before) / short(tick - from);
+            self.end = self.end.max(Some(tick));
+            let mut begin = from.max(next);
+            while begin < tick {
+                let number = begin / SAMPLE_TICKS;
+                let end = tick.min((number + 1) * SAMPLE_TICKS);
+                self.ways[number as usize % GATHERED] += short(end - begin) * speed;
+                begin = end;
+            }
         }
     }
 
-    /// Its way between two ticks, in steps; later calls never ask for an earlier tick.
-    fn way(&mut self, from: u64, to: u64) -> f64 {
-        while self.pieces.front().is_some_and(|piece| piece.to <= from) {
-            self.pieces.pop_front();
-        }
-        let within = self.pieces.iter().take_while(|piece| piece.from < to);
-        within.map(|piece| (piece.to.min(to) - piece.from.max(from)) as f64 * piece.speed).sum()
+    /// Whether all its ways had ended when the sample before this one began, or it has none.
+    fn rests(&self, next: u64) -> bool {
+        self.end.is_none_or(|end| end + SAMPLE_TICKS <= next)
     }
+
+    /// Its way in the sample that begins at this time.
+    const fn take_way(&mut self, begin: u64) -> f64 {
+        std::mem::replace(&mut self.ways[(begin / SAMPLE_TICKS) as usize % GATHERED], 0.0)
+    }
+}
+
+/// A time below [`REST`] as a number, by the conversion that processors have.
+fn short(ticks: u64) -> f64 {
+    f64::from(ticks as u32)
 }
 
 /// An axis, and its speeds in the window.
 struct Axis {
-    limit: Limit,
-    speeds: VecDeque<f64>,
+    name: String,
+    /// The most that its speeds may differ.
+    most: f64,
+    /// The last speeds, in a ring with `next` as the oldest. The first speed fills it.
+    speeds: Option<[f64; WINDOW_SAMPLES]>,
+    next: usize,
     quiet: u32,
 }
 
 impl Axis {
-    /// Takes in the next speed. If the difference of speeds is a new excess, returns the excess and the limit.
-    fn measure(&mut self, speed: f64) -> Option<(f64, f64)> {
-        self.speeds.push_back(speed);
-        if self.speeds.len() > WINDOW_SAMPLES {
-            self.speeds.pop_front();
-        }
-        let limit = &self.limit;
+    fn new(limit: &Limit) -> Self {
         let window = WINDOW_SAMPLES as f64 / f64::from(SAMPLES_PER_SECOND);
         let most = BEND * limit.acceleration * window
             + limit.jump
             + limit.hard_stop.max(limit.hard_stop_up)
             + (limit.acceleration * limit.step).sqrt();
-        let greatest = self.speeds.iter().copied().fold(f64::MIN, f64::max);
-        let least = self.speeds.iter().copied().fold(f64::MAX, f64::min);
-        let (is_over, is_new) = (greatest - least > most, self.quiet == 0);
+        Self { name: limit.name.clone(), most, speeds: None, next: 0, quiet: 0 }
+    }
+
+    /// Takes in the next speed, and returns the difference of speeds if it is a new excess.
+    fn measure(&mut self, speed: f64) -> Option<f64> {
+        let speeds = self.speeds.get_or_insert([speed; WINDOW_SAMPLES]);
+        speeds[self.next] = speed;
+        self.next = (self.next + 1) % WINDOW_SAMPLES;
+        let greatest = speeds.iter().copied().fold(f64::MIN, f64::max);
+        let least = speeds.iter().copied().fold(f64::MAX, f64::min);
+        let (is_over, is_new) = (greatest - least > self.most, self.quiet == 0);
         self.quiet = if is_over { EPISODE } else { self.quiet.saturating_sub(1) };
-        (is_over && is_new).then_some((greatest - least, most))
+        (is_over && is_new).then_some(greatest - least)
     }
 }
 
@@ -111,19 +131,18 @@ impl Changes {
             let [x, y, ..] = back.as_ref().map_or([(0, 1); 4], |back| back.fractions(&counts));
             let weights = [(x, s.axes.x), (y, s.axes.y)]
                 .map(|((sum, over), axis)| sum as f64 / over as f64 / axis.steps_per_mm.to_num::<f64>());
-            Line { lead: group.lead, weights, count: 0, last: None, pieces: VecDeque::new() }
+            Line { lead: group.lead, weights, count: 0, last: None, end: None, ways: [0.0; GATHERED] }
         };
         let lines = Groups::new(&s.mechanism).iter().filter(|group| !group.motors().is_empty()).map(line).collect();
         let judged = if limits.is_judged { 2 } else { 0 };
-        let axis = |limit: &Limit| Axis { limit: limit.clone(), speeds: VecDeque::new(), quiet: 0 };
-        Self { lines, axes: limits.of.iter().take(judged).map(axis).collect(), next: 0 }
+        Self { lines, axes: limits.of.iter().take(judged).map(Axis::new).collect(), next: 0 }
     }
 
     pub fn event(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.advance(findings, tick);
         for line in &mut self.lines {
             if steps.has(line.lead) {
-                line.event(tick, forward.has(line.lead));
+                line.event(tick, forward.has(line.lead), self.next);
             }
         }
     }
@@ -131,7 +150,7 @@ impl Changes {
     /// Checks all samples that are fully known at `tick`.
     pub fn advance(&mut self, findings: &mut Findings, tick: u64) {
         while self.next + SAMPLE_TICKS + REST < tick {
-            if self.lines.iter().all(|line| line.pieces.is_empty()) {
+            if self.lines.iter().all(|line| line.rests(self.next)) {
                 // It rests: nothing begins before the last of these samples.
                 let rest = (tick - REST - self.next) / SAMPLE_TICKS;
                 if rest > WINDOW_SAMPLES as u64 {
@@ -147,12 +166,12 @@ impl Changes {
         self.next = to;
         let mut ways = [0.0; 2];
         for line in &mut self.lines {
-            let way = line.way(from, to);
+            let way = line.take_way(from);
             ways.iter_mut().zip(line.weights).for_each(|(sum, weight)| *sum += weight * way);
         }
         for (axis, way) in self.axes.iter_mut().zip(ways) {
-            if let Some((change, most)) = axis.measure(way * f64::from(TICKS_PER_SECOND) / SAMPLE_TICKS as f64) {
-                let name = &axis.limit.name;
+            if let Some(change) = axis.measure(way * f64::from(TICKS_PER_SECOND) / SAMPLE_TICKS as f64) {
+                let Axis { name, most, .. } = &*axis;
                 findings.add(to, || {
                     format!("{name} changes its speed by {change:.1} mm/s within 4 ms, {most:.1} is the most")
                 });

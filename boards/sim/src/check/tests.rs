@@ -1,5 +1,7 @@
 //! The checker against synthetic motion: sound traces pass, each kind of fault is found.
 
+mod plain;
+
 use super::*;
 use corehbot::motors::MOTORS;
 use corehbot::settings::Settings;

@@ -35,6 +35,17 @@ fn rows_are_signed_steps_in_the_order_of_the_header() {
 }
 
 #[test]
+fn ticks_of_any_length_are_written_in_decimal() {
+    let powers = (0..20).map(|digits| 10u64.pow(digits));
+    let around = powers.flat_map(|power| [power - 1, power, power + 1, power.saturating_mul(9)]);
+    // To and fro, so that no row can rely on the row before.
+    let ticks: Vec<_> = around.clone().chain(around.rev()).chain([u64::MAX, 5, 123_450_009, 123_460_000]).collect();
+    let (text, _) = trace(&ticks.iter().map(|tick| (*tick, 1, 1)).collect::<Vec<_>>());
+    let written: Vec<_> = text.lines().skip(2).map(|row| row.split(',').next().unwrap()).collect();
+    assert_eq!(written, ticks.iter().map(u64::to_string).collect::<Vec<_>>());
+}
+
+#[test]
 fn the_digest_is_that_of_the_file_whether_or_not_there_is_one() {
     let events: Vec<_> = (0..30_000).map(|i| (i * 37, 0x09, (i % 2 * 8) as u8)).collect();
     let (text, with_file) = trace(&events);

@@ -1,0 +1,226 @@
+//! Gauge: speeds and accelerations of all coordinates, measured on samples. The head of [`check`](super) has the rules.
+//!
+//! Nearly all samples are far from any limit. Whole numbers tell so: a difference of positions that is a step smaller
+//! than the bound keeps it, whatever the rounding of the comparison in floating point. Only the others are compared.
+
+use super::{EPISODE, Findings};
+use crate::axis_sums::AxisSums;
+use crate::limits::{Limit, Limits, belts};
+use crate::sampler::{LONGEST_WINDOW, SAMPLES_PER_SECOND, Sample};
+use corehbot::motors::Motor;
+use corehbot::settings::Settings;
+use std::f64::consts::SQRT_2;
+
+/// Steps that quantisation can fake in a position difference: one, and a half for uneven rounding.
+const QUANTISATION: f64 = 1.5;
+
+/// The factor of the acceleration limit of a coordinate by its place in [`Limits::of`]. Only x, y and the belts see
+/// curves; z and e get five percent for the rounding of times to whole ticks.
+const fn bend(coordinate: usize) -> f64 {
+    if matches!(coordinate, 2 | 3) { 1.05 } else { SQRT_2 }
+}
+
+/// Positions further apart than this, in parts of a step, are always compared in floating point, which holds such
+/// numbers and their products to an eighth of a part.
+const WIDEST: f64 = (1u64 << 48) as f64;
+
+/// The measurement of the coordinates.
+pub(super) struct Gauge {
+    sums: AxisSums,
+    /// Motors with the coordinates of belts.
+    belts: Vec<Motor>,
+    /// In the order of [`Limits::of`]; empty if there is nothing to judge.
+    pub(super) coordinates: Vec<Coordinate>,
+}
+
+impl Gauge {
+    pub fn new(s: &Settings, limits: &Limits) -> Self {
+        let sums = AxisSums::new(&s.mechanism);
+        let parts = sums.over().into_iter().chain(std::iter::repeat(1));
+        let judged = if limits.is_judged { &limits.of[..] } else { &[] };
+        let both = judged.iter().zip(parts).enumerate();
+        let coordinates = both.map(|(i, (limit, parts))| Coordinate::new(limit.clone(), bend(i), parts)).collect();
+        Self { sums, belts: belts(s).into_iter().map(|belt| belt.lead).collect(), coordinates }
+    }
+
+    /// Measures what the next sample shows.
+    pub fn measure(&mut self, findings: &mut Findings, sample: &Sample) {
+        let axes = self.sums.at(&sample.counts);
+        for (place, coordinate) in self.coordinates.iter_mut().enumerate() {
+            let belt = || self.belts.get(place - axes.len()).map_or(0, |lead| sample.counts[lead.index()]);
+            let at = axes.get(place).copied().unwrap_or_else(belt);
+            if let Some(excess) = coordinate.measure(at) {
+                findings.add(sample.tick, || excess.to_string());
+            }
+        }
+    }
+}
+
+/// A limit that was not kept.
+pub(super) struct Excess {
+    limit: Limit,
+    kind: Kind,
+    /// The measured value.
+    value: f64,
+    /// The window in seconds.
+    window: f64,
+}
+
+enum Kind {
+    Speed,
+    Acceleration,
+}
+
+impl std::fmt::Display for Excess {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { limit, value, window, .. } = self;
+        let (verb, most, unit) = match self.kind {
+            Kind::Speed => ("moves", limit.speed, "mm/s"),
+            Kind::Acceleration => ("accelerates", limit.acceleration, "mm/s2"),
+        };
+        let ms = window * 1e3;
+        write!(f, "{} {verb} at {value:.1} {unit} over {ms} ms, the limit is {most:.1}", limit.name)
+    }
+}
+
+/// Differences of positions, in parts of a step, up to which a coordinate certainly keeps its limits.
+#[derive(Clone, Copy)]
+struct Harmless {
+    /// Its way within the long window.
+    way: i64,
+    /// The change of its way from one short window to the next, and from one long window.
+    short: i64,
+    long: i64,
+}
+
+/// One coordinate, its recent positions and its measuring windows in samples.
+pub(super) struct Coordinate {
+    limit: Limit,
+    /// How much the acceleration limit is exceeded by braking in a curve.
+    bend: f64,
+    /// mm of a unit of its positions: an axis may be a part of a sum of counts.
+    unit: f64,
+    /// The last [`LONGEST_WINDOW`] positions; `next` is the oldest.
+    past: [i64; LONGEST_WINDOW],
+    next: usize,
+    /// For how many samples it has rested, the last one included.
+    resting: usize,
+    long: usize,
+    short: usize,
+    harmless: Harmless,
+    /// Samples for which a further excess belongs to the last one.
+    quiet: u32,
+}
+
+impl Coordinate {
+    /// A coordinate with positions known in `parts` parts of a step.
+    pub fn new(limit: Limit, bend: f64, parts: i64) -> Self {
+        let samples =
+            |seconds: f64| ((seconds * f64::from(SAMPLES_PER_SECOND)) as usize).clamp(2, LONGEST_WINDOW / 2 - 1);
+        let long = samples(limit.speed / (5.0 * limit.acceleration));
+        let short = samples((2.0 * QUANTISATION * limit.step / limit.acceleration).sqrt()).min(long);
+        let unit = limit.step / parts as f64;
+        let (past, harmless) = ([0; LONGEST_WINDOW], Harmless { way: 0, short: 0, long: 0 });
+        let mut coordinate =
+            Self { limit, bend, unit, past, next: 0, resting: LONGEST_WINDOW, long, short, harmless, quiet: 0 };
+        // A part less, which is more than all rounding.
+        let parts = |mm: f64| (mm / unit).min(WIDEST) as i64 - 1;
+        coordinate.harmless = Harmless {
+            way: parts(coordinate.most_way()),
+            short: parts(coordinate.most_change(short, 0.0)),
+            long: parts(coordinate.most_change(long, 0.0)),
+        };
+        coordinate
+    }
+
+    /// Takes in the next position and returns a new excess of the recent ones.
+    fn measure(&mut self, at: i64) -> Option<Excess> {
+        self.put(at);
+        let excess = if self.is_harmless() { None } else { self.excess() };
+        let is_new = self.quiet == 0;
+        self.quiet = if excess.is_some() { EPISODE } else { self.quiet.saturating_sub(1) };
+        excess.filter(|_| is_new)
+    }
+
+    /// Takes in the next position.
+    pub fn put(&mut self, at: i64) {
+        self.resting = if at == self.past(0) { self.resting + 1 } else { 0 };
+        self.past[self.next] = at;
+        self.next = (self.next + 1) % LONGEST_WINDOW;
+    }
+
+    /// Whether there can be no excess.
+    pub fn is_harmless(&self) -> bool {
+        if self.resting > 2 * self.long {
+            return true;
+        }
+        let ago = [0, self.short, 2 * self.short, self.long, 2 * self.long];
+        let [now, short, second_short, long, second_long] = ago.map(|ago| self.past(ago));
+        let (short_way, long_way) = (now - short, now - long);
+        long_way.abs() <= self.harmless.way
+            && short_way.abs() <= WIDEST as i64
+            && (short_way - (short - second_short)).abs() <= self.harmless.short
+            && (long_way - (long - second_long)).abs() <= self.harmless.long
+    }
+
+    /// The excess of the recent positions.
+    #[cold]
+    pub fn excess(&self) -> Option<Excess> {
+        self.speed().or_else(|| self.acceleration(self.short)).or_else(|| self.acceleration(self.long))
+    }
+
+    /// The greatest way in mm within the long window.
+    fn most_way(&self) -> f64 {
+        // Half a percent for the rounding of a move's times to whole ticks.
+        self.limit.speed * self.seconds(self.long) * 1.005 + QUANTISATION * self.limit.step
+    }
+
+    /// The greatest change of way in mm from one window to the next, with an endstop that changes the speed.
+    fn most_change(&self, samples: usize, stop: f64) -> f64 {
+        let (limit, window) = (&self.limit, self.seconds(samples));
+        let jump = limit.jump + stop;
+        self.bend * limit.acceleration * window * window + jump * window + 2.0 * QUANTISATION * limit.step
+    }
+
+    fn speed(&self) -> Option<Excess> {
+        let window = self.seconds(self.long);
+        let way = self.travel(0, self.long).abs();
+        let is_over = way > self.most_way();
+        is_over.then(|| Excess { limit: self.limit.clone(), kind: Kind::Speed, value: way / window, window })
+    }
+
+    fn acceleration(&self, samples: usize) -> Option<Excess> {
+        let limit = &self.limit;
+        let window = self.seconds(samples);
+        let (before, after) = (self.travel(samples, 2 * samples), self.travel(0, samples));
+        // An endstop at the low end stops a motion towards it.
+        let stop = if limit.hard_stop.is_infinite() || (before < 0.0 && after > before) {
+            limit.hard_stop
+        } else if before > 0.0 && after < before {
+            limit.hard_stop_up
+        } else {
+            0.0
+        };
+        let change = (after - before).abs();
+        (change > self.most_change(samples, stop)).then(|| Excess {
+            limit: limit.clone(),
+            kind: Kind::Acceleration,
+            value: change / (window * window),
+            window,
+        })
+    }
+
+    /// The way in mm from `from` samples ago to `to` samples ago.
+    fn travel(&self, to: usize, from: usize) -> f64 {
+        (self.past(to) - self.past(from)) as f64 * self.unit
+    }
+
+    /// The position some samples ago.
+    const fn past(&self, ago: usize) -> i64 {
+        self.past[(self.next + LONGEST_WINDOW - 1 - ago) % LONGEST_WINDOW]
+    }
+
+    fn seconds(&self, samples: usize) -> f64 {
+        samples as f64 / f64::from(SAMPLES_PER_SECOND)
+    }
+}

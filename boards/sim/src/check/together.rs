@@ -1,0 +1,150 @@
+//! Together: motors that hold one coordinate have made the same steps, and no belt is strained.
+//!
+//! After an event in which whole groups step, each of its motors in its own direction, groups that were together still
+//! are. So their counts are compared only after other events.
+
+use super::Findings;
+use crate::limits::Limits;
+use crate::sampler::Counts;
+use corehbot::kinematics::{Group, Groups, Residual, Residuals};
+use corehbot::motors::{MOST_GROUPS, MOTORS, Motor, MotorName, MotorSet};
+use corehbot::settings::Settings;
+
+/// Motors that may turn alone.
+fn trims(s: &Settings, limits: &Limits) -> MotorSet {
+    let belt = if limits.trims { Residuals::new(&s.mechanism, s.belt.is_closed).motors() } else { MotorSet::NONE };
+    let screws = s.screw_motors().into_iter().filter(|_| limits.levels);
+    screws.fold(belt, |motors, screw| motors.with(MotorSet::of(screw)))
+}
+
+/// The mechanism's demands on the counts.
+pub(super) struct Together {
+    /// Names of the motors.
+    names: [MotorName; MOTORS],
+    groups: Groups,
+    /// The groups' motors, for every event.
+    masks: Vec<Mask>,
+    /// The constraint from [`Groups::constraint`].
+    constraint: Option<[i32; MOST_GROUPS]>,
+    /// The strain of a closed belt.
+    residuals: Option<Residuals>,
+    /// Motors that may be trimmed, and how far each was trimmed: a motor that steps alone in an instant.
+    trims: MotorSet,
+    trimmed: [i64; MOTORS],
+    is_consistent: bool,
+}
+
+impl Together {
+    pub fn new(s: &Settings, limits: &Limits) -> Self {
+        Self {
+            names: s.motor_names,
+            groups: Groups::new(&s.mechanism),
+            masks: Groups::new(&s.mechanism).iter().map(Mask::new).collect(),
+            constraint: Groups::new(&s.mechanism).constraint(),
+            residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
+            trims: trims(s, limits),
+            trimmed: [0; MOTORS],
+            is_consistent: true,
+        }
+    }
+
+    /// One instant in which `steps` have moved, and the counts after it.
+    pub fn event(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, forward: MotorSet, counts: &Counts) {
+        if steps.intersects(self.trims) {
+            self.note_trim(steps, forward);
+        }
+        let is_plain = self.is_consistent && self.residuals.is_none() && self.constraint.is_none();
+        if !is_plain || !self.masks.iter().all(|mask| mask.is_whole(steps, forward)) {
+            self.check(findings, tick, steps, counts);
+        }
+    }
+
+    /// At the end: a constraint's sum with its bound, and the greatest residual.
+    pub fn at_rest(&self, counts: &Counts) -> (Option<(i64, i64)>, i64) {
+        let counts = self.untrimmed(counts);
+        (self.strain(&counts), self.residual(&counts))
+    }
+
+    fn note_trim(&mut self, steps: MotorSet, forward: MotorSet) {
+        for (motor, trimmed) in Motor::ALL.into_iter().zip(&mut self.trimmed) {
+            if self.trims.has(motor) && steps == MotorSet::of(motor) {
+                *trimmed += if forward.has(motor) { 1 } else { -1 };
+            }
+        }
+    }
+
+    /// The steps of each motor without its trims.
+    fn untrimmed(&self, counts: &Counts) -> Counts {
+        std::array::from_fn(|motor| counts[motor] - self.trimmed[motor])
+    }
+
+    fn check(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, counts: &Counts) {
+        let counts = self.untrimmed(counts);
+        let is_consistent = match &self.residuals {
+            // Four counts are rounded to half a step each.
+            Some(_) => self.residual(&counts) <= 2,
+            None => {
+                let is_strained = self.strain(&counts).is_some_and(|(sum, most)| sum.abs() > most);
+                // Groups that were together and rest still are.
+                let may_differ = |group: &&Group| !self.is_consistent || group.motors().intersects(steps);
+                let mut groups = self.groups.iter().filter(may_differ);
+                !is_strained && groups.all(|group| is_together(group, &counts))
+            }
+        };
+        // Once per episode: a lost step strains the machine until the end.
+        if self.is_consistent && !is_consistent {
+            let counts = self.names.iter().zip(counts).filter(|(name, _)| !name.is_none());
+            let counts = counts.map(|(name, count)| format!(" {name} {count}"));
+            let counts: String = counts.collect();
+            findings.add(tick, || format!("motors out of step:{counts}"));
+        }
+        self.is_consistent = is_consistent;
+    }
+
+    /// The greatest residual of a belt that may run round, in steps.
+    fn residual(&self, counts: &Counts) -> i64 {
+        let sum =
+            |residual: &Residual| residual.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum();
+        self.residuals.iter().flat_map(Residuals::iter).map(sum).map(i64::abs).max().unwrap_or_default()
+    }
+
+    /// The sum of counts that no position changes, if the mechanism has one, and its bound by rounding.
+    fn strain(&self, counts: &Counts) -> Option<(i64, i64)> {
+        let constraint = self.constraint?;
+        let parts =
+            self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead.index()]);
+        let most = constraint.iter().map(|times| i64::from(times.abs())).sum::<i64>() / 2;
+        Some((parts.sum(), most))
+    }
+}
+
+/// The motors of a group, and its two directions.
+struct Mask {
+    motors: MotorSet,
+    directions: [MotorSet; 2],
+}
+
+impl Mask {
+    fn new(group: &Group) -> Self {
+        Self { motors: group.motors(), directions: [group.with, group.against] }
+    }
+
+    /// Whether the group rests, or all of it steps and each motor in its own direction.
+    const fn is_whole(&self, steps: MotorSet, forward: MotorSet) -> bool {
+        let (moved, ahead) = (steps.0 & self.motors.0, forward.0 & self.motors.0);
+        let [with, against] = self.directions;
+        moved == 0 || moved == self.motors.0 && (ahead == with.0 || ahead == against.0)
+    }
+}
+
+/// Whether the motors of a group have made the same steps, and motors in the opposite direction the opposite ones.
+fn is_together(group: &Group, counts: &Counts) -> bool {
+    let at = counts[group.lead.index()];
+    // A loop, because it runs at every event.
+    for (motor, count) in Motor::ALL.into_iter().zip(counts) {
+        if (group.with.has(motor) && *count != at) || (group.against.has(motor) && *count != -at) {
+            return false;
+        }
+    }
+    true
+}
