@@ -7,7 +7,9 @@ use corehbot::app::{Memory, Parts, StepPorts, assemble};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
-use corehbot::port::{Clock, DriverBus, NoHeaters, NoStorage, Pend, Received, Serial, StepClock, StepPort};
+use corehbot::port::{
+    Clock, DriverBus, NoAccelerometer, NoHeaters, NoStorage, Pend, Received, Serial, StepClock, StepPort,
+};
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
 use std::cell::{Cell, RefCell};
@@ -102,7 +104,8 @@ impl DriverBus for &Board {
 fn main() {
     let (board, settings, mut memory) = (&Board::default(), Settings::prototype(), Memory::new());
     let step_ports = StepPorts { pins: board, clock: board };
-    let ports = Ports { serial: [board].into_iter().collect(), drivers: board, clock: board, storage: NoStorage };
+    let serial = [board].into_iter().collect();
+    let ports = Ports { serial, drivers: board, clock: board, storage: NoStorage, accelerometer: NoAccelerometer };
     // The tool stands at the origin, as if homed.
     let start = Some([Mm::ZERO; 3]);
     let Parts { mut stepper, mut generator, mut console, status, counts, .. } =

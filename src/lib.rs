@@ -14,7 +14,7 @@
 //! own; `tests/layers.rs` checks every `use`:
 //!
 //! 1. `units`, `text`, `checksum`
-//! 2. `surface`, `motors`, `connectors`, and `fault`, which uses `connectors`
+//! 2. `surface`, `motors`, `connectors`, `accelerometer`, and `fault`, which uses `connectors`
 //! 3. `status`, and `port`
 //! 4. `protocol`, `kinematics`, `settings`, which uses `kinematics`, and `gcode`, which uses `settings`
 //! 5. `motion`, `driver`, `storage`, `thermal`
@@ -34,6 +34,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod accelerometer;
 pub mod app;
 pub mod checksum;
 pub mod connectors;

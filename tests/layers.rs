@@ -11,19 +11,20 @@ use std::fs;
 use std::path::Path;
 
 /// The rooms that each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 19] = [
+const ARROWS: [(&str, &[&str]); 20] = [
     ("units", &[]),
     ("text", &[]),
     ("checksum", &[]),
     ("surface", &["units"]),
     ("motors", &["text"]),
     ("connectors", &["text"]),
+    ("accelerometer", &[]),
     ("fault", &["units", "checksum", "connectors"]),
     ("status", &["units", "motors", "connectors", "fault"]),
-    ("port", &["units", "motors", "connectors"]),
+    ("port", &["units", "motors", "connectors", "accelerometer"]),
     ("protocol", &["units", "text", "port"]),
     ("kinematics", &["units", "motors"]),
-    ("settings", &["units", "motors", "connectors", "kinematics"]),
+    ("settings", &["units", "motors", "connectors", "accelerometer", "kinematics"]),
     ("gcode", &["units", "text", "connectors", "motors", "settings"]),
     ("motion", &["units", "surface", "motors", "fault", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
@@ -48,6 +49,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "connectors",
             "fault",
             "thermal",
+            "accelerometer",
         ],
     ),
     ("app", &["units", "motors", "status", "port", "settings", "kinematics", "motion", "thermal", "machine"]),
@@ -121,7 +123,7 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
 
 /// The parts of the room `machine` that each part may use, only those above it. A command gets the main loop and the
 /// states that it names, and the Console passes them.
-const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
+const WITHIN_MACHINE: [(&str, &[&str]); 14] = [
     ("ports", &[]),
     ("interrupt", &[]),
     ("numbers", &[]),
@@ -133,13 +135,17 @@ const WITHIN_MACHINE: [(&str, &[&str]); 13] = [
     ("main_loop", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
     ("belt", &["answers", "main_loop", "interrupt", "ports", "state"]),
     ("probe", &["answers", "main_loop", "interrupt", "ports", "state"]),
-    ("commands", &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "state"]),
+    ("resonance", &["answers", "main_loop", "interrupt", "ports", "state"]),
+    (
+        "commands",
+        &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "resonance", "state"],
+    ),
     ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "probe", "state"]),
 ];
 
 /// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the
 /// Stepper share formulas, entries and queues, but none of the three uses another one: each has a context of its own.
-const WITHIN_MOTION: [(&str, &[&str]); 14] = [
+const WITHIN_MOTION: [(&str, &[&str]); 15] = [
     ("number", &[]),
     ("ticks", &[]),
     ("moves", &[]),
@@ -149,10 +155,11 @@ const WITHIN_MOTION: [(&str, &[&str]); 14] = [
     ("step_counts", &["queue"]),
     ("z_limits", &["moves", "number"]),
     ("trajectory", &["moves", "number", "ramps", "surface", "ticks", "z_limits"]),
-    ("work", &["moves", "surface", "trajectory"]),
+    ("sweep", &["moves", "ramps", "trajectory"]),
+    ("work", &["moves", "surface", "sweep", "trajectory"]),
     ("planner", &["moves", "number", "ramps", "surface", "trajectory"]),
     ("link", &["moves", "step_counts", "work", "z_limits"]),
-    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "ticks", "trajectory", "work", "z_limits"]),
+    ("stepgen", &["moves", "number", "queue", "ramps", "surface", "sweep", "ticks", "trajectory", "work", "z_limits"]),
     ("stepper", &["queue"]),
 ];
 

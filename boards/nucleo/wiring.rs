@@ -5,7 +5,7 @@
 
 use crate::Entry;
 use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet};
-use corehbot_wiring::{Board, Crystal, Input, Pin, Port, SerialPort, Slot, Usart};
+use corehbot_wiring::{Board, Crystal, Input, Pin, Port, SensorPins, SerialPort, Slot, Usart};
 
 /// The names printed on the shield, of sockets and limit inputs.
 pub const CONNECTORS: BoardConnectors = BoardConnectors {
@@ -19,6 +19,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     sensors: &[],
     fans: &[],
     has_servo: false,
+    accelerometer: Some("CN7"),
     is_bench: true,
     is_simulated: false,
 };
@@ -46,6 +47,13 @@ pub static BOARD: Board = Board {
     fans: &[],
     supply_switch: None,
     servo: None,
+    // The first four pins of the morpho connector CN7 (UM1724): the shield has PB3 to PB5.
+    accelerometer: Some(SensorPins {
+        clock: Pin::new(Port::C, 10),
+        miso: Pin::new(Port::C, 11),
+        mosi: Pin::new(Port::C, 12),
+        select: Pin::new(Port::D, 2),
+    }),
     // The ST-LINK's virtual serial port.
     serial: &[SerialPort { usart: Usart::Two, tx: Pin::new(Port::A, 2), rx: Pin::new(Port::A, 3), baud: 250_000 }],
     // The processor's USB pins lead to a pin header (UM1724, morpho connector CN10), not to a connector.

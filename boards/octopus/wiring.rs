@@ -8,8 +8,8 @@
 use crate::Entry;
 use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet, Sensor};
 use corehbot_wiring::{
-    Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Mark, Pin, Port, SerialPort, Slot, SupplySwitch,
-    ThermistorPin, Usart,
+    Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Mark, Pin, Port, SensorPins, SerialPort, Slot,
+    SupplySwitch, ThermistorPin, Usart,
 };
 
 /// The names printed on it. M2 is one driver with two plugs. The direction line of M7 (PA14) is the clock of the debug
@@ -27,6 +27,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
     fans: &[Some(1), Some(9), Some(4), Some(4), Some(4), Some(4)],
     has_servo: true,
+    accelerometer: Some("SPI3"),
     is_bench: false,
     is_simulated: false,
 };
@@ -95,6 +96,14 @@ pub static BOARD: Board = Board {
     supply_switch: Some(SupplySwitch { pin: Pin::new(Port::E, 11), is_on_high: false }),
     // The servo's line of BLTOUCH (J43), straight to the pin (schematic).
     servo: Some(Pin::new(Port::B, 6)),
+    // SPI3, straight to the pins. PA15, PB3 and PB4 are JTAG's after a reset; a probe by two wires does without them
+    // (schematic; STM32F446 datasheet, pin definitions).
+    accelerometer: Some(SensorPins {
+        clock: Pin::new(Port::B, 3),
+        miso: Pin::new(Port::B, 4),
+        mosi: Pin::new(Port::B, 5),
+        select: Pin::new(Port::A, 15),
+    }),
     serial: &[
         // The Raspberry Pi header.
         SerialPort { usart: Usart::Two, tx: Pin::new(Port::D, 5), rx: Pin::new(Port::D, 6), baud: 250_000 },

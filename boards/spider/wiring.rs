@@ -27,6 +27,8 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
     fans: &[None; 3],
     has_servo: false,
+    // Its header for SPI has PA5 to PA7, no pins of SPI3; PB3 to PB5 and PA15 are heaters, a strip and a driver's UART.
+    accelerometer: None,
     is_bench: false,
     is_simulated: false,
 };
@@ -86,6 +88,7 @@ pub static BOARD: Board = Board {
     ],
     supply_switch: None,
     servo: None,
+    accelerometer: None,
     serial: &[SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 }],
     has_usb: true,
     eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),

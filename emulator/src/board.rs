@@ -9,10 +9,11 @@ use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
+use crate::sensor::Sensor;
 use crate::usb_line::{UsbHabits, UsbLine};
 use crate::usbip::UsbIp;
 use crate::warm;
-use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Wiring};
+use crate::wiring::{HostPort, Load, PORTS, Pin, ROOM, SettingsMemory, Wiring};
 use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
 use rigless::device::Level;
@@ -21,6 +22,7 @@ use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::generated::gpioa::Register;
+use rigless::soc::stm32f427::peripherals::spi::Select;
 use rigless::soc::stm32f427::peripherals::{adc, gpio};
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
@@ -42,6 +44,12 @@ const PRIORITY_BITS: u8 = 4;
 /// Places of the converters of the thermistors (ADC3) and of the internal reference (ADC1).
 const THERMISTORS: usize = 2;
 const REFERENCE: usize = 0;
+
+/// The place of SPI3.
+const SENSOR_BUS: usize = 2;
+
+/// The ports by the names that the crate has for them.
+const GPIO_NAMES: [&str; PORTS] = ["GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "GPIOH"];
 
 /// Full scale of a conversion, its reference: the inputs of ADC3 are given in these steps.
 const FULL_SCALE: u32 = 4095;
@@ -213,6 +221,23 @@ impl Emulated {
                 gpio.drive(bit, level, registers, context);
             });
         }
+    }
+
+    /// Plugs an accelerometer into the board's connector for one.
+    ///
+    /// # Errors
+    /// If there is no such connector.
+    pub fn plug_sensor(&mut self, sensor: Sensor) -> Result<()> {
+        let pins = self.wiring.sensor.context("this board has no connector for an accelerometer")?;
+        let pin = gpio::Pin::new(pins.select.bit).context("a port has 16 pins")?;
+        let port = GPIO_NAMES[pins.select.port];
+        self.mcu.spi[SENSOR_BUS].attach_selected(sensor, Select { port, pin, active: Level::Low });
+        Ok(())
+    }
+
+    /// The accelerometer.
+    pub fn sensor(&mut self) -> Option<&mut Sensor> {
+        self.mcu.spi[SENSOR_BUS].chip_mut::<Sensor>(0)
     }
 
     /// The EEPROM.

@@ -5,7 +5,7 @@
 //! window ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset
 //! line.
 //!
-//! TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
+//! TIM6, TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
 //!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the
@@ -49,8 +49,8 @@ pub struct Chip {
     supply: Supply,
     lines: Lines,
     small_timers: [SmallTimer; small_timers::ALL.len()],
-    basic_timer: BasicTimer,
-    basic_slot: Option<usize>,
+    basic_timers: [BasicTimer; small_timers::BASIC.len()],
+    basic_slots: [Option<usize>; small_timers::BASIC.len()],
     /// The flash interface of a board that keeps settings in flash.
     pub flash: Option<FlashInterface>,
     /// A bus with that board's memory, which gives the emulator its map before it starts.
@@ -101,7 +101,7 @@ impl Chip {
         let slot_of = |name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name);
         let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH"].map(slot_of);
         let timer_slots = small_timers::ALL.map(|timer| slot_of(timer.name));
-        let basic_slot = slot_of(small_timers::BASIC);
+        let basic_slots = small_timers::BASIC.map(slot_of);
         Ok(Self {
             part,
             usb_reset: UsbReset::default(),
@@ -111,8 +111,8 @@ impl Chip {
             supply: Supply::new(),
             lines: Lines,
             small_timers: small_timers::new(),
-            basic_timer: small_timers::basic(),
-            basic_slot,
+            basic_timers: small_timers::basic(),
+            basic_slots,
             flash: None,
             map: None,
             slots,
@@ -230,8 +230,8 @@ impl Mcu for Chip {
         if let Some(place) = self.timer_slots.iter().position(|mine| *mine == Some(slot)) {
             return (self.part.bus_mut(), Some(&mut self.small_timers[place]));
         }
-        if self.basic_slot == Some(slot) {
-            return (self.part.bus_mut(), Some(&mut self.basic_timer));
+        if let Some(place) = self.basic_slots.iter().position(|mine| *mine == Some(slot)) {
+            return (self.part.bus_mut(), Some(&mut self.basic_timers[place]));
         }
         let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
             Some(0) => &mut self.usb_reset,
@@ -249,7 +249,7 @@ impl Mcu for Chip {
         self.usb.reset();
         self.supply = Supply::new();
         self.small_timers = small_timers::new();
-        self.basic_timer = small_timers::basic();
+        self.basic_timers = small_timers::basic();
         if let Some(slot) = self.slots[1] {
             self.clock_tree.restarted(cause, self.part.bus_mut().slot_mut(slot).registers_mut());
         }

@@ -12,6 +12,7 @@ use crate::flash::FlashSectors;
 use crate::heat::Climate;
 use crate::line::Manner;
 use crate::run::{Request, Seen, serve};
+use crate::sensor::Sensor;
 use crate::steps::StepEvent;
 use crate::terminal::Terminal;
 use crate::timer::NS_PER_TICK;
@@ -194,6 +195,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
     let limit = if terminal.is_some() { u64::MAX } else { cli.limit * SECOND };
     let patience = Patience { whole: limit, silent: 30 * SECOND, after_reset: SECOND };
     let wiring = cli.board.wiring();
+    let sensor = settings.accelerometer.kind.filter(|_| wiring.sensor.is_some()).map(Sensor::new);
     let (drivers, chip) = (DriverLines::new(wiring), At24c32::holding(eeprom.cells().to_vec()));
     let request = Request {
         firmware: &firmware,
@@ -214,6 +216,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         plugs: plugs.as_ref(),
         belt: belt.as_ref(),
         slow_oscillator: None,
+        sensor: sensor.as_ref(),
         stuck: None,
         defect: Defect::None,
     };
@@ -264,7 +267,11 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
 fn is_sound(seen: &Seen) -> bool {
     let is_safe = seen.safety.dangers.is_empty() && seen.gaps.found.is_empty();
     let keeps_rules = seen.breaches.is_empty() && seen.flash.faults.is_empty() && seen.usb_breaches.is_empty();
-    is_safe && keeps_rules && seen.recorder.unpowered == 0 && seen.recorder.split_pairs == 0
+    is_safe
+        && keeps_rules
+        && seen.sensor_breaches.is_empty()
+        && seen.recorder.unpowered == 0
+        && seen.recorder.split_pairs == 0
 }
 
 fn print_run(cli: &Cli, seen: &Seen) {
@@ -305,6 +312,9 @@ fn print_run(cli: &Cli, seen: &Seen) {
     }
     for breach in &seen.usb_breaches {
         println!("usb       {breach:?}");
+    }
+    for breach in &seen.sensor_breaches {
+        println!("SENSOR    {breach}");
     }
     for fault in &seen.flash.faults {
         println!("FLASH     {fault}");

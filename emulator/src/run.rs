@@ -13,6 +13,7 @@ use crate::laps::Laps;
 use crate::line::{HostLine, Manner};
 use crate::mechanics::Mechanics;
 use crate::safety::Safety;
+use crate::sensor::Sensor;
 use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
 use crate::terminal::Terminal;
@@ -78,6 +79,8 @@ pub struct Request<'a> {
     pub plugs: Option<&'a Plugs>,
     /// The rate of the slow oscillator in Hz, if it differs from the data sheet.
     pub slow_oscillator: Option<u64>,
+    /// The accelerometer in the board's connector for one.
+    pub sensor: Option<&'a Sensor>,
     /// A pin that something holds high or low all the time.
     pub stuck: Option<(Pin, bool)>,
     /// The defect of the clocks.
@@ -105,6 +108,10 @@ pub struct Seen {
     pub drivers: DriverLines,
     /// The servo's line.
     pub servo: ServoLine,
+    /// The accelerometer as it was left.
+    pub sensor: Option<Sensor>,
+    /// What the firmware did to it, or to its bus, against the manuals.
+    pub sensor_breaches: Vec<&'static str>,
     /// The belt's figures.
     pub belt: Option<BeltFigures>,
     /// Requests that the model could not serve.
@@ -192,6 +199,9 @@ pub fn serve(request: &Request<'_>, terminal: Option<Terminal>) -> Result<Seen> 
         board.plug_network(address)?;
     }
     board.heat(request.thermistors)?;
+    if let Some(sensor) = request.sensor {
+        board.plug_sensor(sensor.clone())?;
+    }
     board.weaken(request.defect);
     if let Some((pin, high)) = request.stuck {
         board.drive(VirtualNanos(0), pin, high);
@@ -238,6 +248,9 @@ pub fn serve(request: &Request<'_>, terminal: Option<Terminal>) -> Result<Seen> 
     let board = session.board_mut();
     let bauds = request.wiring.host_ports.iter().map(|port| baud(board, port, stop.at)).collect::<Result<Vec<_>>>()?;
     let usb_breaches = board.mcu.usb.core.breaches().to_vec();
+    let sensor = board.sensor().cloned();
+    let mut sensor_breaches = watch.sensor_bus.breaches;
+    sensor_breaches.extend(sensor.iter().flat_map(|sensor| &sensor.breaches));
     let [core_hz, ..] = board.mcu.rates();
     let debug_pins = board.port(0).alternate >> 13 & 3;
     let mut clocked = [0; 3];
@@ -262,6 +275,8 @@ pub fn serve(request: &Request<'_>, terminal: Option<Terminal>) -> Result<Seen> 
         heat: watch.heat,
         drivers: watch.drivers,
         servo: watch.servo,
+        sensor,
+        sensor_breaches,
         belt: watch.mechanics.figures(),
         gaps,
         breaches: watch.clock_rules.breaches,

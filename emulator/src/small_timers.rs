@@ -1,6 +1,6 @@
-//! Small timers: TIM7, TIM9 and TIM12, which the crate has as registers only.
+//! Small timers: TIM6, TIM7, TIM9 and TIM12, which the crate has as registers only.
 //!
-//! TIM7 has no channel, and an interrupt at the end of each period (RM0390 rev 6, the chapter of TIM6 and TIM7). The
+//! TIM6 and TIM7 have no channel, and an interrupt at the end of each period (RM0390 rev 6, the chapter of TIM6 and TIM7). The
 //! others have two channels, count 16 bits up, and have the one-pulse mode (RM0390 rev 6, the chapter of TIM9 to
 //! TIM14). The crate models such a timer for another part (its `Kind::TwoChannelSlave`); here it answers from the
 //! F427's layout. It runs at the rate that the image's clocks give the timer. Neither timer runs before that, and a
@@ -40,13 +40,13 @@ impl Family for NoChannels {
 /// A timer of this kind.
 pub type BasicTimer = Tim<NoChannels>;
 
-/// The name of the basic timer that the firmware uses.
-pub const BASIC: &str = "TIM7";
+/// The names of the basic timers.
+pub const BASIC: [&str; 2] = ["TIM6", "TIM7"];
 
-/// It out of reset, at its rate once the image's clocks run (RM0390 rev 6, section 6.2).
+/// They out of reset, at their rate once the image's clocks run (RM0390 rev 6, section 6.2).
 #[must_use]
-pub fn basic() -> BasicTimer {
-    Tim::with_clock(90_000_000, Timer::new(BASIC, Counter::Narrow, Kind::Basic))
+pub fn basic() -> [BasicTimer; BASIC.len()] {
+    BASIC.map(|name| Tim::with_clock(90_000_000, Timer::new(name, Counter::Narrow, Kind::Basic)))
 }
 
 /// A timer and its registers.

@@ -15,6 +15,7 @@ use crate::heat::{Climate, HeatWatch, fitted};
 use crate::laps::Laps;
 use crate::mechanics::Mechanics;
 use crate::safety::Safety;
+use crate::sensor_bus::SensorBus;
 use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
 use crate::terminal::Terminal;
@@ -69,6 +70,8 @@ pub struct Watch {
     pub drivers: DriverLines,
     /// The servo's line.
     pub servo: ServoLine,
+    /// The accelerometer's bus.
+    pub sensor_bus: SensorBus,
     /// The machine's heat.
     pub heat: HeatWatch,
     /// The host outside, with a hand at the machine.
@@ -130,6 +133,7 @@ impl Watch {
             driven: [0; PORTS],
             safety: Safety::new(wiring, fitted(settings)),
             servo: ServoLine::new(wiring.servo),
+            sensor_bus: SensorBus::new(wiring.sensor),
             heat: HeatWatch::new(wiring, settings, &Climate::default(), &HeatSetup::default()),
             terminal: None,
             laps: Laps::default(),
@@ -158,6 +162,7 @@ impl Watch {
         let port = session.board_mut().port(n);
         self.safety.store(at.0, n, port, self.greeted);
         self.mechanics.attend(at.0, self.safety.supplied());
+        self.sensor_bus.store(session.board_mut(), at, n, port);
         if let Some(switch) = self.wiring.supply_switch.filter(|switch| switch.port == n) {
             self.heat.switch(at.0, port.low() & switch.mask() != 0);
         }
@@ -254,6 +259,7 @@ impl Driver<Emulated> for Watch {
             self.heat.switch(at, self.wiring.supply_switch.is_none());
             self.release(host);
             self.clock_rules.reset();
+            self.sensor_bus.reset();
             for n in 0..PORTS {
                 self.drivers.store(at, n, Port::default(), |_| true);
                 self.recorder.store(at, n, Port::default(), self.safety.powered);
@@ -274,6 +280,7 @@ impl Driver<Emulated> for Watch {
             return;
         }
         self.clock_rules.written(session.board_mut(), &access);
+        self.sensor_bus.written(session.board_mut(), &access);
         self.set_rate(session.board_mut(), access.virtual_time, access.address);
         self.laps.written(session.board_mut(), access.virtual_time, access.address, access.value);
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;

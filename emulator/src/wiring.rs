@@ -194,6 +194,19 @@ impl Circuit {
     }
 }
 
+/// The connector of an accelerometer on SPI3.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorPins {
+    /// SCK.
+    pub clock: Pin,
+    /// From the sensor.
+    pub miso: Pin,
+    /// To the sensor.
+    pub mosi: Pin,
+    /// Low selects the sensor.
+    pub select: Pin,
+}
+
 /// The probe's pin on a board, and its circuit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ProbeInput {
@@ -232,6 +245,8 @@ pub struct Wiring {
     pub supply_switch: Option<Pin>,
     /// The line of a servo, which only a machine with a BLTouch has driven.
     pub servo: Option<Pin>,
+    /// The connector of an accelerometer.
+    pub sensor: Option<SensorPins>,
     /// Levels that resistors on the board give to pins that nothing drives.
     pub resistors: &'static [(Pin, bool)],
     /// Thermistors, and their channels of ADC3.
@@ -323,6 +338,13 @@ pub static OCTOPUS: Wiring = Wiring {
     // 10 kOhm to 3.3 V.
     supply_switch: Some(Pin::new('E', 11)),
     servo: Some(Pin::new('B', 6)),
+    // Header SPI3, straight to the pins.
+    sensor: Some(SensorPins {
+        clock: Pin::new('B', 3),
+        miso: Pin::new('B', 4),
+        mosi: Pin::new('B', 5),
+        select: Pin::new('A', 15),
+    }),
     // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: the check for the right board reads them.
     resistors: &[
         (Pin::new('F', 14), true),
@@ -406,6 +428,7 @@ pub static SPIDER: Wiring = Wiring {
     ],
     supply_switch: None,
     servo: None,
+    sensor: None,
     resistors: &[(Pin::new('B', 0), true), (Pin::new('B', 1), true)],
     thermistors: &[(Sensor::Bed, 13), (Sensor::Hotend0, 10), (Sensor::Hotend1, 11), (Sensor::Hotend2, 12)],
     application: 0x0800_8000,
@@ -459,6 +482,13 @@ pub static NUCLEO: Wiring = Wiring {
     fans: &[],
     supply_switch: None,
     servo: None,
+    // CN7 of the morpho connector, pins 1 to 4 (UM1724).
+    sensor: Some(SensorPins {
+        clock: Pin::new('C', 10),
+        miso: Pin::new('C', 11),
+        mosi: Pin::new('C', 12),
+        select: Pin::new('D', 2),
+    }),
     resistors: &[],
     thermistors: &[],
     application: 0x0800_0000,
@@ -487,6 +517,7 @@ mod tests {
             pins.extend(board.fans.iter().map(|load| load.pin));
             pins.extend(board.supply_switch);
             pins.extend(board.servo);
+            pins.extend(board.sensor.iter().flat_map(|pins| [pins.clock, pins.miso, pins.mosi, pins.select]));
             if let Some(spare) = board.spare {
                 pins.extend(spare.pins);
                 pins.push(spare.input.1);

@@ -1,6 +1,7 @@
 //! Tests of the images, in one program: tests share translations of an image (`src/warm.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod accelerometer;
 mod bringup;
 mod clocks;
 mod common;

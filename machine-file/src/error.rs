@@ -248,6 +248,7 @@ fn plugged(error: &ConnectorError) -> String {
         ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),
         ConnectorError::NoSuchSensor(heater, ..) => format!("heaters.{}.sensor", heater.name()),
         ConnectorError::NoServo(_) => "probe.kind".to_owned(),
+        ConnectorError::NoAccelerometer(_) => "accelerometer.kind".to_owned(),
         ConnectorError::NoSuchExtraSensor(place, ..) => format!("sensors.{place}.sensor"),
         ConnectorError::NoSuchFan(fan, _) => format!("fans.fan{fan}"),
         ConnectorError::FixedFan(fan, _) | ConnectorError::SharedTimer(fan, ..) => {

@@ -84,7 +84,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 39] = [
+pub(crate) const TABLES: [(&str, &str); 41] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -112,6 +112,8 @@ pub(crate) const TABLES: [(&str, &str); 39] = [
     ("probe", "The Z probe: how it touches the bed, and where it sits."),
     ("probe.offset", "The probe's place minus the nozzle's (M851)."),
     ("probe.home", "Where the probe touches to home z."),
+    ("accelerometer", "The accelerometer at the tool, by which resonances are measured (TEST_RESONANCES)."),
+    ("accelerometer.axes", "The axis of the sensor that points along each axis of the machine."),
     ("homing", "How each axis finds its endstop, where that is, and in which order."),
     ("drivers", "The configuration of the motor drivers (TMC2209) where they have a UART."),
     ("drivers.belt", "Drivers of the motors that move x or y."),

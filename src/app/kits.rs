@@ -4,7 +4,7 @@ use super::memory::Memory;
 use crate::kinematics::Groupings;
 use crate::machine::{Console, Ports};
 use crate::motion::{Entry, Link, MoveMemory, SpanMemory, StepCounts, StepGenerator, Stepper, StepsIn, StepsOut};
-use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
+use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::thermal::{Orders, OrdersIn, ThermalControl};
@@ -109,12 +109,12 @@ pub struct ConsoleKit<'m, W: Pend> {
 
 impl<'m, W: Pend> ConsoleKit<'m, W> {
     /// Makes the Console. If `start` (x, y, z) is known, the machine stands there as if homed.
-    pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage>(
+    pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage, A: Accelerometer>(
         self,
         settings: &Settings,
         start: Option<[Mm; 3]>,
-        ports: Ports<S, D, K, T>,
-    ) -> Console<'m, Ports<S, D, K, T>, W> {
+        ports: Ports<S, D, K, T, A>,
+    ) -> Console<'m, Ports<S, D, K, T, A>, W> {
         Console::new(*settings, start, self.planned, self.orders, self.groupings, self.link, ports)
     }
 }

@@ -17,7 +17,7 @@ pub use memory::Memory;
 
 use crate::machine::{Console, PortSet, Ports};
 use crate::motion::{StepCounts, StepGenerator, Stepper};
-use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
+use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::thermal::ThermalControl;
@@ -41,6 +41,7 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: P
 
 /// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its storage
 /// override `settings`, except the mechanism, which a machine keeps.
+#[expect(clippy::type_complexity, reason = "the parts have the ports of the board, which are named one by one")]
 pub fn assemble<
     'm,
     P: StepPort,
@@ -49,6 +50,7 @@ pub fn assemble<
     D: DriverBus,
     K: Clock,
     T: Storage,
+    A: Accelerometer,
     H: ThermalPort,
     W: Pend + Copy,
 >(
@@ -57,9 +59,9 @@ pub fn assemble<
     start: Option<[Mm; 3]>,
     step_ports: StepPorts<P, C>,
     thermal_port: H,
-    ports: Ports<S, D, K, T>,
+    ports: Ports<S, D, K, T, A>,
     pend: W,
-) -> Parts<'m, P, C, Ports<S, D, K, T>, H, W> {
+) -> Parts<'m, P, C, Ports<S, D, K, T, A>, H, W> {
     let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, &settings, pend);
     Parts {
         stepper: stepper.make(step_ports, pend),

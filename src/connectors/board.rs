@@ -28,6 +28,8 @@ pub struct BoardConnectors {
     pub fans: &'static [Option<u8>],
     /// It has the line of a servo, which a BLTouch needs.
     pub has_servo: bool,
+    /// The name of its connector for an accelerometer (SPI).
+    pub accelerometer: Option<&'static str>,
     /// A bench rig: motors that it has no socket for are counted, and do not turn.
     pub is_bench: bool,
     /// There are no real plugs, so every name is legal.
@@ -47,6 +49,7 @@ impl BoardConnectors {
         sensors: &[],
         fans: &[],
         has_servo: true,
+        accelerometer: Some("SPI"),
         is_bench: true,
         is_simulated: true,
     };
@@ -89,6 +92,7 @@ pub(crate) mod samples {
         sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
         fans: &[Some(1), Some(9), Some(4), Some(4), Some(4), None],
         has_servo: true,
+        accelerometer: Some("SPI3"),
         is_bench: false,
         is_simulated: false,
     };
@@ -102,6 +106,7 @@ pub(crate) mod samples {
         shared_inputs: &[],
         debug_sockets: &[],
         has_servo: false,
+        accelerometer: None,
         ..PRINTER
     };
 

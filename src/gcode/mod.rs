@@ -22,7 +22,8 @@ mod parts;
 
 pub use commands::{
     BedCommand, Command, Forgets, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand,
-    RefusedCommand, ReportCommand, SettingCommand, ShaperName, Text, Treatment, codes, described, names, places,
+    RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand, ShaperName, Text, Treatment, codes, described,
+    names, places,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;
@@ -30,5 +31,5 @@ pub use parse::parse;
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
     MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords,
-    ShaperWords, TuningWords, VelocityWords,
+    ShaperWords, SweepAxis, SweepWords, TuningWords, VelocityWords,
 };

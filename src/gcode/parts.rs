@@ -280,6 +280,43 @@ pub struct OffsetWords {
     pub moves: bool,
 }
 
+/// The direction of a resonance test.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum SweepAxis {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// To the right and to the front.
+    A,
+    /// To the right and to the back.
+    B,
+}
+
+/// The words of TEST_RESONANCES and SHAPER_CALIBRATE.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct SweepWords {
+    /// AXIS.
+    pub axis: SweepAxis,
+    /// FREQ_START, Hz.
+    pub from: Option<Number>,
+    /// FREQ_END, Hz.
+    pub to: Option<Number>,
+    /// ACCEL_PER_HZ, mm/s2 per Hz.
+    pub accel_per_hz: Option<Number>,
+    /// HZ_PER_SEC.
+    pub hz_per_s: Option<Number>,
+    /// SWEEPING_ACCEL, mm/s2.
+    pub swing: Option<Number>,
+    /// SWEEPING_PERIOD, s; 0 is none.
+    pub period: Option<Number>,
+    /// OUTPUT=raw_data: every sample goes to the host.
+    pub wants_raw: bool,
+    /// It is SHAPER_CALIBRATE.
+    pub chooses: bool,
+}
+
 /// The words of SET_VELOCITY_LIMIT.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct VelocityWords<'a> {

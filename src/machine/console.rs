@@ -34,7 +34,7 @@ use crate::machine::probe::deploy::take_in_at_once;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
 use crate::motion::{Link, MoveMemory};
-use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
+use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Action;
 use crate::settings::Settings;
 use crate::surface::Mesh;
@@ -48,7 +48,15 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     states: States,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
+impl<'m, S, D, K, T, A, W> Console<'m, Ports<S, D, K, T, A>, W>
+where
+    S: Serial,
+    D: DriverBus,
+    K: Clock,
+    T: Storage,
+    A: Accelerometer,
+    W: Pend,
+{
     /// A Console of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
         settings: Settings,
@@ -57,7 +65,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,
-        ports: Ports<S, D, K, T>,
+        ports: Ports<S, D, K, T, A>,
     ) -> Self {
         Self {
             main_loop: MainLoop::new(settings, start, memory, orders, groupings, link, ports),

@@ -20,6 +20,7 @@
 //! | `commands` | the effect of each command |
 //! | `belt` | circulation of a closed belt, and alignment of its motors |
 //! | `probe` | touches of the Z probe |
+//! | `resonance` | resonance tests with an accelerometer |
 //! | `main_loop` | the work during every wait, and the services for commands: plan, finish, power, reply |
 //! | `reports` | the wording of answers |
 //! | `answers` | results of commands, as values |
@@ -53,6 +54,7 @@ mod ports;
 mod probe;
 mod release;
 mod reports;
+mod resonance;
 mod state;
 
 pub use console::{Console, PortSet, Ports};

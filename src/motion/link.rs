@@ -111,6 +111,7 @@ impl<'m, W: Pend> Link<'m, W> {
             Work::Dwell(time) => *time,
             Work::Regroup(_)
             | Work::Position(_)
+            | Work::Sweep(_)
             | Work::Follow(..)
             | Work::Stiffen(..)
             | Work::Surface(_)

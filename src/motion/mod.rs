@@ -24,6 +24,7 @@
 //! | `step_counts` | steps that each group has made | Console |
 //! | `moves`, `work` | entries of the MoveQueue | Console writes, generator reads |
 //! | `surface` | the shape of the bed, in steps | any |
+//! | `sweep` | the motion of a resonance test | any |
 //! | `ramps`, `ticks`, `number`, `z_limits` | formulas, comparisons, numbers, half of z's limits | any |
 //!
 //! # Words
@@ -56,6 +57,7 @@ mod step_counts;
 mod stepgen;
 mod stepper;
 mod surface;
+mod sweep;
 mod ticks;
 mod trajectory;
 mod work;
@@ -66,15 +68,16 @@ use core::sync::atomic;
 
 pub use link::Link;
 pub use moves::{Move, WHOLE};
-pub(crate) use number::{from_f32, to_f32};
+pub(crate) use number::{from_f32, root, to_f32};
 pub use planner::{LOOKAHEAD_MOVES, MoveMemory, Planner, Target, WHOLE_SHARE};
 pub use queue::{LONGEST_INTERVAL, StepEvent, StepQueue, StepsIn, StepsOut};
 pub use step_counts::StepCounts;
 pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
 pub use surface::SurfaceFrame;
+pub use sweep::{Motion as SweepMotion, Piece, Pieces, Sweep};
 pub use ticks::MIN_STEP_INTERVAL;
-pub(crate) use trajectory::AXES;
+pub(crate) use trajectory::{AXES, impulses};
 pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
 pub use work::{Entry, Work, surface_work};
 pub use z_limits::ZLimits;

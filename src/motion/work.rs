@@ -2,6 +2,7 @@
 
 use super::moves::Move;
 use super::surface::SurfaceFrame;
+use super::sweep::Sweep;
 use super::trajectory::{Stiffening, Taps};
 use crate::kinematics::Grouping;
 use crate::surface::{Heights, MOST_POINTS};
@@ -12,6 +13,8 @@ use crate::units::{Steps, SubTicks};
 pub enum Work {
     /// A move.
     Move(Move),
+    /// At rest: a resonance test.
+    Sweep(Sweep),
     /// Time without motion, in ticks times 2^16.
     Dwell(SubTicks),
     /// At rest: from now on an axis follows these taps. The advance, axis 4, is the difference of its taps.

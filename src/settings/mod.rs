@@ -5,8 +5,8 @@
 //! in machine files, its unit, its range and its meaning. The record (`storage`) and the check of ranges go through the
 //! rows. Other places that depend on a setting:
 //!
-//! - Field, default and row: here, or `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`, `probe`,
-//!   `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and
+//! - Field, default and row: here, or `accelerometer`, `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`,
+//!   `probe`, `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and
 //!   `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
@@ -22,6 +22,7 @@
 //!
 //! docs/how-to/setting.md has the steps, also for a new [`ShaperKind`].
 
+mod accelerometer;
 mod axis;
 mod bed;
 mod belt;
@@ -51,6 +52,7 @@ pub mod table;
 mod thermal;
 mod wiring;
 
+pub use accelerometer::AccelerometerSettings;
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
 pub use belt::{Alignment, Belt, PHASES};
@@ -174,6 +176,8 @@ pub struct Settings {
     pub fans: [FanPlug; FANS],
     /// Pulses of a fan's tachometer in a turn.
     pub fan_pulses: u8,
+    /// The accelerometer at the tool.
+    pub accelerometer: AccelerometerSettings,
 }
 
 impl Settings {
@@ -245,6 +249,7 @@ impl Settings {
             screws: Screw::prototype(),
             fans: [FanPlug::PLAIN; FANS],
             fan_pulses: fan_plugs::USUAL_PULSES,
+            accelerometer: AccelerometerSettings::prototype(),
         }
     }
 
@@ -322,6 +327,7 @@ impl Settings {
             screws: _,
             fans,
             fan_pulses: _,
+            accelerometer: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring

@@ -36,6 +36,8 @@ pub enum ConnectorError {
     NoSuchSensor(Heater, Sensor, &'static BoardConnectors),
     /// The board has no line for the servo of a BLTouch.
     NoServo(&'static BoardConnectors),
+    /// It has no connector for an accelerometer.
+    NoAccelerometer(&'static BoardConnectors),
     /// Nor for the sensor without a heater at this place.
     NoSuchExtraSensor(&'static str, SensorSource, &'static BoardConnectors),
     /// The board has no such fan for a fan with a frequency or a tachometer.
@@ -89,6 +91,9 @@ impl Settings {
         }
         if self.has_servo() && !board.has_servo {
             return Err(ConnectorError::NoServo(board));
+        }
+        if self.accelerometer.kind.is_some() && board.accelerometer.is_none() {
+            return Err(ConnectorError::NoAccelerometer(board));
         }
         Heater::ALL.into_iter().try_for_each(|heater| self.check_heater(heater, board))?;
         self.check_fans(board)?;
@@ -213,6 +218,7 @@ impl Display for ConnectorError {
                 list(f, board.sensors.iter().map(|sensor| sensor.name()))
             }
             Self::NoServo(board) => write!(f, "probe: the {} has no servo line for a bltouch", board.name),
+            Self::NoAccelerometer(board) => write!(f, "accelerometer: the {} has no connector for one", board.name),
             Self::NoSuchExtraSensor(place, sensor, board) => {
                 write!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
                 list(f, board.sensors.iter().map(|sensor| sensor.name()))

@@ -167,3 +167,6 @@ pub const PROBE_CLEARANCE: Range<Mm> = Range { least: Mm::const_from_int(1), mos
 pub const PROBE_QUIET: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(2) };
 /// Microsteps: MRES has every power of two in it (section 5.5.1).
 pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };
+/// Samples of an accelerometer in a second: at the least, resonances up to 150 Hz are still measured well; the most of
+/// an ADXL345.
+pub const SAMPLES: Range<u16> = Range { least: 400, most: 3200 };

@@ -33,6 +33,8 @@ macro_rules! files {
 
 files! {
     top,
+    accelerometer,
+    accelerometer::axes,
     axis,
     axis::min,
     axis::homing,

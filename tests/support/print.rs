@@ -8,7 +8,7 @@ use core::fmt::{self, Display, Formatter};
 use corehbot::gcode::{
     ArcShape, ArcWords, Audience, BedCommand, Command, Forgets, Form, GridWords, HeatCommand, HomeWords, JobCommand,
     LevelWords, MachineRecord, MeshPoint, MotionCommand, MotorCommand, Number, ParkWords, PlainWords, Plane,
-    ProbeCommand, RefusedCommand, ReportCommand, SettingCommand, ShaperWords, TuningWords,
+    ProbeCommand, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand, ShaperWords, TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -32,6 +32,7 @@ impl Display for Printed<'_> {
             Command::Job(command) => job(f, command, self.1),
             Command::Probe(command) => probe(f, command, self.1),
             Command::Bed(command) => bed(f, command, self.1),
+            Command::Resonance(command) => resonance(f, command, self.1),
             Command::Report(command) => report(f, command, self.1),
             Command::Refused(command) => refused(f, command),
             Command::Malformed(flaw) => malformed(f, flaw),
@@ -334,6 +335,33 @@ fn level(f: &mut Formatter<'_>, words: LevelWords) -> fmt::Result {
     word(f, 'T', words.within)?;
     word(f, 'A', words.share)?;
     f.write_str(if words.keeps_out { " E" } else { "" })
+}
+
+fn resonance(f: &mut Formatter<'_>, command: ResonanceCommand, line: &[u8]) -> fmt::Result {
+    match command {
+        ResonanceCommand::Sensor => f.write_str("M955"),
+        ResonanceCommand::Samples { count } => {
+            f.write_str("M956")?;
+            word(f, 'S', count)
+        }
+        ResonanceCommand::Sweep(words) => {
+            let name = if words.chooses { "SHAPER_CALIBRATE" } else { "TEST_RESONANCES" };
+            write!(f, "{name} AXIS={:?}", words.axis)?;
+            let numbers = [
+                ("FREQ_START", words.from),
+                ("FREQ_END", words.to),
+                ("ACCEL_PER_HZ", words.accel_per_hz),
+                ("HZ_PER_SEC", words.hz_per_s),
+                ("SWEEPING_ACCEL", words.swing),
+                ("SWEEPING_PERIOD", words.period),
+            ];
+            for (name, number) in numbers {
+                number.map_or(Ok(()), |number| write!(f, " {name}={number}"))?;
+            }
+            f.write_str(if words.wants_raw { " OUTPUT=raw_data" } else { "" })
+        }
+        _ => reduced(f, line),
+    }
 }
 
 fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -> fmt::Result {

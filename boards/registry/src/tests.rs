@@ -101,6 +101,9 @@ fn names_and_pins_are_those_of_the_readme() {
                 None => is_told(name.as_str(), &[slot.step, slot.dir]),
             }
         }
+        if let (Some(name), Some(pins)) = (board.connectors.accelerometer, board.accelerometer) {
+            is_told(name, &[pins.clock, pins.miso, pins.mosi, pins.select]);
+        }
         for (name, input) in board.connectors.inputs.iter().zip(board.inputs) {
             let (pin, circuit) = (pin_name(input.pin), input.circuit.name());
             let is_told =

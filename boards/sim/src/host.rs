@@ -460,7 +460,7 @@ impl Host for FileHost {
 }
 
 /// First words of echoes that answer a question, show life or report no trouble.
-const EXPECTED: [&str; 17] = [
+const EXPECTED: [&str; 20] = [
     "  G",
     "  M",
     ";",
@@ -478,6 +478,9 @@ const EXPECTED: [&str; 17] = [
     "Mesh stored",
     "Babystep",
     "Z offset",
+    "swept ",
+    "it leaves ",
+    "one mode only",
 ];
 
 /// Whether a reply is a warning for the author of the file.

@@ -6,6 +6,7 @@
 //! figures into pages, and the command is `corehbot-cli`.
 #![forbid(unsafe_code)]
 
+pub mod accelerometer;
 mod axis_sums;
 pub mod bed_plant;
 pub mod belt;

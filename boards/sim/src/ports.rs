@@ -2,6 +2,7 @@
 //!
 //! All of them share one time, which only the world advances.
 
+use crate::accelerometer::SimSensor;
 use crate::belt::{BeltPlant, Chips};
 use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
@@ -33,6 +34,8 @@ pub(crate) struct Shared {
     /// Whether moves are followed, and what the Console has queued for the generator since the last look.
     pub is_followed: Cell<bool>,
     pub queued: RefCell<Vec<Entry>>,
+    /// The accelerometer at the tool.
+    pub sensor: RefCell<SimSensor>,
 }
 
 /// Bytes in transit between the printer and one host.
@@ -190,8 +193,29 @@ pub(crate) struct Pins<'w> {
 impl Pins<'_> {
     /// Time has passed, and motors may have been switched.
     pub(crate) fn attend(&mut self) {
+        self.listen();
         if let Mechanics::Belt(plant) = &mut self.mechanics {
             plant.attend(self.shared.now.get(), self.drivers.powered());
+        }
+    }
+
+    /// The accelerometer takes its samples up to now.
+    fn listen(&mut self) {
+        let (now, mut sensor) = (self.shared.now.get(), self.shared.sensor.borrow_mut());
+        while let Some(due) = sensor.due(now) {
+            match &mut self.mechanics {
+                Mechanics::Rigid(rig) => {
+                    sensor.vibrate(due, rig.nozzle());
+                    sensor.sample_rigid();
+                }
+                Mechanics::Belt(plant) => {
+                    plant.attend(due, self.drivers.powered());
+                    sensor.move_at(plant.live().velocity_mm_s());
+                }
+            }
+        }
+        if let Mechanics::Rigid(rig) = &self.mechanics {
+            sensor.vibrate(now, rig.nozzle());
         }
     }
 
@@ -235,6 +259,7 @@ impl StepPort for Pins<'_> {
     fn rise(&mut self, steps: GroupSet, tick: u64) {
         let steps = self.table.motors(steps);
         let (turned, forward) = self.plugs.map_or((steps, self.forward), |plugs| plugs.turned(steps, self.forward));
+        self.listen();
         match &mut self.mechanics {
             Mechanics::Rigid(rig) => rig.step(turned, forward),
             Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),

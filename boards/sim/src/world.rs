@@ -7,6 +7,7 @@
 mod runs;
 mod z_shifts;
 
+use crate::accelerometer::{Sensor, SensorTruth};
 use crate::bed_plant::ProbeAccident;
 use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
@@ -91,6 +92,8 @@ pub struct Desk {
     pub belt: Option<Box<BeltPlant>>,
     /// What hangs on drivers and inputs, if it is not what belongs there.
     pub plugs: Option<Plugs>,
+    /// The accelerometer of a machine that has one; without it, a usual one.
+    pub sensor: Option<SensorTruth>,
     /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
     /// The heat left by an earlier world; without it, everything is as warm as the room.
@@ -116,6 +119,7 @@ impl Desk {
             z_shifts: ZShifts::default(),
             belt: None,
             plugs: None,
+            sensor: None,
             heat,
             plant: None,
         })
@@ -230,10 +234,12 @@ impl<'w> World<'w> {
             z_shifts,
             belt,
             plugs,
+            sensor,
             heat,
             plant: left,
         } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
+        shared.sensor.borrow_mut().truth = settings.accelerometer.kind.map(|_| sensor.clone().unwrap_or_default());
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
             Some(plant) => {
@@ -257,6 +263,7 @@ impl<'w> World<'w> {
             drivers: drivers.bus(&shared.now),
             clock: Timer(shared),
             storage,
+            accelerometer: Sensor { sensor: &shared.sensor, now: &shared.now },
         };
         let plant = heat.truth.as_ref().map_or_else(|| Heat::new(settings), |truth| Heat::with(settings, truth));
         let plant = plant.standing_on(left.take().map(|plant| *plant));

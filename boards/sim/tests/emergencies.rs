@@ -66,7 +66,7 @@ impl Host for Shouter<'_> {
 
 /// A state of the machine, the program that leads there, and the motion time of the state in ms. The time is "never" if
 /// the busy message shows the state.
-const STATES: [(&str, &str, u64); 12] = [
+const STATES: [(&str, &str, u64); 13] = [
     ("moving", "G1 X200 F6000\nM114\n", 400),
     ("moving with many lines waiting", "", 400),
     ("waiting for the motion", "G1 X380 F6000\nM400\n", 900),
@@ -76,6 +76,7 @@ const STATES: [(&str, &str, u64); 12] = [
     ("a probe going down fast", "G30\n", 1500),
     ("a probe going down slowly", "G30\n", 5000),
     ("one motor alone", "STEPPER_BUZZ STEPPER=m1\n", 100),
+    ("shaking the tool", "TEST_RESONANCES\n", 3000),
     ("dwelling", "G4 S30\nG1 X110\n", u64::MAX),
     ("waiting for the user", "M600\nG1 X110\n", u64::MAX),
     ("waiting for the user for a time", "M0 S30\n", u64::MAX),

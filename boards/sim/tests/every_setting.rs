@@ -204,6 +204,8 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
         "max",
         "warning",
         "E3DET",
+        "adxl345",
+        "-x",
     ]
     .map(toml::Value::from);
     let (order, phases) = (toml::Value::from(["z", "x", "y"].to_vec()), toml::Value::from([517, 3].to_vec()));
@@ -271,6 +273,7 @@ fn is_of_all_machines(path: &str) -> bool {
         && !path.starts_with("sensors.")
         && !path.starts_with("job.")
         && !path.starts_with("probe.")
+        && !path.starts_with("accelerometer.")
         && !path.starts_with("screws.")
         && !path.starts_with("fans.")
         && path != "fan_pulses"

@@ -4,6 +4,7 @@
 //! | file | job |
 //! |---|---|
 //! | `ring`, `receiver_flags` | bytes that DMA takes from a serial line, and the line's errors |
+//! | `accelerometer` | set-up and samples of an accelerometer on SPI |
 //! | `exchange` | a request to a motor driver and its reply, bit by bit |
 //! | `usb_pump`, `usb_traffic` | the buffers of a USB serial port, and the tasks that fill them |
 //! | `mcu_temperature` | the processor's own temperature from the readings of its sensor |
@@ -14,6 +15,7 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+pub mod accelerometer;
 pub mod exchange;
 pub mod flash_pages;
 pub mod flash_sectors;

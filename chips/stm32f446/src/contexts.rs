@@ -18,6 +18,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embassy_time::{Duration, Ticker, Timer};
 use static_cell::StaticCell;
 
+use crate::accelerometer::SpiSensor;
 use crate::assembly::Handles;
 use crate::board_storage::BoardStorage;
 use crate::drivers::Drivers;
@@ -32,7 +33,7 @@ use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, wat
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
 /// The ports of a board, except the step ports.
-pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage>;
+pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage, SpiSensor>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
 /// Heat, with the ports of a board.
 pub type ThermalControl = thermal::ThermalControl<'static, BoardHeat, IrqPend>;

@@ -10,6 +10,7 @@
 //! | 0x20 | TIM3, during an order to a BLTouch | the edges of its pulses |
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM2 | bytes, USB packets, embassy's time |
 //! | 0x40 | TIM7, every 0.5 ms if a fan has a tachometer | its pulses |
+//! | 0x40 | TIM6 and DMA1 stream 0, while an accelerometer is read | its transfers |
 //! | 0x40 | TIM8, during an exchange with a motor driver | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | 0xC0 | TIM5, at the end of the heaters' pulses, every 20 ms | ThermalControl, which feeds the watchdog |
@@ -33,6 +34,8 @@ pub mod resources;
 #[cfg(any(test, target_os = "none"))]
 mod storm;
 
+#[cfg(target_os = "none")]
+mod accelerometer;
 #[cfg(target_os = "none")]
 mod after_bootloader;
 #[cfg(target_os = "none")]

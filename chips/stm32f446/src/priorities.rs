@@ -10,8 +10,8 @@ use embassy_stm32::pac::Interrupt;
 use crate::resources::SOURCES;
 use crate::{contexts, driver_uart, heater_timer, otg, servo, supply, tachometers};
 
-/// Priority shared by the host lines, the drivers' UART, tachometers and embassy's time: below the Stepper and a
-/// servo's edges, above everything else.
+/// Priority shared by the host lines, the drivers' UART, tachometers, the accelerometer and embassy's time: below the
+/// Stepper and a servo's edges, above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// The step timer's exception, which is always enabled.
@@ -31,6 +31,8 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     (otg::IRQ, LINK),
     (driver_uart::IRQ, LINK),
     (tachometers::IRQ, LINK),
+    (Interrupt::TIM6_DAC, LINK),
+    (Interrupt::DMA1_STREAM0, LINK),
     (contexts::GENERATOR_IRQ, Priority::P8),
     (heater_timer::IRQ, Priority::P12),
 ];

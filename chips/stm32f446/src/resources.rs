@@ -11,6 +11,9 @@ pub const USART_FUNCTION: u8 = 7;
 /// I2C1 to 3 (the same table).
 pub const I2C_FUNCTION: u8 = 4;
 
+/// SPI3 on PB3 to PB5 and PC10 to PC12 (the same table).
+pub const SPI_FUNCTION: u8 = 6;
+
 /// OTG_FS (the same table).
 pub const USB_FUNCTION: u8 = 10;
 
@@ -62,12 +65,22 @@ pub const fn receiver(usart: Usart) -> Channel {
     }
 }
 
+/// The accelerometer's bus.
+pub const SENSOR_BUS: &str = "SPI3";
+
+/// Bytes from the accelerometer, and bytes to it (RM0390, table of DMA1 requests). The other streams of SPI3 are 2, and
+/// 5, which a USART has.
+pub const SENSOR_INPUT: Channel = Channel { controller: 1, stream: 0, request: 0 };
+/// See [`SENSOR_INPUT`].
+pub const SENSOR_OUTPUT: Channel = Channel { controller: 1, stream: 7, request: 0 };
+
 /// Timers, and the bus that each is on: APB1 or APB2.
-pub const TIMERS: [(&str, u8); 9] = [
+pub const TIMERS: [(&str, u8); 10] = [
     (TIME, 1),
     (DRIVER_BITS, 2),
     (HEAT, 1),
     (TACHOMETERS, 1),
+    (SAMPLING, 1),
     ("TIM1", 2),
     (SERVO, 1),
     ("TIM4", 1),
@@ -83,6 +96,9 @@ pub const DRIVER_BITS: &str = "TIM8";
 
 /// Looks at tachometers.
 pub const TACHOMETERS: &str = "TIM7";
+
+/// Begins transfers from an accelerometer.
+pub const SAMPLING: &str = "TIM6";
 
 /// The control period, and the pulses of heaters on its pins. Besides TIM2 this is the only timer with 32 bits on the
 /// Octopus's heater pins, and on TIM2 two pairs of heaters would share channels.
@@ -108,7 +124,7 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
 
 /// The interrupts in use besides the core's own timer (SysTick), which triggers steps. The supply's interrupt comes
 /// through line 16 of EXTI, which the chip description leaves out, so it goes by its name.
-pub const SOURCES: [Source; 12] = [
+pub const SOURCES: [Source; 14] = [
     source("PVD", "", 1),
     source(SERVO, "UP", 29),
     source(TIME, "UP", 28),
@@ -119,6 +135,8 @@ pub const SOURCES: [Source; 12] = [
     source("USB_OTG_FS", "GLOBAL", 67),
     source(DRIVER_BITS, "UP", 44),
     source(TACHOMETERS, "UP", 55),
+    source(SAMPLING, "UP", 54),
+    source("DMA1", "CH0", 11),
     source("CAN2", "SCE", 66),
     source(HEAT, "UP", 50),
 ];

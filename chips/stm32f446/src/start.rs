@@ -12,6 +12,7 @@ use defmt_rtt as _;
 use embassy_time::Instant;
 use static_cell::StaticCell;
 
+use crate::accelerometer::SpiSensor;
 use crate::assembly::{Handles, assemble};
 use crate::board_storage::BoardStorage;
 use crate::contexts;
@@ -104,7 +105,14 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let coupling = Groups::new(&settings.mechanism).coupling();
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
-    let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
+    let drivers = Drivers::start(plugged, refusal, spare);
+    let ports = Ports {
+        serial: lines,
+        drivers,
+        clock: BoardClock,
+        storage,
+        accelerometer: SpiSensor::new(board.accelerometer),
+    };
     let heat = BoardHeat::start(plugged, !past.is_supply_off);
     // After the heaters, which take their timers.
     if let Some(servo) = plugged.servo {

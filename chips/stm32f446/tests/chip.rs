@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use corehbot_boards::{entries, octopus};
 use corehbot_stm32f446::resources::{self, Channel, SOURCES, TIMERS};
-use corehbot_stm32f446::wiring::{Board, FanPin, HeaterPin, Pin, USB, Usart};
+use corehbot_stm32f446::wiring::{Board, FanPin, HeaterPin, Pin, SensorPins, USB, Usart};
 use stm32_metapac::metadata::{METADATA, Peripheral};
 
 /// Pins of the package with 100 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP100;
@@ -52,7 +52,16 @@ fn misdirected(channel: Channel, owner: &str, signal: &str) -> Option<String> {
 
 /// Every DMA stream in use.
 fn streams() -> Vec<Channel> {
-    Usart::all().map(resources::receiver).chain([resources::CONVERTER]).collect()
+    Usart::all()
+        .map(resources::receiver)
+        .chain([resources::CONVERTER, resources::SENSOR_INPUT, resources::SENSOR_OUTPUT])
+        .collect()
+}
+
+/// The pins of an accelerometer, with their signals.
+fn sensor_pins(pins: &SensorPins) -> [(Pin, &'static str); 4] {
+    let SensorPins { clock, miso, mosi, select } = *pins;
+    [(clock, "SCK"), (miso, "MISO"), (mosi, "MOSI"), (select, "NSS")]
 }
 
 /// Every pin in the table, with its purpose.
@@ -71,6 +80,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         fans,
         supply_switch,
         servo,
+        accelerometer,
         serial,
         has_usb,
         eeprom,
@@ -101,6 +111,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
     pins.extend(loads.iter().map(|pin| (*pin, "load".into())));
     pins.extend(supply_switch.map(|switch| (switch.pin, "supply switch".into())));
     pins.extend(servo.map(|pin| (pin, "servo".into())));
+    pins.extend(accelerometer.iter().flat_map(sensor_pins).map(|(pin, signal)| (pin, signal.into())));
     pins.extend(serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));
     pins.extend(eeprom.into_iter().flatten().map(|pin| (pin, "eeprom".into())));
     pins.extend(USB.into_iter().filter(|_| has_usb).map(|pin| (pin, "usb".into())));
@@ -135,6 +146,9 @@ fn problems(board: &Board, has_pin: impl Fn(Pin) -> bool) -> Vec<String> {
         if let Some((timer, function, letter)) = resources::fan_timer(fan.timer) {
             found.extend(misplaced(fan.pin, timer, &format!("CH{}{letter}", fan.channel), Some(function)));
         }
+    }
+    for (pin, signal) in board.accelerometer.iter().flat_map(sensor_pins).filter(|(_, signal)| *signal != "NSS") {
+        found.extend(misplaced(pin, resources::SENSOR_BUS, signal, Some(resources::SPI_FUNCTION)));
     }
     if let Some([clock, data]) = board.eeprom {
         let function = Some(resources::I2C_FUNCTION);
@@ -201,6 +215,7 @@ fn a_table_that_errs_is_found_out() {
     let elsewhere = [SerialPort { usart: Usart::One, ..good.serial[0] }];
     let channel = [ThermistorPin { channel: 4, ..good.thermistors[0] }];
     let eeprom = good.eeprom.map(|[clock, data]| [data, clock]);
+    let accelerometer = good.accelerometer.map(|pins| SensorPins { clock: pins.miso, miso: pins.clock, ..pins });
     let heater = [HeaterPin { channel: 3, ..good.heaters[0] }];
     let fan = [FanPin { timer: FanTimer::Four, ..good.fans[0] }];
     let mut sockets = good.sockets.to_vec();
@@ -211,6 +226,7 @@ fn a_table_that_errs_is_found_out() {
     assert_eq!(wrong(Board { heaters: Box::leak(Box::new(heater)), ..good }), 1);
     assert_eq!(wrong(Board { fans: Box::leak(Box::new(fan)), ..good }), 1);
     assert_eq!(wrong(Board { eeprom, ..good }), 2);
+    assert_eq!(wrong(Board { accelerometer, ..good }), 2);
     assert_eq!(wrong(Board { sockets: sockets.leak(), ..good }), 1, "a direction line on the X switch");
     assert!(problems(&good, has_lqfp64).len() > 20, "most pins of the Octopus are not in the small package");
 }
@@ -221,6 +237,8 @@ fn streams_carry_what_they_are_meant_to() {
         assert_eq!(misdirected(resources::receiver(usart), usart.name(), "RX"), None);
     }
     assert_eq!(misdirected(resources::CONVERTER, "ADC3", "ADC3"), None);
+    assert_eq!(misdirected(resources::SENSOR_INPUT, resources::SENSOR_BUS, "RX"), None);
+    assert_eq!(misdirected(resources::SENSOR_OUTPUT, resources::SENSOR_BUS, "TX"), None);
     let distinct: BTreeSet<_> = streams().iter().map(|c| (c.controller, c.stream)).collect();
     assert_eq!(distinct.len(), streams().len(), "a stream serves two");
     let wrong = Channel { request: 3, ..resources::CONVERTER };
@@ -237,7 +255,7 @@ fn timers_and_lines_are_on_the_buses_that_their_rates_are_computed_for() {
         let hz = if bus(usart.name()) == "PCLK2" { 90_000_000 } else { 45_000_000 };
         assert_eq!(usart.bus_hz(), hz, "{usart:?}");
     }
-    assert_eq!((bus("I2C1"), bus("ADC3")), ("PCLK1", "PCLK2"));
+    assert_eq!((bus("I2C1"), bus("ADC3"), bus(resources::SENSOR_BUS)), ("PCLK1", "PCLK2", "PCLK1"));
 }
 
 #[test]

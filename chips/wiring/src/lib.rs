@@ -294,6 +294,19 @@ pub struct SupplySwitch {
     pub is_on_high: bool,
 }
 
+/// The connector of an accelerometer, on SPI3.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SensorPins {
+    /// SCK.
+    pub clock: Pin,
+    /// From the sensor, its SDO.
+    pub miso: Pin,
+    /// To the sensor, its SDA.
+    pub mosi: Pin,
+    /// CS, an output: low selects the sensor.
+    pub select: Pin,
+}
+
 /// Thermistors that a board may have: a sequence of six or less is in one register (RM0390, 13.13.11).
 pub const MOST_THERMISTORS: usize = 5;
 
@@ -324,6 +337,8 @@ pub struct Board {
     pub supply_switch: Option<SupplySwitch>,
     /// The line of a servo, for a BLTouch. TIM3 makes its pulses, so no heater is on that timer.
     pub servo: Option<Pin>,
+    /// The connector of an accelerometer.
+    pub accelerometer: Option<SensorPins>,
     /// Serial ports on which hosts may be, each USART once.
     pub serial: &'static [SerialPort],
     /// There is a USB connector on PA11 and PA12.

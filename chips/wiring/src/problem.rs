@@ -6,7 +6,8 @@ use corehbot::port::{FANS, LINES};
 
 use crate::port_writes::{DirWrites, StepWrites};
 use crate::{
-    Board, FanPin, FanTimer, HEATER_PORTS, HeaterPin, HeaterTimer, Input, MOST_THERMISTORS, Pin, SerialPort, Slot, USB,
+    Board, FanPin, FanTimer, HEATER_PORTS, HeaterPin, HeaterTimer, Input, MOST_THERMISTORS, Pin, SensorPins,
+    SerialPort, Slot, USB,
 };
 
 impl Board {
@@ -69,6 +70,9 @@ impl Board {
         if self.servo.is_some() != self.connectors.has_servo {
             return Some("the connectors do not say whether there is a servo");
         }
+        if self.accelerometer.is_some() != self.connectors.accelerometer.is_some() {
+            return Some("the connectors do not say whether there is one for an accelerometer");
+        }
         self.load_problem().or_else(|| self.serial.iter().find_map(SerialPort::problem))
     }
 
@@ -95,6 +99,7 @@ impl Board {
             fans,
             supply_switch,
             servo,
+            accelerometer,
             serial,
             has_usb,
             eeprom,
@@ -116,6 +121,11 @@ impl Board {
             .chain(thermistors.iter().map(|thermistor| thermistor.pin))
             .chain(supply_switch.map(|switch| switch.pin))
             .chain(servo)
+            .chain(
+                accelerometer
+                    .into_iter()
+                    .flat_map(|SensorPins { clock, miso, mosi, select }| [clock, miso, mosi, select]),
+            )
     }
 
     /// The first problem of heaters and fans, if any.

@@ -9,6 +9,7 @@ const NAMES: BoardConnectors = BoardConnectors {
     sockets: &ConnectorName::all(["X"]),
     inputs: &ConnectorName::all(["X", "Y", "Z"]),
     has_servo: false,
+    accelerometer: None,
     ..BoardConnectors::ANY
 };
 
@@ -27,6 +28,7 @@ fn board(uart: Option<Pin>) -> Board {
         fans: &[],
         supply_switch: None,
         servo: None,
+        accelerometer: None,
         serial: &[],
         has_usb: false,
         eeprom: None,
@@ -70,6 +72,21 @@ fn a_servo_has_a_pin_and_its_timer_for_itself() {
     let heater = |timer| vec![HeaterPin { output: Output::Bed, pin: Pin::new(Port::B, 9), timer, channel: 1 }].leak();
     assert_eq!(with(line, heater(HeaterTimer::Five)), None);
     assert_eq!(with(line, heater(HeaterTimer::Three)), Some("a servo and a heater share TIM3"));
+}
+
+#[test]
+fn an_accelerometer_has_pins_of_its_own() {
+    let with = |connectors, accelerometer| Board { connectors, accelerometer, ..board(None) }.problem();
+    let has = &BoardConnectors { accelerometer: Some("SPI"), ..NAMES };
+    let has = Box::leak(Box::new(*has));
+    let pins = |first| {
+        let [clock, miso, mosi, select] = [0, 1, 2, 3].map(|n: u8| Pin::new(Port::B, first + n));
+        Some(SensorPins { clock, miso, mosi, select })
+    };
+    assert_eq!(with(has, pins(10)), None);
+    assert_eq!(with(has, pins(5)), Some("a pin has two jobs"));
+    let untold = Some("the connectors do not say whether there is one for an accelerometer");
+    assert_eq!((with(has, None), with(&NAMES, pins(10))), (untold, untold));
 }
 
 /// Two connectors on one pin, by different circuits, are said to be one line.

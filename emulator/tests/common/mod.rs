@@ -13,6 +13,7 @@ use corehbot_emulator::flash::FlashSectors;
 use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, serve as serve_at};
+use corehbot_emulator::sensor::Sensor;
 use corehbot_emulator::terminal::Terminal;
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::{NUCLEO, OCTOPUS, Pin, Wiring};
@@ -121,6 +122,8 @@ pub struct Bench<'a> {
     pub slow_oscillator: Option<u64>,
     /// Virtual time to continue after a reset, in ns.
     pub after_reset: u64,
+    /// The accelerometer.
+    pub sensor: Option<Sensor>,
     /// A pin that is held.
     pub stuck: Option<(Pin, bool)>,
     /// The defect of the clocks.
@@ -151,6 +154,7 @@ impl Default for Bench<'_> {
             belt: None,
             slow_oscillator: None,
             after_reset: 50 * MS,
+            sensor: None,
             stuck: None,
             defect: Defect::None,
             whole: 7_200_000 * MS,
@@ -251,6 +255,7 @@ pub fn talk_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>, terminal: Op
         plugs: bench.plugs.as_ref(),
         belt: bench.belt.as_ref(),
         slow_oscillator: bench.slow_oscillator,
+        sensor: bench.sensor.as_ref(),
         stuck: bench.stuck,
         defect: bench.defect,
     };
@@ -258,5 +263,6 @@ pub fn talk_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>, terminal: Op
     let breaches: Vec<_> = seen.breaches.iter().map(ToString::to_string).collect();
     assert!(breaches.is_empty() || bench.may_break_rules, "rules for clocks:\n{}", breaches.join("\n"));
     assert_eq!(seen.usb_breaches, []);
+    assert_eq!(seen.sensor_breaches, Vec::<&str>::new());
     seen
 }

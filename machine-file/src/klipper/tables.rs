@@ -134,9 +134,9 @@ pub(super) const REMARKS: &[Remark] = &[
     // Sensors and displays.
     not_yet("filament_switch_sensor *", "", "M119 reports one, and nothing stops at the end of the filament"),
     not_yet("filament_motion_sensor *", "", "nothing notices a jam"),
-    not_yet("adxl345*", "", "resonances are not measured by the board"),
-    not_yet("lis2dw*", "", "resonances are not measured by the board"),
-    not_yet("resonance_tester", "", "resonances are not measured by the board: see M593"),
+    not_yet("adxl345*", "", "write it into [accelerometer], if it hangs on the board itself"),
+    not_yet("lis2dw*", "", "write it into [accelerometer], if it hangs on the board itself"),
+    needless("resonance_tester", "", "words of TEST_RESONANCES, which shakes the tool where it stands"),
     not_yet("display*", "", "no display"),
     not_yet("neopixel *", "", "no lights"),
     not_yet("led *", "", "no lights"),

@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`] | a family: type, rows and readers |
-//! | [`probing`], [`bed`], [`reports`] | the same |
+//! | [`probing`], [`bed`], [`resonance`], [`reports`] | the same |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`offset`] | words of the offsets of z, for [`motion`] |
 //! | [`row`] | the parts of a row |
@@ -20,6 +20,7 @@ mod offset;
 mod probing;
 mod refused;
 mod reports;
+mod resonance;
 pub(super) mod row;
 mod settings;
 mod silent;
@@ -34,6 +35,7 @@ pub use motors::MotorCommand;
 pub use probing::ProbeCommand;
 pub use refused::RefusedCommand;
 pub use reports::ReportCommand;
+pub use resonance::ResonanceCommand;
 pub use row::{Text, Treatment};
 pub use settings::{SettingCommand, ShaperName};
 pub use table::{Line, codes, described, names};
@@ -60,6 +62,8 @@ pub enum Command<'a> {
     Probe(ProbeCommand),
     /// The bed's mesh.
     Bed(BedCommand<'a>),
+    /// Resonances.
+    Resonance(ResonanceCommand),
     /// Reports and messages.
     Report(ReportCommand<'a>),
     /// Known, and refused in words.

@@ -1,12 +1,12 @@
 //! The table of all codes and names: the rows of each family, in one order.
 
 use super::row::{Begin, Described, Row, Text};
-use super::{bed, heat, jobs, motion, motors, offset, probing, refused, reports, settings, silent};
+use super::{bed, heat, jobs, motion, motors, offset, probing, refused, reports, resonance, settings, silent};
 use crate::gcode::code::Code;
 use crate::text::is_word;
 
 /// The families with their headings in docs/reference/gcode.md. Arcs are frequent, so their family is the first.
-const FAMILIES: [(&str, &[Described]); 11] = [
+const FAMILIES: [(&str, &[Described]); 12] = [
     ("Motion", motion::ROWS),
     ("Offsets", offset::ROWS),
     ("Jobs, pauses and waits", jobs::ROWS),
@@ -15,6 +15,7 @@ const FAMILIES: [(&str, &[Described]); 11] = [
     ("Motors and drivers", motors::ROWS),
     ("Z probe", probing::ROWS),
     ("Bed mesh", bed::ROWS),
+    ("Resonances", resonance::ROWS),
     ("Reports and messages", reports::ROWS),
     ("Accepted silently", silent::ROWS),
     ("Refused", refused::ROWS),

@@ -10,6 +10,7 @@ use super::driver_value::DriverValue;
 use super::machine_answer::MachineAnswer;
 use super::mesh_answer::MeshAnswer;
 use super::probe_answer::ProbeAnswer;
+use super::resonance_answer::ResonanceAnswer;
 use super::screw_answer::ScrewAnswer;
 use super::setting::HeatSetting;
 use super::setting::Setting;
@@ -134,6 +135,8 @@ pub(in crate::machine) enum Answer<'a> {
     Mesh(MeshAnswer),
     /// G34 and G35.
     Screws(ScrewAnswer),
+    /// Resonance tests.
+    Resonance(ResonanceAnswer),
     Storage(StorageNews),
     /// A machine over the serial line.
     Machine(MachineAnswer<'a>),

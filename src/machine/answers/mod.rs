@@ -12,6 +12,7 @@
 //! | [`belt_answer`] | answers about motors that can pull against each other |
 //! | [`buzz_answer`] | answers to STEPPER_BUZZ |
 //! | [`mesh_answer`] | answers about the mesh of the bed |
+//! | [`resonance_answer`] | answers to resonance tests |
 //! | [`screw_answer`] | answers to G34 and G35 |
 //! | [`probe_answer`] | answers of the Z probe |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
@@ -31,6 +32,7 @@ pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod mesh_answer;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod probe_answer;
+pub(in crate::machine) mod resonance_answer;
 pub(in crate::machine) mod screw_answer;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;

@@ -1,7 +1,7 @@
 //! Dispatch of every command to its family.
 //!
 //! ```text
-//!   Command ──▶ motion, jobs, heat, settings, motors, probing, bed, reports, refused ──▶ Answer
+//!   Command ──▶ motion, jobs, heat, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
 //! ```
 //!
 //! Each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
@@ -10,7 +10,7 @@
 use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
 use super::states::States;
-use super::{bed, heat, jobs, motion, motors, probing, refused, reports, settings};
+use super::{bed, heat, jobs, motion, motors, probing, refused, reports, resonance, settings};
 use crate::gcode::{Command, Flaw};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -48,6 +48,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Command::Motor(ref command) => motors::carry_out(main_loop, states, command).await,
         Command::Probe(ref command) => probing::carry_out(main_loop, states, command).await,
         Command::Bed(ref command) => bed::carry_out(main_loop, states, command).await,
+        Command::Resonance(ref command) => resonance::carry_out(main_loop, states, command).await,
         Command::Report(ref command) => reports::carry_out(main_loop, states, command).await,
         Command::Refused(command) => refused::carry_out(main_loop, command).await,
         Command::Silent => Ok(Answer::Nothing),

@@ -1,7 +1,9 @@
 //! The end of a job by the firmware or by M524: the one place for every end of a print that leaves the machine usable.
 
 use super::pause::{announce, hold};
-use crate::gcode::{BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, ProbeCommand};
+use crate::gcode::{
+    BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, ProbeCommand, ResonanceCommand,
+};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -129,6 +131,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         }
         Command::Bed(BedCommand::Measure(_) | BedCommand::GoTo { .. })
         | Command::Motor(MotorCommand::LevelScrews(_) | MotorCommand::HandScrews { .. }) => true,
+        Command::Resonance(ResonanceCommand::Sweep(_)) => true,
         Command::Probe(ProbeCommand::Touch { .. } | ProbeCommand::Repeatability { .. } | ProbeCommand::Deploy) => true,
         Command::Job(JobCommand::AwaitUser { .. } | JobCommand::Pause { .. }) => true,
         Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_)) => true,

@@ -23,6 +23,7 @@
 //! | screws of z | [`motors`] | [`screws`] (G34, G35), [`screw_places`] (M422) |
 //! | the Z probe | [`probing`] | `machine::probe` |
 //! | the mesh of the bed | [`bed`] | [`measure`] (G29), [`levelling`] (M420), [`mesh_points`] (M421, G42) |
+//! | resonances | [`resonance`] | `machine::resonance` |
 //! | reports and messages | [`reports`] | [`messages`] |
 //! | refused | [`refused`] | |
 //! | state kept from line to line | | [`states`] |
@@ -59,6 +60,7 @@ mod probing;
 mod proof;
 mod refused;
 mod reports;
+mod resonance;
 mod retraction;
 mod screw_places;
 mod screws;

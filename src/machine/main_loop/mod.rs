@@ -19,6 +19,7 @@
 //! | [`motion`] | the look-ahead, the queue to the step generator, and where the machine stands |
 //! | [`stream`] | the waits for room in the look-ahead and for the machine to rest |
 //! | [`shift_axis`] | a move of one axis that a switch or the probe may end |
+//! | [`sweep`](mod@sweep) | the sweep of a resonance test |
 //! | [`settings`] | the settings in use |
 //! | [`take_over`] | settings with effects beyond the next plan |
 //! | [`z_offset`] | the offset of z, live and kept |
@@ -51,6 +52,7 @@ pub(in crate::machine) mod settings;
 pub(in crate::machine) mod shift_axis;
 mod stream;
 pub(in crate::machine) mod surface;
+pub(in crate::machine) mod sweep;
 mod take_over;
 pub(in crate::machine) mod trim;
 pub(in crate::machine) mod z_offset;
@@ -76,7 +78,7 @@ use crate::machine::state::position::Homed;
 use crate::machine::state::probing::Probing;
 use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
-use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
+use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
 use crate::settings::Settings;
 use crate::status::Status;
@@ -113,6 +115,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub heat: Heaters<'m>,
     /// Memory for settings.
     pub storage: P::Storage,
+    pub accelerometer: P::Accelerometer,
     /// The atomics that all contexts share.
     pub status: &'m Status,
     clock: P::Clock,
@@ -128,7 +131,15 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     is_to_restart: bool,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Ports<S, D, K, T>, W> {
+impl<'m, S, D, K, T, A, W> MainLoop<'m, Ports<S, D, K, T, A>, W>
+where
+    S: Serial,
+    D: DriverBus,
+    K: Clock,
+    T: Storage,
+    A: Accelerometer,
+    W: Pend,
+{
     /// The main loop of a machine with these groups of motors. If `start` is known, the machine stands there as if
     /// homed.
     pub fn new(
@@ -138,10 +149,10 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,
-        ports: Ports<S, D, K, T>,
+        ports: Ports<S, D, K, T, A>,
     ) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let Ports { serial, drivers: bus, clock, storage } = ports;
+        let Ports { serial, drivers: bus, clock, storage, accelerometer } = ports;
         let (now, status) = (clock.now(), link.status());
         Self {
             hosts: Hosts::new(serial),
@@ -159,6 +170,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Po
             power: Power::new(bus, &settings, now),
             heat: Heaters::new(status.heat(), orders, &settings.thermal, now),
             storage,
+            accelerometer,
             status,
             clock,
             comes_again: false,

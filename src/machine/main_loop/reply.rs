@@ -27,6 +27,7 @@ use crate::machine::reports::probe_report::report_probe;
 use crate::machine::reports::report::{
     Position, report_endstops, report_firmware, report_overload, report_soft_endstops, report_z_offset,
 };
+use crate::machine::reports::resonance_report::report_resonance;
 use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
@@ -210,6 +211,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Buzz(answer) => report_buzz(to, &answer, s),
             Answer::Probe(answer) => report_probe(to, &answer),
             Answer::Mesh(answer) => report_mesh(to, &answer, bed.mesh(), s),
+            Answer::Resonance(answer) => report_resonance(to, &answer),
             Answer::Screws(answer) => report_screws(to, &answer),
             Answer::Storage(news) => report_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),

@@ -25,7 +25,7 @@ mod tests {
     use crate::machine::main_loop::MainLoop;
     use crate::machine::ports::Ports;
     use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
-    use crate::port::{Clock, DriverBus, Lines, MotorSet, NoStorage, Pend, Received, Serial};
+    use crate::port::{Clock, DriverBus, Lines, MotorSet, NoAccelerometer, NoStorage, Pend, Received, Serial};
     use crate::settings::{Kept, Settings};
     use crate::status::Status;
     use crate::thermal::OrderQueue;
@@ -68,7 +68,7 @@ mod tests {
         fn pend_stepper(&self) {}
     }
 
-    type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, NullPend>;
+    type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage, NoAccelerometer>, NullPend>;
 
     /// The results of a main loop with the groups of a mechanism within a second after each of the changes.
     fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
@@ -82,7 +82,8 @@ mod tests {
         let link = Link::new(moves_in, &status, events_out.counts(&status), NullPend);
         let now = Cell::new(Instant::default());
         let serial: Lines<_> = [Nothing].into_iter().collect();
-        let ports = Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage };
+        let ports =
+            Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage, accelerometer: NoAccelerometer };
         let mut main_loop = MainLoop::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {

@@ -28,6 +28,7 @@ pub(in crate::machine) mod mesh_report;
 mod plain_setting;
 pub(in crate::machine) mod probe_report;
 pub(in crate::machine) mod report;
+pub(in crate::machine) mod resonance_report;
 pub(in crate::machine) mod screw_report;
 pub(in crate::machine) mod sensors;
 pub(in crate::machine) mod settings_report;

@@ -213,7 +213,7 @@ const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
 }
 
 /// M503, a line of M593.
-fn report_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
+pub(super) fn report_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
     match name_of(shaper.kind).map(|name| name as usize) {
         Some(number) => to.setting(format_args!("M593 {axis} F{frequency} D{damping} T{number}")),

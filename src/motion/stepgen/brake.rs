@@ -104,6 +104,7 @@ impl StepGenerator<'_> {
                 self.finish();
                 self.continue_brake(SpeedSq::ZERO);
             }
+            Task::Sweep => self.brake_sweep(now),
             Task::Brake(_) | Task::ComingToRest(_) => {}
         }
     }

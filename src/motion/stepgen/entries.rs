@@ -32,6 +32,11 @@ impl StepGenerator<'_> {
                 return LayResult::Laid;
             }
             match self.task {
+                Task::Sweep => {
+                    if self.lay_sweep() {
+                        return LayResult::Laid;
+                    }
+                }
                 Task::Move => {
                     let rests = self.current_move.m.rests;
                     self.position = self.current_move.last;
@@ -104,6 +109,12 @@ impl StepGenerator<'_> {
                 }
                 false
             }
+            Work::Sweep(sweep) => {
+                self.watch = EndstopSet::NONE;
+                self.sweeping.begin(sweep, self.position);
+                self.task = Task::Sweep;
+                false
+            }
             Work::Dwell(time) => {
                 self.watch = EndstopSet::NONE;
                 self.task = Task::Dwell(SubTicks::of_ticks(self.last_tick) + *time);
@@ -171,7 +182,7 @@ impl StepGenerator<'_> {
                 if !self.next_entry() {
                     return false;
                 }
-                if matches!(self.task, Task::Move | Task::Brake(_)) {
+                if matches!(self.task, Task::Move | Task::Brake(_) | Task::Sweep) {
                     let now = SubTicks::of_ticks(self.last_tick);
                     self.trajectory.rest_at(self.position, now);
                     self.group_steppers.iter_mut().for_each(|stepper| stepper.break_off(now));
@@ -200,7 +211,7 @@ impl StepGenerator<'_> {
                 }
             }
             // The motors are moving from the begin of a move.
-            Task::Move | Task::Brake(_) => {}
+            Task::Move | Task::Brake(_) | Task::Sweep => {}
         }
         true
     }

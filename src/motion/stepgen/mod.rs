@@ -27,7 +27,8 @@
 //! - **slow end**: the end of a piece with the lower speed; all step times are computed from there.
 //! - **cubic run**: consecutive step times that lie on one cubic. **run** (of events): events that the Stepper sees all
 //!   at once.
-//! - **task**: the generator's present job: a move, a brake, a dwell, or waiting until the motors are at rest.
+//! - **task**: the generator's present job: a move, a sweep, a brake, a dwell, or waiting until the motors are
+//!   at rest.
 //! - **to publish**: to show the other contexts how many events and steps are made.
 
 mod alignment;
@@ -39,6 +40,7 @@ mod group_stepper;
 mod merge;
 mod step_time_buffer;
 mod step_time_solver;
+mod sweeping;
 mod z_offset;
 
 use crate::fault::{Cause, Fault};
@@ -61,6 +63,7 @@ use entries::LayResult;
 use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
 use merge::TURN_AHEAD;
+use sweeping::Sweeping;
 use z_offset::ZCount;
 
 /// Events made in one call of [`StepGenerator::run`]: about 10,000 instructions, 0.1 ms at 125 million a second. Then
@@ -95,6 +98,8 @@ enum Task {
     Nothing,
     /// The current move is being laid.
     Move,
+    /// The sweep is being laid.
+    Sweep,
     /// The current move is being braked, with this speed squared left at its end.
     Brake(SpeedSq),
     /// All work is laid, and the motors come to rest; whether that ends an entry.
@@ -114,6 +119,7 @@ pub struct StepGenerator<'m> {
     epoch: u8,
     task: Task,
     current_move: CurrentMove,
+    sweeping: Sweeping,
     alignment: Alignment,
     trajectory: Trajectory<'m>,
     group_steppers: [GroupStepper; MOST_GROUPS],
@@ -161,6 +167,7 @@ impl<'m> StepGenerator<'m> {
             epoch: status.epoch(),
             task: Task::Nothing,
             current_move: CurrentMove::NONE,
+            sweeping: Sweeping::NONE,
             alignment: Alignment::new(mechanism),
             trajectory: Trajectory::new(spans),
             group_steppers: [GroupStepper::STILL; MOST_GROUPS],

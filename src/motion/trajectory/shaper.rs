@@ -18,14 +18,14 @@ use crate::units::{Mm, Seconds, StepsPerMm, TICKS_PER_SECOND};
 use heapless::Vec;
 
 /// An impulse: its time in s, and its weight.
-type Impulse = (f32, f32);
+pub(crate) type Impulse = (f32, f32);
 
 /// Most impulses of a shaper: one with two humps has four. Each becomes a tap.
-const MOST_IMPULSES: usize = 4;
+pub(crate) const MOST_IMPULSES: usize = 4;
 const _: () = assert!(MOST_IMPULSES <= TAPS);
 
 /// Impulses of a shaper.
-type Impulses = Vec<Impulse, MOST_IMPULSES>;
+pub(crate) type Impulses = Vec<Impulse, MOST_IMPULSES>;
 
 /// These impulses; too many do not compile.
 fn all_of<const N: usize>(impulses: [Impulse; N]) -> Impulses {
@@ -51,7 +51,7 @@ fn polynomial<const N: usize>(factors: [f32; N], x: f32) -> f32 {
 }
 
 /// The impulses of a shaper; their weights sum to 1.
-fn impulses(shaper: &Shaper) -> Impulses {
+pub(crate) fn impulses(shaper: &Shaper) -> Impulses {
     let z: f32 = shaper.damping.to_num();
     let frequency: f32 = shaper.frequency.to_num();
     let root = crate::motion::number::root(1.0 - z * z);

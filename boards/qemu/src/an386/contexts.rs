@@ -10,7 +10,7 @@ use corehbot::app::Parts;
 use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
-use corehbot::port::{Coupling, DriverBus, MotorSet, NoStorage, Pend};
+use corehbot::port::{Coupling, DriverBus, MotorSet, NoAccelerometer, NoStorage, Pend};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::heat::Heat;
@@ -24,7 +24,7 @@ use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};
 use super::vectors::{self, Irq};
 
-type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage>;
+type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, NoAccelerometer>;
 /// The core with the ports of this board.
 pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, Heat, BoardPend>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;

@@ -25,7 +25,7 @@ mod vectors;
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoStorage};
+use corehbot::port::{Lines, NoAccelerometer, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
@@ -76,6 +76,7 @@ fn start_up() -> &'static Status {
         drivers: contexts::NoDrivers,
         clock: time::BoardClock,
         storage: NoStorage,
+        accelerometer: NoAccelerometer,
     };
     // In this form the parts are built in their place; they are too large to be carried about.
     let parts = PARTS.init_with(|| {

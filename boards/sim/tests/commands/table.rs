@@ -173,6 +173,24 @@ const ROWS: &[Row] = &[
     ("STEPPER_BUZZ", &["echo:STEPPER_BUZZ ignored: there is no motor ; STEPPER= is one of m1 m4 m8 m11 z1 z2 e0"]),
     ("STEPPER_BUZZ STEPPER=stepper_x", &["echo:STEPPER_BUZZ ignored: there is no motor stepper_x"]),
     ("STEPPER_BUZZ m1", &["echo:line ignored: \"m1\" is not a name with = and a number"]),
+    ("M956 S10", &["echo:no accelerometer configured (accelerometer.kind)"]),
+    ("M955", &["echo:no accelerometer configured (accelerometer.kind)"]),
+    (
+        "TEST_RESONANCES AXIS=1,1 FREQ_START=90 FREQ_END=95",
+        &[
+            "echo:ACCEL_PER_HZ reduced to 48: the machine allows 5000 mm/s2",
+            "echo:swept B; no accelerometer configured, nothing was measured",
+        ],
+    ),
+    (
+        "SHAPER_CALIBRATE AXIS=X FREQ_START=50 FREQ_END=55 ACCEL_PER_HZ=20",
+        &["echo:swept X; no accelerometer configured, nothing was measured"],
+    ),
+    ("TEST_RESONANCES AXIS=Z", &["echo:line ignored: \"AXIS=Z\" is not a name with = and a number"]),
+    (
+        "TEST_RESONANCES FREQ_START=1",
+        &["echo:TEST_RESONANCES ignored: FREQ_START=1 is out of range (5 to 150), stays 5"],
+    ),
     ("M915 D", &["echo:nothing to compare with: align the belt motors first (M915)"]),
     ("M914 X300", &["echo:M914 ignored: X300 is out of range (0 to 255), stays 0"]),
     (

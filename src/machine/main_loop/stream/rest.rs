@@ -6,6 +6,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
 use crate::motion::{AXES, Work, stiffenings, taps};
 use crate::port::Pend;
+use crate::settings::Shapers;
 use crate::units::Steps;
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
@@ -93,6 +94,12 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Gives the generator the function that each axis follows. Motion rests.
     pub(in crate::machine::main_loop) async fn follow(&mut self) -> Result<(), Interrupt> {
+        let shapers = self.settings.shapers;
+        self.follow_through(shapers).await
+    }
+
+    /// The same with these shapers.
+    pub(in crate::machine::main_loop) async fn follow_through(&mut self, shapers: Shapers) -> Result<(), Interrupt> {
         let window = self.motion.use_advance(&self.settings);
         for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
             self.until(|c| c.motion.has_room_for_work()).await?;
@@ -102,7 +109,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         // Console would get code that drops it, 8 KB in all.
         for axis in 0..AXES {
             self.until(|c| c.motion.has_room_for_work()).await?;
-            if let Some(taps) = taps(&self.settings.shapers, window).into_iter().nth(axis) {
+            if let Some(taps) = taps(&shapers, window).into_iter().nth(axis) {
                 self.motion.send(Work::Follow(axis as u8, taps));
             }
         }

@@ -1,0 +1,89 @@
+//! Resonances, measured by an accelerometer at the tool.
+
+use super::Command;
+use super::grammar::{Grammar, WORDS};
+use super::row::Described;
+use super::settings::{named_value, scientific, words};
+use crate::gcode::lexer::number;
+use crate::gcode::number::Number;
+use crate::gcode::parts::{Flaw, SweepAxis, SweepWords};
+use crate::text::is_word;
+
+/// Resonances.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[non_exhaustive]
+pub enum ResonanceCommand {
+    /// M955: the accelerometer, its rate and its noise.
+    Sensor,
+    /// M956: samples of the resting tool.
+    Samples {
+        /// S: how many.
+        count: Option<Number>,
+    },
+    /// TEST_RESONANCES, SHAPER_CALIBRATE: a sweep.
+    Sweep(SweepWords),
+}
+
+const ALL: &str = "AXIS= FREQ_START= FREQ_END= ACCEL_PER_HZ= HZ_PER_SEC= SWEEPING_ACCEL= SWEEPING_PERIOD= OUTPUT=";
+
+pub(super) const ROWS: &[Described] = &[
+    Described::m(&[955], |_, _| resonance(ResonanceCommand::Sensor))
+        .grammar(WORDS)
+        .does("", "the accelerometer, its rate, and its noise while the tool rests"),
+    Described::m(&[956], |_, text| resonance(ResonanceCommand::Samples { count: number(text, b'S') }))
+        .grammar(&Grammar::numbers(b"S").not_negative(b"S"))
+        .does("S", "so many samples of the accelerometer, 1000 without S, as Klipper's raw data"),
+    Described::name(&["TEST_RESONANCES"], |_, text| Some(sweep(text, false))).does(
+        ALL,
+        "shakes the tool along X, Y, A (1,-1) or B (1,1) where it stands, and tells frequency and damping of its \
+            resonances ([resonance](../explanation/resonance.md))",
+    ),
+    Described::name(&["SHAPER_CALIBRATE"], |_, text| Some(sweep(text, true)))
+        .does(ALL, "the same, and the line that sets a shaper for it (M593), which is not carried out"),
+];
+
+const fn resonance(command: ResonanceCommand) -> Option<Command<'static>> {
+    Some(Command::Resonance(command))
+}
+
+/// The axis; Klipper has names of axes, and directions for diagonals.
+fn axis(value: &[u8]) -> Option<SweepAxis> {
+    const AXES: [(&[u8], SweepAxis); 6] = [
+        (b"X", SweepAxis::X),
+        (b"Y", SweepAxis::Y),
+        (b"A", SweepAxis::A),
+        (b"B", SweepAxis::B),
+        (b"1,-1", SweepAxis::A),
+        (b"1,1", SweepAxis::B),
+    ];
+    AXES.into_iter().find(|(name, _)| is_word(value, name)).map(|(_, axis)| axis)
+}
+
+/// A sweep in Klipper's words. Those that are for its own files and chips are left out.
+fn sweep(text: &[u8], chooses: bool) -> Command<'_> {
+    let mut sweep = SweepWords { chooses, ..SweepWords::default() };
+    for word in words(text) {
+        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let place = match name {
+            name if is_word(name, b"AXIS") => {
+                let Some(axis) = axis(value) else { return Command::Malformed(Flaw::NoPair(word)) };
+                sweep.axis = axis;
+                continue;
+            }
+            name if is_word(name, b"OUTPUT") => {
+                sweep.wants_raw = is_word(value, b"RAW_DATA");
+                continue;
+            }
+            name if is_word(name, b"FREQ_START") => &mut sweep.from,
+            name if is_word(name, b"FREQ_END") => &mut sweep.to,
+            name if is_word(name, b"ACCEL_PER_HZ") => &mut sweep.accel_per_hz,
+            name if is_word(name, b"HZ_PER_SEC") => &mut sweep.hz_per_s,
+            name if is_word(name, b"SWEEPING_ACCEL") => &mut sweep.swing,
+            name if is_word(name, b"SWEEPING_PERIOD") => &mut sweep.period,
+            _ => continue,
+        };
+        let Some(value) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
+        *place = Some(value);
+    }
+    Command::Resonance(ResonanceCommand::Sweep(sweep))
+}

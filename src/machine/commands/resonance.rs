@@ -1,0 +1,26 @@
+//! Resonances.
+
+use super::states::States;
+use crate::gcode::ResonanceCommand;
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::machine::resonance::test::{examine_sensor, tell_samples, test_resonances};
+use crate::port::Pend;
+
+/// Carries out a command about resonances.
+pub(super) async fn carry_out<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &ResonanceCommand,
+) -> Result<Answer<'static>, Interrupt> {
+    match command {
+        ResonanceCommand::Sensor => Ok(Answer::Resonance(examine_sensor(main_loop).await?)),
+        ResonanceCommand::Samples { count } => {
+            let count = count.map_or(1000, |count| count.to_u32());
+            tell_samples(main_loop, count).await
+        }
+        ResonanceCommand::Sweep(words) => test_resonances(main_loop, &mut states.clamps, words).await,
+    }
+}

@@ -1,0 +1,30 @@
+//! Resonances: the tool is shaken by a sweep, and an accelerometer tells how it vibrates.
+//!
+//! ```text
+//!   words ──▶ plan: a sweep within all limits ──▶ test: shaping off, sensor on, sweep, shaping on, back
+//!                                                        │ samples
+//!                      modes ◀── response ◀── listen ◀───┘
+//! ```
+//!
+//! | file | for |
+//! |---|---|
+//! | [`plan`] | the sweep that a line wants, and whether the machine can make it |
+//! | [`test`] | the test from the first sample to the last step |
+//! | [`listen`] | samples to blocks, each with its commanded acceleration; a sensor that fails |
+//! | [`response`] | power of the vibration over power of the command, by frequency |
+//! | [`modes`] | frequency and damping of its peaks |
+//! | [`choice`] | the shaper for them |
+//!
+//! | word | means |
+//! |---|---|
+//! | response | abs(H)^2: density of the measured acceleration over density of the commanded one |
+//! | mode | a way in which the tool vibrates, with a frequency and a damping |
+//! | block | the mean of some samples |
+//! | noise | standard deviation of the samples while the tool rests |
+
+mod choice;
+mod listen;
+mod modes;
+mod plan;
+mod response;
+pub(in crate::machine) mod test;

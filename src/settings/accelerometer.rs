@@ -1,0 +1,70 @@
+//! The accelerometer at the tool: its type, and how it is mounted.
+
+use super::rows::{Choice, Chosen, Spec, rows};
+use super::{Cartesian, Settings, ranges};
+use crate::accelerometer::{Kind, SensorAxis};
+use serde::{Deserialize, Serialize};
+
+impl Choice for Option<Kind> {
+    const ALL: &'static [(Self, &'static str)] =
+        &[(None, "none"), (Some(Kind::Adxl345), "adxl345"), (Some(Kind::Lis2dw12), "lis2dw12")];
+}
+
+impl Choice for SensorAxis {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self::X, "x"),
+        (Self::MinusX, "-x"),
+        (Self::Y, "y"),
+        (Self::MinusY, "-y"),
+        (Self::Z, "z"),
+        (Self::MinusZ, "-z"),
+    ];
+}
+
+/// The accelerometer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct AccelerometerSettings {
+    /// Its type; none if there is none.
+    pub kind: Option<Kind>,
+    /// The axis of the sensor that points along each axis of the machine.
+    pub axes: Cartesian<SensorAxis>,
+    /// Samples a second.
+    pub rate: u16,
+}
+
+impl AccelerometerSettings {
+    /// None. The rate is Klipper's (adxl345.py).
+    pub(super) const fn prototype() -> Self {
+        Self { kind: None, axes: Cartesian { x: SensorAxis::X, y: SensorAxis::Y, z: SensorAxis::Z }, rate: 3200 }
+    }
+}
+
+fn parts(s: &mut Settings) -> [&mut AccelerometerSettings; 1] {
+    [&mut s.accelerometer]
+}
+
+rows! {
+    for sensor in parts, named &["accelerometer"];
+
+    /// The accelerometer at the tool, plugged into the board's connector for one: "none", "adxl345" or "lis2dw12".
+    148 "kind" = Chosen(&mut sensor.kind), "", [Spec::choice::<Option<Kind>>()];
+    /// Samples a second. The sensor takes the nearest rate that it has; a LIS2DW12 has 1600 at most.
+    149 "rate" = sensor.rate, "Hz", [ranges::SAMPLES.spec()];
+}
+
+/// Rows of [`AccelerometerSettings::axes`].
+pub(super) mod axes {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut SensorAxis; 3] {
+        let Cartesian { x, y, z } = &mut s.accelerometer.axes;
+        [x, y, z]
+    }
+
+    rows! {
+        for axis in parts, named &["accelerometer.axes.x", "accelerometer.axes.y", "accelerometer.axes.z"];
+
+        /// The axis of the sensor that points this way: "x", "-x", "y", "-y", "z" or "-z".
+        150 "" = Chosen(axis), "", [Spec::choice::<SensorAxis>()];
+    }
+}
