@@ -19,6 +19,9 @@ use corehbot_sim::world::Outcome;
 use serde::{Serialize, Serializer};
 use std::fmt;
 
+/// A limit of less than this part of the motion is not told: its percentage would be 0.0.
+const LEAST_SHARE: f64 = 0.0005;
+
 /// One number a motor, by its name.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PerMotor(Vec<(MotorName, i64)>);
@@ -288,14 +291,15 @@ impl Summary {
             writeln!(f, "{:<30} {time:>12} {:>14.1} {moves:>10}", line(&row.name), row.filament_mm)?;
         }
         let Filament { diameter_mm, mm, cm3, g, density, is_density_known } = filament;
-        let whose = if *is_density_known { "" } else { " of PLA, for the file names none" };
+        let whose = if *is_density_known { "" } else { " of PLA, as no line sent so far names another" };
         writeln!(
             f,
             "\nfilament           {mm:.1} mm of {diameter_mm} mm, {cm3:.2} cm3, {g:.2} g ({density} g/cm3{whose})"
         )?;
         let whole: f64 = self.by_limit.iter().map(|row| row.seconds).sum();
         let part = |row: &LimitSum| format!("{} {:.1} %", row.limit.name(), 100.0 * row.seconds / whole);
-        let limits: Vec<_> = self.by_limit.iter().map(part).collect();
+        let is_seen = |row: &&LimitSum| row.seconds >= LEAST_SHARE * whole;
+        let limits: Vec<_> = self.by_limit.iter().filter(is_seen).map(part).collect();
         writeln!(f, "limited by         {}", limits.join(", "))?;
         let seconds = self.by_layer.iter().map(|row| row.seconds);
         let (least, most) = (seconds.clone().fold(f64::INFINITY, f64::min), seconds.fold(0.0, f64::max));

@@ -1,9 +1,9 @@
-//! The belt plant on a page: torque shares and residual over motion time, and skips of motors.
+//! The belt plant on a page: torque shares and residual over motion time, skips of motors, and parts that broke.
 
 use super::tenth;
 use corehbot::motors::MotorName;
 use corehbot_sim::belt::course::Course;
-use corehbot_sim::belt::figures::{BeltFigures, SkipFigures};
+use corehbot_sim::belt::figures::{BeltFigures, PartFigures, SkipFigures};
 use serde::Serialize;
 
 /// Curves over bins of motion time.
@@ -13,7 +13,8 @@ pub struct BeltData {
     motors: Vec<MotorCurve>,
     /// Greatest residual of each bin in um, without its sign; `None` on a machine that cannot strain its belt.
     residual_um: Option<Vec<f64>>,
-    skips: Vec<SkipMark>,
+    skips: Vec<Mark>,
+    accidents: Vec<Mark>,
 }
 
 #[derive(Serialize)]
@@ -23,10 +24,10 @@ struct MotorCurve {
     share: Vec<f64>,
 }
 
-/// A skip, and when it was in s of motion time.
+/// A skip or an accident, and when it was in s of motion time; `None` if its time never came.
 #[derive(Serialize)]
-struct SkipMark {
-    time_s: f64,
+struct Mark {
+    time_s: Option<f64>,
     text: String,
 }
 
@@ -39,12 +40,14 @@ impl BeltData {
             MotorCurve { name, share: shares.map(|share| tenth(share * 100.0)).collect() }
         };
         let residual = || bins.iter().map(|bin| tenth(f64::from(bin.residual_mm) * 1000.0)).collect();
-        let mark = |skip: &SkipFigures| SkipMark { time_s: skip.time_s, text: skip.to_string() };
+        let skip = |skip: &SkipFigures| Mark { time_s: Some(skip.time_s), text: skip.to_string() };
+        let accident = |part: &PartFigures| Mark { time_s: part.began_s, text: part.to_string() };
         Self {
             bin_s: course.bin_s(),
             motors: figures.motors.iter().map(|m| m.motor).enumerate().map(motor).collect(),
             residual_um: figures.residual_mm.map(|_| residual()),
-            skips: figures.skips.iter().map(mark).collect(),
+            skips: figures.skips.iter().map(skip).collect(),
+            accidents: figures.accidents.iter().map(accident).collect(),
         }
     }
 }

@@ -10,6 +10,9 @@ function plotted(options, data, place) {
   try { return new uPlot(options, data, place); } finally { prototype.getContext = own; }
 }
 
+/** Steps of a time axis in s. */
+const TIMES = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1800, 3600, 7200, 21600];
+
 /** A chart: its curves and values at the cursor above it. `data(from, to, n)` gives time and for each curve [low, high]. */
 class Chart {
   constructor(group, { title, unit, names, colours, dashes = [], data, low, height = 170, isTall, longest = Infinity }) {
@@ -41,11 +44,11 @@ class Chart {
     this.plot = plotted({
       width: Math.max(this.place.clientWidth, 200), height: this.height, series, bands, legend: { show: false }, padding: [8, 8, 0, 0],
       scales: { x: { time: false, range: () => group.window }, y: { range: (_, least, most) => {
-        if (least === null) return [0, 1];
+        if (least === null || (least === 0 && most === 0)) return [0, 1];
         const bottom = Math.min(least, this.low ?? Infinity), room = (most - bottom) * 0.06 || Math.max(Math.abs(most) * 0.05, 1e-3);
         return [bottom === 0 ? 0 : bottom - room, most + room];
       } } },
-      axes: [{ stroke: ink, grid, ticks, font, size: 28, values: (_, all) => all.map(t => { const [a, b] = group.window; return b - a > 120 ? clock(t) : +t.toFixed(3) + " s"; }) },
+      axes: [{ stroke: ink, grid, ticks, font, size: 28, incrs: TIMES, values: (_, all) => all.map(t => { const [a, b] = group.window; return b - a > 120 ? minutes(t) : +t.toFixed(3) + " s"; }) },
         { stroke: ink, grid, ticks, font, size: 54, values: (_, all) => all.map(wide) }],
       cursor: { y: false, points: { show: false }, drag: { x: true, y: false, setScale: false }, sync: { key: group.key }, bind: { dblclick: () => () => { group.show(...group.whole); return null; } } },
       hooks: {
@@ -65,10 +68,11 @@ class Chart {
   marks(u) {
     const g = u.ctx, { left, top, width, height } = u.bbox, px = t => u.valToPos(t, "x", true);
     g.save(); g.beginPath(); g.rect(left, top, width, height); g.clip();
+    g.font = 11 * devicePixelRatio + "px system-ui"; g.textAlign = "left";
     for (const { begin, end, text } of this.group.waits ?? []) {
       const a = px(begin), b = Math.max(px(end), a + 1);
-      g.fillStyle = faint("rgb(128,128,128)", 0.2); g.fillRect(a, top, b - a, height);
-      if (this.isTall && b - a > g.measureText(text).width + 8) { g.fillStyle = css("--soft"); g.font = 11 * devicePixelRatio + "px system-ui"; g.fillText(text, a + 4, top + 13 * devicePixelRatio); }
+      g.fillStyle = faint("rgb(128,128,128)", 0.2); g.fillRect(a, top, b - a, height); g.fillRect(a, top, devicePixelRatio, height);
+      if (this.isTall && b - a > g.measureText(text).width + 8) { g.fillStyle = css("--soft"); g.fillText(text, a + 4, top + 13 * devicePixelRatio); }
     }
     for (const mark of this.group.marks) {
       const x = px(mark.time_s);

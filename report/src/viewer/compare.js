@@ -42,14 +42,14 @@ function compareCard(record, stage, player) {
     const path = firstDifference(a, b, isPlace), speed = firstDifference(a, b, i => isPlace(i) && !differs(a.top[i], b.top[i], 0.05) && !differs(a.entry[i], b.entry[i], 0.05) && !differs(a.exit[i], b.exit[i], 0.05));
     const jump = i => {
       if (i < 0) return "none";
-      const at = Math.min(i, a.n - 1), go = make("button", { type: "button", textContent: `line ${count(a.line[at])}, move ${count(i + 1)}` });
+      const at = Math.min(i, a.n - 1), go = make("button", { type: "button", textContent: `line ${count(a.line[at])}, move ${count(a.made(i + 1))}` });
       go.onclick = () => { player.stop(); player.setMove(at + 1); stage.element.scrollIntoView({ block: "nearest" }); };
       return go;
     };
     const A = record.data, B = second.data, time = data => data.time?.total ?? data.summary.print_time_s, saved = time(A) - time(B);
     const rows = [
       ["File", A.summary.file, B.summary.file], ["Machine", A.summary.machine, B.summary.machine], ["Time", clock(time(A)), clock(time(B))], ["Motion", clock(A.summary.motion_time_s), clock(B.summary.motion_time_s)],
-      ["Moves", count(a.n), count(b.n)], ["Greatest speed, mm/s", A.summary.peak_speed_mm_s.toFixed(1), B.summary.peak_speed_mm_s.toFixed(1)], ["Filament, m", ((A.filament?.mm ?? 0) / 1000).toFixed(2), ((B.filament?.mm ?? 0) / 1000).toFixed(2)], ["Trace SHA-256", A.summary.trace_sha256.slice(0, 12) + "\u2026", B.summary.trace_sha256.slice(0, 12) + "\u2026"],
+      ["Moves", count(a.made(a.n)), count(b.made(b.n))], ["Greatest speed, mm/s", A.summary.peak_speed_mm_s.toFixed(1), B.summary.peak_speed_mm_s.toFixed(1)], ["Filament, m", ((A.filament?.mm ?? 0) / 1000).toFixed(2), ((B.filament?.mm ?? 0) / 1000).toFixed(2)], ["Trace SHA-256", A.summary.trace_sha256.slice(0, 12) + "\u2026", B.summary.trace_sha256.slice(0, 12) + "\u2026"],
     ];
     const sides = select("What is drawn", [["both", "both paths"], ["first", "this report"], ["second", "the second one"]], side => { stage.sides = side; stage.redraw(); });
     stage.sides = "both";
@@ -60,7 +60,7 @@ function compareCard(record, stage, player) {
     const keys = otherKeys(A.machine ?? {}, B.machine ?? {});
     result.replaceChildren(
       make("div", { className: "bar" }, make("span", { className: "legend" }, dot, name), sides, end),
-      make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${clock(Math.abs(saved))} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
+      make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${Math.abs(saved) < 60 ? clock(Math.abs(saved)) : Math.abs(saved).toFixed(1) + " s"} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
       table(["", "this report", "second report"], rows, "figures"),
       ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []),
       make("div", { className: "bar" }, make("h3", { textContent: "Time saved by layer, s" }), make("span", { className: "grow" }), out), chart);

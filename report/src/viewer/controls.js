@@ -55,8 +55,8 @@ function moveSlider(player, record) {
     slider.value = player.done;
     const i = player.current, s = player.now - moves.begin[i], [x, y, z] = moves.place(i, moves.share(i, player.now));
     const v = player.now >= moves.whole ? 0 : moves.along(i, s)[1];
-    out.textContent = `${clock(player.now)} of ${clock(moves.whole)} \u00b7 move ${count(player.done)} of ${count(moves.n)} \u00b7 X ${x.toFixed(2)} Y ${y.toFixed(2)} Z ${z.toFixed(2)} mm \u00b7 ${v.toFixed(0)} mm/s`;
-    slider.setAttribute("aria-valuetext", `move ${player.done} of ${moves.n}, ${clock(player.now)}`);
+    out.textContent = `${clock(player.now)} of ${clock(moves.whole)} \u00b7 move ${count(moves.made(player.done))} of ${count(moves.made(moves.n))} \u00b7 X ${x.toFixed(2)} Y ${y.toFixed(2)} Z ${z.toFixed(2)} mm \u00b7 ${v.toFixed(0)} mm/s`;
+    slider.setAttribute("aria-valuetext", `move ${moves.made(player.done)} of ${moves.made(moves.n)}, ${clock(player.now)}`);
   };
   slider.oninput = () => { player.stop(); player.setMove(+slider.value); };
   player.on("layers", span);

@@ -49,6 +49,9 @@ const table = (heads, rows, className = "") => {
   return make("div", { className: "wide" }, make("table", { className }, make("thead", {}, head), body));
 };
 
+/** Filament in m, below one to the millimetre. */
+const metres = mm => (mm / 1000).toFixed(mm < 1000 ? 3 : 2);
+
 /** Time and filament by line type, and time by layer. */
 function timeCards(record, player) {
   const { data } = record, cards = [], types = (data.by_type ?? []).filter(row => row.seconds > 0 || row.moves > 0).sort((a, b) => b.seconds - a.seconds);
@@ -58,7 +61,7 @@ function timeCards(record, player) {
     const rows = types.map(row => {
       const bar = make("i", { className: "share" }), type = data.types[row.type] ?? { name: "?", role: "other" };
       bar.style.cssText = `width:${100 * row.seconds / whole}%;background:${rgb(ROLES[type.role] ?? ROLES.other)}`;
-      return [type.name, clock(row.seconds), make("span", {}, (100 * row.seconds / whole).toFixed(1) + " %", bar), row.filament_mm > 0 ? (row.filament_mm / 1000).toFixed(2) : "", row.filament_mm > 0 ? gram(row.filament_mm) : "", count(row.moves)];
+      return [type.name, clock(row.seconds), make("span", {}, (100 * row.seconds / whole).toFixed(1) + " %", bar), row.filament_mm > 0 ? metres(row.filament_mm) : "", row.filament_mm > 0 ? gram(row.filament_mm) : "", count(row.moves)];
     });
     cards.push(card("Time and filament by line type", table(["Line type", "Time", "Share of motion", "Filament, m", "g", "Moves"], rows, "figures shares")));
   }
@@ -73,7 +76,7 @@ function timeCards(record, player) {
       plot = plotted({ width: Math.max(place.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers.length + 0.5] }, y: { range: (_, a, b) => [0, b * 1.06 || 1] } },
         cursor: { y: false, drag: { x: false, y: false } }, series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }],
         axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
-        hooks: { setCursor: [u => { const i = u.cursor.left >= 0 ? u.cursor.idx : player.high, layer = layers[i]; if (layer) out.textContent = `layer ${i + 1}, Z ${layer.height.toFixed(2)} mm: ${clock(layer.seconds)}, ${(layer.filament_mm / 1000).toFixed(2)} m`; }] },
+        hooks: { setCursor: [u => { const i = u.cursor.left >= 0 ? u.cursor.idx : player.high, layer = layers[i]; if (layer) out.textContent = `layer ${i + 1}, Z ${layer.height.toFixed(2)} mm: ${clock(layer.seconds)}, ${metres(layer.filament_mm)} m`; }] },
       }, [layers.map((_, i) => i + 1), layers.map(layer => layer.seconds)], place);
       plot.over.addEventListener("click", () => { const i = plot.cursor.idx; if (i !== null && i !== undefined) { player.single = true; player.setLayers(i, i); }; });
     };
@@ -88,7 +91,7 @@ function timeCards(record, player) {
 function endCards(record) {
   const { data } = record, S = data.summary;
   const motors = table(["Motor", "Drives", "Steps", "Net steps"], data.motors.map(m => [m.name, m.drives, count(m.steps), count(m.net)]), "figures");
-  const remarks = [...S.violations, ...S.warnings, ...S.pauses, ...(data.belt?.skips.map(skip => "skipped: " + skip.text) ?? [])];
+  const remarks = [...S.violations, ...S.warnings, ...S.pauses, ...(data.belt?.accidents.map(accident => "accident " + accident.text) ?? []), ...(data.belt?.skips.map(skip => "skipped: " + skip.text) ?? [])];
   const list = remarks.length ? make("ul", { className: "remarks" }, ...remarks.map(textContent => make("li", { textContent }))) : make("span", { className: "sub", textContent: S.ok ? "None: limits kept, no step strains the belt, end position exact." : "None." });
   return make("section", { className: "pair" }, card("Motors", motors), make("section", { className: "card panel" }, make("h2", { textContent: "Remarks" }), list, make("h2", { textContent: "Trace SHA-256" }), make("div", { className: "hash", textContent: S.trace_sha256 })));
 }

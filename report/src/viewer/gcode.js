@@ -23,6 +23,7 @@ class Text {
       this.choose(clamp(this.chosen + by, 1, this.lines));
     });
     player.on("time", () => { const line = this.lineNow(); if (line && line !== this.chosen) { this.chosen = line; this.reveal(); } });
+    this.chosen = this.lineNow();
     new ResizeObserver(() => this.reveal()).observe(this.element);
   }
   fits() { return Math.max(1, Math.floor(this.element.clientHeight / ROW)); }

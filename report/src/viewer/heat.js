@@ -7,7 +7,8 @@ class Heat {
     const H = this.heat;
     if (!H) return motion;
     const i = after(H.motion.length, k => H.motion[k], motion - 1e-9);
-    if (i >= H.motion.length) return H.end_s;
+    // After the last motion the print may go on waiting.
+    if (i >= H.motion.length || motion >= H.motion[H.motion.length - 1] - 1e-3) return H.end_s;
     const from = i ? H.motion[i - 1] : 0, share = H.motion[i] > from ? (motion - from) / (H.motion[i] - from) : 0;
     return Math.min((i + Math.max(share, 0)) * H.bin_s, H.end_s);
   }

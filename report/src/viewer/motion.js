@@ -33,7 +33,8 @@ const fixed = (bin_s, curves, end) => {
 function motionCharts(record, player) {
   const { data, moves, motors, marks } = record, whole = [0, Math.max(moves.whole, 1e-3)], same = t => t;
   const skips = data.belt?.skips.map(skip => ({ time_s: skip.time_s, code: "skip" })) ?? [];
-  const charts = new Charts("Motion", whole, { toTime: same, fromTime: same, marks: [...marks, ...skips], player, note: "over motion time: drag for a window, click for a move" });
+  const accidents = (data.belt?.accidents ?? []).filter(accident => accident.time_s !== null).map(accident => ({ time_s: accident.time_s, code: "accident" }));
+  const charts = new Charts("Motion", whole, { toTime: same, fromTime: same, marks: [...marks, ...accidents, ...skips], player, note: "over motion time: drag for a window, click for a move" });
   const all = shared((from, to, n, isWanted) => curvesOf(moves, motors, from, to, n, isWanted));
   const of = (...names) => async (...window) => { const found = await all(...window); return found && [found.time, ...names.flatMap(name => [found.curves[name].low, found.curves[name].high])]; };
   charts.add({ title: "Speed of the tool", unit: "mm/s", names: ["speed"], data: of("v"), low: 0 });

@@ -8,6 +8,8 @@ class Moves {
   constructor(data, capacity) {
     this.data = data;
     this.n = 0;
+    /** Places of what is no move: positions that were named anew. */
+    this.renamed = [];
     const floats = () => new Float32Array(capacity);
     /** Begin in s, and the durations of acceleration, cruise and deceleration. */
     Object.assign(this, { begin: new Float64Array(capacity), up: floats(), flat: floats(), down: floats() });
@@ -70,6 +72,8 @@ class Moves {
     for (let i = 0; i < this.n; i++) if (this.line[i] <= line && this.line[i] >= nearest && this.line[i] > 0) { nearest = this.line[i]; best = i; }
     return best;
   }
+  /** How many of the first `i` are moves. */
+  made(i) { return i - after(this.renamed.length, k => this.renamed[k], i - 1); }
   get whole() { return this.n ? this.end(this.n - 1) : 0; }
 }
 
@@ -98,6 +102,7 @@ async function readMoves(data, blobs, each) {
     const first = i;
     // The position was named anew: a line without time that is never drawn.
     if (at && place.some((v, axis) => Math.abs(v - at[axis]) > 1)) {
+      moves.renamed.push(i);
       begin[i] = moves.end(i - 1); type[i] = HIDDEN; layer[i] = own; line[i] = line[i - 1];
       p.set([at[0] / 1000, at[1] / 1000, at[2] / 1000, 0], 4 * i);
       i++;

@@ -130,7 +130,7 @@ class Stage {
     const span = (axis, low, high) => camera.isAbove && corners.length ? [Math.min(...corners.map(c => c[axis])), Math.max(...corners.map(c => c[axis]))] : [low, high];
     const [x0, x1] = span(0, left, right), [y0, y1] = span(1, front, back), text = v => String(+v.toFixed(4));
     if ((x1 - x0) / step < 400 && (y1 - y0) / step < 400) {
-      for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) { line([x, y0, 0], [x, y1, 0]); if (camera.isAbove) g.fillText(text(x), camera.toScreen([x, y0, 0])[0] + 4, h - 6); }
+      for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) { line([x, y0, 0], [x, y1, 0]); const at = camera.toScreen([x, y0, 0])[0] + 4; if (camera.isAbove && at < w - 48) g.fillText(text(x), at, h - 6); }
       for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) { line([x0, y, 0], [x1, y, 0]); if (camera.isAbove) g.fillText(text(y), 5, camera.toScreen([x0, y, 0])[1] - 4); }
     }
     g.stroke(grid);

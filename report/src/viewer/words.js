@@ -11,6 +11,8 @@ const clock = s => {
   const whole = Math.floor(s), two = n => String(n).padStart(2, "0");
   return (whole >= 3600 ? Math.floor(whole / 3600) + ":" + two(Math.floor(whole / 60) % 60) : Math.floor(whole / 60)) + ":" + two(whole % 60);
 };
+/** `1:02`, also below a minute. */
+const minutes = s => s < 60 ? "0:" + String(Math.floor(s)).padStart(2, "0") : clock(s);
 /** A number with as many digits as its size needs. */
 const short = v => {
   const size = Math.abs(v);

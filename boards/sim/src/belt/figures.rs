@@ -87,11 +87,14 @@ impl BeltPlant {
             began_s: began_s.map(rounded),
             belt_ahead_mm: motor.map(|motor| rounded(self.layout.sense(motor) * self.live.shifted_mm(motor))),
         };
+        // Rotors are asked one after another, so a later one may tell of an earlier skip.
+        let mut skips: Vec<_> = self.skips.iter().map(skip).collect();
+        skips.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         BeltFigures {
             machine: self.live.machine().name(),
             seed: self.seed,
             motors: self.layout.drives.iter().zip(self.live.rotors()).map(motor).collect(),
-            skips: self.skips.iter().map(skip).collect(),
+            skips,
             residual_mm: self.live.residual_mm().map(rounded),
             off_mm: off.map(|[x, y, z]| rounded(x.hypot(y).hypot(z))),
             off_xy_mm: off.map(|[x, y, _]| [x, y].map(rounded)),
@@ -130,16 +133,29 @@ impl fmt::Display for BeltFigures {
         if self.missed_hits > 0 {
             writeln!(f, "{:<18} {} that the tool never came by", "hits", self.missed_hits)?;
         }
-        for PartFigures { accident, began_s, belt_ahead_mm } in &self.accidents {
-            let began = began_s.map_or_else(|| "its time never came".to_owned(), |s| format!("at {s:.3} s"));
-            let ahead = belt_ahead_mm.map_or_else(String::new, |mm| format!(", belt {mm:+.3} mm ahead of the motor"));
-            writeln!(f, "{:<18} {accident}: {began}{ahead}", "accident")?;
+        for part in &self.accidents {
+            writeln!(f, "{:<18} {part}", "accident")?;
         }
         writeln!(f, "{:<18} {}", "skips", self.skips.len())?;
         for skip in &self.skips {
             writeln!(f, "  {skip}")?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for PartFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { accident, began_s, belt_ahead_mm } = self;
+        let Some(began_s) = began_s else { return write!(f, "{accident}: its time never came") };
+        write!(f, "{accident}: at {began_s:.3} s")?;
+        match belt_ahead_mm {
+            Some(mm) => {
+                let place = if *mm < 0.0 { "behind" } else { "ahead of" };
+                write!(f, ", belt {:.3} mm {place} the motor", mm.abs())
+            }
+            None => Ok(()),
+        }
     }
 }
 

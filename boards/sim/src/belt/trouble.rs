@@ -90,9 +90,19 @@ impl Trouble {
         for (_, state) in &mut self.hits {
             state.end_at(now);
         }
+        let mut is_tightened = false;
         for part in &mut self.parts {
             if let (true, Effect::Loosen(motor, _)) = (part.state.end_at(now), &part.effect) {
                 live.tighten(*motor);
+                is_tightened = true;
+            }
+        }
+        // Another accident may still hold the same screw loose.
+        if is_tightened {
+            for part in self.parts.iter().filter(|part| part.state.end().is_some()) {
+                if let Effect::Loosen(motor, most_n) = part.effect {
+                    live.loosen(motor, most_n);
+                }
             }
         }
         self.act(live);

@@ -4,9 +4,9 @@
 //! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound: its commanded speed, an axis,
 //!    a motor or the extruder. If none of them fits, the mesh or pressure advance has taken the rest, or the share of
 //!    the feed that a slow host gets.
-//! 2. A cruise over just the minimum cruise ratio, at the speed where ramps over the rest of the length meet, is the
-//!    ratio's work.
-//! 3. Any other move only ramps. If its acceleration is less than M204 says, the reason for that is its limit.
+//! 2. Any other move only ramps, or cruises over just the minimum cruise ratio, at the speed where ramps over the rest of
+//!    the length meet. If its acceleration is less than M204 says, the reason for that is its limit.
+//! 3. Else a cruise is the ratio's work.
 //! 4. Otherwise it ramps from one speed to another, and the reason is where its longer ramp leads: the next junction
 //!    before or after it that is not on a ramp itself. There speeds are held down by
 //!
@@ -113,10 +113,9 @@ impl Observer {
             let limit = named(top);
             return (Some(limit), (limit, top));
         }
-        if has_cruise {
-            return (Some(Limit::CruiseRatio), most);
-        }
-        (self.slow_acceleration(made, rules), most)
+        // More acceleration than the ratio leaves would help more than a smaller ratio.
+        let slow = self.slow_acceleration(made, rules);
+        (slow.or(has_cruise.then_some(Limit::CruiseRatio)), most)
     }
 
     /// Why a move cruises below all bounds.

@@ -62,17 +62,21 @@ impl Rules {
                     self.has_advance = value > 0.0;
                 }
             }
-            _ => self.read_velocity_limit(command),
+            _ => self.read_klipper(command),
         }
     }
 
-    /// SET_VELOCITY_LIMIT, always in mm.
-    fn read_velocity_limit(&mut self, command: &str) {
-        let Some(rest) = command.strip_prefix("SET_VELOCITY_LIMIT") else { return };
+    /// SET_VELOCITY_LIMIT, always in mm, and SET_PRESSURE_ADVANCE.
+    fn read_klipper(&mut self, command: &str) {
+        let Some((name, rest)) = command.split_once(' ') else { return };
+        if !matches!(name, "SET_VELOCITY_LIMIT" | "SET_PRESSURE_ADVANCE") {
+            return;
+        }
         for (key, value) in rest.split_whitespace().filter_map(|word| word.split_once('=')) {
             match (key, value.parse::<f64>()) {
                 ("ACCEL", Ok(value)) => (self.purposes[0], self.purposes[2]) = (value, value),
                 ("MINIMUM_CRUISE_RATIO", Ok(value)) => self.cruise_ratio = value,
+                ("ADVANCE", Ok(value)) => self.has_advance = value > 0.0,
                 _ => {}
             }
         }
@@ -162,6 +166,10 @@ mod tests {
         }
         assert_eq!((rules.accelerations[0], rules.accelerations[3], rules.speeds[2]), (900.0, 4000.0, 7.0));
         assert_eq!((rules.purposes[0], rules.purposes[2], rules.cruise_ratio), (800.0, 1500.0, 0.2));
+        assert!(rules.has_advance);
+        rules.read("SET_PRESSURE_ADVANCE ADVANCE=0", 1.0);
+        assert!(!rules.has_advance);
+        rules.read("SET_PRESSURE_ADVANCE ADVANCE=0.04", 1.0);
         assert!(rules.has_advance);
         rules.read("M204 S1000", 1.0);
         assert_eq!((rules.purposes[0], rules.purposes[2]), (1000.0, 1000.0));
