@@ -1,7 +1,7 @@
 //! Moves of a print, packed, in a file, and their sums by type and by layer.
 //!
 //! They are packed in chunks that can be read alone: at most [`CHUNK`] moves of one layer, between two namings of the
-//! place. A move is these numbers, all as [varints](crate::varint); differences are to the move before, in the chunk's
+//! place. A move is these numbers, all as varints; differences are to the move before, in the chunk's
 //! first move to 0.
 //!
 //! | numbers | unit |

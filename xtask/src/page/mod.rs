@@ -87,10 +87,13 @@ fn firmware() -> Result<String> {
     build.env(checkout::FLAGS, checkout::path_flags()?);
     run(build)?;
     let built = target_dir()?.join(BROWSER).join(PROFILE).join(format!("{}.wasm", PACKAGE[1]));
-    // Together with xtask it is built with the dependencies that are there already.
-    run(cargo(["build", "--package", BIND, "--package", "xtask"]))?;
+    // In a folder of its own: with its features other programs would be built anew, among them this one while it runs.
+    let programs = target_dir()?.join("page-bind");
+    let mut build = cargo(["build", "--package", BIND, "--target-dir"]);
+    build.arg(&programs);
+    run(build)?;
     let folder = target_dir()?.join("page-glue");
-    let mut bind = Command::new(target_dir()?.join("debug").join(BIND).with_extension(std::env::consts::EXE_EXTENSION));
+    let mut bind = Command::new(programs.join("debug").join(BIND).with_extension(std::env::consts::EXE_EXTENSION));
     bind.arg(built).arg(&folder);
     run(bind)?;
     let glue = fs::read_to_string(folder.join(format!("{}.js", PACKAGE[1]))).context("no script was made")?;
