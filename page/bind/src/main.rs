@@ -1,5 +1,5 @@
-//! `corehbot-page-bind IN.wasm DIR`: the glue between a page's script and its WebAssembly, by wasm-bindgen's own library
-//! in the version of Cargo.lock. A program of its own, so that only `cargo xtask page` waits for its build.
+//! `corehbot-page-bind IN.wasm DIR`: the glue between a page's script and its WebAssembly, by wasm-bindgen's own
+//! library in the version of Cargo.lock. A program of its own, so that only `cargo xtask page` waits for its build.
 
 use anyhow::{Context as _, Result};
 use std::path::PathBuf;

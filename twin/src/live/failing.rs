@@ -64,7 +64,8 @@ impl Live {
         }
     }
 
-    /// The screw of a motor's pulley holds no more than this many N of the belt's pull, clockwise and counter-clockwise.
+    /// The screw of a motor's pulley holds no more than this many N of the belt's pull, clockwise and
+    /// counter-clockwise.
     pub fn loosen(&mut self, motor: usize, most_n: [f64; 2]) {
         self.tighten(motor);
         self.state.outside.screws.push(Screw { motor, most_n });

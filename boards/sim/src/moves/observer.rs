@@ -1,11 +1,11 @@
 //! Observer: says of every move what keeps it from being faster. It sees moves as they were made and the rules in
 //! force, nothing of the planner.
 //!
-//! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound: its commanded speed, an axis,
-//!    a motor or the extruder. If none of them fits, the mesh or pressure advance has taken the rest, or the share of
-//!    the feed that a slow host gets.
-//! 2. Any other move only ramps, or cruises over just the minimum cruise ratio, at the speed where ramps over the rest of
-//!    the length meet. If its acceleration is less than M204 says, the reason for that is its limit.
+//! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound: its commanded speed, an
+//!    axis, a motor or the extruder. If none of them fits, the mesh or pressure advance has taken the rest, or the share
+//!    of the feed that a slow host gets.
+//! 2. Any other move only ramps, or cruises over just the minimum cruise ratio, at the speed where ramps over the rest
+//!    of the length meet. If its acceleration is less than M204 says, the reason for that is its limit.
 //! 3. Else a cruise is the ratio's work.
 //! 4. Otherwise it ramps from one speed to another, and the reason is where its longer ramp leads: the next junction
 //!    before or after it that is not on a ramp itself. There speeds are held down by

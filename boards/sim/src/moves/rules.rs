@@ -1,7 +1,7 @@
 //! Rules: the limits of axes, motors and moves in force, followed with the commands of a print.
 //!
-//! They are numbers of mm and s, computed from a direction in double precision and by another way than the planner's, so
-//! that a mistake of the planner does not hide here.
+//! They are numbers of mm and s, computed from a direction in double precision and by another way than the planner's,
+//! so that a mistake of the planner does not hide here.
 
 use super::Limit;
 use crate::file_line::words;
