@@ -1,7 +1,7 @@
 //! An accelerometer on a wire (SPI): how it is set up, when its samples are fetched, and their bytes.
 //!
 //! A chip's crate carries the bytes ([`Wire`], and the transfers that a [`Reader`] asks for). All that depends on the
-//! kind of sensor is a [`Row`].
+//! kind of sensor is a `Row`.
 //!
 //! **Set-up.** The identity is read up to three times after a reading that does not count: many sensors answer the first
 //! reading after power came with another number (Klipper's issue 3637, BTT's issue 156 of the Octopus). Every register
@@ -15,7 +15,7 @@
 //! | at rest | timer | transfer of the status |
 //! | status | it came | the samples that wait, one by one; without any, rest |
 //! | sample | it came | the next one that waits, or rest |
-//! | any | no sample for [`QUIET`] timer events | [`SensorFault::Silent`] |
+//! | any | no sample for `QUIET` timer events | [`SensorFault::Silent`] |
 //!
 //! A transfer that some noise has damaged is one sample at the most: the last good one is repeated. Many such transfers
 //! are [`SensorFault::Stuck`].
