@@ -29,6 +29,7 @@ mod resonance;
 mod run;
 #[cfg(unix)]
 pub mod serve;
+mod sinks;
 mod status;
 pub mod stop;
 mod twin;

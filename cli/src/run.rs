@@ -3,19 +3,18 @@
 use crate::bed_args::BedArgs;
 use crate::heat_args::HeatArgs;
 use crate::input::GcodeFile;
-use crate::output::{Outputs, Stream};
+use crate::output::Outputs;
 use crate::plant_args::PlantArgs;
 use crate::printer::Printer;
+use crate::sinks::{Done, Judges, Out, Relay, Scratch, Writers};
 use crate::status::{DONE, FAILED};
 use crate::stop::Stop;
 use crate::watched::Watched;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
-use corehbot_report::heat_log::HeatLog;
 use corehbot_report::mesh::MeshSummary;
 use corehbot_report::moves::{Moves, StoredMoves};
 use corehbot_report::path::{Stored, ToolPath};
@@ -32,13 +31,12 @@ use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::{Limits, Widening};
 use corehbot_sim::mesh_log::MeshLog;
-use corehbot_sim::moves::MadeMove;
 use corehbot_sim::tally::{Figures, Tally};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
-use corehbot_sim::world::{self, Desk, HeatPeriod, Outcome, Sink};
+use corehbot_sim::world::{self, Desk, Outcome};
 use std::fs::File;
-use std::io::{BufWriter, Seek as _, Write};
+use std::io::{Seek as _, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -71,9 +69,6 @@ pub(crate) struct Run {
     #[command(flatten)]
     printer: Printer,
 }
-
-/// A file that is being written.
-type Out = BufWriter<Stream>;
 
 /// Everything that can be wrong before the print begins.
 pub(crate) struct Prepared {
@@ -159,15 +154,13 @@ impl Prepared {
         // Without a page their sums count.
         let path = scratch().context("cannot keep the tool path in a temporary file")?;
         let moves = scratch().context("cannot keep the moves in a temporary file")?;
-        let mut sinks = Sinks {
-            trace: TraceWriter::new(trace, settings.into()),
-            vcd,
+        let writers = Writers { trace: TraceWriter::new(trace, settings.into()), vcd };
+        let judges = Judges {
             tally: Tally::new(settings, begin),
             checker: Checker::new(settings, &limits),
             path: path.map(|file| ToolPath::new(settings, begin, file)),
-            moves: Moves::new(Scratch(moves)),
-            heat: HeatLog::default(),
         };
+        let mut sinks = Relay::begin(writers, judges, Moves::new(Scratch(moves)))?;
         let start = Instant::now();
         let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
         let mut desk = Desk::new(1);
@@ -178,14 +171,15 @@ impl Prepared {
             None => world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks),
         };
         let host = host.finish();
+        let mut done = sinks.finish()?;
         let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
         let names = Names {
             file: &name,
             machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
             motors: machine.settings.motor_names,
         };
-        let heat = std::mem::take(&mut sinks.heat);
-        let Results { mut summary, figures, path, mut moves } = sinks.finish(names, &host, &outcome)?;
+        let heat = std::mem::take(&mut done.heat);
+        let Results { mut summary, figures, path, mut moves } = Results::new(done, names, &host, &outcome)?;
         summary.note_moves(&moves, host.notes());
         let mut belt = desk.belt;
         summary.belt = belt.as_mut().map(|plant| {
@@ -250,31 +244,7 @@ fn say(summary: &Summary, is_standard_taken: bool) -> Result<()> {
     }
 }
 
-/// All that listen to the steps.
-struct Sinks {
-    trace: TraceWriter<Out>,
-    vcd: Option<VcdWriter<Out>>,
-    tally: Tally,
-    checker: Checker,
-    path: Option<ToolPath<File>>,
-    moves: Moves<Scratch>,
-    heat: HeatLog,
-}
-
-/// A temporary file, or none.
-struct Scratch(Option<File>);
-
-impl Write for Scratch {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.as_mut().map_or(Ok(bytes.len()), |file| file.write(bytes))
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.0.as_mut().map_or(Ok(()), Write::flush)
-    }
-}
-
-/// All that they have found.
+/// All that the sinks have found.
 struct Results {
     summary: Summary,
     figures: Figures,
@@ -282,49 +252,18 @@ struct Results {
     moves: StoredMoves<Scratch>,
 }
 
-impl Sink for Sinks {
-    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        self.trace.event(tick, steps, forward);
-        self.tally.event(tick, steps, forward);
-        self.checker.event(tick, steps, forward);
-        if let Some(vcd) = &mut self.vcd {
-            vcd.event(tick, steps, forward);
-        }
-        if let Some(path) = &mut self.path {
-            path.event(tick, steps, forward);
-        }
-    }
-
-    fn stand_on_mesh(&mut self, z: Option<f64>) {
-        if let Some(path) = &mut self.path {
-            path.stand_on_mesh(z);
-        }
-    }
-
-    fn wants_moves(&self) -> bool {
-        true
-    }
-
-    fn moved(&mut self, made: &MadeMove) {
-        self.moves.add(made);
-    }
-
-    fn heat(&mut self, period: &HeatPeriod) {
-        self.heat.add(period);
-    }
-}
-
-impl Sinks {
-    fn finish(self, names: Names<'_>, host: &FileHost, outcome: &Outcome) -> Result<Results> {
-        if let Some(vcd) = self.vcd {
+impl Results {
+    fn new(done: Done<Out>, names: Names<'_>, host: &FileHost, outcome: &Outcome) -> Result<Self> {
+        let Done { writers: Writers { trace, vcd }, judges: Judges { tally, checker, path }, moves, .. } = done;
+        if let Some(vcd) = vcd {
             vcd.finish().context("cannot write the VCD file")?;
         }
-        let trace = self.trace.finish().context("cannot write the trace")?;
-        let figures = self.tally.finish(outcome.ticks);
-        let findings = self.checker.finish(Some(outcome.counts));
-        let path = self.path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
-        let moves = self.moves.finish().context("cannot keep the moves")?;
+        let trace = trace.finish().context("cannot write the trace")?;
+        let figures = tally.finish(outcome.ticks);
+        let findings = checker.finish(Some(outcome.counts));
+        let path = path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
+        let moves = moves.finish().context("cannot keep the moves")?;
         let summary = Summary::new(names, host, outcome, &figures, &findings, trace.sha256);
-        Ok(Results { summary, figures, path, moves })
+        Ok(Self { summary, figures, path, moves })
     }
 }

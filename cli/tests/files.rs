@@ -103,6 +103,21 @@ fn a_reader_that_has_read_enough_ends_the_run() {
     assert_eq!(child.wait().unwrap().code(), Some(128 + 13));
 }
 
+/// Reports that the disk is full at the first byte; it is written while the print goes on, or at its end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_ends_in_an_error_that_says_so() {
+    for (option, what) in [("--trace", "the trace"), ("--vcd", "the VCD file")] {
+        for moves in [1, 2000] {
+            let gcode = "G1 X200 F6000\nG1 X100\n".repeat(moves);
+            let output = print(gcode.as_bytes(), &[option, "/dev/full"]);
+            let err = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(1), "{err}");
+            assert!(err.contains(&format!("cannot write {what}")) && err.contains("No space left"), "{err}");
+        }
+    }
+}
+
 #[test]
 fn an_output_never_is_an_input_or_another_output() {
     let place = scratch("same");

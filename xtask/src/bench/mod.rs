@@ -17,6 +17,7 @@ mod plugin;
 mod profile;
 mod report;
 mod rooms;
+mod simulator;
 mod waits;
 
 use crate::build;
@@ -48,10 +49,17 @@ pub struct Args {
     /// Runs this job alone and shows where its instructions go.
     #[arg(long, value_name = "JOB", conflicts_with_all = ["json", "check"])]
     profile: Option<Job>,
+    /// Measures the simulator on this computer instead: how many times faster than the machine it prints these files, or
+    /// the examples, and where its instructions go.
+    #[arg(long, value_name = "FILE", num_args = 0.., conflicts_with_all = ["json", "check", "profile"])]
+    host: Option<Vec<PathBuf>>,
 }
 
 /// Measures.
 pub fn main(args: &Args) -> Result<()> {
+    if let Some(files) = &args.host {
+        return simulator::main(files);
+    }
     let bench = Bench::prepare()?;
     if let Some(job) = args.profile {
         return report::print_profile(job, &bench.measure(job)?, &bench.code()?);
