@@ -19,8 +19,8 @@ const PROFILE: &str = "page";
 /// The package, and its library's name.
 const PACKAGE: [&str; 2] = ["corehbot-page", "corehbot_page"];
 
-/// The package of the program that makes the script.
-const BIND: &str = "corehbot-page-bind";
+/// The program that makes the script, and its package's folder.
+const BIND: [&str; 2] = ["corehbot-page-bind", "page/bind"];
 
 /// Where the page's own files are.
 const FOLDER: &str = "page/www";
@@ -87,13 +87,10 @@ fn firmware() -> Result<String> {
     build.env(checkout::FLAGS, checkout::path_flags()?);
     run(build)?;
     let built = target_dir()?.join(BROWSER).join(PROFILE).join(format!("{}.wasm", PACKAGE[1]));
-    // In a folder of its own: with its features other programs would be built anew, among them this one while it runs.
-    let programs = target_dir()?.join("page-bind");
-    let mut build = cargo(["build", "--package", BIND, "--target-dir"]);
-    build.arg(&programs);
-    run(build)?;
+    run(build_binder()?)?;
     let folder = target_dir()?.join("page-glue");
-    let mut bind = Command::new(programs.join("debug").join(BIND).with_extension(std::env::consts::EXE_EXTENSION));
+    let program = binder_dir()?.join("debug").join(BIND[0]).with_extension(std::env::consts::EXE_EXTENSION);
+    let mut bind = Command::new(program);
     bind.arg(built).arg(&folder);
     run(bind)?;
     let glue = fs::read_to_string(folder.join(format!("{}.js", PACKAGE[1]))).context("no script was made")?;
@@ -101,6 +98,24 @@ fn firmware() -> Result<String> {
     let wasm = read(&folder.join(format!("{}_bg.wasm", PACKAGE[1])))?;
     let script = serde_json::to_string(&(glue + "\n" + &worker))?;
     Ok(format!("'use strict';\nconst FIRMWARE = {{ script: {script}, wasm: \"{}\" }};\n", deflated(&wasm)?))
+}
+
+/// Builds the program that makes the script.
+pub fn build_binder() -> Result<Command> {
+    let mut build = cargo_of_binder("build");
+    build.arg("--target-dir").arg(binder_dir()?);
+    Ok(build)
+}
+
+/// A task of cargo for this program, which is a workspace of its own.
+pub fn cargo_of_binder(task: &str) -> Command {
+    let mut command = cargo([task, "--manifest-path"]);
+    command.arg(root().join(BIND[1]).join("Cargo.toml"));
+    command
+}
+
+fn binder_dir() -> Result<PathBuf> {
+    Ok(target_dir()?.join(BIND[0]))
 }
 
 fn read(path: &Path) -> Result<Vec<u8>> {

@@ -11,12 +11,16 @@ use std::process::{Command, Stdio};
 /// Formatting.
 pub fn format() -> Result<Verdict> {
     run(cargo(["fmt", "--all", "--check"]))?;
+    let mut binder = page::cargo_of_binder("fmt");
+    binder.arg("--check");
+    run(binder)?;
     Ok(Verdict::Passed(String::new()))
 }
 
 /// Lints, for this computer.
 pub fn lint() -> Result<Verdict> {
     run(cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    run(lint_in_build(page::build_binder()?))?;
     Ok(Verdict::Passed(String::new()))
 }
 
@@ -74,16 +78,20 @@ fn build_emulator_tests() -> Command {
     emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"])
 }
 
-/// The emulator's lints, with the dependencies that are built for its tests. `cargo clippy` would check its code
-/// generator once more, for a minute and a half. So this does the work of `cargo clippy`, but in a build (its
-/// `CLIPPY_ARGS`, each ended by that word). The result is thrown away, so it is not optimised.
+/// The emulator's lints. The result is thrown away, so it is not optimised.
 fn lint_emulator() -> Command {
-    let config = "profile.release.package.corehbot-emulator.opt-level=0";
     let mut lint = build_emulator_tests();
-    lint.args(["--config", config]);
-    lint.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
-    lint.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
-    lint
+    lint.args(["--config", "profile.release.package.corehbot-emulator.opt-level=0"]);
+    lint_in_build(lint)
+}
+
+/// Lints in a build, with the dependencies that are built for it anyway. `cargo clippy` would check them once more; the
+/// emulator's code generator takes a minute and a half. So this does what `cargo clippy` does (its `CLIPPY_ARGS`, each
+/// ended by that word), but in a build.
+fn lint_in_build(mut build: Command) -> Command {
+    build.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
+    build.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
+    build
 }
 
 /// The tests of the emulator, which run the images of the Octopus and of the Nucleo.
