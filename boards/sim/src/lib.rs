@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod accelerometer;
+mod any_storage;
 mod axis_sums;
 pub mod bed_plant;
 pub mod belt;

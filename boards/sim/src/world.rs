@@ -8,6 +8,7 @@ mod runs;
 mod z_shifts;
 
 use crate::accelerometer::{Sensor, SensorTruth};
+use crate::any_storage::AnyStorage;
 use crate::bed_plant::ProbeAccident;
 use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
@@ -219,6 +220,18 @@ impl<'w> World<'w> {
         place: Option<[Mm; 3]>,
         start: Option<[Mm; 3]>,
         storage: impl Storage + 'w,
+        drivers: &'w Drivers,
+        sink: &'w mut dyn Sink,
+    ) -> Self {
+        Self::switched_on(desk, settings, place, start, AnyStorage::of(storage), drivers, sink)
+    }
+
+    fn switched_on(
+        desk: &'w mut Desk,
+        settings: &Settings,
+        place: Option<[Mm; 3]>,
+        start: Option<[Mm; 3]>,
+        storage: AnyStorage<'w>,
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {

@@ -1,6 +1,7 @@
 //! Runs: what hosts send is printed to the end, on a machine of any state.
 
 use super::{Desk, Outcome, World};
+use crate::any_storage::AnyStorage;
 use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
 use corehbot::port::{NoStorage, Storage};
@@ -99,7 +100,19 @@ pub fn run_at(
     hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
-    let mut world = World::new(desk, settings, start, storage, drivers, sink);
+    print(desk, settings, start, AnyStorage::of(storage), drivers, hosts, sink)
+}
+
+fn print(
+    desk: &mut Desk,
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: AnyStorage<'_>,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    let mut world = World::switched_on(desk, settings, start, start, storage, drivers, sink);
     let mut idle_ms = 0;
     while !(hosts.iter().all(|host| host.is_done()) || world.status().is_halted()) {
         world.poll();
