@@ -18,7 +18,7 @@ pub(crate) const TEMPLATE: &str = include_str!("viewer/page.html");
 const UPLOT: &str = include_str!("viewer/uplot/uPlot.iife.min.js");
 
 /// The files of the script; each uses only names of those before it, or inside of functions.
-const PARTS: [&str; 21] = [
+const PARTS: [&str; 22] = [
     include_str!("viewer/words.js"),
     include_str!("viewer/colours.js"),
     include_str!("viewer/streams.js"),
@@ -31,6 +31,7 @@ const PARTS: [&str; 21] = [
     include_str!("viewer/pick.js"),
     include_str!("viewer/stage.js"),
     include_str!("viewer/controls.js"),
+    include_str!("viewer/marks.js"),
     include_str!("viewer/gcode.js"),
     include_str!("viewer/curves.js"),
     include_str!("viewer/charts.js"),

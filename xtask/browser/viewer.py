@@ -7,6 +7,8 @@ from chromium import DESK, PHONE, Chromium, check
 from selenium.webdriver.common.keys import Keys
 from trial import ROOT, main, print_report
 
+FILE = "examples/first-print.gcode"
+
 # What is shown; the page keeps its parts where a trial finds them.
 STATE = """const { player, stage } = document.querySelector('.viewer').corehbotView;
     return { done: player.done, low: player.low, high: player.high, layers: player.layers, moves: player.moves.n,
@@ -27,7 +29,7 @@ WHOLE = """const view = document.querySelector('.viewer')?.corehbotView;
 
 
 def run(corehbot, folder):
-    report = print_report(corehbot, ROOT / "examples/first-print.gcode", folder)
+    report = print_report(corehbot, ROOT / FILE, folder)
     with Chromium() as browser:
         seconds = browser.open(report)
         whole(browser)
@@ -38,6 +40,18 @@ def run(corehbot, folder):
         whole(browser)
         phone(browser)
     return f"opened in {seconds:.2f} s, {frames:.0f} frames/s"
+
+
+def marks(file):
+    """Retractions, primes and closed outer walls of the example, which primes before each of them."""
+    found, kind = {"retractions": 0, "primes": 0, "seams": 0}, ""
+    for line in file.read_text().splitlines():
+        if line.startswith(";TYPE:"):
+            kind = line
+        elif line.startswith("G1 E"):
+            found["retractions" if line[4] == "-" else "primes"] += 1
+            found["seams"] += line[4] != "-" and kind == ";TYPE:External perimeter"
+    return found
 
 
 def whole(browser):
@@ -82,6 +96,36 @@ def desk(browser, report):
         browser.run(script, value)
         check(browser.find(".kinds").text.strip(), f"{value} has no legend")
     whole(browser)
+
+    # What is shown has an entry in the legend, travel too.
+    legend = lambda: browser.find(".kinds").text
+    browser.run("const list = document.querySelector('label select'); list.value = 'speed'; list.onchange();")
+    travel = next(box for box in browser.find_all(".view label") if box.text.strip() == "travel")
+    check("travel" not in legend(), "travel is hidden, and the legend has it")
+    travel.click()
+    check("travel" in legend(), "travel is shown, and the legend does not have it")
+    browser.run("const list = document.querySelector('label select'); list.value = 'limit'; list.onchange();")
+    shown = legend()
+    travel.click()
+    check(legend() != shown, f"the shares of limits are the same without travel: {shown}")
+
+    # The file's own lines say how many marks there are.
+    for name, number in marks(ROOT / FILE).items():
+        box = next(box for box in browser.find_all("[aria-label=Marks] label") if name in box.text)
+        box.click()
+        check(box.text.strip() == f"{name}: {number}", f"{number} {name} in the file, {box.text} in the picture")
+        whole(browser)
+        box.click()
+    browser.run("const list = document.querySelector('label select'); list.value = 'type'; list.onchange();")
+
+    # The upright slider: a key moves its thumb by one layer.
+    high = browser.find(".layers input:nth-of-type(2)")
+    wide, high_px = browser.run("const { width, height } = arguments[0].getBoundingClientRect(); return [width, height]", high)
+    check(high_px > 4 * wide, f"the slider of layers is not upright: {wide} by {high_px} px")
+    high.send_keys(Keys.ARROW_LEFT)
+    check(state(browser)["high"] == begin["layers"] - 2, "the slider of layers does not choose one")
+    high.send_keys(Keys.ARROW_RIGHT)
+    check(state(browser)["high"] == begin["layers"] - 1, "the slider of layers does not go back")
 
     # Hover in the middle of the outer wall of the last layer.
     place = browser.run(

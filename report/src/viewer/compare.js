@@ -16,6 +16,20 @@ function otherKeys(a, b, path = "", found = []) {
   return found;
 }
 
+/** Heights within this many mm are one layer: they are counted in steps. */
+const SAME_HEIGHT_MM = 0.02;
+/** Layers of two records by their height: seconds in either, and the number of the layer in the first. */
+function layersOfBoth(a, b) {
+  const rows = [];
+  for (let i = 0, k = 0; i < a.length || k < b.length;) {
+    const gap = i >= a.length ? Infinity : k >= b.length ? -Infinity : a[i].height - b[k].height;
+    const [isFirst, isSecond] = [gap <= SAME_HEIGHT_MM, gap >= -SAME_HEIGHT_MM];
+    rows.push({ height: (isFirst ? a[i] : b[k]).height, first: isFirst ? a[i].seconds : 0, second: isSecond ? b[k].seconds : 0, layer: isFirst ? i : null });
+    i += isFirst; k += isSecond;
+  }
+  return rows;
+}
+
 function compareCard(record, stage, player) {
   const result = make("div", { className: "panel flat" }), file = make("input", { type: "file", accept: ".html,.htm", ariaLabel: "Second report" });
   const status = make("output", { role: "status" });
@@ -55,24 +69,22 @@ function compareCard(record, stage, player) {
     stage.sides = "both";
     const end = make("button", { type: "button", textContent: "End the comparison" });
     end.onclick = () => { stage.lines.remove(stage.second.body); stage.second = null; stage.sides = "both"; plot?.destroy(); plot = null; result.replaceChildren(); stage.redraw(); };
-    const dot = make("i", { className: "dot" }); dot.style.background = rgb(OKABE_ITO.vermilion);
     const chart = make("div", { className: "plot", role: "img", ariaLabel: "Time saved by layer, s" }), out = make("output");
     const keys = otherKeys(A.machine ?? {}, B.machine ?? {});
     result.replaceChildren(
-      make("div", { className: "bar" }, make("span", { className: "legend" }, dot, name), sides, end),
+      make("div", { className: "bar" }, make("span", { className: "legend" }, dot(OKABE_ITO.vermilion), name), sides, end),
       make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${Math.abs(saved) < 60 ? clock(Math.abs(saved)) : Math.abs(saved).toFixed(1) + " s"} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
       table(["", "this report", "second report"], rows, "figures"),
       ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []),
       make("div", { className: "bar" }, make("h3", { textContent: "Time saved by layer, s" }), make("span", { className: "grow" }), out), chart);
-    const layers = Math.max(A.by_layer?.length ?? 0, B.by_layer?.length ?? 0);
-    const gain = Array.from({ length: layers }, (_, i) => (A.by_layer[i]?.seconds ?? 0) - (B.by_layer[i]?.seconds ?? 0));
+    const both = layersOfBoth(A.by_layer ?? [], B.by_layer ?? []), layers = both.length, gain = both.map(({ first, second }) => first - second);
     plot?.destroy(); plot = null;
     if (!layers) return;
     const ink = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, font = "11px system-ui, sans-serif", stroke = curveColour(0);
     plot = plotted({ width: Math.max(chart.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers + 0.5] } }, cursor: { y: false, drag: { x: false, y: false } },
       series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }], axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
-      hooks: { setCursor: [u => { const i = u.cursor.idx; if (i !== null && i !== undefined && u.cursor.left >= 0) out.textContent = `layer ${i + 1}: ${gain[i].toFixed(3)} s`; }] } }, [gain.map((_, i) => i + 1), gain], chart);
-    plot.over.addEventListener("click", () => { const i = plot.cursor.idx; if (i !== null && i !== undefined) { player.single = true; player.setLayers(i, i); }; });
+      hooks: { setCursor: [u => { const i = u.cursor.idx; if (i !== null && i !== undefined && u.cursor.left >= 0) out.textContent = `Z ${both[i].height.toFixed(2)} mm: ${gain[i].toFixed(3)} s`; }] } }, [gain.map((_, i) => i + 1), gain], chart);
+    plot.over.addEventListener("click", () => { const layer = both[plot.cursor.idx ?? -1]?.layer ?? null; if (layer !== null) { player.single = true; player.setLayers(layer, layer); }; });
     new ResizeObserver(() => plot?.setSize({ width: Math.max(chart.clientWidth, 200), height: 200 })).observe(chart);
   }
   const open = async f => { if (f) await take(await f.text(), f.name); };

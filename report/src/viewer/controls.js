@@ -23,7 +23,7 @@ const check = (text, checked, onchange) => {
   return Object.assign(make("label", {}, box, " " + text), { box });
 };
 
-/** Two thumbs on one line: the lowest and the highest layer. */
+/** Two thumbs on one line, upright next to the picture: the lowest and the highest layer; and the words about them. */
 function layerSlider(player, heights) {
   const top = player.layers - 1;
   const thumb = ariaLabel => make("input", { type: "range", min: 0, max: top, step: 1, ariaLabel });
@@ -43,7 +43,8 @@ function layerSlider(player, heights) {
   high.oninput = () => { const v = +high.value; if (single.box.checked) player.setLayers(v, v); else player.setLayers(Math.min(player.low, v), v); show(); };
   player.on("layers", show);
   show();
-  return make("div", { className: "bar line", hidden: top < 1 }, make("span", { className: "name", textContent: "Layers" }), make("div", { className: "twin" }, low, high), single, out);
+  return { slider: make("div", { className: "layers", hidden: top < 1 }, make("div", { className: "twin" }, low, high)),
+    line: make("div", { className: "bar line", hidden: top < 1 }, make("span", { className: "name", textContent: "Layers" }), out, single) };
 }
 
 function moveSlider(player, record) {
@@ -65,6 +66,9 @@ function moveSlider(player, record) {
   return make("div", {}, make("div", { className: "bar line" }, playButton(player), slider, speed), out);
 }
 
+/** A swatch of a legend. */
+const dot = colour => { const swatch = make("i", { className: "dot" }); swatch.style.background = rgb(colour); return swatch; };
+
 /** The choice of the measure, and its legend. */
 function colourBar(record, stage, player) {
   const { moves, data } = record, measures = measuresOf(record);
@@ -76,6 +80,7 @@ function colourBar(record, stage, player) {
   for (const k of used) anyPrint ||= k !== HIDDEN && !moves.isTravel[k];
   player.hidden = anyPrint ? travels : 0;
   const hide = (bits, isHidden) => { player.hidden = isHidden ? player.hidden | bits : player.hidden & ~bits; player.tell("hidden"); };
+  const isHidden = bits => (player.hidden & bits) !== 0;
   const ways = i => moves.isPrinted(i) && moves.points[4 * i + 3] > 0;
   function show() {
     const range = measure.kinds ? null : rangeOf(measure, moves, anyPrint ? ways : i => moves.type[i] !== HIDDEN && moves.length(i) > 0);
@@ -86,18 +91,19 @@ function colourBar(record, stage, player) {
       scale.style.background = `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8].map(k => rgb(viridis(k / 8))).join(",")})`;
       const at = share => range.low + (range.high - range.low) * share;
       const ends = v => make("span", { textContent: v });
-      legend.replaceChildren(make("div", { className: "ramped" }, scale, make("div", {}, ...[0, 0.25, 0.5, 0.75, 1].map((share, k) => ends((k === 0 && range.least < range.low - 1e-9 ? "\u2264 " : k === 4 && range.most > range.high + 1e-9 ? "\u2265 " : "") + short(at(share)))))), ends(measure.unit));
+      const travel = make("span", { hidden: isHidden(travels) }, dot(travelColour()), "travel");
+      legend.replaceChildren(make("div", { className: "ramped" }, scale, make("div", {}, ...[0, 0.25, 0.5, 0.75, 1].map((share, k) => ends((k === 0 && range.least < range.low - 1e-9 ? "\u2264 " : k === 4 && range.most > range.high + 1e-9 ? "\u2265 " : "") + short(at(share)))))), ends(measure.unit), travel);
       return;
     }
     const seconds = new Map(data.by_type?.map(row => [row.type, row.seconds]) ?? []);
     const shares = new Float64Array(measure.kinds.length);
     let whole = 0;
-    if (measure.id !== "type") for (let i = 0; i < moves.n; i++) { if (!moves.isPrinted(i)) continue; const s = moves.duration(i); shares[moves.limit[i]] += s; whole += s; }
+    // Of what is shown, travel too.
+    if (measure.id !== "type") for (let i = 0; i < moves.n; i++) { if (moves.type[i] === HIDDEN || isHidden(1 << moves.type[i])) continue; const s = moves.duration(i); shares[moves.limit[i]] += s; whole += s; }
     // Travel comes last.
     const isGrey = label => label.isTravel ? 1 : 0;
     legend.replaceChildren(...measure.kinds.map((kind, k) => {
-      const swatch = make("i", { className: "dot" });
-      swatch.style.background = rgb(measure.id === "type" && moves.isTravel[k] ? OKABE_ITO.grey : kind.colour);
+      const swatch = dot(measure.id === "type" && moves.isTravel[k] ? OKABE_ITO.grey : kind.colour);
       if (measure.id !== "type") return shares[k] > 0 ? make("span", {}, swatch, kind.name + " " + (100 * shares[k] / whole).toFixed(shares[k] < 0.1 * whole ? 1 : 0) + " %") : "";
       if (!used.has(k)) return "";
       const label = check(kind.name + (seconds.has(k) ? ", " + clock(seconds.get(k)) : ""), !(player.hidden >>> k & 1), isOn => hide(1 << k, !isOn));
@@ -108,7 +114,7 @@ function colourBar(record, stage, player) {
   }
   const choice = select("Colour by", measures.map(m => [m.id, m.name]), id => { measure = measures.find(m => m.id === id); show(); });
   onScheme(legend, show);
-  const travel = check("travel", !(travels & player.hidden), isOn => { hide(travels, !isOn); if (measure.id === "type") show(); });
+  const travel = check("travel", !(travels & player.hidden), isOn => { hide(travels, !isOn); show(); });
   travel.hidden = !anyPrint || !travels;
   show();
   return { choice: make("label", {}, "colour", choice), travel, legend };

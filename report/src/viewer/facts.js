@@ -49,8 +49,8 @@ const table = (heads, rows, className = "") => {
   return make("div", { className: "wide" }, make("table", { className }, make("thead", {}, head), body));
 };
 
-/** Filament in m, below one to the millimetre. */
-const metres = mm => (mm / 1000).toFixed(mm < 1000 ? 3 : 2);
+/** Filament in m, below one to the millimetre; pulled back it is negative. */
+const metres = mm => (mm < 0 ? "\u2212" : "") + Math.abs(mm / 1000).toFixed(Math.abs(mm) < 1000 ? 3 : 2);
 
 /** Time and filament by line type, and time by layer. */
 function timeCards(record, player) {
@@ -61,7 +61,7 @@ function timeCards(record, player) {
     const rows = types.map(row => {
       const bar = make("i", { className: "share" }), type = data.types[row.type] ?? { name: "?", role: "other" };
       bar.style.cssText = `width:${100 * row.seconds / whole}%;background:${rgb(ROLES[type.role] ?? ROLES.other)}`;
-      return [type.name, clock(row.seconds), make("span", {}, (100 * row.seconds / whole).toFixed(1) + " %", bar), row.filament_mm > 0 ? metres(row.filament_mm) : "", row.filament_mm > 0 ? gram(row.filament_mm) : "", count(row.moves)];
+      return [type.name, clock(row.seconds), make("span", {}, (100 * row.seconds / whole).toFixed(1) + " %", bar), Math.abs(row.filament_mm) >= 0.5 ? metres(row.filament_mm) : "", row.filament_mm > 0 ? gram(row.filament_mm) : "", count(row.moves)];
     });
     cards.push(card("Time and filament by line type", table(["Line type", "Time", "Share of motion", "Filament, m", "g", "Moves"], rows, "figures shares")));
   }

@@ -71,12 +71,12 @@ class Lines {
     for (const what of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, what, gl.NEAREST);
     return texture;
   }
-  /** Takes the moves of a record; `only` is the one colour that they have, if any. */
-  add(moves, only = null) {
+  /** Takes the moves of a record; `only` is the one colour that they have, if any, and `thin` their least width in px. */
+  add(moves, only = null, thin = 0) {
     const { gl } = this, rows = Math.ceil((moves.n + 1) / WIDE);
     const points = new Float32Array(4 * WIDE * rows);
     points.set(moves.points.subarray(0, 4 * (moves.n + 1)));
-    const body = { moves, rows, only, points: this.texture(0, gl.RGBA32F, WIDE, rows, gl.RGBA, gl.FLOAT, points) };
+    const body = { moves, rows, only, thin, points: this.texture(0, gl.RGBA32F, WIDE, rows, gl.RGBA, gl.FLOAT, points) };
     const codes = new Uint8Array(2 * WIDE * rows);
     for (let i = 0; i < moves.n; i++) codes[2 * i + 1] = moves.type[i];
     body.bytes = codes;
@@ -109,7 +109,7 @@ class Lines {
     gl.uniform2f(at.size, camera.width, camera.height);
     gl.uniform1f(at.scale, camera.scale);
     gl.uniform1f(at.reach, 4000);
-    gl.uniform1f(at.thin, ratio > 1 ? 0.8 : 1);
+    this.thin = ratio > 1 ? 0.8 : 1;
     gl.uniform1ui(at.hidden, hidden);
   }
   clear() { this.queue = []; this.gl.clear(this.gl.COLOR_BUFFER_BIT | this.gl.DEPTH_BUFFER_BIT); }
@@ -121,6 +121,7 @@ class Lines {
       if (body !== bound) {
         bound = body;
         [body.points, body.codes, body.palette].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, texture); });
+        gl.uniform1f(at.thin, Math.max(this.thin, body.thin));
         gl.uniform4fv(at.only, body.only ? [...body.only.map(v => v / 255), 1] : [0, 0, 0, 0]);
       }
       gl.drawArrays(gl.TRIANGLES, 6 * first, 6 * (end - first));

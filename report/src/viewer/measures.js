@@ -78,7 +78,7 @@ function paint(measure, moves, range) {
     }
   }
   put(UNKNOWN, OKABE_ITO.grey);
-  put(TRAVEL, darkScheme.matches ? [96, 106, 122] : [150, 158, 172]);
+  put(TRAVEL, travelColour());
   // Travel is grey, but where its own measure counts.
   const isGrey = measure.id !== "limit";
   if (isGrey) for (let i = 0; i < moves.n; i++) if (moves.isTravel[moves.type[i]]) codes[i] = TRAVEL;

@@ -52,13 +52,13 @@ async function openRecord(root, data, streams, { docs = null } = {}) {
   let stage = null;
   try { stage = new Stage(record, player); } catch (error) { parts.push(card("Tool path", make("p", { textContent: `The path cannot be drawn: ${error.message}.` }))); }
   if (stage) {
-    const colours = colourBar(record, stage, player), text = new Text(record, player, streams.gcode ?? []);
+    const colours = colourBar(record, stage, player), layers = layerSlider(player, heights), text = new Text(record, player, streams.gcode ?? []);
     const hasText = text.lines > 0;
     const view = make("section", { className: "card panel view", ariaLabel: "Tool path" },
       make("div", { className: "bar" }, make("h2", { textContent: "Tool path" }), ...viewButtons(stage, player, record, streams.path), make("span", { className: "grow" }), colours.travel, colours.choice),
-      colours.legend,
-      make("div", { className: hasText ? "beside" : "" }, stage.element, ...(hasText ? [text.element] : [])),
-      moveSlider(player, record), layerSlider(player, heights), help());
+      colours.legend, markBoxes(stage, record),
+      make("div", { className: "beside" }, stage.element, layers.slider, ...(hasText ? [text.element] : [])),
+      moveSlider(player, record), layers.line, help());
     parts.push(view);
     keyboard(root, stage, player);
     stage.onPicture = () => { stage.onPicture = null; root.dispatchEvent(new CustomEvent("corehbot-picture", { bubbles: true })); };

@@ -2,7 +2,7 @@
 
 class Stage {
   constructor(record, player) {
-    Object.assign(this, { record, player, camera: new Camera(), picker: null, hover: -1, second: null, way: null, sides: "both", withSkirt: false, drawn: null, calm: 0, pending: 0, dirty: true });
+    Object.assign(this, { record, player, camera: new Camera(), picker: null, hover: -1, second: null, way: null, marks: {}, sides: "both", withSkirt: false, drawn: null, calm: 0, pending: 0, dirty: true });
     const canvas = name => make("canvas", { className: name });
     this.under = canvas("under"); this.middle = canvas("middle"); this.over = canvas("over");
     this.tip = make("div", { className: "tip", hidden: true });
@@ -72,6 +72,13 @@ class Stage {
     }
     this.redraw();
   }
+  /** Shows the marks of a name, or none. */
+  setMarks(name, body) {
+    this.marks[name] = body;
+    this.redraw();
+  }
+  /** Bodies that are drawn above the lines. */
+  get above() { return [this.way, ...Object.values(this.marks)].filter(Boolean); }
   /** Runs of another body than the record's, in the shown layers and up to now. */
   others(body) {
     const { player } = this, { moves } = body, done = player.done >= player.moves.n ? moves.n : moves.indexAt(player.now);
@@ -79,9 +86,9 @@ class Stage {
   }
   /** Runs of all bodies that are to be seen. */
   runs() {
-    const { player, second, way } = this;
+    const { player, second } = this;
     const own = this.sides !== "second" ? player.runs().map(([a, b]) => [this.body, a, b]) : [];
-    return [...(second && this.sides !== "first" ? this.others(second.body) : []), ...own, ...(way ? this.others(way) : [])];
+    return [...(second && this.sides !== "first" ? this.others(second.body) : []), ...own, ...this.above.flatMap(body => this.others(body))];
   }
   frame() {
     this.pending = 0;
@@ -104,7 +111,7 @@ class Stage {
   /** The time has changed: what came is added; if it went back all is drawn again. */
   advance() {
     const { player, lines } = this;
-    if (this.second || this.way || this.drawn === null || player.done < this.drawn || this.dirty) this.redraw(player.playing);
+    if (this.second || this.above.length || this.drawn === null || player.done < this.drawn || this.dirty) this.redraw(player.playing);
     else if (player.done > this.drawn) {
       for (const [first, end] of player.runs()) if (end > this.drawn) lines.queue.push([this.body, Math.max(first, this.drawn), end]);
       this.drawn = player.done;
