@@ -131,7 +131,7 @@ def run(_corehbot, _folder):
         for part in (check_tabs, check_print, check_accident, check_editor, check_terminal):
             part(browser)
             browser.check_quiet()
-        for size, is_dark in ((PHONE, False), (PHONE, True), (DESK, True)):
+        for size, is_dark in ((PHONE, False), (DESK, True)):
             browser.resize(size, is_dark)
             browser.open(os.environ["PAGE"])
             check_tabs(browser)

@@ -1,0 +1,36 @@
+"""Reports of three prints open from their files and look like the pictures in `golden`, on a desk and, in the dark, on a
+phone.
+
+Arguments: corehbot. `BLESS=1` writes the pictures.
+"""
+
+from chromium import DESK, PHONE, Chromium, check
+from trial import ROOT, main, print_report
+
+HEAT = ROOT / "xtask/clients"
+
+# A print with each type of line; one that fails at a broken thermistor; one with belts that stretch and a shaper.
+PRINTS = {
+    "lines": (ROOT / "examples/first-print.gcode",),
+    "fault": (HEAT / "heat.gcode", "--settings", HEAT / "heat.toml", "--break", "open:hotend@60s"),
+    "belt": (ROOT / "examples/shaping.gcode", "--plant", "belt"),
+}
+
+
+def run(corehbot, folder):
+    worst, times, megabytes = 0, [], 0
+    with Chromium() as browser:
+        for name, (file, *options) in PRINTS.items():
+            report = print_report(corehbot, file, folder, *options, ends_well=name != "fault")
+            megabytes = max(megabytes, report.stat().st_size / 1e6)
+            for place, size in (("desk", DESK), ("phone", PHONE)):
+                browser.resize(size, is_dark=size == PHONE)
+                times.append(browser.open(report))
+                check(file.stem in browser.driver.title, f"the title is {browser.driver.title}")
+                worst = max(worst, browser.picture(f"{name}-{place}"))
+                browser.check_width()
+                browser.check_quiet()
+    return f"loaded in {max(times):.2f} s, {megabytes:.1f} MB; {len(times)} pictures differ in {worst:.3%} of their area at most"
+
+
+main(run)
