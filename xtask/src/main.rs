@@ -51,7 +51,7 @@ enum Task {
     Mutants(mutants::Args),
     /// Builds the page with the firmware inside: a folder of files that a browser opens.
     Page(page::Args),
-    /// Draws the picture in the README: the report of a print, by a headless Chromium.
+    /// Draws the pictures of the viewer in the README and its reference, by a headless Chromium.
     Picture,
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),

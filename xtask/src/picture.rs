@@ -1,4 +1,5 @@
-//! `cargo xtask picture`: the picture in the README, which is the report of a print as a headless Chromium draws it.
+//! `cargo xtask picture`: the pictures of the viewer in the README and in its reference, which are the report of a print as
+//! a headless Chromium draws it.
 
 use crate::checkout::{cargo, root, run, target_dir};
 use anyhow::{Context as _, Result, ensure};
@@ -8,23 +9,49 @@ use std::process::Command;
 /// The most that a picture may weigh in the repository, in bytes.
 const MOST_BYTES: u64 = 150_000;
 
-/// Runs the print, draws its page, and writes docs/pictures/report.png.
+/// Each picture in docs/pictures, the size of its window, and what is done with the viewer before it is taken.
+const PICTURES: [(&str, &str, &str); 2] = [
+    ("report.png", "1000,680", ""),
+    (
+        "viewer.png",
+        "800,560",
+        "view.stage.setAbove(false);
+        const list = document.querySelector('label select');
+        list.value = 'speed';
+        list.onchange();
+        document.querySelector('[aria-label=Marks] label:last-child input').click();",
+    ),
+];
+
+/// Runs the print, and draws its page for each picture.
 pub fn main() -> Result<()> {
     let page = target_dir()?.join("report.html");
     let mut print = cargo(["run", "--quiet", "--release", "-p", "corehbot-cli", "--", "run"]);
     print.arg(root().join("examples/first-print.gcode")).arg("--report").arg(&page);
     run(print)?;
-    let picture = root().join("docs/pictures/report.png");
-    let mut browser = Command::new("chromium");
-    // A container has no sandbox, and no graphics; the page is ours. The picture is taken after so many ms: lines are drawn
-    // over several frames.
-    browser.args(["--headless", "--no-sandbox", "--hide-scrollbars", "--window-size=1000,680"]);
-    browser.args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--timeout=15000"]);
-    browser.arg(format!("--screenshot={}", picture.display()));
-    browser.arg(format!("file://{}", page.display()));
-    run(browser).context("a headless browser draws the page: apt-get install chromium")?;
-    let size = fs::metadata(&picture)?.len();
-    ensure!(size <= MOST_BYTES, "{}: {size} bytes, {MOST_BYTES} at most", picture.display());
-    println!("{}: {size} bytes", picture.display());
+    let report = fs::read_to_string(&page).with_context(|| format!("cannot read {}", page.display()))?;
+    for (name, size, acts) in PICTURES {
+        let script = format!(
+            "<script>const timer = setInterval(() => {{
+                const view = document.querySelector('.viewer')?.corehbotView;
+                if (!view) return;
+                clearInterval(timer);
+                {acts}
+            }}, 50);</script>"
+        );
+        fs::write(&page, report.clone() + &script).with_context(|| format!("cannot write {}", page.display()))?;
+        let picture = root().join("docs/pictures").join(name);
+        let mut browser = Command::new("chromium");
+        // A container has no sandbox, and no graphics; the page is ours. The picture is taken after so many ms: lines are
+        // drawn over several frames.
+        browser.args(["--headless", "--no-sandbox", "--hide-scrollbars"]).arg(format!("--window-size={size}"));
+        browser.args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--timeout=15000"]);
+        browser.arg(format!("--screenshot={}", picture.display()));
+        browser.arg(format!("file://{}", page.display()));
+        run(browser).context("a headless browser draws the page: apt-get install chromium")?;
+        let size = fs::metadata(&picture)?.len();
+        ensure!(size <= MOST_BYTES, "{}: {size} bytes, {MOST_BYTES} at most", picture.display());
+        println!("{}: {size} bytes", picture.display());
+    }
     Ok(())
 }
