@@ -228,13 +228,8 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         return Ok(is_sound(&seen));
     }
     let host = match &cli.settings {
-        // A simulator built as the prototype lacks the heaters and the mechanism that the EEPROM may ask for.
-        Some(_)
-            if wiring.settings == SettingsMemory::Eeprom
-                && !settings.thermal.has_heater()
-                && settings.mechanism == Settings::prototype().mechanism =>
-        {
-            compare::scheduled_with(&gcode, &Settings::prototype(), &mut eeprom, belt.as_ref())?
+        Some(_) if wiring.settings == SettingsMemory::Eeprom => {
+            compare::scheduled_stored(&gcode, &settings, &mut eeprom, belt.as_ref())?
         }
         _ => compare::scheduled_with(&gcode, &settings, NoStorage, belt.as_ref())?,
     };

@@ -11,6 +11,7 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::drivers::Drivers;
+use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{self, Desk, Sink};
 use std::fmt;
@@ -60,6 +61,26 @@ pub fn scheduled_with(
     let (drivers, mut host) = (Drivers::new(), FileHost::new(gcode));
     world::run_at(&mut desk, settings, None, storage, &drivers, &mut [&mut host], &mut steps)?;
     Ok(steps.0)
+}
+
+/// The same on the machine `settings`, which is stored in `eeprom`: the firmware takes it from there.
+///
+/// # Errors
+/// If printer and host wait for each other, or the twin has no such machine.
+pub fn scheduled_stored(
+    gcode: &str,
+    settings: &Settings,
+    eeprom: &mut Eeprom,
+    belt: Option<&BeltSetup>,
+) -> Result<Vec<Scheduled>> {
+    let prototype = Settings::prototype();
+    // A simulator built as the prototype lacks the heaters and the mechanism that the EEPROM may ask for.
+    if settings.thermal.has_heater() || settings.mechanism != prototype.mechanism {
+        return scheduled_with(gcode, settings, NoStorage, belt);
+    }
+    // It would lack the accelerometer too: then the firmware finds none, and makes no sweep.
+    let built = Settings { accelerometer: settings.accelerometer, ..prototype };
+    scheduled_with(gcode, &built, eeprom, belt)
 }
 
 /// The part of `events` that a board shows if it has only the motors `motors`.

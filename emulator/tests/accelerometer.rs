@@ -1,8 +1,10 @@
 //! The accelerometer on the image: its registers, its samples, and a sensor that is not there.
 
 use crate::common::{Bench, bench_of, firmware, print_on};
+use crate::steps::check_on;
 use corehbot::accelerometer::Kind;
 use corehbot::settings::Settings;
+use corehbot_emulator::compare::scheduled;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::sensor::Sensor;
 use corehbot_emulator::watch::End;
@@ -72,4 +74,26 @@ fn a_machine_without_a_sensor_leaves_the_pins_alone() {
     let seen = print_on(&firmware(), "M955\nG4 P100\n", &bench_of(machine(None)));
     assert!(has(&seen, "no accelerometer configured"), "{:?}", seen.line.said);
     assert_eq!((seen.driven[0] >> 15 & 1, seen.driven[1] >> 3 & 7), (0, 0));
+}
+
+/// From the first pulse over every turn to rest, and back to where the tool was: at the frequencies of long ways and,
+/// on a diagonal, at those of short ones. The sensor is heard all the time. Both take 10 s, because a frequency grows
+/// by 2 Hz a second at most.
+#[test]
+fn whole_sweeps_step_as_on_the_host() {
+    const BEFORE: &str = "G28 X Y\nG0 X60 Y60 F12000\n";
+    const SWEEPS: &str = "TEST_RESONANCES AXIS=X FREQ_START=5 FREQ_END=20 HZ_PER_SEC=2\n\
+                          TEST_RESONANCES AXIS=B FREQ_START=130 FREQ_END=135 HZ_PER_SEC=2\n";
+    let bench = Bench { sensor: Some(Sensor::new(Kind::Adxl345)), ..bench_of(machine(Some(Kind::Adxl345))) };
+    let seen = check_on(&firmware(), &bench, "two sweeps", &format!("{BEFORE}{SWEEPS}M114\n"));
+    let before = scheduled(BEFORE, &bench.settings).unwrap().len();
+    let swept = seen.recorder.events.len() - before;
+    assert!(swept > 50_000, "{swept} events");
+    for axis in ["X", "B"] {
+        assert!(has(&seen, &format!("resonance {axis}: ")), "{:?}", seen.line.said);
+    }
+    assert!(has(&seen, "X:60.00 Y:60.00 "), "{:?}", seen.line.said);
+    let [made, fetched, lost] = seen.sensor.as_ref().unwrap().samples;
+    // A second of noise before each sweep.
+    assert!(made > 12 * 3200 && fetched > 12 * 3200 && lost == 0, "{made} {fetched} {lost}");
 }

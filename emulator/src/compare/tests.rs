@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::timer::NS_PER_TICK;
+use corehbot::accelerometer::Kind;
 use corehbot::motors::prototype;
 
 fn event(due: u32, lag: u32, late: i64) -> StepEvent {
@@ -44,4 +45,19 @@ fn the_first_difference_is_named() {
     let host = [planned(0), planned(100)];
     let found = difference(&[event(10, 10, 0)], &host).unwrap();
     assert_eq!(found.to_string(), "event 1: the pins are silent, the host steps -m1 -m4 -m8 -m11 at tick 100");
+}
+
+/// The host once had no accelerometer where the machine came from an EEPROM. It refused the sweep that the image made,
+/// so it was silent after the moves before it.
+#[test]
+fn a_stored_machine_has_its_accelerometer_plugged_in() {
+    let mut settings = Settings::prototype();
+    settings.accelerometer.kind = Some(Kind::Adxl345);
+    let mut eeprom = Eeprom::blank();
+    eeprom.save(&settings).unwrap();
+    let before = "G28 X Y\nG0 X40 Y40\n";
+    let gcode = format!("{before}TEST_RESONANCES AXIS=X FREQ_START=134 FREQ_END=135 HZ_PER_SEC=2\n");
+    let stored = scheduled_stored(&gcode, &settings, &mut eeprom, None).unwrap();
+    assert_eq!(stored, scheduled(&gcode, &settings).unwrap());
+    assert!(stored.len() > scheduled(before, &settings).unwrap().len() + 1000, "{}", stored.len());
 }
