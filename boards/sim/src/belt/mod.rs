@@ -211,8 +211,9 @@ impl BeltPlant {
 
     /// Motors step at `now`, which is `tick` of motion time.
     pub fn step(&mut self, now: u64, tick: u64, steps: MotorSet, forward: MotorSet, chips: &mut impl Chips) {
-        self.attend(now, chips.powered());
         self.timeline.event(now, tick);
+        self.trouble.date(self.timeline.now_s(), |motion_s| self.timeline.instant(motion_s));
+        self.attend(now, chips.powered());
         self.rig.step(steps, forward);
         self.has_begun |= steps.intersects(self.filament) || self.met.iter().take(self.axes()).all(Option::is_some);
         if self.layout.drives.iter().all(|drive| !steps.has(drive.motor)) {
@@ -228,7 +229,7 @@ impl BeltPlant {
             }
         }
         self.live.step(&each);
-        self.happen(now);
+        self.meet_hits(now);
         self.watch();
         self.measure(now, steps, chips);
     }
@@ -348,11 +349,11 @@ impl BeltPlant {
         [place.x - self.origin.x, place.y - self.origin.y, place.z - self.origin.z]
     }
 
-    /// Moves on to `now`, with the ends of accidents on the way.
+    /// Moves on to `now`, with the begins and ends of accidents on the way.
     fn advance(&mut self, now: u64) {
-        while let Some(end) = self.trouble.next_end().filter(|end| *end <= now) {
-            self.live.advance(end);
-            self.trouble.end_all(end, &mut self.live);
+        while let Some(change) = self.trouble.next_change().filter(|change| *change <= now) {
+            self.live.advance(change);
+            self.trouble.change(change, &mut self.live);
         }
         self.live.advance(now);
         for skip in self.live.take_skips() {
@@ -368,13 +369,12 @@ impl BeltPlant {
         }
     }
 
-    /// Accidents begin.
-    fn happen(&mut self, now: u64) {
+    /// Hits begin.
+    fn meet_hits(&mut self, now: u64) {
         if self.has_begun && self.trouble.missed_hits() > 0 {
             let tool = self.tool_mm();
             self.trouble.meet(now, tool, &mut self.live);
         }
-        self.trouble.fail(now, self.timeline.now_s(), &mut self.live);
     }
 
     /// Records the motors' load for the report.

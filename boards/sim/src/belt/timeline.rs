@@ -1,4 +1,4 @@
-//! Timeline: motion time of an instant that has passed.
+//! Timeline: motion time of an instant that has passed, and the reverse.
 //!
 //! The plant lives in real time. People search in motion time, which stands still where motors rest. After M999 motion
 //! time begins at 0 again, and continues here.
@@ -56,6 +56,13 @@ impl Timeline {
         self.last.motion as f64 / f64::from(TICKS_PER_SECOND)
     }
 
+    /// The instant in ticks of a motion time in s, which lies between the last two events. Where motion rested between
+    /// them, it is the time before the later one.
+    pub(super) fn instant(&self, motion_s: f64) -> u64 {
+        let motion = (motion_s * f64::from(TICKS_PER_SECOND)).round() as u64;
+        self.last.now.saturating_sub(self.last.motion.saturating_sub(motion))
+    }
+
     /// Motion time of an instant, in s.
     pub(super) fn motion_s(&self, now: u64) -> f64 {
         let later = self.begins.iter().position(|begin| begin.now > now);
@@ -79,6 +86,8 @@ mod tests {
         let second = u64::from(TICKS_PER_SECOND);
         for (now, tick) in [(10, 0), (11, 1), (20, 2), (21, 3), (30, 0), (31, 1)] {
             timeline.event(now * second, tick * second);
+            assert_eq!(timeline.instant(timeline.now_s()), now * second);
+            assert!(tick == 0 || timeline.instant(timeline.now_s() - 0.5) == now * second - second / 2);
         }
         let close = |now: f64, expected: f64| {
             let found = timeline.motion_s((now * second as f64) as u64);

@@ -31,11 +31,12 @@ enum Effect {
 #[derive(Clone, Debug)]
 struct Failing {
     effect: Effect,
+    /// When it begins, in s of motion time.
     from_s: f64,
     ms: Option<f64>,
     state: AccidentState,
-    /// When it began, in s of motion time.
-    began_s: Option<f64>,
+    /// The instant at which it begins, in ticks, as soon as that is known.
+    due: Option<u64>,
     /// The accident as it was written; a brake has none.
     text: Option<String>,
 }
@@ -79,14 +80,29 @@ impl Trouble {
         Ok((Self { hits, parts: failing }, stops))
     }
 
-    /// When the next of them ends, if any acts.
-    pub(super) fn next_end(&self) -> Option<u64> {
+    /// When the next of them begins or ends, if that is known.
+    pub(super) fn next_change(&self) -> Option<u64> {
         let parts = self.parts.iter().map(|part| &part.state);
-        self.hits.iter().map(|(_, state)| state).chain(parts).filter_map(AccidentState::end).min()
+        let ends = self.hits.iter().map(|(_, state)| state).chain(parts).filter_map(AccidentState::end);
+        ends.chain(self.parts.iter().filter_map(Failing::begin)).min()
+    }
+
+    /// Parts that fail by a motion time get the instant of it: motors that step tell motion time, and those of the belt
+    /// may rest meanwhile.
+    pub(super) fn date(&mut self, motion_s: f64, instant: impl Fn(f64) -> u64) {
+        for part in self.parts.iter_mut().filter(|part| part.due.is_none() && part.from_s <= motion_s) {
+            part.due = Some(instant(part.from_s));
+        }
+    }
+
+    /// Parts fail and mend that are due at `now`.
+    pub(super) fn change(&mut self, now: u64, live: &mut Live) {
+        self.fail(now, live);
+        self.end_all(now, live);
     }
 
     /// Ends those that act no longer than to `now`.
-    pub(super) fn end_all(&mut self, now: u64, live: &mut Live) {
+    fn end_all(&mut self, now: u64, live: &mut Live) {
         for (_, state) in &mut self.hits {
             state.end_at(now);
         }
@@ -116,15 +132,14 @@ impl Trouble {
         self.act(live);
     }
 
-    /// Parts fail that are due at this motion time.
-    pub(super) fn fail(&mut self, now: u64, motion_s: f64, live: &mut Live) {
+    /// Parts fail that are due at `now`.
+    fn fail(&mut self, now: u64, live: &mut Live) {
         let mut is_changed = false;
-        let due = |part: &&mut Failing| part.state == AccidentState::Waiting && part.from_s <= motion_s;
-        for part in self.parts.iter_mut().filter(due) {
+        for part in &mut self.parts {
+            let Some(begin) = part.begin().filter(|begin| *begin <= now) else { continue };
             is_changed = true;
-            part.began_s = Some(motion_s);
             let force_n = if let Effect::Rub(_, force_n) = part.effect { force_n } else { 0.0 };
-            part.state.start(force_n, part.ms, now);
+            part.state.start(force_n, part.ms, begin);
             match part.effect {
                 Effect::Loosen(motor, most_n) => live.loosen(motor, most_n),
                 Effect::Jump(motor, teeth) => live.jump(motor, teeth),
@@ -166,14 +181,20 @@ impl Trouble {
                 Effect::Loosen(motor, _) | Effect::Jump(motor, _) => Some(motor),
                 _ => None,
             };
-            Some((part.text.as_deref()?, part.began_s, motor))
+            let began_s = (part.state != AccidentState::Waiting).then_some(part.from_s);
+            Some((part.text.as_deref()?, began_s, motor))
         })
     }
 }
 
 impl Failing {
     const fn new(effect: Effect, from_s: f64, ms: Option<f64>, text: Option<String>) -> Self {
-        Self { effect, from_s, ms, state: AccidentState::Waiting, began_s: None, text }
+        Self { effect, from_s, ms, state: AccidentState::Waiting, due: None, text }
+    }
+
+    /// When it begins, if that is known and it has not.
+    fn begin(&self) -> Option<u64> {
+        self.due.filter(|_| self.state == AccidentState::Waiting)
     }
 
     /// The idlers that it seizes.

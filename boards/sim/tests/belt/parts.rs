@@ -44,10 +44,33 @@ fn errors(heard: &[String], plant: &BeltPlant) -> (f64, f64) {
 }
 
 fn short(accidents: &[&str]) -> BeltFigures {
-    let lines = ["G1 X195 Y208.8 F6000", "G1 X185 Y198.8", "M400", "G4 P500"];
-    let (_, mut plant) = print(Some([175.0, 188.8, 10.0]), parts(accidents), &lines);
+    short_with(accidents, &["G1 X195 Y208.8 F6000", "G1 X185 Y198.8", "M400", "G4 P500"])
+}
+
+fn short_with(accidents: &[&str], lines: &[&str]) -> BeltFigures {
+    let (_, mut plant) = print(Some([175.0, 188.8, 10.0]), parts(accidents), lines);
     plant.ring_out();
     plant.figures()
+}
+
+/// While the belt's motors rest, accidents once waited for their next step: one that was long over held the motor then.
+#[test]
+fn a_part_fails_and_mends_in_a_rest_of_the_belt() {
+    // The first diagonal takes 0.3 s, the rest 2 s.
+    for rest in ["G4 P2000", "G1 Z20 F300"] {
+        let lines = ["G1 X195 Y208.8 F6000", rest, "G1 X185 Y198.8 F6000", "M400", "G4 P500"];
+        let brief = short_with(&["seized:m4@0.8s+1s"], &lines);
+        assert_eq!(brief.accidents[0].began_s, Some(0.8));
+        assert!(brief.skips.is_empty() && brief.off_mm.unwrap() < 0.01, "{rest}: {brief}");
+        // One that outlasts the rest, or is for good, stalls the motor behind it.
+        for lasts in ["+2s", ""] {
+            let seized = short_with(&[&format!("seized:m4@0.8s{lasts}")], &lines);
+            assert!(seized.skips.iter().all(|skip| skip.time_s > 2.0) && !seized.skips.is_empty(), "{rest}: {seized}");
+        }
+        let twice = short_with(&["loose:m11:+1N@0.8s+0.5s", "loose:m11:+1N@1.5s+0.5s"], &lines);
+        assert_eq!(twice.accidents.iter().map(|part| part.began_s).collect::<Vec<_>>(), [Some(0.8), Some(1.5)]);
+        assert!(twice.accidents[0].belt_ahead_mm.unwrap().abs() < 0.001, "{rest}: {twice}");
+    }
 }
 
 #[test]
@@ -62,7 +85,7 @@ fn a_part_fails_when_its_time_has_come_and_mends_when_that_is_over() {
     assert!(seized.skips.iter().any(|skip| skip.motor.as_str() == "m4"), "{seized}");
     let brief = short(&["seized:m4@0.1s+0.002s"]);
     assert!(brief.skips.is_empty() && brief.off_mm.unwrap() < 0.01, "{brief}");
-    assert!((0.1..0.11).contains(&brief.accidents[0].began_s.unwrap()), "{brief}");
+    assert_eq!(brief.accidents[0].began_s, Some(0.1));
     // So does one that a brake holds as briefly.
     let brakes = vec!["m4,1000,0.1,2".parse().unwrap()];
     let lines = ["G1 X195 Y208.8 F6000", "G1 X185 Y198.8", "M400", "G4 P500"];
