@@ -123,6 +123,28 @@ fn a_jumped_tooth_is_told_and_repaired_before_the_next_print() {
     assert_eq!(plant.figures().accidents[0].belt_ahead_mm, Some(2.0));
 }
 
+/// M915 D tells it, repairs nothing and trusts nothing. A second one has nothing to compare with. M915 makes it good.
+#[test]
+fn a_jumped_tooth_is_told_by_a_diagnosis_alone() {
+    let begin = ["G28", "G1 Z5 F900", "M915", "G1 X175 Y188.8 F9000", "G1 X195 Y208.8 F6000", "G1 X100 Y150", "M400"];
+    let told: Vec<&str> = begin.into_iter().chain(["M915 D", "M122", "M915 D"]).collect();
+    let (heard, plant) = life(7, &["jump:m11@57.4s"], &told);
+    let count = |heard: &[String], text: &str| heard.iter().filter(|line| line.contains(text)).count();
+    assert_eq!(count(&heard, "echo:the tool is off its position by X"), 1, "{heard:#?}");
+    // A tooth is 10 full steps: more than the belt can be strained by, so other motors skip too.
+    assert_eq!(count(&heard, "echo:more than one skip: which motors cannot be told (M915 aligns)"), 1, "{heard:#?}");
+    assert_eq!(count(&heard, "Belt: motors not aligned"), 1, "{heard:#?}");
+    assert_eq!(count(&heard, "echo:nothing to compare with"), 1, "{heard:#?}");
+    assert_eq!(count(&heard, "no motor has skipped") + count(&heard, "belt repaired"), 0, "{heard:#?}");
+    assert_eq!(plant.figures().accidents[0].belt_ahead_mm, Some(2.0));
+    let again = ["M915", "M915 D", "G1 X220 Y90 F9000", "G1 X150 Y150", "M400", "M114"];
+    let lines: Vec<&str> = told.into_iter().chain(again).collect();
+    let (heard, plant) = life(7, &["jump:m11@57.4s"], &lines);
+    assert_eq!((count(&heard, "belt motors aligned"), count(&heard, "no motor has skipped")), (2, 1), "{heard:#?}");
+    let (off, strain) = errors(&heard, &plant);
+    assert!(off < 0.04 && strain < 0.0125, "{off} {strain} {heard:#?}");
+}
+
 /// How a story of an accident ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum End {
