@@ -109,8 +109,12 @@ pub enum PartError {
     Kind(String),
     /// This is not how much of it there can be: the text, and what is expected.
     How(String, &'static str),
+    /// This 0 has a sign, which would be a direction.
+    Sign(String),
     /// The time is not valid.
     Time(String),
+    /// It would end as it begins: the text of the second time.
+    Momentary(String),
     /// A kind that lasts for good has no end.
     ForGood(&'static str),
 }
@@ -126,7 +130,11 @@ impl fmt::Display for PartError {
                 write!(f, "`{text}` is not an accident; expected {} (--brake rubs on a motor)", names.join(", "))
             }
             Self::How(text, says) => write!(f, "`{text}` is not {says}"),
+            Self::Sign(text) => write!(f, "`{text}` is 0 with a sign: a direction needs a force of more than 0 N"),
             Self::Time(text) => write!(f, "`{text}` is not a motion time: 60s, 2.5m, 1h; a year at most"),
+            Self::Momentary(text) => {
+                write!(f, "`+{text}` ends the accident as it begins; leave it out for an accident for good")
+            }
             Self::ForGood(kind) => write!(f, "{kind} is for good: it has no second time"),
         }
     }
@@ -142,7 +150,11 @@ impl Kind {
         let is_right = |number: &f64| {
             (least..=most).contains(number) && (self.does != Does::Jump || number.fract() == 0.0 && *number != 0.0)
         };
-        number.parse().ok().filter(is_right).ok_or_else(|| PartError::How(text.to_owned(), says))
+        let number = number.parse().ok().filter(is_right).ok_or_else(|| PartError::How(text.to_owned(), says))?;
+        if number == 0.0 && text.starts_with(['+', '-']) {
+            return Err(PartError::Sign(text.to_owned()));
+        }
+        Ok(number)
     }
 }
 
@@ -163,6 +175,10 @@ impl FromStr for PartAccident {
         if lasts.is_some() && matches!(kind.does, Does::Jump | Does::Weaken) {
             return Err(PartError::ForGood(kind.name));
         }
+        let lasts_s = lasts.map(seconds).transpose()?;
+        if let (Some(text), Some(0.0)) = (lasts, lasts_s) {
+            return Err(PartError::Momentary(text.trim().to_owned()));
+        }
         let direction = match how.and_then(|how| how.chars().next()) {
             Some('+') => 1,
             Some('-') => -1,
@@ -174,7 +190,7 @@ impl FromStr for PartAccident {
             how: how.map(|how| kind.how_of(how)).transpose()?.or(kind.how.usual),
             direction,
             from_s: seconds(from)?,
-            ms: lasts.map(seconds).transpose()?.map(|seconds| 1000.0 * seconds),
+            ms: lasts_s.map(|seconds| 1000.0 * seconds),
             text: text.to_owned(),
         })
     }
@@ -218,6 +234,19 @@ mod tests {
         assert_eq!(wrong("cord:m8@1"), "`1` is not a motion time: 60s, 2.5m, 1h; a year at most");
         assert_eq!(wrong("loose:m8@1s+2"), "`2` is not a motion time: 60s, 2.5m, 1h; a year at most");
         assert_eq!(wrong("jump:m8@1s+2s"), "jump is for good: it has no second time");
+        // Either would be an accident that does nothing, or something else than its sign says.
+        for text in ["seized:7@20s+0s", "loose:m8@1s+ 0m", "seized:m8:35N@1s+0.0s"] {
+            let time = text.split_once('+').unwrap().1.trim();
+            let says = format!("`+{time}` ends the accident as it begins; leave it out for an accident for good");
+            assert_eq!(wrong(text), says);
+        }
+        for how in ["-0", "+0", "-0N", "-0.0"] {
+            let says = format!("`{how}` is 0 with a sign: a direction needs a force of more than 0 N");
+            assert_eq!(wrong(&format!("loose:m1:{how}@3s")), says);
+        }
+        assert_eq!(wrong("seized:m1:-0@3s"), "`-0` is 0 with a sign: a direction needs a force of more than 0 N");
+        // A pulley that holds nothing, either way.
+        assert_eq!(read("loose:m1:0@3s"), Ok(("loose", "m1".to_owned(), Some(0.0), 0, 3.0, None)));
     }
 
     #[test]
