@@ -15,7 +15,7 @@ use clap::Args;
 use corehbot::port::NoStorage;
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
-use corehbot_report::mesh::MeshSummary;
+use corehbot_report::ended::Ended;
 use corehbot_report::moves::{Moves, StoredMoves};
 use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;
@@ -24,7 +24,7 @@ use corehbot_report::summary::{Names, Summary};
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::belt::BeltPlant;
-use corehbot_sim::check::Checker;
+use corehbot_sim::check::{Checker, Findings};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::heat_plant::HeatSetup;
@@ -32,16 +32,13 @@ use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::{Limits, Widening};
 use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::tally::{Figures, Tally};
-use corehbot_sim::trace::TraceWriter;
+use corehbot_sim::trace::{Finished, TraceWriter};
 use corehbot_sim::vcd::VcdWriter;
 use corehbot_sim::world::{self, Desk, Outcome};
 use std::fs::File;
 use std::io::{Seek as _, Write};
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// Message about a file with M92: its steps have two sizes.
-const UNITS_CHANGED: &str = "M92 changes the steps: speeds and paths are shown in the old unit and not judged";
 
 /// The file to print, and the outputs.
 #[derive(Args)]
@@ -179,23 +176,19 @@ impl Prepared {
             motors: machine.settings.motor_names,
         };
         let heat = std::mem::take(&mut done.heat);
-        let Results { mut summary, figures, path, mut moves } = Results::new(done, names, &host, &outcome)?;
-        summary.note_moves(&moves, host.notes());
-        let mut belt = desk.belt;
-        summary.belt = belt.as_mut().map(|plant| {
-            plant.ring_out();
-            plant.figures()
-        });
-        let effect = desk.mesh_log.as_ref().and_then(|log| log.effect(desk.bed.as_deref()));
-        summary.mesh = effect.map(|effect| MeshSummary::new(effect, outcome.slowed_moves));
-        if let Some(depth) = desk.bed.as_deref().and_then(BedPlant::deepest) {
-            summary.note_depth(depth.mm, depth.nozzle);
-        }
-        summary.note_asked(host.asked(), settings);
-        if !limits.is_judged {
-            summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
-            summary.warnings_total += 1;
-        }
+        let Results { trace, figures, findings, path, mut moves } = Results::new(done, &outcome)?;
+        let ended = Ended {
+            names,
+            settings,
+            limits: &limits,
+            host: &host,
+            outcome: &outcome,
+            figures: &figures,
+            findings: &findings,
+            moves: &moves,
+            trace_sha256: &trace.sha256,
+        };
+        let mut summary = ended.summary(&mut desk);
         let interrupted = stop.status();
         if interrupted.is_some() {
             let (answered, commands) = (host.answered(), host.commands());
@@ -209,7 +202,7 @@ impl Prepared {
         if let (Some(mut report), Some(path), Some(file), Some(mut gcode)) = (report, path, moves.file.0.take(), gcode)
         {
             let (heat_waits, notes) = (host.heat_waits(), host.notes());
-            let belt = belt.as_deref().map(BeltPlant::course);
+            let belt = desk.belt.as_deref().map(BeltPlant::course);
             let page =
                 print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings, notes };
             gcode.rewind().with_context(|| name.clone())?;
@@ -246,14 +239,15 @@ fn say(summary: &Summary, is_standard_taken: bool) -> Result<()> {
 
 /// All that the sinks have found.
 struct Results {
-    summary: Summary,
+    trace: Finished,
     figures: Figures,
+    findings: Findings,
     path: Option<Stored<File>>,
     moves: StoredMoves<Scratch>,
 }
 
 impl Results {
-    fn new(done: Done<Out>, names: Names<'_>, host: &FileHost, outcome: &Outcome) -> Result<Self> {
+    fn new(done: Done<Out>, outcome: &Outcome) -> Result<Self> {
         let Done { writers: Writers { trace, vcd }, judges: Judges { tally, checker, path }, moves, .. } = done;
         if let Some(vcd) = vcd {
             vcd.finish().context("cannot write the VCD file")?;
@@ -263,7 +257,6 @@ impl Results {
         let findings = checker.finish(Some(outcome.counts));
         let path = path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
         let moves = moves.finish().context("cannot keep the moves")?;
-        let summary = Summary::new(names, host, outcome, &figures, &findings, trace.sha256);
-        Ok(Self { summary, figures, path, moves })
+        Ok(Self { trace, figures, findings, path, moves })
     }
 }

@@ -5,13 +5,12 @@ use anyhow::{Context as _, Result, ensure};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_report::ended::Ended;
 use corehbot_report::heat_log::HeatLog;
-use corehbot_report::mesh::MeshSummary;
 use corehbot_report::moves::Moves;
 use corehbot_report::path::ToolPath;
 use corehbot_report::print;
-use corehbot_report::summary::{Names, Summary};
-use corehbot_rig::bed::BedPlant;
+use corehbot_report::summary::Names;
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::check::Checker;
 use corehbot_sim::drivers::Drivers;
@@ -85,22 +84,21 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
         machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
         motors: settings.motor_names,
     };
-    let mut summary = Summary::new(names, &host, &outcome, &figures, &findings, trace.sha256);
-    let mut belt = desk.belt;
-    summary.belt = belt.as_mut().map(|plant| {
-        plant.ring_out();
-        plant.figures()
-    });
-    let effect = desk.mesh_log.as_ref().and_then(|log| log.effect(desk.bed.as_deref()));
-    summary.mesh = effect.map(|effect| MeshSummary::new(effect, outcome.slowed_moves));
-    if let Some(depth) = desk.bed.as_deref().and_then(BedPlant::deepest) {
-        summary.note_depth(depth.mm, depth.nozzle);
-    }
-    summary.note_asked(host.asked(), settings);
-    let course = belt.as_deref().map(BeltPlant::course);
-    let (heat_waits, notes) = (host.heat_waits(), host.notes());
     let moves = moves.finish()?;
-    summary.note_moves(&moves, notes);
+    let ended = Ended {
+        names,
+        settings,
+        limits: &limits,
+        host: &host,
+        outcome: &outcome,
+        figures: &figures,
+        findings: &findings,
+        moves: &moves,
+        trace_sha256: &trace.sha256,
+    };
+    let summary = ended.summary(&mut desk);
+    let course = desk.belt.as_deref().map(BeltPlant::course);
+    let (heat_waits, notes) = (host.heat_waits(), host.notes());
     let page =
         print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt: course, settings, notes };
     let streams = print::Streams { path: path.finish()?, moves, gcode: Cursor::new(gcode) };
@@ -175,5 +173,24 @@ impl Sink for Sinks {
 
     fn heat(&mut self, period: &HeatPeriod) {
         self.heat.add(period);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn warnings(gcode: &str) -> String {
+        let job = Job { file: "a.gcode".to_owned(), homed: Some("0,0,0".to_owned()), ..Job::default() };
+        let printed = print(&job, gcode.into(), &mut |_, _, _| {}).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&printed.summary).unwrap();
+        summary["warnings"].to_string()
+    }
+
+    #[test]
+    fn units_that_change_are_told_as_the_command_tells_them() {
+        let changed = "a.gcode: M92 changes the steps: speeds and paths are shown in the old unit and not judged";
+        assert!(warnings("G1 X5 F6000\nM92 X100\nG1 X8\n").contains(changed));
+        assert_eq!(warnings("G1 X5 F6000\n"), "[]");
     }
 }

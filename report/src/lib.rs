@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`printable`] | texts of others that must not command a terminal |
 //! | [`summary`] | the result of a print, in words and as JSON |
+//! | [`ended`] | a print that is over: its summary from the parts of the simulator |
 //! | [`fault`] | why a print failed, and what to do |
 //! | [`sums`] | time and filament of a print by type of line, layer and limit |
 //! | [`heat_log`] | temperatures and duties over a print |
@@ -27,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod corexyz;
+pub mod ended;
 pub mod fault;
 pub mod figures;
 pub mod heat_log;

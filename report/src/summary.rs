@@ -5,14 +5,11 @@ use crate::mesh::MeshSummary;
 use crate::moves::StoredMoves;
 use crate::printable::line;
 use crate::sums::{Filament, LayerSum, LimitSum, TypeSum, by_layer, by_limit, by_type};
-use corehbot::connectors::Heater;
 use corehbot::motors::{MOTORS, MotorName};
-use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
-use corehbot_sim::bed_plant::FLOOR_MM;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::check::Findings;
-use corehbot_sim::host::{Asked, FileHost};
+use corehbot_sim::host::FileHost;
 use corehbot_sim::slicer::Notes;
 use corehbot_sim::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
 use corehbot_sim::world::Outcome;
@@ -133,8 +130,7 @@ pub struct Names<'a> {
 
 impl Summary {
     /// Joins the results of each part of the simulator.
-    #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         names: Names<'_>,
         host: &FileHost,
         outcome: &Outcome,
@@ -194,42 +190,13 @@ impl Summary {
     }
 
     /// Notes the sums of the moves.
-    pub fn note_moves<F>(&mut self, moves: &StoredMoves<F>, notes: &Notes) {
+    pub(crate) fn note_moves<F>(&mut self, moves: &StoredMoves<F>, notes: &Notes) {
         let heights: Vec<_> = moves.by_layer.keys().copied().collect();
         self.by_type = by_type(&moves.by_type, notes);
         self.by_layer = by_layer(&moves.by_layer, &heights);
         self.by_limit = by_limit(&moves.by_limit);
         let mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
         self.filament = self.by_type.iter().any(|row| row.filament_mm != 0.0).then(|| Filament::new(mm, notes));
-    }
-
-    /// Notes how deep the nozzle was in the bed, if that is deeper than a bed stands.
-    pub fn note_depth(&mut self, mm: f64, [x, y, z]: [f64; 3]) {
-        if mm > FLOOR_MM {
-            self.ok = false;
-            self.violations_total += 1;
-            self.violations.push(format!("the nozzle was {mm:.3} mm below the bed, at X{x:.2} Y{y:.2} Z{z:.3}"));
-        }
-    }
-
-    /// Notes requests that had no effect on this machine: heat without a heater, and filament that never moved.
-    pub fn note_asked(&mut self, asked: Asked, settings: &Settings) {
-        let has_heaters = Heater::ALL.into_iter().any(|heater| settings.thermal.heater(heater).is_fitted);
-        if asked.heating > 0 && !has_heaters {
-            let commands = if asked.heating == 1 { "command" } else { "commands" };
-            self.warnings.push(format!(
-                "{}: {} heating {commands} ignored: no heater fitted, see [heaters] in the machine file",
-                self.file, asked.heating
-            ));
-            self.warnings_total += 1;
-        }
-        let extruder = settings.mechanism.extruder().map(|motor| settings.name_of(motor));
-        let steps = extruder.and_then(|extruder| self.steps.iter().find(|(name, _)| *name == extruder));
-        if asked.filament && !asked.dry_run && steps.is_some_and(|(_, steps)| steps == 0) {
-            let why = format!("{}: filament was commanded, but none moved: was the hotend cold?", self.file);
-            self.ok = false;
-            self.failure.get_or_insert(why);
-        }
     }
 
     /// The summary as JSON, with a line end.
