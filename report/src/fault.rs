@@ -7,6 +7,9 @@ use serde::Serialize;
 const PAGE: &str = "docs/reference/errors.md";
 const NUMBERED: &str = "docs/reference/errors.md#faults";
 
+/// That document: it knows the cause of each numbered fault, which the firmware does not say.
+const DOCUMENT: &str = include_str!("../../docs/reference/errors.md");
+
 /// What the firmware says around a fault (`Replies::killed_by`, `killed_after`).
 const WRAPPING: [&str; 2] = ["Error:", "Printer halted. kill() called! ("];
 const END: &str = ") Send M999 or reset";
@@ -18,6 +21,8 @@ pub struct Fault {
     pub code: Option<String>,
     /// What happened.
     pub text: String,
+    /// Why it happens, as the document says.
+    pub cause: Option<String>,
     /// What to do, if the firmware says it.
     pub cure: Option<String>,
     /// The document about it.
@@ -39,6 +44,7 @@ impl Fault {
         let (code, text, cure) = parts(&remark.reply);
         Self {
             page: if code.is_some() { NUMBERED } else { PAGE },
+            cause: code.and_then(cause),
             code: code.map(str::to_owned),
             text: text.to_owned(),
             cure: cure.map(str::to_owned),
@@ -48,6 +54,18 @@ impl Fault {
             command: remark.command.clone(),
         }
     }
+}
+
+/// The cause of a fault: the third column of its row, without addresses of links.
+fn cause(code: &str) -> Option<String> {
+    let row = DOCUMENT.lines().find_map(|line| line.strip_prefix("| ")?.strip_prefix(code)?.strip_prefix(" | "))?;
+    let cell = row.split(" | ").nth(1)?;
+    let mut parts = cell.split("](");
+    let mut text = parts.next()?.replace('[', "");
+    for part in parts {
+        text += &part.split_once(')')?.1.replace('[', "");
+    }
+    Some(text)
 }
 
 /// Number, text and cure in the printer's words: `Error:hotend: sensor shorted [E02]: mend the sensor's wire`.
@@ -80,8 +98,17 @@ mod tests {
                 let (code, text, cure) = parts(&reply);
                 assert_eq!(code, Some(format!("E{:02}", cause as u8).as_str()), "{reply}");
                 assert_eq!(format!("{text} [{}]: {}", code.unwrap(), cure.unwrap()), told);
+                let cause = super::cause(code.unwrap()).unwrap();
+                assert!(cause.len() > 5 && !cause.contains(['[', ']', '|']), "{cause}");
             }
         }
+    }
+
+    #[test]
+    fn causes_are_those_of_the_document() {
+        assert_eq!(cause("E02").as_deref(), Some("the wire of a sensor is shorted"));
+        assert_eq!(cause("E18").as_deref(), Some("a bug; the values are calls"));
+        assert_eq!(cause("E99"), None);
     }
 
     #[test]

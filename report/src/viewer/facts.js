@@ -19,8 +19,9 @@ function faultCard(record, player) {
     go.onclick = () => { player.stop(); player.setTime(fault.motion_s); };
     row("When", `${clock(fault.time_s)} after the start, at ${clock(fault.motion_s)} of motion` + (fault.line ? `, line ${count(fault.line)}: ` : " "), ...(fault.command ? [make("code", { textContent: fault.command }), " "] : []), go);
   }
+  if (fault?.cause) row("Cause", fault.cause);
   if (fault?.cure) row("What to do", fault.cure);
-  if (fault?.page) row("More", record.docs ? make("a", { href: record.docs + fault.page, textContent: fault.page, target: "_blank", rel: "noopener" }) : make("code", { textContent: fault.page }));
+  if (fault?.page) row("More", make("code", { textContent: fault.page }));
   const some = S.violations.slice(0, 5);
   if (some.length) row("Violations", make("ul", { className: "remarks" }, ...some.map(textContent => make("li", { textContent }))), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));
   const section = make("section", { className: "card panel fault", role: "alert", ariaLabel: "What went wrong" }, make("h2", { textContent: title }), make("dl", {}, ...lines));
