@@ -12,8 +12,9 @@
 use crate::line::HostLine;
 use crate::timer::NS_PER_TICK;
 use anyhow::Result;
-use corehbot_cli::serve::{Act, Hand, Pace, Port, Speed};
+use corehbot_cli::serve::{Hand, Pace, Port, Speed};
 use corehbot_cli::stop::Stop;
+use corehbot_sim::hand::Act;
 use std::time::{Duration, Instant};
 
 /// An answer that takes less is no wait, in ns of emulated time: a host that asks again and again sees time go on.

@@ -78,6 +78,13 @@ pub fn accidents() -> String {
     job::accidents()
 }
 
+/// The words of all that hands do to the machine at a terminal, as JSON.
+#[wasm_bindgen]
+#[must_use]
+pub fn hands() -> String {
+    terminal::hands()
+}
+
 /// A print that is done.
 #[wasm_bindgen]
 pub struct Printed(printing::Printed);

@@ -9,12 +9,13 @@ use crate::picture::{Moved, Picture};
 use anyhow::{Context as _, Result, bail};
 use corehbot::connectors::Heater;
 use corehbot::kinematics::ForwardKinematics;
-use corehbot::motors::{EndstopSet, MOTORS, MotorSet};
+use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_machine_file::Machine;
 use corehbot_sim::drivers::Drivers;
+use corehbot_sim::hand::{self, Act};
 use corehbot_sim::heat_plant::Accident;
 use corehbot_sim::world::{Desk, Sink, World};
 use serde::Serialize;
@@ -23,37 +24,23 @@ use std::pin::Pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
 
-/// A hand, in C.
-const WARM: f64 = 33.0;
-
 /// A page that lets no more than this of the printer's time pass at once stays quick, in ms.
 const LONGEST_TURN_MS: f64 = 10_000.0;
 
 /// Something that happens to the machine.
 #[derive(Clone, Copy)]
-enum Act {
-    /// These switches are pressed, and no others.
-    Press(EndstopSet),
-    /// The sensor of this heater is held.
-    Warm(Heater),
+enum Event {
+    /// A hand does something.
+    Hand(Act),
     /// Something breaks.
     Break(Accident),
-    /// The reset button.
-    Reset,
 }
 
-/// What hands do, by its words.
-const HANDS: [(&str, Act); 9] = [
-    ("press x", Act::Press(EndstopSet::X)),
-    ("press y", Act::Press(EndstopSet::Y)),
-    ("press z", Act::Press(EndstopSet::Z)),
-    ("press probe", Act::Press(EndstopSet::PROBE)),
-    ("let go", Act::Press(EndstopSet::NONE)),
-    ("warm hotend", Act::Warm(Heater::Hotend)),
-    ("warm bed", Act::Warm(Heater::Bed)),
-    ("warm chamber", Act::Warm(Heater::Chamber)),
-    ("reset", Act::Reset),
-];
+/// The words of all that hands do, as JSON.
+#[must_use]
+pub fn hands() -> String {
+    serde_json::to_string(&hand::ACTS.map(|(words, _)| words)).unwrap_or_default()
+}
 
 /// A heater that is fitted.
 #[derive(Clone, Serialize)]
@@ -72,6 +59,7 @@ struct State {
     tool_mm: [f64; 3],
     #[serde(skip)]
     counts: [i32; MOTORS],
+    is_off: bool,
     is_halted: bool,
     is_for_user: bool,
     is_ready: bool,
@@ -94,7 +82,7 @@ struct Seen<'s> {
 struct Line {
     to_printer: RefCell<Vec<u8>>,
     to_page: RefCell<Vec<u8>>,
-    acts: RefCell<Vec<Act>>,
+    events: RefCell<Vec<Event>>,
     /// How far time may go, in ticks.
     until: Cell<u64>,
     state: RefCell<State>,
@@ -135,18 +123,17 @@ impl Terminal {
     /// # Errors
     /// There is nothing of the kind, or the machine has no such part.
     pub fn act(&self, what: &str) -> Result<()> {
-        let hand = HANDS.iter().find(|(words, _)| *words == what).map(|(_, act)| *act);
-        let act = match hand {
-            Some(act) => act,
+        let event = match Act::called(what) {
+            Some(act) => Event::Hand(act),
             None => {
                 let accident: Accident = format!("{what}@0s").parse().with_context(|| what.to_owned())?;
                 if let Some(missing) = accident.missing(&self.machine.settings.thermal) {
                     bail!("{what}: {missing}");
                 }
-                Act::Break(accident)
+                Event::Break(accident)
             }
         };
-        self.line.acts.borrow_mut().push(act);
+        self.line.events.borrow_mut().push(event);
         Ok(())
     }
 
@@ -201,7 +188,7 @@ async fn until_asked() {
         .await;
 }
 
-/// Is a printer for ever.
+/// Is a printer until it is switched off, and then a silent one.
 async fn session(prepared: Prepared, line: Rc<Line>) {
     let Prepared { machine, homed, mut belt, heat, mut bed, mut probe_accidents } = prepared;
     let settings = machine.settings;
@@ -214,11 +201,15 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
         (desk.bed, desk.probe_accidents) = (bed.take(), std::mem::take(&mut probe_accidents));
         let mut sink = Unseen;
         let mut world = World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink);
-        let mut is_reset = false;
-        while !(world.has_ended() || is_reset) {
-            for act in line.acts.take() {
-                is_reset |= matches!(act, Act::Reset);
-                befall(&mut world, act);
+        let (mut is_reset, mut is_off) = (false, false);
+        while !world.has_ended() {
+            for event in line.events.take() {
+                is_reset |= matches!(event, Event::Hand(Act::Reset));
+                is_off |= matches!(event, Event::Hand(Act::Off));
+                befall(&mut world, event);
+            }
+            if is_reset || is_off {
+                break;
             }
             for wire in world.wires() {
                 wire.put(line.to_printer.take());
@@ -234,6 +225,13 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
             *line.state.borrow_mut() = state(&mut world, &settings);
             until_asked().await;
         }
+        if is_off {
+            line.state.borrow_mut().is_off = true;
+            loop {
+                line.to_printer.take();
+                until_asked().await;
+            }
+        }
         let counts = world.outcome().counts;
         now = world.now();
         plant = world.take_plant();
@@ -246,20 +244,14 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
     }
 }
 
-fn befall(world: &mut World<'_>, act: Act) {
-    match act {
-        Act::Press(switches) => world.press(switches),
-        Act::Warm(heater) => {
-            if let Some(plant) = world.heat().plant() {
-                plant.hold(heater, WARM);
-            }
-        }
-        Act::Break(accident) => {
+fn befall(world: &mut World<'_>, event: Event) {
+    match event {
+        Event::Hand(act) => act.touch(world),
+        Event::Break(accident) => {
             if let Some(plant) = world.heat().plant() {
                 accident.happen(plant.faults());
             }
         }
-        Act::Reset => {}
     }
 }
 
@@ -285,6 +277,7 @@ fn state(world: &mut World<'_>, settings: &Settings) -> State {
     State {
         now_s: world.now() as f64 / f64::from(TICKS_PER_SECOND),
         counts: world.outcome().counts,
+        is_off: false,
         is_halted: status.is_halted(),
         is_for_user: status.is_awaiting_user(),
         is_ready: world.is_awaiting_hosts(),
@@ -330,6 +323,15 @@ mod tests {
         assert!(asked(&mut terminal, "M114 R\n", 10.0).contains("ok"));
         let seen: serde_json::Value = serde_json::from_str(&terminal.state()).unwrap();
         assert_eq!(seen["tool_mm"][0].as_f64().unwrap().round(), 120.0);
+    }
+
+    #[test]
+    fn switched_off_it_says_nothing() {
+        let mut terminal = at_home();
+        terminal.act("off").unwrap();
+        asked(&mut terminal, "M115\n", 10.0);
+        assert!(terminal.state().contains("\"is_off\":true"));
+        assert_eq!(asked(&mut terminal, "M115\n", 1000.0), "");
     }
 
     #[test]

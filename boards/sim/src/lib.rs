@@ -16,6 +16,7 @@ pub mod drivers;
 pub mod eeprom;
 mod ends;
 pub mod file_line;
+pub mod hand;
 pub mod heat_plant;
 pub mod host;
 pub mod limits;

@@ -1,52 +1,13 @@
-//! Hand: what a person does to the simulated machine, in lines on standard input. So the first hour with a board can be
-//! tried without one (`corehbot bringup`).
-//!
-//! | line | does |
-//! |---|---|
-//! | `press x` | presses a switch (x, y, z, probe), and lets go of any other one |
-//! | `let go` | lets go of it |
-//! | `warm hotend` | holds a heater's sensor (hotend, bed, chamber) until it is as warm as a hand |
-//! | `reset` | presses the board's reset button |
-//! | `off` | switches the printer off |
+//! Hand: what a person does to the simulated machine, in lines on standard input, in the words of
+//! [`corehbot_sim::hand`]. So the first hour with a board can be tried without one (`corehbot bringup`).
 //!
 //! `reset in 2 s` does so two seconds of the printer's time later. So an act falls into the middle of a wait, however
 //! fast the computer is.
 
-use corehbot::connectors::Heater;
-use corehbot::motors::EndstopSet;
 use corehbot::units::TICKS_PER_SECOND;
+use corehbot_sim::hand::{ACTS, Act};
 use std::io::BufRead as _;
 use std::sync::mpsc::{Receiver, channel};
-
-/// A hand, in C.
-pub const WARM: f64 = 33.0;
-
-/// Something that a hand does.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Act {
-    /// Presses these switches, and lets go of all others.
-    Press(EndstopSet),
-    /// Holds the sensor of this heater until it has [`WARM`].
-    Warm(Heater),
-    /// Presses the reset button.
-    Reset,
-    /// Switches the printer off.
-    Off,
-}
-
-/// Every line, and its act.
-const ACTS: [(&str, Act); 10] = [
-    ("press x", Act::Press(EndstopSet::X)),
-    ("press y", Act::Press(EndstopSet::Y)),
-    ("press z", Act::Press(EndstopSet::Z)),
-    ("press probe", Act::Press(EndstopSet::PROBE)),
-    ("let go", Act::Press(EndstopSet::NONE)),
-    ("warm hotend", Act::Warm(Heater::Hotend)),
-    ("warm bed", Act::Warm(Heater::Bed)),
-    ("warm chamber", Act::Warm(Heater::Chamber)),
-    ("reset", Act::Reset),
-    ("off", Act::Off),
-];
 
 /// The lines that have come.
 #[derive(Debug)]
@@ -95,15 +56,15 @@ impl Hand {
 
 /// Reads a line: in how many seconds, and what.
 fn read(line: &str) -> Option<(u64, Act)> {
-    let of = |line: &str| ACTS.iter().find(|(known, _)| *known == line).map(|(_, act)| *act);
-    let Some((line, wait)) = line.rsplit_once(" in ") else { return Some((0, of(line)?)) };
+    let Some((line, wait)) = line.rsplit_once(" in ") else { return Some((0, Act::called(line)?)) };
     let seconds: u16 = wait.strip_suffix(" s")?.parse().ok()?;
-    Some((seconds.into(), of(line)?))
+    Some((seconds.into(), Act::called(line)?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::motors::EndstopSet;
 
     #[test]
     fn a_hand_acts_at_once_or_later() {

@@ -29,12 +29,13 @@ use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::hand::Act;
 use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::plugs::Plugs;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{Desk, Outcome, Sink, World};
 use echo::Echo;
-pub use hand::{Act, Hand, WARM};
+pub use hand::Hand;
 pub use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
@@ -266,14 +267,9 @@ impl Server {
         let now = world.now();
         for act in self.hand.iter_mut().flat_map(|hand| hand.acts(now)) {
             match act {
-                Act::Press(switches) => world.press(switches),
-                Act::Warm(heater) => {
-                    if let Some(plant) = world.heat().plant() {
-                        plant.hold(heater, WARM);
-                    }
-                }
                 Act::Reset => return Some(Left::Restarted),
                 Act::Off => return Some(Left::Off),
+                act => act.touch(world),
             }
         }
         None

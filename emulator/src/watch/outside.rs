@@ -2,7 +2,7 @@
 
 use super::Watch;
 use crate::board::Emulated;
-use corehbot_cli::serve::Act;
+use corehbot_sim::hand::Act;
 use rigless::emulator::{Host, Stop};
 use rigless::session::Session;
 
