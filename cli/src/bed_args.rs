@@ -1,10 +1,10 @@
 //! The bed and the probe as commands ask for them.
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::Result;
 use clap::Args;
 use corehbot::settings::Settings;
-use corehbot_rig::bed::{BedPlant, has_probe};
-use corehbot_sim::bed_plant;
+use corehbot_rig::bed::BedPlant;
+use corehbot_sim::asked;
 
 /// The bed under the nozzle, on a machine with a probe.
 #[derive(Args)]
@@ -21,11 +21,6 @@ impl BedArgs {
     /// # Errors
     /// No such bed, or no probe that could find it.
     pub(crate) fn plant(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>> {
-        let Some(text) = &self.bed else { return Ok(None) };
-        if !has_probe(settings) {
-            bail!("--bed: the machine has no probe; its file plugs one in (endstops.probe)");
-        }
-        let setup = bed_plant::read(text, settings).with_context(|| format!("--bed {text}"))?;
-        Ok(Some(Box::new(BedPlant::new(settings, &setup))))
+        Ok(self.bed.as_deref().map(|text| asked::bed(text, settings)).transpose()?)
     }
 }

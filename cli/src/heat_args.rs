@@ -3,10 +3,10 @@
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use corehbot::settings::Settings;
-use corehbot_rig::bed::has_probe;
 use corehbot_rig::heat::constants;
+use corehbot_sim::asked;
 use corehbot_sim::bed_plant::ProbeAccident;
-use corehbot_sim::heat_plant::{Accident, HeatSetup, truth};
+use corehbot_sim::heat_plant::{HeatSetup, truth};
 use std::path::{Path, PathBuf};
 
 /// The plant of heat as commands ask for it.
@@ -32,15 +32,7 @@ impl HeatArgs {
     /// # Errors
     /// No such accident, or no probe that could break.
     pub fn probe_accidents(&self, settings: &Settings) -> Result<Vec<ProbeAccident>> {
-        let mut accidents = Vec::new();
-        for text in self.breaks.iter().filter(|text| ProbeAccident::is_one(text)) {
-            accidents.push(text.parse::<ProbeAccident>().with_context(|| format!("--break {text}"))?);
-            if !has_probe(settings) {
-                bail!("--break {text}: the machine has no probe; its file plugs one in (endstops.probe)");
-            }
-        }
-        accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-        Ok(accidents)
+        Ok(asked::probe_accidents(&self.breaks, settings)?)
     }
 
     /// The setup that the options ask for, on a machine with these settings.
@@ -48,15 +40,7 @@ impl HeatArgs {
     /// # Errors
     /// No such accident, a plant that cannot be, or no heater that could break.
     pub fn setup(&self, settings: &Settings) -> Result<HeatSetup> {
-        let mut accidents = Vec::new();
-        for text in self.breaks.iter().filter(|text| !ProbeAccident::is_one(text)) {
-            let accident: Accident = text.parse().with_context(|| format!("--break {text}"))?;
-            if let Some(missing) = accident.missing(&settings.thermal) {
-                bail!("--break {text}: {missing}");
-            }
-            accidents.push(accident);
-        }
-        accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+        let accidents = asked::heat_accidents(&self.breaks, settings)?;
         let Some(path) = &self.plant_heat else { return Ok(HeatSetup { truth: None, accidents }) };
         if !settings.thermal.has_heater() {
             bail!("--plant-heat: the machine has no heater; fit one in its file (heaters.hotend.is_fitted = true)");

@@ -1,11 +1,10 @@
 //! The belt plant as commands ask for it.
 
-use anyhow::{Context as _, Error, Result};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
-use corehbot_sim::belt::accident::Accidents;
-use corehbot_sim::belt::layout::LayoutError;
+use corehbot_sim::asked::Belts;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::description::Description;
 
@@ -41,18 +40,18 @@ pub struct PlantArgs {
 }
 
 impl PlantArgs {
+    fn belts(&self) -> Option<Belts<'_>> {
+        let Self { plant, seed, hit, brake, accident } = self;
+        let Plant::Belt = (*plant)?;
+        Some(Belts { seed: *seed, hits: hit, brakes: brake, accidents: accident })
+    }
+
     /// The plant of this description, if the options ask for one.
     ///
     /// # Errors
     /// No such accident.
     pub fn setup(&self, twin: &Description) -> Result<Option<BeltSetup>> {
-        let Some(Plant::Belt) = self.plant else { return Ok(None) };
-        let hits = self.hit.iter().map(|text| text.parse().with_context(|| format!("--hit {text}")));
-        let brakes = self.brake.iter().map(|text| text.parse().with_context(|| format!("--brake {text}")));
-        let parts = self.accident.iter().map(|text| text.parse().with_context(|| format!("--accident {text}")));
-        let (hits, brakes) = (hits.collect::<Result<_>>()?, brakes.collect::<Result<_>>()?);
-        let accidents = Accidents { hits, brakes, parts: parts.collect::<Result<_>>()? };
-        Ok(Some(BeltSetup { twin: twin.clone(), seed: self.seed, accidents }))
+        Ok(self.belts().map(|belts| belts.setup(twin)).transpose()?)
     }
 
     /// The plant of this machine, if one is asked for.
@@ -60,23 +59,6 @@ impl PlantArgs {
     /// # Errors
     /// No such accident, or no belts do what the machine's motors do.
     pub(crate) fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
-        let Some(setup) = self.setup(&machine.twin)? else { return Ok(None) };
-        let plant = BeltPlant::new(&machine.settings, homed, homed.is_some(), setup, 0);
-        Ok(Some(Box::new(plant.map_err(|error| {
-            let option = self.option_of(&error);
-            Error::new(error).context(option)
-        })?)))
-    }
-
-    /// The option that an error is about.
-    fn option_of(&self, error: &LayoutError) -> String {
-        match error {
-            LayoutError::NoBrake(name, _) => {
-                let is_of = |text: &&String| text.split(',').next().is_some_and(|motor| motor.trim() == name.as_str());
-                format!("--brake {}", self.brake.iter().find(is_of).map_or(name.as_str(), |text| text))
-            }
-            LayoutError::NoPart(text, ..) => format!("--accident {text}"),
-            _ => "--plant belt".to_owned(),
-        }
+        Ok(self.belts().map(|belts| belts.plant(machine, homed)).transpose()?)
     }
 }

@@ -5,6 +5,7 @@ use clap::Args;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file::{self as machine_file, Machine};
+use corehbot_sim::asked;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_twin::description::Description;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ pub(crate) struct Printer {
     #[arg(long, value_name = "E.bin")]
     storage: Option<PathBuf>,
     /// Starts as if homed, with the tool at this place in mm.
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = asked::place, allow_hyphen_values = true)]
     pub assume_homed: Option<[Mm; 3]>,
 }
 
@@ -45,17 +46,6 @@ impl Printer {
     }
 }
 
-/// Three numbers in the range of any machine; the firmware decides whether this machine can hold them.
-pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
-    let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
-        Ok(v) if v.abs() <= 5000.0 => Ok(Mm::from_num(v)),
-        _ => Err(format!("`{part}` is not a position in mm")),
-    });
-    let mut next = || numbers.next().unwrap_or_else(|| Err("expected three numbers: X,Y,Z".to_owned()));
-    let place = [next()?, next()?, next()?];
-    if numbers.next().is_some() { Err("expected three numbers: X,Y,Z".to_owned()) } else { Ok(place) }
-}
-
 fn read_machine(path: Option<&Path>) -> Result<Machine> {
     let Some(path) = path else {
         return Ok(Machine {
@@ -66,17 +56,4 @@ fn read_machine(path: Option<&Path>) -> Result<Machine> {
         });
     };
     machine_file::read(path)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_place_is_three_numbers() {
-        assert_eq!(parse_place("1,-2.5, 0").unwrap(), [1.0, -2.5, 0.0].map(Mm::from_num));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,z", "1,2,nan", "1,2,1e9"] {
-            assert!(parse_place(bad).is_err(), "{bad}");
-        }
-    }
 }

@@ -1,20 +1,17 @@
 //! Job: the machine, its plants and their accidents, as the page asks for them. It says what the options of
 //! `corehbot run` say, in the same words.
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file::{self as machine_file, Machine};
-use corehbot_rig::bed::{BedPlant, has_probe};
+use corehbot_rig::bed::BedPlant;
+use corehbot_sim::asked::{self, Belts, Refusal};
 use corehbot_sim::bed_plant::{self, ProbeAccident};
-use corehbot_sim::belt::accident::Accidents;
-use corehbot_sim::belt::{BeltPlant, BeltSetup};
-use corehbot_sim::heat_plant::{Accident, HeatSetup, accident};
+use corehbot_sim::belt::{BeltPlant, part};
+use corehbot_sim::heat_plant::{HeatSetup, accident};
 use corehbot_twin::description::Description;
 use serde::{Deserialize, Serialize};
-
-/// Farthest place of the tool in mm, as `--assume-homed` has it.
-const FARTHEST_MM: f64 = 5000.0;
 
 /// What the page asks for.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -30,12 +27,14 @@ pub struct Job {
     pub homed: Option<String>,
     /// Whether there is the belt plant, and not a rigid machine.
     pub has_belt_plant: bool,
-    /// Draws phases and noise of the belt plant.
-    pub seed: Option<u64>,
+    /// Draws phases and noise of the belt plant: a whole number.
+    pub seed: Option<String>,
     /// `X,Y,N,MS`.
     pub hits: Vec<String>,
     /// `MOTOR,N,S,MS`.
     pub brakes: Vec<String>,
+    /// `WHAT:WHERE[:HOW]@TIME[+TIME]`.
+    pub accidents: Vec<String>,
     /// `WHAT:WHERE@TIME`.
     pub breaks: Vec<String>,
     /// `KEY=VALUE,..`.
@@ -74,19 +73,43 @@ impl Job {
     pub fn prepare(&self) -> Result<Prepared> {
         let machine = self.machine()?;
         let settings = &machine.settings;
-        let homed = self.homed.as_deref().map(place).transpose()?;
-        let (heat, probe_accidents) = self.accidents(settings)?;
+        let homed = self.homed()?;
+        let accidents = asked::heat_accidents(&self.breaks, settings)?;
         Ok(Prepared {
             belt: self.belt(&machine, homed)?,
-            heat,
+            heat: HeatSetup { truth: None, accidents },
             bed: self.bed(settings)?,
-            probe_accidents,
+            probe_accidents: asked::probe_accidents(&self.breaks, settings)?,
             homed,
             machine,
         })
     }
 
-    fn machine(&self) -> Result<Machine> {
+    /// The first refusal of each plant, as JSON; none if the machine file is wrong.
+    #[must_use]
+    pub fn refusals(&self) -> String {
+        let Ok(machine) = self.machine() else { return "[]".to_owned() };
+        let settings = &machine.settings;
+        let homed = self.homed();
+        let place = homed.as_ref().ok().copied().flatten();
+        let found: Vec<Refusal> = [
+            homed.err(),
+            self.belt(&machine, place).err(),
+            asked::heat_accidents(&self.breaks, settings).err(),
+            asked::probe_accidents(&self.breaks, settings).err(),
+            self.bed(settings).err(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        serde_json::to_string(&found).unwrap_or_default()
+    }
+
+    /// The machine.
+    ///
+    /// # Errors
+    /// The file's first error, with its place.
+    pub fn machine(&self) -> Result<Machine> {
         let Some(text) = &self.machine else {
             let (settings, twin) = (Settings::prototype(), Description::default());
             return Ok(Machine { name: Some("CoreH-bot prototype".to_owned()), board: None, settings, twin });
@@ -101,75 +124,57 @@ impl Job {
         Ok(machine)
     }
 
-    fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
-        if !self.has_belt_plant {
-            ensure!(self.hits.is_empty() && self.brakes.is_empty(), "only belts that stretch have hits and brakes");
-            return Ok(None);
-        }
-        let hits = self.hits.iter().map(|text| text.parse().with_context(|| format!("hit {text}")));
-        let brakes = self.brakes.iter().map(|text| text.parse().with_context(|| format!("brake {text}")));
-        let mut setup = BeltSetup { twin: machine.twin.clone(), seed: self.seed, accidents: Accidents::default() };
-        setup.accidents.hits = hits.collect::<Result<_>>()?;
-        setup.accidents.brakes = brakes.collect::<Result<_>>()?;
-        let plant = BeltPlant::new(&machine.settings, homed, homed.is_some(), setup, 0);
-        Ok(Some(Box::new(plant.context("belts that stretch")?)))
+    fn homed(&self) -> Result<Option<[Mm; 3]>, Refusal> {
+        let place = |text| asked::place(text).map_err(|why| Refusal::new("assume-homed", text, &why));
+        self.homed.as_deref().map(place).transpose()
     }
 
-    fn accidents(&self, settings: &Settings) -> Result<(HeatSetup, Vec<ProbeAccident>)> {
-        let (mut heat, mut probe) = (Vec::new(), Vec::new());
-        for text in &self.breaks {
-            if ProbeAccident::is_one(text) {
-                if !has_probe(settings) {
-                    bail!("{text}: the machine has no probe; its file plugs one in (endstops.probe)");
-                }
-                probe.push(text.parse::<ProbeAccident>().with_context(|| text.clone())?);
-                continue;
-            }
-            let accident: Accident = text.parse().with_context(|| text.clone())?;
-            if let Some(missing) = accident.missing(&settings.thermal) {
-                bail!("{text}: {missing}");
-            }
-            heat.push(accident);
+    fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>, Refusal> {
+        let Self { has_belt_plant, seed, hits, brakes, accidents, .. } = self;
+        if !has_belt_plant {
+            let texts = [("seed", seed.as_ref()), ("hit", hits.first()), ("brake", brakes.first())];
+            let asked = texts.into_iter().chain([("accident", accidents.first())]);
+            return match asked.filter_map(|(option, text)| Some((option, text?))).next() {
+                Some((option, text)) => Err(Refusal::new(option, text, &"only belts that stretch take it")),
+                None => Ok(None),
+            };
         }
-        heat.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-        probe.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-        Ok((HeatSetup { truth: None, accidents: heat }, probe))
+        let whole = |text: &str| text.parse().map_err(|_| Refusal::new("seed", text, &"expected a whole number"));
+        let seed = seed.as_deref().map(whole).transpose()?;
+        Belts { seed, hits, brakes, accidents }.plant(machine, homed).map(Some)
     }
 
-    fn bed(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>> {
-        let Some(text) = &self.bed else { return Ok(None) };
-        if !has_probe(settings) {
-            bail!("a bed of its own: the machine has no probe; its file plugs one in (endstops.probe)");
-        }
-        let setup = bed_plant::read(text, settings).with_context(|| format!("bed {text}"))?;
-        Ok(Some(Box::new(BedPlant::new(settings, &setup))))
+    fn bed(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>, Refusal> {
+        self.bed.as_deref().map(|text| asked::bed(text, settings)).transpose()
     }
 }
 
-/// Three numbers in the range of any machine; the firmware decides whether this machine can hold them.
-fn place(text: &str) -> Result<[Mm; 3]> {
-    let number = |part: &str| part.trim().parse().ok().filter(|mm: &f64| mm.abs() <= FARTHEST_MM);
-    let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
-    match numbers.as_deref() {
-        Some([x, y, z]) => Ok([x, y, z].map(|mm| Mm::from_num(*mm))),
-        _ => bail!("`{text}` is not a place: expected three numbers in mm, X,Y,Z"),
-    }
-}
-
+/// A kind of accident.
 #[derive(Serialize)]
 struct Known {
+    /// The field of [`Job`] that takes it.
+    option: &'static str,
     name: &'static str,
     says: &'static str,
     is_of_probe: bool,
+    /// What HOW is, in which unit.
+    how: Option<[&'static str; 2]>,
 }
 
-/// All kinds of accidents that `breaks` may name, as JSON.
+/// All kinds of accidents that `breaks` and `accidents` may name, as JSON.
 #[must_use]
 pub fn accidents() -> String {
-    let heat = accident::KINDS.iter().map(|kind| Known { name: kind.name, says: kind.says, is_of_probe: false });
-    let probe =
-        bed_plant::accident::KINDS.iter().map(|kind| Known { name: kind.name, says: kind.says, is_of_probe: true });
-    serde_json::to_string(&heat.chain(probe).collect::<Vec<_>>()).unwrap_or_default()
+    let breaks = |name, says, is_of_probe| Known { option: "breaks", name, says, is_of_probe, how: None };
+    let heat = accident::KINDS.iter().map(|kind| breaks(kind.name, kind.says, false));
+    let probe = bed_plant::accident::KINDS.iter().map(|kind| breaks(kind.name, kind.says, true));
+    let parts = part::KINDS.iter().map(|kind| Known {
+        option: "accidents",
+        name: kind.name,
+        says: kind.says,
+        is_of_probe: false,
+        how: Some([kind.how.says, kind.how.unit]),
+    });
+    serde_json::to_string(&parts.chain(heat).chain(probe).collect::<Vec<_>>()).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -188,8 +193,14 @@ mod tests {
         assert!(refusal(&Job { breaks: vec!["open:hotend@60s".into()], ..job.clone() }).contains("no hotend"));
         assert!(refusal(&Job { breaks: vec!["kick:hotend@60s".into()], ..job.clone() }).contains("not an accident"));
         assert!(refusal(&Job { hits: vec!["1,2,3,4".into()], ..job.clone() }).contains("belts that stretch"));
-        let hit = Job { hits: vec!["1,2,3".into()], has_belt_plant: true, ..job.clone() };
-        assert!(refusal(&hit).contains("X,Y,N,MS"));
+        let belts = Job { has_belt_plant: true, ..job.clone() };
+        assert!(refusal(&Job { hits: vec!["1,2,3".into()], ..belts.clone() }).contains("X,Y,N,MS"));
+        assert!(refusal(&Job { seed: Some("-1".into()), ..belts.clone() }).starts_with("--seed -1: expected a whole"));
+        assert!(refusal(&Job { bed: Some("bowl=1".into()), ..job.clone() }).contains("no probe"));
+        let wrong = Job { accidents: vec!["seized:m9@1s".into()], breaks: vec!["kick@1s".into()], ..belts };
+        let refusals: serde_json::Value = serde_json::from_str(&wrong.refusals()).unwrap();
+        let named = |index: usize| (refusals[index]["option"].as_str(), refusals[index]["text"].as_str());
+        assert_eq!((named(0), named(1)), ((Some("accident"), Some("seized:m9@1s")), (Some("break"), Some("kick@1s"))));
         let (machine, machine_file) = (Some("[axes.x]\nlength = 0\n".to_owned()), "mine.toml".to_owned());
         assert!(refusal(&Job { machine, machine_file, ..job }).starts_with("mine.toml:2:"));
         assert!(Job::read("{\"colour\":1}").is_err());

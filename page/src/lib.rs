@@ -78,6 +78,24 @@ pub fn accidents() -> String {
     job::accidents()
 }
 
+/// What of a job's options cannot be, as JSON. `job` is JSON.
+///
+/// # Errors
+/// The page asks for something unknown.
+#[wasm_bindgen]
+pub fn refusals(job: &str) -> Result<String, JsError> {
+    Job::read(job).map(|job| job.refusals()).map_err(|error| thrown(&error))
+}
+
+/// A job's machine as a still picture, with its motors and pulleys, as JSON; or `why` there is none. `job` is JSON.
+///
+/// # Errors
+/// The machine file's first error.
+#[wasm_bindgen]
+pub fn parts(job: &str) -> Result<String, JsError> {
+    Job::read(job).and_then(|job| picture::still(&job.machine()?)).map_err(|error| thrown(&error))
+}
+
 /// The words of all that hands do to the machine at a terminal, as JSON.
 #[wasm_bindgen]
 #[must_use]

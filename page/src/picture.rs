@@ -4,6 +4,7 @@
 //! and arcs. Belts do not stretch here, so the belt that has passed a path's begin has passed every place of it: a
 //! pattern along the path that is shifted by this length moves as the belt does, also where bar and head carry pulleys.
 
+use anyhow::Result;
 use corehbot::motors::MOTORS;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -51,6 +52,8 @@ pub struct Moved {
 /// A belt.
 #[derive(Serialize)]
 struct Run {
+    /// A motor on it, by its name.
+    motor: String,
     /// As SVG has it, with y upside down.
     path: String,
     /// Belt that has passed the path's begin, in mm.
@@ -63,7 +66,7 @@ struct Pulley {
     at: [f64; 2],
     role: &'static str,
     block: &'static str,
-    /// The motor's name.
+    /// The motor's name, or the pulley's number, as an accident names it.
     name: String,
     /// How far it has turned from the beginning, counter-clockwise.
     turned_rad: f64,
@@ -100,6 +103,14 @@ impl Picture {
         }
     }
 
+    /// The machine with its tool in the middle of its reach.
+    fn resting(&self) -> Moved {
+        let reach = workspace(self.layout.machine, &self.layout.params);
+        let [_, _, z] = reach.origin().xyz();
+        let middle = [f64::midpoint(reach.x[0], reach.x[1]), f64::midpoint(reach.y[0], reach.y[1]), z];
+        self.moved([0, 1, 2].map(|axis| middle[axis] - self.origin[axis]), [0; MOTORS])
+    }
+
     /// The machine with its tool at a place of G-code, after so many steps of its motors.
     #[must_use]
     pub fn moved(&self, tool: [f64; 3], counts: [i32; MOTORS]) -> Moved {
@@ -122,17 +133,20 @@ impl Picture {
             first += count;
             begin += belt.stops.len();
             let path = self.path(belt, segments);
-            belts.push(Run { path, passed_mm: stops.first().and_then(passed).unwrap_or(0.0) });
+            let motor = stops.iter().find_map(|stop| self.motor_name(stop)).unwrap_or_default();
+            belts.push(Run { motor, path, passed_mm: stops.first().and_then(passed).unwrap_or(0.0) });
         }
         let pulleys = self.stops.iter().map(|stop| self.pulley(stop, at, passed(stop))).collect();
         Moved { tool: [at.x, at.y], belts, pulleys }
     }
 
+    fn motor_name(&self, stop: &Stop) -> Option<String> {
+        let drive = self.layout.drives.get(self.layout.machine.index_of(stop.motor()?))?;
+        Some(drive.name.to_string())
+    }
+
     fn pulley(&self, stop: &Stop, tool: Place, passed_mm: Option<f64>) -> Pulley {
-        let named = stop.motor().and_then(|number| {
-            let drive = self.layout.drives.get(self.layout.machine.index_of(number))?;
-            Some(drive.name.to_string())
-        });
+        let named = self.motor_name(stop);
         Pulley {
             at: stop.centre(&self.layout.params, tool),
             role: match stop.role {
@@ -145,7 +159,7 @@ impl Picture {
                 Block::Bar => "bar",
                 Block::Head => "head",
             },
-            name: named.unwrap_or_default(),
+            name: named.or_else(|| stop.is_idler().then(|| stop.number.to_string())).unwrap_or_default(),
             turned_rad: passed_mm.unwrap_or(0.0) / self.layout.params.pulley_radius_mm,
         }
     }
@@ -178,6 +192,23 @@ impl Picture {
     }
 }
 
+/// A machine that does not move, as JSON; or `why` there is no picture.
+///
+/// # Errors
+/// No known case: all fields are numbers and text.
+pub fn still(machine: &Machine) -> Result<String> {
+    #[derive(Serialize)]
+    struct Still {
+        #[serde(flatten)]
+        frame: Frame,
+        resting: Moved,
+    }
+    Ok(match Picture::new(machine) {
+        Ok(picture) => serde_json::to_string(&Still { frame: picture.frame(), resting: picture.resting() })?,
+        Err(why) => serde_json::json!({ "why": why }).to_string(),
+    })
+}
+
 /// Belt of a step of a motor, in mm: a motor's steps are those of the axes that it moves.
 fn step_mm(drive: &MotorDrive, settings: &Settings) -> f64 {
     let axes = [&settings.axes.x, &settings.axes.y, &settings.axes.z].map(|axis| axis.steps_per_mm.to_num::<f64>());
@@ -189,6 +220,21 @@ fn step_mm(drive: &MotorDrive, settings: &Settings) -> f64 {
 mod tests {
     use super::*;
     use crate::job::Job;
+
+    #[test]
+    fn accidents_know_every_pulley_by_the_name_in_the_picture() {
+        for text in [None, Some(include_str!("../../examples/machines/corexy.toml").to_owned())] {
+            let job = Job { machine: text, has_belt_plant: true, ..Job::default() };
+            let still: serde_json::Value = serde_json::from_str(&still(&job.machine().unwrap()).unwrap()).unwrap();
+            let pulleys = still["resting"]["pulleys"].as_array().unwrap();
+            let named: Vec<&str> = pulleys.iter().map(|pulley| pulley["name"].as_str().unwrap()).collect();
+            assert!(named.iter().any(|name| name.starts_with('m')) && named.contains(&"2"), "{named:?}");
+            for name in named.into_iter().filter(|name| !name.is_empty()) {
+                let accidents = vec![format!("seized:{name}@1s")];
+                assert_eq!(Job { accidents, ..job.clone() }.refusals(), "[]");
+            }
+        }
+    }
 
     #[test]
     fn a_move_to_the_right_turns_all_motors_and_leaves_the_frames_pulleys() {

@@ -54,6 +54,14 @@ function edit(text, name = mine.name) {
   listeners.forEach(listen => listen());
 }
 
+// A file of the user's: it is edited where its errors are shown in their lines.
+async function openMachine(file) {
+  if (!file) return;
+  edit(await file.text(), file.name);
+  show($('tab-machine'));
+}
+$('open-machine').onchange = event => openMachine(event.target.files[0]);
+
 function machineText() {
   return chosenMachine === MINE ? mine.text : EXAMPLES.machines[chosenMachine];
 }

@@ -22,6 +22,7 @@ function ready() {
 
 async function takeFile(file) {
   if (!file) return;
+  if (/\.toml$/i.test(file.name)) return openMachine(file);
   take(file.name, new Uint8Array(await file.arrayBuffer()));
 }
 
@@ -48,13 +49,19 @@ const PRESETS = [
   ['part fan stops', { breaks: 'fan-dead:part@60s' }],
   ['something in the way', { hits: '100,100,40,300' }],
   ['a motor rubs', { brakes: 'm1,15,2' }],
+  ['a pulley is stuck', { accidents: 'seized:m8@2s' }],
+  ['a tooth is jumped', { accidents: 'jump:m1@2s' }],
 ];
 
-const WORDS = { breaks: 'breaks', hits: 'hit (X,Y,N,ms)', brakes: 'rubs (motor,N,s)' };
+// Fields of a job with lists of texts, the command's options for them, and what is before a text.
+const LISTS = {
+  breaks: ['break', 'breaks'], accidents: ['accident', 'breaks'],
+  hits: ['hit', 'hit (X,Y,N,ms)'], brakes: ['brake', 'rubs (motor,N,s)'],
+};
 
 function addAccident(accident) {
   const [kind] = Object.keys(accident);
-  // Only belts that stretch feel a hit or a brake.
+  // Only belts that stretch feel the others.
   if (kind !== 'breaks') $('belt').checked = true;
   accidents.push({ kind, text: accident[kind] });
   showAccidents();
@@ -62,38 +69,120 @@ function addAccident(accident) {
 
 function showAccidents() {
   $('chosen').replaceChildren(...accidents.map((accident, index) => make('li', {},
-    make('label', {}, `${WORDS[accident.kind]} `, make('input', {
-      value: accident.text, size: 18, oninput: event => { accident.text = event.target.value; },
+    make('label', {}, `${LISTS[accident.kind][1]} `, make('input', {
+      value: accident.text, size: 18, 'aria-describedby': `trouble-${index}`,
+      oninput: event => { accident.text = event.target.value; checkOptions(); },
     })),
     make('button', {
       type: 'button', 'aria-label': `remove ${accident.text}`,
       onclick: () => { accidents.splice(index, 1); showAccidents(); },
-    }, '×'))));
+    }, '×'),
+    make('span', { class: 'trouble', id: `trouble-${index}`, role: 'alert' }))));
+  checkOptions();
 }
 
 $('presets').append(...PRESETS.map(([name, accident]) =>
   make('button', { type: 'button', onclick: () => addAccident(accident) }, name)));
 
+// --- any other accident: its kind from a list, its place from the list or from the picture
+
+const kinds = new Map();
+
 answers.call('accidents').then(text => {
-  for (const { name, says, is_of_probe: isOfProbe } of JSON.parse(text))
-    $('accident').append(make('option', { value: name, 'data-probe': isOfProbe || null, title: says }, `${name}: ${says}`));
+  const groups = new Map(['Belts', 'Heat', 'Probe'].map(label => [label, make('optgroup', { label })]));
+  for (const kind of JSON.parse(text)) {
+    kinds.set(kind.name, kind);
+    const group = kind.option === 'accidents' ? 'Belts' : kind.is_of_probe ? 'Probe' : 'Heat';
+    groups.get(group).append(make('option', { value: kind.name }, kind.name));
+  }
+  $('accident').append(...groups.values());
+  showKind();
 }, () => {});
-$('accident').onchange = event => {
-  if (event.target.selectedOptions[0].dataset.probe) $('accident-place').value = 'probe';
-};
+
+const chosenKind = () => kinds.get($('accident').value);
+const HEATED = ['hotend', 'bed', 'chamber', 'part'];
+let beltParts = [];
+
+function showKind() {
+  const kind = chosenKind();
+  if (!kind) return;
+  const isOfBelts = kind.option === 'accidents', place = $('accident-place');
+  const usual = isOfBelts ? beltParts : kind.is_of_probe ? ['probe'] : HEATED;
+  if (!usual.includes(place.value.trim())) place.value = usual[0] ?? '';
+  $('places').replaceChildren(...usual.map(value => make('option', { value })));
+  $('accident-how-label').hidden = !kind.how;
+  $('accident-says').textContent = `${kind.name}: ${kind.says}.${kind.how ? ` How much is ${kind.how[0]}.` : ''}`;
+  partsPicture.mark(isOfBelts ? place.value.trim() : '');
+}
+$('accident').onchange = $('accident-place').oninput = showKind;
+
+// A click on a belt breaks its cords; one on a motor or a pulley keeps the kind, if it can be of one.
+const partsPicture = new MachinePicture($('parts'), (role, name) => {
+  const [kind, place] = [$('accident'), $('accident-place')];
+  if (role === 'belt') kind.value = 'cord';
+  else if (chosenKind()?.option !== 'accidents' || role === 'idler') kind.value = 'seized';
+  place.value = name;
+  showKind();
+});
+
+async function showParts() {
+  const asked = machineText();
+  const still = JSON.parse(await answers.call('parts', JSON.stringify(machineJob())));
+  if (asked !== machineText()) return;
+  showPicture(partsPicture.draw(still));
+  beltParts = [];
+  if (still.resting) {
+    partsPicture.move(still.resting);
+    const named = still.resting.pulleys.filter(({ name }) => name);
+    beltParts = [...new Set(['motor', 'idler'].flatMap(role => named.filter(pulley => pulley.role === role).map(({ name }) => name)))];
+  }
+  showKind();
+}
+
 $('add-accident').onclick = () => {
-  const [name, place, time] = ['accident', 'accident-place', 'accident-time'].map(id => $(id).value.trim());
-  addAccident({ breaks: `${name}${place ? `:${place}` : ''}@${time}` });
+  const [name, place, how, time] = ['accident', 'accident-place', 'accident-how', 'accident-time'].map(id => $(id).value.trim());
+  const { option, how: takes } = chosenKind();
+  addAccident({ [option]: [name, place, takes && how].filter(Boolean).join(':') + `@${time}` });
 };
+
+// --- what of it cannot be: told next to its field, in the command's words
+
+const FIELDS = ['plant', 'seed', 'assume-homed', 'bed'];
+let optionChecks = 0;
+
+async function checkOptions() {
+  const check = ++optionChecks;
+  const refusals = JSON.parse(await answers.call('refusals', JSON.stringify(job())).catch(() => '[]'));
+  if (check !== optionChecks) return;
+  const why = (option, text) => refusals.find(refusal => refusal.option === option && (text === undefined || refusal.text === text))?.why ?? '';
+  const tell = (field, trouble, words) => {
+    trouble.textContent = words;
+    field.setAttribute('aria-invalid', words !== '');
+  };
+  for (const option of FIELDS) tell($(option === 'plant' ? 'belt' : option), $(`${option}-trouble`), why(option));
+  [...$('chosen').children].forEach((item, index) => {
+    const { kind, text } = accidents[index];
+    tell(item.querySelector('input'), item.querySelector('.trouble'), why(LISTS[kind][0], text));
+  });
+}
+for (const id of ['seed', 'assume-homed', 'bed']) $(id).oninput = checkOptions;
+$('belt').onchange = checkOptions;
+
+// Without belts, or with a machine file that has errors, there is no picture.
+function showPicture(isShown) {
+  for (const id of ['parts', 'parts-help']) $(id).toggleAttribute('hidden', !isShown);
+}
+const showMachine = () => { showParts().catch(() => showPicture(false)); checkOptions(); };
+listeners.push(showMachine);
 
 // --- the print
 
 function job() {
   const of = kind => accidents.filter(accident => accident.kind === kind).map(accident => accident.text);
-  const homed = $('homed').value.trim();
+  const word = id => $(id).value.trim() || null;
   return {
-    file: gcode.name, ...machineJob(), homed: homed || null,
-    has_belt_plant: $('belt').checked, hits: of('hits'), brakes: of('brakes'), breaks: of('breaks'),
+    file: gcode?.name ?? '', ...machineJob(), homed: word('assume-homed'), bed: word('bed'), seed: word('seed'),
+    has_belt_plant: $('belt').checked, ...Object.fromEntries(Object.keys(LISTS).map(kind => [kind, of(kind)])),
   };
 }
 
@@ -179,6 +268,9 @@ async function checkMachine() {
   const text = machineText();
   const problems = JSON.parse(await answers.call('problems', text)).filter(problem => problem.is_error);
   if (text !== machineText()) return;
-  $('machine-trouble').textContent = problems.length ? `The machine file has ${problems.length === 1 ? 'an error' : `${problems.length} errors`}: ${problems[0].text}` : '';
+  const [first] = problems, count = problems.length === 1 ? 'an error' : `${problems.length} errors`;
+  $('machine-trouble').textContent = first ? `The machine file has ${count}: ${first.line ? `line ${first.line}: ` : ''}${short(first)}` : '';
 }
 listeners.push(() => checkMachine().catch(() => {}));
+
+showMachine();

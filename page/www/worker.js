@@ -28,10 +28,19 @@ function run(isOn) {
   if (isOn && terminal) timer = setInterval(tick, 33);
 }
 
+// The printer, or why there is none.
+function on() {
+  if (!terminal) throw new Error('no printer is switched on: mend the machine file');
+  return terminal;
+}
+
 const calls = {
   problems: text => wasm_bindgen.problems(text),
   schema: () => wasm_bindgen.schema(),
   accidents: () => wasm_bindgen.accidents(),
+  hands: () => wasm_bindgen.hands(),
+  refusals: job => wasm_bindgen.refusals(job),
+  parts: job => wasm_bindgen.parts(job),
   boards: () => wasm_bindgen.boards(),
   template: board => wasm_bindgen.template(board),
   print(job, gcode) {
@@ -52,8 +61,8 @@ const calls = {
     run(true);
     return frame;
   },
-  send: text => terminal.send(text),
-  act: what => terminal.act(what),
+  send: text => on().send(text),
+  act: what => on().act(what),
   speed(times) { speed = times; },
   run,
 };

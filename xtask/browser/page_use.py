@@ -30,6 +30,10 @@ def value(browser, selector, value):
     )
 
 
+def value_of(browser, selector):
+    return browser.run("return document.querySelector(arguments[0]).value", selector)
+
+
 def printed(browser):
     browser.wait("end of the print", lambda: browser.find("#cancel").is_displayed() is False and browser.find("#start").is_enabled())
     return text(browser, "#badge") if browser.find("#result").is_displayed() else text(browser, "#failure")
@@ -62,10 +66,38 @@ def check_accident(browser):
     check(printed(browser) == "failed", "a thermistor that is off ends no print")
     check("sensor" in text(browser, "#failure").lower(), f"why: {text(browser, '#failure')}")
     browser.find("#chosen button").click()
-    value(browser, "#homed", "1,2")
+    value(browser, "#assume-homed", "1,2")
+    browser.wait("refusal", lambda: "three numbers" in text(browser, "#assume-homed-trouble"))
     browser.find("#start").click()
     check("three numbers" in printed(browser), f"two numbers are no place: {printed(browser)}")
-    value(browser, "#homed", "")
+    value(browser, "#assume-homed", "")
+
+
+def check_parts(browser):
+    """A part is broken by a click on it; what cannot be is told next to its field, until it can."""
+    Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
+    browser.wait("picture", lambda: browser.find("#parts").is_displayed())
+    browser.find("#parts [data-part=m8]").click()
+    check(value_of(browser, "#accident-place") == "m8" and value_of(browser, "#accident") == "seized", "a click chooses no motor")
+    browser.find("#parts [data-part='7']").send_keys(Keys.ENTER)
+    check(value_of(browser, "#accident-place") == "7", "a pulley cannot be chosen by the keyboard")
+    value(browser, "#accident-time", "1s")
+    browser.find("#add-accident").click()
+    check(value_of(browser, "#chosen input") == "seized:7@1s" and browser.find("#belt").is_selected(), "no pulley is seized")
+    wrong, trouble = "seized:99@1s", lambda: text(browser, "#chosen .trouble")
+    value(browser, "#chosen input", wrong)
+    browser.wait("refusal", lambda: "neither a belt motor" in trouble())
+    value(browser, "#chosen input", "seized:7@1s")
+    browser.wait("accident that can be", lambda: trouble() == "")
+    for field, wrong, why in (("seed", "many", "whole number"), ("bed", "bowl=1", "no probe")):
+        value(browser, f"#{field}", wrong)
+        browser.wait("refusal", lambda: why in text(browser, f"#{field}-trouble"))
+        value(browser, f"#{field}", "")
+        browser.wait("field without a fault", lambda: text(browser, f"#{field}-trouble") == "")
+    browser.find("#start").click()
+    check(printed(browser) == "printed" and "seized:7@1s" in text(browser, "#words"), f"a seized pulley: {text(browser, '#words')}")
+    browser.find("#chosen button").click()
+    browser.find("#belt").click()
 
 
 def check_editor(browser):
@@ -105,13 +137,18 @@ def check_terminal(browser):
     command.send_keys("G28", Keys.ENTER)
     browser.wait("moving belt", lambda: path() != before)
     command.send_keys("G1 X50 Y50 F6000", Keys.ENTER, "M400", Keys.ENTER)
-    browser.wait("place", lambda: text(browser, "#place").startswith("X50.00 Y50.00"))
+    browser.wait("place", lambda: "X50.00 Y50.00" in text(browser, "#place"))
     command.send_keys("M112", Keys.ENTER)
     browser.wait("stop", lambda: text(browser, "#state") == "halted")
     command.send_keys("M999", Keys.ENTER)
     browser.wait("restart", lambda: text(browser, "#state") == "ready")
-    browser.find_all("#acts button")[4].click()
+    act = lambda what: next(button for button in browser.find_all("#acts button") if button.text == what).click()
+    act("open:hotend")
     browser.wait("refusal", lambda: "hotend" in said().rsplit("(open:hotend)", 1)[-1])
+    act("off")
+    browser.wait("printer without power", lambda: text(browser, "#state") == "off")
+    browser.find("#power").click()
+    browser.wait("printer with power", lambda: text(browser, "#state") == "ready" and "start" in said())
 
 
 def check_tabs(browser):
@@ -128,7 +165,7 @@ def run(_corehbot, _folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_print, check_accident, check_editor, check_terminal):
+        for part in (check_tabs, check_print, check_accident, check_parts, check_editor, check_terminal):
             part(browser)
             browser.check_quiet()
         for size, is_dark in ((PHONE, False), (DESK, True)):
