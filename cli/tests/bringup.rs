@@ -3,151 +3,16 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "bringup/bench.rs"]
+mod bench;
+#[path = "bringup/owner.rs"]
+mod owner;
+
+use bench::{Bench, ask, serve};
+use owner::{STRAIGHT, Wires, honest};
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
-
-const CORE: [&str; 4] = ["m1", "m4", "m8", "m11"];
-
-/// A folder of its own with a machine file, and a printer at its port.
-struct Bench {
-    folder: PathBuf,
-    printer: Child,
-    hand: ChildStdin,
-}
-
-impl Bench {
-    fn new(mistakes: &[&str]) -> Self {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let folder = std::env::temp_dir().join(format!("corehbot-bringup-{}-{number}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let mut new = Command::new(env!("CARGO_BIN_EXE_corehbot"));
-        new.args(["config", "new", "--board", "octopus", "--machine", "corehbot", "--heaters", "-o"]);
-        assert!(new.arg(folder.join("m.toml")).status().unwrap().success());
-        let (printer, hand) = serve(&folder, mistakes);
-        Self { folder, printer, hand }
-    }
-
-    fn port(&self) -> PathBuf {
-        self.folder.join("printer")
-    }
-
-    fn guide(&self, args: &[&str]) -> Child {
-        let mut guide = Command::new(env!("CARGO_BIN_EXE_corehbot"));
-        guide.arg("bringup").arg(self.port()).arg("--report").arg(self.folder.join("r.md")).args(args);
-        guide.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
-    }
-
-    fn report(&self) -> String {
-        std::fs::read_to_string(self.folder.join("r.md")).unwrap()
-    }
-
-    /// Leads through the guide. `owner` gets the key of each question and the hand; its answer is a line.
-    fn lead(&mut self, args: &[&str], mut owner: impl FnMut(&str, &mut dyn FnMut(&str)) -> String) -> Led {
-        let mut guide = self.guide(args);
-        let (mut out, mut said) = (guide.stdin.take().unwrap(), String::new());
-        for line in BufReader::new(guide.stdout.take().unwrap()).lines().map_while(Result::ok) {
-            said += &line;
-            said.push('\n');
-            let Some((key, _)) = line.strip_prefix("? [").and_then(|line| line.split_once(']')) else { continue };
-            let mut act = |line: &str| {
-                self.hand.write_all(format!("{line}\n").as_bytes()).unwrap();
-                // The printer looks at its hand every 0.1 ms.
-                std::thread::sleep(std::time::Duration::from_millis(20));
-            };
-            let answer = owner(key, &mut act);
-            if writeln!(out, "{answer}").is_err() {
-                break;
-            }
-        }
-        Led { status: guide.wait().unwrap().code(), said, report: self.report() }
-    }
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        let _ = self.printer.kill();
-        let _ = self.printer.wait();
-        let _ = std::fs::remove_dir_all(&self.folder);
-    }
-}
-
-fn serve(folder: &Path, mistakes: &[&str]) -> (Child, ChildStdin) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_corehbot"));
-    let speed: &[&str] = if mistakes.contains(&"--speed") { &[] } else { &["--speed", "max"] };
-    command.arg("serve").args(speed).args(["--hand", "--settings"]).arg(folder.join("m.toml"));
-    command.arg("--pty").arg(folder.join("printer")).arg("--storage").arg(folder.join("e.bin")).args(mistakes);
-    let mut printer = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    // Its port is there when it says so.
-    BufReader::new(printer.stdout.as_mut().unwrap()).read_line(&mut String::new()).unwrap();
-    let hand = printer.stdin.take().unwrap();
-    (printer, hand)
-}
-
-struct Led {
-    status: Option<i32>,
-    said: String,
-    report: String,
-}
-
-/// What hangs on each driver of a CoreH-bot: a motor by its place, which way it turns, and nothing if it is dead.
-type Wires = [Option<(usize, i32)>; 4];
-
-const STRAIGHT: Wires = [Some((0, 1)), Some((1, 1)), Some((2, 1)), Some((3, 1))];
-
-/// Where its tool goes when one driver turns and another one is off: the only place at which the belt fits
-/// (docs/explanation/kinematics.md), tried in quarters of a step.
-fn seen(wires: &Wires, moved: &str, free: &str) -> String {
-    let place = |name: &str| CORE.iter().position(|known| *known == name).unwrap();
-    let (moved, free) = (place(moved), place(free));
-    if wires[moved].is_none() {
-        return "nothing".to_owned();
-    }
-    let mut turns: [Option<i32>; 4] = [None; 4];
-    for (driver, (motor, way)) in wires.iter().enumerate().filter_map(|(driver, wire)| Some((driver, (*wire)?))) {
-        if driver != free {
-            turns[motor] = Some(if driver == moved { 4 * way } else { 0 });
-        }
-    }
-    let mut ways = std::collections::BTreeSet::new();
-    for (x, y, c) in (-8..=8).flat_map(|x| (-8..=8).flat_map(move |y| (-8..=8).map(move |c| (x, y, c)))) {
-        let motors: [i32; 4] = [c - x + y, c - x - y, c + x - y, c + x + y];
-        if motors.iter().zip(turns).all(|(motor, turn)| turn.is_none_or(|turn| turn == *motor)) {
-            ways.insert((x.signum(), y.signum()));
-        }
-    }
-    match ways.into_iter().collect::<Vec<_>>()[..] {
-        [(x, y)] => format!("{} {}", ["left", "", "right"][(x + 1) as usize], ["front", "", "back"][(y + 1) as usize]),
-        _ => "?".to_owned(),
-    }
-}
-
-/// An owner who does and sees what is asked for, on a machine with these wires. After problems he goes on.
-fn honest(wires: Wires) -> impl FnMut(&str, &mut dyn FnMut(&str)) -> String {
-    move |key, act| {
-        let words: Vec<_> = key.split(' ').collect();
-        match words[..] {
-            ["sensors", part] => act(&format!("warm {part}")),
-            ["endstops", "press", switch] => act(&format!("press {switch}")),
-            ["endstops", "release", _] => act("let go"),
-            ["motors", "turn", moved, free, motor] => {
-                let place = |name: &str| CORE.iter().position(|known| *known == name).unwrap();
-                let turning = [moved, free].map(|driver| wires[place(driver)].map(|(motor, _)| motor));
-                return if turning.contains(&Some(place(motor))) { "yes" } else { "no" }.to_owned();
-            }
-            ["motors", moved, free] => return seen(&wires, moved, free),
-            ["supply", "supply"] => return "24.1 V".to_owned(),
-            ["tuning", _] => return "no".to_owned(),
-            [_, "needs"] => return "yes".to_owned(),
-            [_, "decide"] => return "skip".to_owned(),
-            _ => {}
-        }
-        String::new()
-    }
-}
+use std::process::Command;
 
 #[test]
 fn a_machine_without_mistakes_passes_and_keeps_its_tuning() {
@@ -268,22 +133,6 @@ fn a_quit_guide_goes_on_with_the_same_step_after_the_cure() {
     assert_eq!(led.status, Some(0), "{}", led.said);
     assert_eq!(keys[0], "motors begin");
     assert_eq!(led.report.matches(": passed\n").count(), 11, "{}", led.report);
-}
-
-/// Asks the printer for something, as another program would.
-fn ask(bench: &Bench, line: &str) -> String {
-    let port = std::fs::OpenOptions::new().read(true).write(true).open(bench.port()).unwrap();
-    let mut port = BufReader::new(port);
-    port.get_mut().write_all(format!("M118 here\n{line}\n").as_bytes()).unwrap();
-    let mut heard = String::new();
-    while heard.matches("ok").count() < 2 || !heard.contains("here") {
-        let mut part = String::new();
-        port.read_line(&mut part).unwrap();
-        if heard.contains("here") || part.contains("here") {
-            heard += &part;
-        }
-    }
-    heard
 }
 
 #[test]

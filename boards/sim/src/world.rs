@@ -4,23 +4,20 @@
 //! a print takes as long as its computation. The host of [`run`] answers at once: time stands still while the printer
 //! waits for a line.
 
+mod desk;
 mod runs;
 mod z_shifts;
 
-use crate::accelerometer::{Sensor, SensorTruth};
+use crate::accelerometer::Sensor;
 use crate::any_storage::AnyStorage;
-use crate::bed_plant::ProbeAccident;
-use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
 use crate::heat_plant::{Accident, HeatSetup};
-use crate::mesh_log::MeshLog;
 use crate::moves::Tap;
 use crate::odometer::Odometer;
-use crate::plugs::Plugs;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
-use corehbot::app::{Memory, Parts, StepPorts, assemble};
+use corehbot::app::{Parts, StepPorts, assemble};
 use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
@@ -29,7 +26,6 @@ use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSe
 use corehbot::port::Storage;
 use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::surface::Mesh;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
@@ -37,6 +33,7 @@ use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
+pub use desk::Desk;
 pub use runs::{WorldError, run, run_at, run_from, run_on, run_with};
 use std::collections::VecDeque;
 use std::pin::Pin;
@@ -71,69 +68,6 @@ const EVENTS_A_TURN: usize = 128;
 
 /// Time passes by no more than this between two turns of the Console, which a board polls every millisecond.
 const TURN: u64 = TICKS_PER_MS as u64;
-
-/// The base of a [`World`], which outlives it.
-pub struct Desk {
-    memory: Memory,
-    shared: Shared,
-    wires: Vec<Wire>,
-    /// The switches that are connected.
-    pub endstops: EndstopSet,
-    /// The bed of a machine with a probe; without it, a flat one. It keeps its state across a restart.
-    pub bed: Option<Box<BedPlant>>,
-    /// The probe's accidents, by time.
-    pub probe_accidents: Vec<ProbeAccident>,
-    /// The mesh that the firmware has of it, which z follows.
-    pub mesh: Option<Mesh>,
-    /// What a mesh does, if that is asked for.
-    pub mesh_log: Option<Box<MeshLog>>,
-    /// Shifts of z that were made, or are to be made again.
-    pub z_shifts: ZShifts,
-    /// The belt plant on the motors; without it, a rigid machine. It keeps its state across a restart.
-    pub belt: Option<Box<BeltPlant>>,
-    /// What hangs on drivers and inputs, if it is not what belongs there.
-    pub plugs: Option<Plugs>,
-    /// The accelerometer of a machine that has one; without it, a usual one.
-    pub sensor: Option<SensorTruth>,
-    /// The heaters' true values, and their accidents.
-    pub heat: HeatSetup,
-    /// The heat left by an earlier world; without it, everything is as warm as the room.
-    pub plant: Option<Box<Plant>>,
-}
-
-impl Desk {
-    /// A desk with `lines` serial lines.
-    #[must_use]
-    pub fn new(lines: usize) -> Box<Self> {
-        let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
-        let (memory, shared) = (Memory::new(), Shared::default());
-        let heat = HeatSetup::default();
-        Box::new(Self {
-            memory,
-            shared,
-            wires,
-            endstops: EndstopSet::SWITCHES,
-            bed: None,
-            probe_accidents: Vec::new(),
-            mesh: None,
-            mesh_log: None,
-            z_shifts: ZShifts::default(),
-            belt: None,
-            plugs: None,
-            sensor: None,
-            heat,
-            plant: None,
-        })
-    }
-
-    /// The same at a time in ticks.
-    #[must_use]
-    pub fn at(lines: usize, now: u64) -> Box<Self> {
-        let desk = Self::new(lines);
-        desk.shared.now.set(now);
-        desk
-    }
-}
 
 /// Whether the Console wants another turn at once.
 #[derive(Default)]

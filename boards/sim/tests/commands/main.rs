@@ -9,6 +9,7 @@ mod asker;
 #[path = "../common/deaf.rs"]
 mod deaf;
 mod effects;
+mod known;
 #[path = "../common/plain_lines.rs"]
 mod plain_lines;
 mod table;
