@@ -12,6 +12,7 @@
 //! An arrow means "uses". `tests/layers.rs` of this crate checks the arrows, and that no files of a crate use each
 //! other in a circle.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod answer;
 pub mod bed_args;

@@ -4,6 +4,7 @@ use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Kind, Legal, Row, Text};
 use corehbot::settings::table::described;
 use corehbot_twin::description::Routing;
+use corehbot_twin::math::powi;
 use corehbot_twin::params::{ROWS as TWIN_ROWS, Row as TwinRow};
 use std::sync::LazyLock;
 
@@ -267,12 +268,12 @@ const MOST_DECIMALS: usize = 12;
 /// The bits of a fixed-point number; too great a number for 64 bits saturates. NaN has no bits.
 pub(crate) fn bits_of(number: f64, fraction: u32) -> Option<i64> {
     // Exact except for the rounding, because the factor is a power of two.
-    (!number.is_nan()).then(|| (number * f64::from(fraction).exp2()).round_ties_even() as i64)
+    (!number.is_nan()).then(|| (number * powi(2.0, fraction as i32)).round_ties_even() as i64)
 }
 
 /// The shortest number that has these bits.
 pub(crate) fn shortest(bits: i64, fraction: u32) -> f64 {
-    let exact = bits as f64 / f64::from(fraction).exp2();
+    let exact = bits as f64 / powi(2.0, fraction as i32);
     let rounded = (0..=MOST_DECIMALS).filter_map(|decimals| format!("{exact:.decimals$}").parse::<f64>().ok());
     rounded.into_iter().find(|number| bits_of(*number, fraction) == Some(bits)).unwrap_or(exact)
 }

@@ -25,6 +25,7 @@
 //! `examples/machines/prototype.toml` shows every key. A file that names a `board` must use its connectors.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 mod error;
 mod keys;

@@ -7,6 +7,7 @@ use corehbot::motion::advance_window;
 use corehbot::motors::Motor;
 use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, HomedAxis, Plausible, Settings};
 use corehbot::units::Watts;
+use corehbot_twin::math::square;
 use std::collections::BTreeMap;
 
 /// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In
@@ -180,7 +181,7 @@ fn rounded(value: f64) -> f64 {
 /// The greatest acceleration in mm/s2 for the extruder with its pressure advance, in a line of 0.4 x 0.2 mm from
 /// filament of 1.75 mm (docs/explanation/shaping.md#what-the-extruder-bears).
 fn line_acceleration(s: &Settings) -> f64 {
-    let ratio = 0.4 * 0.2 / (1.75f64.powi(2) * std::f64::consts::FRAC_PI_4);
+    let ratio = 0.4 * 0.2 / (square(1.75) * std::f64::consts::FRAC_PI_4);
     let (time, window): (f64, f64) = (s.advance.time.to_num(), advance_window(s).to_num());
     let (speed, acceleration): (f64, f64) = (s.axes.e.max_speed.to_num(), s.axes.e.max_acceleration.to_num());
     let by_speed = 0.75 * speed / (time * ratio);

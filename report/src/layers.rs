@@ -1,5 +1,7 @@
 //! Layers: to which height a printed line belongs, also where z rises all the time.
 
+use corehbot_twin::math::hypot;
+
 /// A line that rises while it is printed belongs to a layer of this height in um.
 const RISING_LAYER: i64 = 200;
 
@@ -21,7 +23,7 @@ impl Layers {
     /// The height in um of the layer of a printed line of that way in x, y and z, in mm, that ends at a height of `z`
     /// mm. `None` if it stands: filament is pushed where the tool stands, too, which makes no layer.
     pub fn enter(&mut self, [x, y, up]: [f64; 3], z: f64) -> Option<i64> {
-        let way = x.hypot(y);
+        let way = hypot(x, y);
         if way == 0.0 {
             return None;
         }

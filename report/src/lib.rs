@@ -26,6 +26,7 @@
 //! | [`yin`] | the figures of Yin et al. |
 //! | [`corexyz`] | zig-zag and levelling of a CoreXYZ |
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod corexyz;
 pub mod ended;

@@ -18,6 +18,7 @@ use crate::layers::Layers;
 use crate::varint::{put, put_signed};
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_twin::math::hypot;
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 
@@ -62,7 +63,7 @@ impl Sum {
         self.moves += 1;
         if made.is_printing() {
             let [x, y, z, _] = made.way;
-            self.printed_mm += x.hypot(y).hypot(z);
+            self.printed_mm += hypot(hypot(x, y), z);
         }
     }
 

@@ -5,6 +5,7 @@
 
 pub mod chart;
 
+use corehbot_twin::math::hypot;
 use std::fmt::Write as _;
 
 /// Colours that can be told apart, also by people who see no red: Okabe and Ito, "Color Universal Design", 2008.
@@ -96,7 +97,7 @@ impl Drawing {
     pub fn head(&mut self, [x, y]: [f64; 2], [dx, dy]: [f64; 2], colour: &str) {
         /// Its length and half its width, in pixels.
         const SIZE: [f64; 2] = [7.0, 2.8];
-        let length = dx.hypot(dy);
+        let length = hypot(dx, dy);
         if length > 0.0 {
             let (u, v) = (dx / length, dy / length);
             let end = |side: f64| [x - SIZE[0] * u - side * SIZE[1] * v, y - SIZE[0] * v + side * SIZE[1] * u];

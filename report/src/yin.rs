@@ -2,6 +2,7 @@
 
 use crate::svg::chart::{Chart, Curve};
 use crate::svg::{Anchor, COLOURS, Drawing};
+use corehbot_twin::math::hypot;
 use corehbot_twin::yin::figure::{Errors, Figure3, Figure4, Figure5, MODELS, Panel, SPEEDS, Trend, WAYS};
 
 /// Nearer to its line than this, a place of a path is left out, in pixels.
@@ -159,7 +160,7 @@ fn distance([x, y]: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let square = dx * dx + dy * dy;
     let part = if square > 0.0 { (((x - a[0]) * dx + (y - a[1]) * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (x - a[0] - part * dx).hypot(y - a[1] - part * dy)
+    hypot(x - a[0] - part * dx, y - a[1] - part * dy)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@
 //!
 //! | room | job |
 //! |---|---|
+//! | [`math`] | sines, exponentials and roots with the same bits on every platform |
 //! | [`params`] | the machine's dimensions, masses and stiffnesses, with their sources |
 //! | [`routing`] | the run of the belts, as a table per machine |
 //! | [`description`] | a machine as its file has it: routing and numbers |
@@ -34,6 +35,7 @@
 //!
 //! Misprints of the papers and their corrections: docs/research/twin.md.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod calibration;
 pub mod compensation;
@@ -42,6 +44,7 @@ pub mod description;
 pub mod dynamics;
 pub mod geometry;
 pub mod live;
+pub mod math;
 pub mod model;
 pub mod params;
 pub mod parts;

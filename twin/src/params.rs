@@ -12,6 +12,8 @@ pub use each::{Each, MOST_PARTS};
 pub use row::{Field, Row};
 pub use rows::ROWS;
 
+use crate::math::square;
+
 /// All numbers of a machine. The default is the prototype as far as it is known; the rest is assumed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
@@ -188,7 +190,7 @@ impl Params {
     /// Equivalent mass of an idler at the belt: its inertia over the square of its radius, in kg.
     #[must_use]
     pub fn idler_mass_kg(&self) -> f64 {
-        self.idler_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
+        self.idler_inertia_kg_m2 * square(MM_PER_M / self.pulley_radius_mm)
     }
 
     /// Radius of the belt's pitch line on a motor, by its place in the order of the motors' numbers, as in all that
@@ -201,7 +203,7 @@ impl Params {
     /// Equivalent mass of a rotor at the belt, in kg.
     #[must_use]
     pub fn rotor_mass_kg(&self, motor: usize) -> f64 {
-        self.rotor_inertia_kg_m2 * (MM_PER_M / self.radius_mm(motor)).powi(2)
+        self.rotor_inertia_kg_m2 * square(MM_PER_M / self.radius_mm(motor))
     }
 
     /// Maximum force of a motor's field at the belt, in N.
@@ -231,7 +233,7 @@ impl Params {
     /// Viscous friction of a rotor at the belt, in N s/mm.
     #[must_use]
     pub fn rotor_damping_n_s_per_mm(&self, motor: usize) -> f64 {
-        self.rotor_damping_nm_s * MM_PER_M / self.radius_mm(motor).powi(2)
+        self.rotor_damping_nm_s * MM_PER_M / square(self.radius_mm(motor))
     }
 
     /// Damping of the frame along x (0) or y (1), in N s/mm, with this mass of the frame and all on it.
@@ -261,7 +263,7 @@ impl Params {
     #[must_use]
     pub fn bar_yaw_inertia_kg_mm2(&self) -> f64 {
         let given = self.bar_yaw_inertia_kg_m2.map(|inertia| inertia * MM_PER_M * MM_PER_M);
-        given.unwrap_or_else(|| self.bar_mass_kg * self.width_mm.powi(2) / 12.0)
+        given.unwrap_or_else(|| self.bar_mass_kg * square(self.width_mm) / 12.0)
     }
 
     /// Whether these parameters are possible.

@@ -5,6 +5,7 @@
 //! physics. It needs no threads, clock or temporary files, so it runs in a browser too. `corehbot-report` turns its
 //! figures into pages, and the command is `corehbot-cli`.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod accelerometer;
 mod any_storage;

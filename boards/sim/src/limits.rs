@@ -26,6 +26,7 @@ use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use corehbot::units::{Mm, Seconds};
 use corehbot_rig::bed::has_probe;
+use corehbot_twin::math::square;
 use std::f64::consts::SQRT_2;
 
 /// The limits of one coordinate, in mm and s.
@@ -286,7 +287,7 @@ impl Limits {
             // A unit vector of the tool reaches the length of the row in a belt coordinate: sqrt 2 if it sums two axes.
             let belt = i.checked_sub(4).and_then(|i| belts.get(i));
             let reach = belt.map_or(1.0, |belt| {
-                direction(belt.row).map(|times| f64::from(times).powi(2)).iter().sum::<f64>().sqrt()
+                direction(belt.row).map(|times| square(f64::from(times))).iter().sum::<f64>().sqrt()
             });
             limit.jump = if i == 3 { widest.extruder } else { law(reach, limit.acceleration) };
         }

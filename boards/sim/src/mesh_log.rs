@@ -14,6 +14,7 @@ use corehbot::settings::Settings;
 use corehbot::surface::{Heights, UNITS_PER_MM};
 use corehbot::units::Steps;
 use corehbot_rig::bed::BedPlant;
+use corehbot_twin::math::hypot;
 
 /// A place is looked at after so many mm of way.
 const EVERY_MM: f64 = 0.25;
@@ -218,7 +219,7 @@ impl MeshLog {
             Some((before, fed)) => (Some(before), filament.wrapping_sub(fed)),
             None => (None, 0),
         };
-        let way = before.map_or(0.0, |[x, y, _]: [f64; 3]| (nozzle[0] - x).hypot(nozzle[1] - y));
+        let way = before.map_or(0.0, |[x, y, _]: [f64; 3]| hypot(nozzle[0] - x, nozzle[1] - y));
         if before.is_some_and(|[.., z]| z == nozzle[2]) && way < EVERY_MM {
             return;
         }

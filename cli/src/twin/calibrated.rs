@@ -7,6 +7,7 @@ use corehbot_twin::calibration::{
     Weighed, calibrate,
 };
 use corehbot_twin::geometry::workspace;
+use corehbot_twin::math::{exp, log10};
 use corehbot_twin::params::{Each, Params, ROWS, Row};
 use corehbot_twin::routing::{Machine, Place};
 use serde::Serialize;
@@ -146,7 +147,7 @@ fn remark(is_told: bool, sourced: &Sourced) -> String {
     let mut text = if is_told {
         format!("+- {:.1} %: {from}", 100.0 * uncertainty)
     } else {
-        let [now, before] = [uncertainty, assumed_uncertainty].map(|u| u.exp());
+        let [now, before] = [*uncertainty, *assumed_uncertainty].map(exp);
         let from = if from.is_empty() { from } else { format!(": {from}") };
         format!("not told: good to a factor of {now:.2}, assumed {before:.2}{from}")
     };
@@ -223,7 +224,7 @@ fn part(uncertainty: f64) -> String {
     if uncertainty < 0.25 {
         format!("{:.1} %", 100.0 * uncertainty)
     } else {
-        format!("a factor of {:.2}", uncertainty.exp())
+        format!("a factor of {:.2}", exp(uncertainty))
     }
 }
 
@@ -300,7 +301,7 @@ fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let before = value.abs().log10().floor() as i32 + 1;
+    let before = log10(value.abs()).floor() as i32 + 1;
     let behind = usize::try_from(5 - before).unwrap_or(0);
     format!("{value:.behind$}")
 }

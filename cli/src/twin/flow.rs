@@ -25,6 +25,7 @@ use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm
 use corehbot_sim::file_line::{command_of, words};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{self, Sink};
+use corehbot_twin::math::{exp, square};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
@@ -368,7 +369,7 @@ fn compare(wanted: &Samples, pressed: &Print, nozzle: f64) -> Result<Found> {
     let (meant, made) = (seconds(wanted.path.len()), seconds(pressed.path.len()));
     ensure!((meant - made).abs() < 0.05, "the advance makes the print take {made:.3} s instead of {meant:.3}");
     let dt = seconds(1);
-    let keep = (-dt / nozzle).exp();
+    let keep = exp(-dt / nozzle);
     let get = |values: &[f64], i: usize| values.get(i).or(values.last()).copied().unwrap_or_default();
     let (mut flow, mut sum_sq, mut sum, mut count) = (0.0, 0.0, 0.0, 0u32);
     let mut pieces: Vec<[f64; 2]> = Vec::new();
@@ -383,7 +384,7 @@ fn compare(wanted: &Samples, pressed: &Print, nozzle: f64) -> Result<Found> {
         if asked > 0.0 {
             pieces[piece][0] += asked * dt;
             pieces[piece][1] += mean * dt;
-            sum_sq += (mean - asked).powi(2);
+            sum_sq += square(mean - asked);
             sum += asked;
             count += 1;
         }

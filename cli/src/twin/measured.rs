@@ -6,6 +6,7 @@ use super::setup::syntax;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weighed};
 use corehbot_twin::geometry::Workspace;
+use corehbot_twin::math::hypot;
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
 use serde::Deserialize;
@@ -421,7 +422,7 @@ fn recorded(path: &Path, at: Place, wanted: Option<&str>) -> Result<Vec<(String,
             let name = |key: &str| format!("resonance {letter}{key}");
             if let Some(measured) = number(mode, "frequency_Hz").filter(|hz| (1.0..=5000.0).contains(hz)) {
                 let own = number(mode, "frequency_error_Hz").unwrap_or_default() / measured;
-                let (figure, uncertainty) = (Figure::Ring { at, along }, RECORDED.hypot(own));
+                let (figure, uncertainty) = (Figure::Ring { at, along }, hypot(RECORDED, own));
                 found.push((name("_Hz"), Measurement { figure, measured, uncertainty }));
             }
             if let Some(measured) = number(mode, "damping_ratio").filter(|ratio| (0.001..=0.9).contains(ratio)) {

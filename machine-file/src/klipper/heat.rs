@@ -4,6 +4,7 @@ use super::work::Work;
 use crate::pattern::matches;
 use crate::translation::{Kind, Verdict};
 use corehbot::settings::PLACES;
+use corehbot_twin::math::{exp, ln};
 use corehbot_wiring::Circuit;
 use toml::Value as Toml;
 
@@ -278,10 +279,10 @@ fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<(i64, i64)> {
         None => {
             let points = [point(work, 3), point(work, 2)];
             let (other, other_ohms) = points.into_iter().flatten().next()?;
-            (other_ohms / ohms).ln() / (other - inverse)
+            ln(other_ohms / ohms) / (other - inverse)
         }
     };
-    let at_room = ohms * (beta * (1.0 / ROOM - inverse)).exp();
+    let at_room = ohms * exp(beta * (1.0 / ROOM - inverse));
     let is_one = (1.0..1e8).contains(&at_room) && (1.0..1e5).contains(&beta);
     is_one.then_some((at_room.round() as i64, beta.round() as i64))
 }

@@ -1,6 +1,7 @@
 //! Chart: curves over axes with round numbers.
 
 use super::{Anchor, COLOURS, Drawing, number};
+use corehbot_twin::math::{log10, powi};
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +104,7 @@ impl Scale {
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let high = if high > low { high } else { low + 1.0 };
         let rough = (high - low) / INTERVALS;
-        let ten = 10_f64.powi(rough.log10().floor() as i32);
+        let ten = powi(10.0, log10(rough).floor() as i32);
         let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|by| by * ten).find(|step| *step >= rough).unwrap_or(ten);
         let low = (low / step).floor() * step;
         Self { low, step, intervals: ((high - low) / step - 1e-9).ceil().max(1.0) as u32 }
@@ -120,7 +121,7 @@ impl Scale {
     }
 
     fn text(&self, value: f64) -> String {
-        let digits = (-self.step.log10().floor()).max(0.0) as usize;
+        let digits = (-log10(self.step).floor()).max(0.0) as usize;
         let text = format!("{value:.digits$}");
         if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) { "0".to_owned() } else { text }
     }

@@ -1,6 +1,7 @@
 //! The picture of `twin ripple`: a map of speed and angle as SVG, with its scale.
 
 use anyhow::{Context as _, Result};
+use corehbot_twin::math::{ln, powf};
 use corehbot_twin::queries::ripple::Ripple;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -42,13 +43,13 @@ impl Scale {
     }
 
     fn level(&self, um: f64) -> usize {
-        let part = (um.max(self.low) / self.low).ln() / (self.high / self.low).ln();
+        let part = ln(um.max(self.low) / self.low) / ln(self.high / self.low);
         ((part * COLOURS.len() as f64) as usize).min(COLOURS.len() - 1)
     }
 
     /// The least amplitude of a level.
     fn from(&self, level: usize) -> f64 {
-        self.low * (self.high / self.low).powf(level as f64 / COLOURS.len() as f64)
+        self.low * powf(self.high / self.low, level as f64 / COLOURS.len() as f64)
     }
 }
 

@@ -9,6 +9,7 @@ use super::figure::{Figure, Measurement};
 use super::further::{Further, further};
 use super::parameter::{Parameter, Unknown};
 use super::search::{Best, Search, weights};
+use crate::math::exp;
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
@@ -182,7 +183,7 @@ impl Search<'_> {
             let (model, size) = if m.figure.has_sign() {
                 (m.measured + off, m.measured.abs().max(m.uncertainty))
             } else {
-                (m.measured * off.exp(), m.measured)
+                (m.measured * exp(off), m.measured)
             };
             Misfit {
                 measured: m.measured,

@@ -4,6 +4,7 @@
 //! rings along y.
 
 use super::parameter::Parameter;
+use crate::math::{ln, square};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::model::links::Links;
@@ -126,7 +127,7 @@ impl Measurement {
     /// Excess of a value of the model, in uncertainties.
     #[must_use]
     pub fn excess(&self, says: f64) -> f64 {
-        let excess = if self.figure.has_sign() { says - self.measured } else { (says / self.measured).ln() };
+        let excess = if self.figure.has_sign() { says - self.measured } else { ln(says / self.measured) };
         excess / self.uncertainty
     }
 }
@@ -142,7 +143,7 @@ const NO_COUPLE: f64 = 1e-6;
 /// A belt's bending stiffness raises the pitch a little, more for short parts.
 #[must_use]
 pub fn span_tension_n(length_mm: f64, mass_kg_per_m: f64, frequency_hz: f64) -> f64 {
-    4.0 * mass_kg_per_m * (length_mm / THOUSAND * frequency_hz).powi(2)
+    4.0 * mass_kg_per_m * square(length_mm / THOUSAND * frequency_hz)
 }
 
 impl Figure {

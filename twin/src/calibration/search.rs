@@ -19,6 +19,7 @@
 use super::error::CalibrateError;
 use super::figure::{Measurement, Model};
 use super::parameter::{Parameter, Unknown};
+use crate::math::{exp, ln, powi, square};
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
@@ -93,7 +94,7 @@ pub(super) fn weights(sought: &[Unknown], is_belt_weighed: bool) -> DMatrix<f64>
     let mut weights = DMatrix::zeros(sought.len(), sought.len());
     for (row, unknown) in sought.iter().enumerate() {
         let (with, uncertainty) = unknown.expected(is_belt_weighed);
-        let weight = uncertainty.powi(-2);
+        let weight = 1.0 / square(uncertainty);
         weights[(row, row)] += weight;
         // A number that is not sought is exact.
         let other =
@@ -111,7 +112,7 @@ impl Search<'_> {
     /// The nominal machine with these changes.
     fn machine_at(&self, logs: &DVector<f64>) -> Params {
         let change = |params: Params, (unknown, log): (&Unknown, &f64)| {
-            unknown.with(unknown.of(self.nominal) * log.exp(), &params)
+            unknown.with(unknown.of(self.nominal) * exp(*log), &params)
         };
         self.sought.iter().zip(logs.iter()).fold(self.nominal.clone(), change)
     }
@@ -127,7 +128,7 @@ impl Search<'_> {
     pub(super) fn slopes(&self, params: &Params) -> Result<DMatrix<f64>, NotHeld> {
         let mut slopes = DMatrix::zeros(self.measurements.len(), self.sought.len());
         for (column, unknown) in self.sought.iter().enumerate() {
-            let probed = |by: f64| self.excess(&unknown.with(unknown.of(params) * by.exp(), params));
+            let probed = |by: f64| self.excess(&unknown.with(unknown.of(params) * exp(by), params));
             let mut slope = (probed(PROBE)? - probed(-PROBE)?) / (2.0 * PROBE);
             for (entry, m) in slope.iter_mut().zip(self.measurements) {
                 if (*entry * m.uncertainty).abs() < NO_MATTER {
@@ -153,7 +154,7 @@ impl Search<'_> {
         let yaw = self.sought.iter().position(|unknown| unknown.parameter == Parameter::YawStiffness);
         for (yaw, factor) in yaw.into_iter().flat_map(|yaw| YAW_STARTS.map(|factor| (yaw, factor))) {
             let mut logs = nominal.logs.clone();
-            logs[yaw] = factor.ln();
+            logs[yaw] = ln(factor);
             let Ok(start) = self.point(logs) else { continue };
             // Where no figure depends on it, all starts are alike.
             if (&start.excess - &nominal.excess).amax() < NO_MATTER {
@@ -199,7 +200,7 @@ impl Search<'_> {
         let rounding = at.cost * ROUNDING + ROUNDING * NO_MATTER;
         let mut found: Option<Point> = None;
         for half in 0..=HALVES {
-            let next = self.point(&at.logs - step * 0.5_f64.powi(half))?;
+            let next = self.point(&at.logs - step * powi(0.5, half))?;
             match &found {
                 Some(found) if next.cost >= found.cost - rounding => break,
                 None if next.cost.is_nan() || next.cost > at.cost + rounding => {}

@@ -4,6 +4,7 @@
 //! along the path is larger than across it, because the plate shows only the error across.
 
 use crate::contour::cut::ends;
+use crate::math::hypot;
 
 /// Tolerance across the chord, in mm: a twelfth of a step.
 const BESIDE_MM: f64 = 0.001;
@@ -32,13 +33,13 @@ pub fn vertices(samples: &[[f64; 4]]) -> Vec<usize> {
 fn furthest(samples: &[[f64; 4]], begin: usize, end: usize) -> Option<usize> {
     let (a, b) = (samples.get(begin)?, samples.get(end)?);
     let way: [f64; 4] = std::array::from_fn(|i| b[i] - a[i]);
-    let length = way[0].hypot(way[1]);
+    let length = hypot(way[0], way[1]);
     let mut found = (1.0, None);
     for (index, sample) in samples.iter().enumerate().take(end).skip(begin + 1) {
         let part = (index - begin) as f64 / (end - begin) as f64;
         let off: [f64; 4] = std::array::from_fn(|i| sample[i] - a[i] - part * way[i]);
         let [along, beside] = if length < LEAST_MM {
-            [0.0, off[0].hypot(off[1])]
+            [0.0, hypot(off[0], off[1])]
         } else {
             [(off[0] * way[0] + off[1] * way[1]) / length, (off[1] * way[0] - off[0] * way[1]) / length]
         };

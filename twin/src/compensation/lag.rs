@@ -8,6 +8,7 @@
 use super::path::RATE;
 use crate::dynamics::friction::CREEP;
 use crate::geometry::workspace;
+use crate::math::{exp, tanh};
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
 use crate::routing::{Machine, Place};
@@ -66,7 +67,7 @@ impl<'p> Lag<'p> {
             let place = Place::flat(self.start.x + at[0], self.start.y + at[1]);
             let cell = [place.x, place.y].map(|v| (v / CELL_MM).round() as i64);
             let [[xx, xy], [yx, yy]] = *compliances.entry(cell).or_insert_with(|| compliance(self.machine, p, cell));
-            let force = [0, 1].map(|i| masses[i] * a[i] + guides[i] * v[i] + dry[i] * (v[i] / CREEP).tanh());
+            let force = [0, 1].map(|i| masses[i] * a[i] + guides[i] * v[i] + dry[i] * tanh(v[i] / CREEP));
             let ahead = [xx * force[0] + xy * force[1], yx * force[0] + yy * force[1]];
             greatest_mm = [greatest_mm[0].max(ahead[0].abs()), greatest_mm[1].max(ahead[1].abs())];
             let rotors = [0, 1].map(|i| p.rotor_mass_kg(0) / MM_PER_M * a[i] + p.rotor_damping_n_s_per_mm(0) * v[i]);
@@ -93,7 +94,7 @@ fn kernels(width_s: f64) -> [Vec<f64>; 3] {
     let width = width_s * RATE;
     let half = (WIDTHS * width).ceil() as i64;
     let at = |i: i64| i as f64 / width;
-    let plain: Vec<f64> = (-half..=half).map(|i| (-at(i) * at(i) / 2.0).exp()).collect();
+    let plain: Vec<f64> = (-half..=half).map(|i| exp(-at(i) * at(i) / 2.0)).collect();
     let sum: f64 = plain.iter().sum();
     let with = |factor: &dyn Fn(f64) -> f64| -> Vec<f64> {
         (-half..=half).zip(&plain).map(|(i, weight)| factor(at(i)) * weight / sum).collect()

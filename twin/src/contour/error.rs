@@ -8,6 +8,7 @@
 use super::pace::Pace;
 use super::path::{Vertex, nearest};
 use super::trail::Trail;
+use crate::math::{atan2, hypot};
 use crate::steps::TICKS_PER_SECOND;
 use std::ops::Range;
 
@@ -90,7 +91,7 @@ impl Corner {
     fn cross(&mut self, tool: [f64; 2]) {
         let to = [tool[0] - self.at[0], tool[1] - self.at[1]];
         let inside = [self.out[0] - self.into[0], self.out[1] - self.into[1]];
-        let length = inside[0].hypot(inside[1]);
+        let length = hypot(inside[0], inside[1]);
         let now = [dot(to, self.into) + dot(to, self.out), dot(to, inside) / length];
         if let (None, Some(before)) = (self.bisector_mm, self.last)
             && before[0] < 0.0
@@ -146,7 +147,7 @@ impl ContourError {
     #[must_use]
     pub fn new(vertices: Vec<Vertex>, places: &[Vertex], window: Window) -> Self {
         let length = |pair: &[Vertex]| match pair {
-            [a, b] => (b.at[0] - a.at[0]).hypot(b.at[1] - a.at[1]),
+            [a, b] => hypot(b.at[0] - a.at[0], b.at[1] - a.at[1]),
             _ => 0.0,
         };
         let ends = vertices.windows(2).scan(0.0, |sum, pair| {
@@ -249,7 +250,7 @@ impl ContourError {
             let (way, _) = nearest(a.at, b.at, tool);
             let way = way.max(low.min(1.0)).min(high.max(0.0)).clamp(0.0, 1.0);
             let off = [0, 1].map(|i| a.at[i] + way * (b.at[i] - a.at[i]) - tool[i]);
-            let distance = off[0].hypot(off[1]);
+            let distance = hypot(off[0], off[1]);
             if best.is_none_or(|(_, _, least)| distance < least) {
                 best = Some((line, way, distance));
             }
@@ -284,7 +285,7 @@ fn times(vertices: &[Vertex], along_mm: &[f64], places: &[Vertex]) -> Vec<(u64, 
         }
         if let (Some(a), Some(b)) = (vertices.get(line), vertices.get(line + 1)) {
             let begin = along_mm.get(line).copied().unwrap_or(0.0);
-            let length = (b.at[0] - a.at[0]).hypot(b.at[1] - a.at[1]);
+            let length = hypot(b.at[0] - a.at[0], b.at[1] - a.at[1]);
             before = before.max(begin + nearest(a.at, b.at, place.at).0 * length);
         }
         (place.tick, before)
@@ -322,7 +323,7 @@ fn corner(vertices: &[Vertex], along_mm: &[f64], bend: Range<usize>, turns_rad: 
     let (begin, end) = (vertices.get(bend.start)?, vertices.get(bend.end - 1)?);
     let into = direction(vertices.get(bend.start - 1)?, begin);
     let out = direction(end, vertices.get(bend.end)?);
-    let turn_rad = cross(into, out).atan2(dot(into, out));
+    let turn_rad = atan2(cross(into, out), dot(into, out));
     // The bend tells to which side a line turns right back.
     let turn_rad = if turn_rad.abs() > MOST_TURN { turn_rad.abs().copysign(turns_rad) } else { turn_rad };
     if turn_rad.abs() < LEAST_TURN {
@@ -352,11 +353,11 @@ fn corner(vertices: &[Vertex], along_mm: &[f64], bend: Range<usize>, turns_rad: 
 fn turn(three: &[Vertex]) -> f64 {
     let [a, b, c] = three else { return 0.0 };
     let (into, out) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - b.at[0], c.at[1] - b.at[1]]);
-    cross(into, out).atan2(dot(into, out))
+    atan2(cross(into, out), dot(into, out))
 }
 
 fn unit([x, y]: [f64; 2]) -> [f64; 2] {
-    let length = x.hypot(y);
+    let length = hypot(x, y);
     [x / length, y / length]
 }
 

@@ -2,6 +2,7 @@
 //! tolerance (Douglas and Peucker, 1973).
 
 use super::cut::ends;
+use crate::math::hypot;
 
 /// A corner of the line, or its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +95,7 @@ pub(crate) fn nearest(a: [f64; 2], b: [f64; 2], point: [f64; 2]) -> (f64, f64) {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];
     let way = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (way, (to[0] - way * along[0]).hypot(to[1] - way * along[1]))
+    (way, hypot(to[0] - way * along[0], to[1] - way * along[1]))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 use super::field::Field;
 use super::frame::{FrameAxis, MM_PER_M};
 use super::plant::{Plant, Spring, sum};
+use crate::math::{cos, square};
 use std::f64::consts::TAU;
 
 impl Plant {
@@ -69,7 +70,7 @@ impl Plant {
     #[must_use]
     pub fn energy_n_mm(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64]) -> f64 {
         let motion: f64 = speeds.iter().zip(&self.mobility).map(|(v, mobility)| v * v / mobility / 2.0).sum();
-        let stored = |spring: &Spring| spring.stiffness * sum(&spring.row, at).powi(2) / 2.0;
+        let stored = |spring: &Spring| spring.stiffness * square(sum(&spring.row, at)) / 2.0;
         let belts: f64 = self.springs.iter().map(stored).sum::<f64>() + self.frame_energy_n_mm(at, speeds);
         if !self.are_rotors() {
             return motion + belts;
@@ -78,7 +79,7 @@ impl Plant {
         let stored = |((at, sent), field): ((&f64, &f64), &Field)| {
             let radian = field.radian_mm;
             let (holding, detent) = (field.holding_n * radian, field.detent_n * radian / 4.0);
-            holding * (1.0 - ((sent - at) / radian).cos()) + detent * (1.0 - (4.0 * at / radian).cos())
+            holding * (1.0 - cos((sent - at) / radian)) + detent * (1.0 - cos(4.0 * at / radian))
         };
         motion + belts + rotors.map(stored).sum::<f64>()
     }

@@ -1,5 +1,6 @@
 //! Field: the magnetic pull of a motor on its rotor.
 
+use crate::math::sin;
 use crate::params::Params;
 
 /// Field and rotor of a motor, at the belt.
@@ -31,7 +32,7 @@ impl Field {
 
     /// Force of a full-strength field on a rotor, in N at the belt.
     pub(super) fn holding_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        self.holding_n * ((sent_mm - at_mm) / self.radian_mm).sin()
+        self.holding_n * sin((sent_mm - at_mm) / self.radian_mm)
     }
 
     /// Detent force on a rotor at this distance from a detent position, in N at the belt.
@@ -40,6 +41,6 @@ impl Field {
             return 0.0;
         }
         // Four detents an electrical turn: one a full step.
-        -self.detent_n * (4.0 * off_mm / self.radian_mm).sin()
+        -self.detent_n * sin(4.0 * off_mm / self.radian_mm)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::frame::MM_PER_M;
 use super::plant::{BRAKED_IN_S, Plant};
+use crate::math::{hypot, tanh};
 
 /// Dry friction changes its sign over this speed, in mm/s.
 pub(crate) const CREEP: f64 = 1.0;
@@ -13,7 +14,7 @@ impl Plant {
         for ((viscous, dry), (speed, force)) in guides.zip(speeds.iter().zip(forces)) {
             *force -= viscous / MM_PER_M * speed;
             if dry > 0.0 {
-                *force -= dry * (speed / CREEP).tanh();
+                *force -= dry * tanh(speed / CREEP);
             }
         }
     }
@@ -38,7 +39,7 @@ impl Plant {
     pub(super) fn obstruct(&self, speeds: &[f64], most_n: f64, forces: &mut [f64]) {
         let ([vx, vy, ..], [mx, my, ..], [fx, fy, ..]) = (speeds, &self.mobility[..], forces) else { return };
         let stops = [*fx + vx / (mx * BRAKED_IN_S), *fy + vy / (my * BRAKED_IN_S)];
-        let part = (most_n / stops[0].hypot(stops[1]).max(most_n)).min(1.0);
+        let part = (most_n / hypot(stops[0], stops[1]).max(most_n)).min(1.0);
         *fx -= part * stops[0];
         *fy -= part * stops[1];
     }

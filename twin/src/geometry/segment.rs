@@ -1,5 +1,6 @@
 //! Segment: the common tangent of two circles, each on the side where the belt passes, and the arc between two of them.
 
+use crate::math::{atan2, hypot};
 use crate::params::Params;
 use crate::routing::{Place, Stop};
 use std::f64::consts::TAU;
@@ -59,10 +60,10 @@ pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params,
         [b[0] - a[0], b[1] - a[1]]
     };
     let (a, [dx, dy]) = (from.1.centre(params, tool), apart(tool));
-    if dx.hypot(dy) < SAME_PLACE_MM && across == 0.0 {
+    if hypot(dx, dy) < SAME_PLACE_MM && across == 0.0 {
         // At the end of the reach one pulley lies above the other; the belt keeps its direction.
         let [dx, dy] = apart(Place::flat(params.width_mm / 2.0, params.depth_mm / 2.0));
-        let heading = [dx / dx.hypot(dy), dy / dx.hypot(dy)];
+        let heading = [dx / hypot(dx, dy), dy / hypot(dx, dy)];
         let offset = from.1.sign() * radius;
         let begin = [a[0] + offset * heading[1], a[1] - offset * heading[0]];
         return Segment { from: from.0, to: to.0, begin, heading, rise: 0.0, length_mm: 0.0 };
@@ -79,7 +80,7 @@ pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params,
 
 /// The arc between two segments on a pulley of this sign.
 pub(super) fn wrap(into: &Segment, out: &Segment, sign: f64) -> Wrap {
-    let turned = out.heading[1].atan2(out.heading[0]) - into.heading[1].atan2(into.heading[0]);
+    let turned = atan2(out.heading[1], out.heading[0]) - atan2(into.heading[1], into.heading[0]);
     let angle = (sign * turned).rem_euclid(TAU);
     Wrap { stop: into.to, angle_rad: if TAU - angle < NO_ARC { 0.0 } else { angle } }
 }

@@ -7,6 +7,7 @@ use super::Live;
 use crate::dynamics::failing::Slipped;
 use crate::dynamics::outside::Screw;
 use crate::geometry::layout;
+use crate::math::tanh;
 use crate::params::{Params, TOOTH_MM};
 use crate::routing::{Machine, Place};
 
@@ -16,7 +17,7 @@ const SLIDES: f64 = 0.3;
 /// The part of the difference of two tensions that a pulley of this wrap holds without turning, in N. Their ratio is at
 /// most `exp(SLIDES wrap)` (Euler and Eytelwein); their sum is twice the tension at rest.
 fn slides_at_n(wrap_rad: f64, preload_n: f64) -> f64 {
-    2.0 * preload_n * (SLIDES * wrap_rad / 2.0).tanh()
+    2.0 * preload_n * tanh(SLIDES * wrap_rad / 2.0)
 }
 
 /// Force in N at which the belt slides over an idler that does not turn, at a place of the tool. 0 if the stop of this

@@ -15,6 +15,7 @@ pub use phase::phases_mm;
 
 use crate::dynamics::plant::{BRAKED_IN_S, Plant};
 use crate::dynamics::state::State;
+use crate::math::sin;
 use crate::model::ways::residual_mm;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
@@ -277,7 +278,7 @@ impl Live {
             let glance = Glance {
                 tick: self.now,
                 turns: self.plant.slips(motor, *at, *sent),
-                share: ((sent - at) / params.electrical_radian_mm(motor)).sin().abs(),
+                share: sin((sent - at) / params.electrical_radian_mm(motor)).abs(),
                 is_at_rest: self.is_at_rest,
                 tool,
             };

@@ -6,6 +6,7 @@
 
 use super::coordinate::Coordinate;
 use super::links::Links;
+use crate::math::square;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
 use nalgebra::DMatrix;
@@ -137,7 +138,7 @@ fn damping(
                 params.frame_damping_n_s_per_mm(*axis, params.frame_mass_kg + machine.carried_kg(params))
             }
             // Both guides of y hold the bar by its ends, each with half of the friction.
-            Coordinate::Yaw => params.guide_y_n_s_per_m / MM_PER_M * (params.width_mm / 2.0).powi(2),
+            Coordinate::Yaw => params.guide_y_n_s_per_m / MM_PER_M * square(params.width_mm / 2.0),
             Coordinate::Idler(_) => 0.0,
         };
     }

@@ -5,6 +5,7 @@
 
 use super::coordinate::Coordinate;
 use super::links::Links;
+use crate::math::hypot;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
 use nalgebra::{DMatrix, DVector};
@@ -94,7 +95,7 @@ impl Ways {
                 }
                 if turned.iter().zip(&most).all(|(mm, most)| mm.abs() <= most * (1.0 + NO_WAY)) {
                     let [x, y, z] = self.tool(&turned);
-                    greatest = greatest.max(x.hypot(y).hypot(z));
+                    greatest = greatest.max(hypot(hypot(x, y), z));
                 }
             }
         }

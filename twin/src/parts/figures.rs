@@ -4,6 +4,7 @@
 use super::profile::{Profile, corner};
 use super::{Outline, Part, stretches};
 use crate::contour::trail::Beside;
+use crate::math::hypot;
 use crate::queries::shown;
 use crate::routing::{Machine, Place};
 use crate::run::watch::Watch;
@@ -195,7 +196,7 @@ fn round(loops: &[Loop]) -> RoundFigures {
         mean.mean_too_large_um += part * UM * 2.0 * profile.all_around();
         mean.out_of_round_um += part * UM * profile.out_of_round();
         let [x, y] = profile.centre();
-        mean.centre_off_um = mean.centre_off_um.max(UM * x.hypot(y));
+        mean.centre_off_um = mean.centre_off_um.max(UM * hypot(x, y));
         mean.time_s += played.time_s;
     }
     mean

@@ -16,6 +16,7 @@
 pub mod figures;
 pub mod profile;
 
+use crate::math::hypot;
 use crate::steps::StepTrace;
 use std::fmt::Write as _;
 
@@ -108,7 +109,7 @@ impl Part {
                 Outline::Polygon(corners) => {
                     let next = corners.iter().cycle().skip(1);
                     for (a, b) in corners.iter().zip(next) {
-                        let filament = FILAMENT * (b[0] - a[0]).hypot(b[1] - a[1]);
+                        let filament = FILAMENT * hypot(b[0] - a[0], b[1] - a[1]);
                         let _ = writeln!(text, "G1 {} E{filament:.5} F{feed:.0}", at(*b));
                     }
                 }

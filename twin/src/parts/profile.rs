@@ -1,5 +1,6 @@
 //! Profile: the tool's mean deviation in each piece of a side or a circle.
 
+use crate::math::{atan2, cos, hypot, sin};
 use std::f64::consts::TAU;
 
 /// Length of a piece of a side, in mm.
@@ -19,7 +20,7 @@ impl Profile {
     #[must_use]
     pub fn of_side(a: [f64; 2], b: [f64; 2], tool: &[[f64; 2]]) -> Self {
         let along = [b[0] - a[0], b[1] - a[1]];
-        let length = along[0].hypot(along[1]);
+        let length = hypot(along[0], along[1]);
         let [u, v] = along.map(|part| part / length);
         let count = (length / PIECE_MM).round() as usize;
         let of = |at: &[f64; 2]| {
@@ -35,8 +36,8 @@ impl Profile {
         let of = |at: &[f64; 2]| {
             let [x, y] = [at[0] - centre[0], at[1] - centre[1]];
             // The first piece is about the right.
-            let turned = (y.atan2(x) / TAU * PIECES as f64 + 0.5).rem_euclid(PIECES as f64);
-            (turned, x.hypot(y) - radius)
+            let turned = (atan2(y, x) / TAU * PIECES as f64 + 0.5).rem_euclid(PIECES as f64);
+            (turned, hypot(x, y) - radius)
         };
         Self::new(PIECES, tool.iter().map(of))
     }
@@ -103,7 +104,7 @@ impl Profile {
             let angle = |piece: usize| piece as f64 / PIECES as f64 * TAU;
             2.0 * mean(pieces.filter_map(|(piece, off)| Some((*off)? * of(angle(piece)))))
         };
-        [part(f64::cos), part(f64::sin)]
+        [part(cos), part(sin)]
     }
 }
 
@@ -124,14 +125,14 @@ pub fn corner(before: [f64; 2], at: [f64; 2], after: [f64; 2], tool: &[[f64; 2]]
     /// The tool is near a corner within this distance, in mm.
     const NEAR_MM: f64 = 1.0;
     let right = |a: [f64; 2], b: [f64; 2]| {
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length = hypot(b[0] - a[0], b[1] - a[1]);
         [(b[1] - a[1]) / length, (a[0] - b[0]) / length]
     };
     let sides = [right(before, at), right(at, after)];
     let off = |place: &[f64; 2]| {
         let to = [place[0] - at[0], place[1] - at[1]];
         let [a, b] = sides.map(|right| to[0] * right[0] + to[1] * right[1]);
-        (to[0].hypot(to[1]) < NEAR_MM).then_some(a.max(b))
+        (hypot(to[0], to[1]) < NEAR_MM).then_some(a.max(b))
     };
     let [inside, outside] = range(tool.iter().filter_map(off));
     if outside.abs() >= inside.abs() { outside } else { inside }

@@ -4,6 +4,7 @@ use super::frame::FrameTorque;
 use super::stiffness::Stiffness;
 use super::{Setup, shown};
 use crate::geometry::{Workspace, layout, workspace};
+use crate::math::hypot;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
@@ -170,7 +171,7 @@ fn racking_um(machine: Machine, params: &Params, tool: Place) -> Result<[f64; 2]
         // 1 kg times 1 m/s2 is 1 N; 1 kg mm gives 1 N mm.
         let force = DVector::from_iterator(3, kept.iter().map(|i| -elastic.mass[(*i, kept[axis])]));
         let (moved, square) = (all.solve(&force), translation.solve(&force.rows(0, 2).into_owned()));
-        1000.0 * (moved[0] - square[0]).hypot(moved[1] - square[1] + moved[2] * (tool.x - params.width_mm / 2.0))
+        1000.0 * hypot(moved[0] - square[0], moved[1] - square[1] + moved[2] * (tool.x - params.width_mm / 2.0))
     };
     Ok([aside(0), aside(1)])
 }

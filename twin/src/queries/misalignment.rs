@@ -17,6 +17,7 @@
 
 use super::{At, Setup, shown};
 use crate::geometry::{Segment, layout, layout_of, points, workspace};
+use crate::math::{atan2, hypot};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::model::links::Links;
@@ -291,7 +292,7 @@ impl Off<'_> {
         let longer = |(aligned, off): (&Segment, &Segment)| {
             let ([ax, ay], [bx, by]) = (aligned.heading, off.heading);
             // A line that turns to the left lies longer on a pulley behind it, and shorter on one before it.
-            let turned = (ax * by - ay * bx).atan2(ax * bx + ay * by);
+            let turned = atan2(ax * by - ay * bx, ax * bx + ay * by);
             let arcs = params.pulley_radius_mm * (sign(aligned.from) - sign(aligned.to)) * turned;
             // A line that came to run back has no room.
             let is_ahead = ax * bx + ay * by > 0.0;
@@ -364,7 +365,7 @@ impl std::fmt::Display for Misalignment {
             for (letter, stroke) in [("x", &self.along_x), ("y", &self.along_y)] {
                 let all = || stroke.iter().flat_map(|place| place.tension_change_n.values().copied());
                 let [least, most] = all().fold([0.0_f64; 2], |[low, high], n| [low.min(n), high.max(n)]);
-                let off = stroke.iter().map(|place| place.dx_mm.hypot(place.dy_mm)).fold(0.0, f64::max);
+                let off = stroke.iter().map(|place| hypot(place.dx_mm, place.dy_mm)).fold(0.0, f64::max);
                 write!(
                     f,
                     "  along the stroke of {letter} spans change by {} to {} N",

@@ -2,6 +2,7 @@
 //! tool.
 
 use super::{At, Setup, shown};
+use crate::math::{atan2, hypot};
 use crate::model::coordinate::Coordinate;
 use crate::solve::NotHeld;
 use crate::solve::balance::condensed;
@@ -46,9 +47,9 @@ impl Stiffness {
         let (kxx, kyy, kxy) = (k[(0, 0)], k[(1, 1)], k[(0, 1)]);
         let kzz = up.map(|_| k[(2, 2)]);
         let (mean, half) = ((kxx + kyy) / 2.0, (kxx - kyy) / 2.0);
-        let turned = half.hypot(kxy);
+        let turned = hypot(half, kxy);
         // The stiffest direction is at half the angle of (half, kxy), the softest at a right angle to it.
-        let stiffest = kxy.atan2(half).to_degrees() / 2.0;
+        let stiffest = atan2(kxy, half).to_degrees() / 2.0;
         let softest_direction_deg = if stiffest > 0.0 { stiffest - 90.0 } else { stiffest + 90.0 };
         Ok(Self { at: setup.at(), kxx, kyy, kxy, kzz, softest: mean - turned, softest_direction_deg })
     }

@@ -5,6 +5,7 @@
 //! (`motor_max_speed`), but not that y weighs more than x, so its acceleration is the one of the worst direction.
 
 use super::shown;
+use crate::math::{asin, atan2};
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
@@ -103,8 +104,8 @@ impl TorqueLimits {
             (acceleration_mm_s2 > 0.0).then(|| TorqueSettings {
                 belt_speed_mm_s,
                 acceleration_mm_s2,
-                worst_direction_deg: worst[1].atan2(worst[0]).to_degrees(),
-                worst_rise_deg: machine.lifts().then(|| worst[2].asin().to_degrees()),
+                worst_direction_deg: atan2(worst[1], worst[0]).to_degrees(),
+                worst_rise_deg: machine.lifts().then(|| asin(worst[2]).to_degrees()),
                 belt_acceleration_mm_s2: (acceleration_mm_s2 * diagonal).ceil(),
             })
         });

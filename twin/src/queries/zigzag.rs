@@ -6,6 +6,7 @@
 
 use super::{Setup, shown};
 use crate::geometry::workspace;
+use crate::math::square;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::Freedom;
 use crate::model::ways::{Ways, residual_mm};
@@ -300,7 +301,7 @@ impl Path<'_> {
             }
         }
         let across = |[a, b]: [&[f64; 3]; 2]| {
-            let apart = (0..3).filter(|axis| *axis != self.axis).map(|axis| (a[axis] - b[axis]).powi(2));
+            let apart = (0..3).filter(|axis| *axis != self.axis).map(|axis| square(a[axis] - b[axis]));
             apart.sum::<f64>().sqrt()
         };
         let aside = places.iter().map(|place| across([place, &[0.0; 3]])).fold(0.0, f64::max);

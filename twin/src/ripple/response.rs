@@ -8,6 +8,7 @@
 //! narrow, so whoever looks for the worst looks there, and not at even distances alone.
 
 use super::source::{Amounts, Kind, sources};
+use crate::math::{acos, atan2, hypot, ln, powi, sin_cos};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom, Part};
 use crate::params::Params;
@@ -111,7 +112,7 @@ impl Response {
     /// Motion of the tool by each source that repeats within `longest_mm` of the path, in the direction `angle_rad`
     /// from x towards y.
     pub fn at(&self, angle_rad: f64, speed_mm_s: f64, longest_mm: f64) -> impl Iterator<Item = Shaken> + '_ {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = sin_cos(angle_rad);
         self.pulls.iter().filter_map(move |pulls| {
             let belt = pulls.belt_per_mm[0] * cos + pulls.belt_per_mm[1] * sin;
             let wave_mm = pulls.pitch_mm / belt.abs();
@@ -120,7 +121,7 @@ impl Response {
             }
             let frequency_hz = speed_mm_s / wave_mm;
             let [x, y] = pulls.moved(frequency_hz, belt.signum());
-            let um = |v: Complex<f64>| 1000.0 * v.norm();
+            let um = |v: Complex<f64>| 1000.0 * hypot(v.re, v.im);
             Some(Shaken {
                 kind: pulls.kind,
                 pulley: pulls.pulley,
@@ -138,9 +139,9 @@ impl Response {
         self.pulls.iter().flat_map(move |pulls| {
             let [x, y] = pulls.belt_per_mm;
             // The belt is most * cos(angle - fastest).
-            let (most, fastest) = (x.hypot(y).max(AT_REST), y.atan2(x));
+            let (most, fastest) = (hypot(x, y).max(AT_REST), atan2(y, x));
             pulls.peaks_hz.iter().flat_map(move |hz| {
-                let aside = (hz * pulls.pitch_mm / speed_mm_s / most).min(1.0).acos();
+                let aside = acos((hz * pulls.pitch_mm / speed_mm_s / most).min(1.0));
                 [fastest - aside, fastest + aside].map(|angle| angle.rem_euclid(PI))
             })
         })
@@ -148,7 +149,7 @@ impl Response {
 
     /// Speeds in mm/s at which a source meets a peak in a direction.
     pub fn resonant_speeds(&self, angle_rad: f64) -> impl Iterator<Item = f64> + '_ {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = sin_cos(angle_rad);
         self.pulls.iter().flat_map(move |pulls| {
             let belt = (pulls.belt_per_mm[0] * cos + pulls.belt_per_mm[1] * sin).abs().max(AT_REST);
             pulls.peaks_hz.iter().map(move |hz| hz * pulls.pitch_mm / belt)
@@ -176,7 +177,7 @@ fn peaks_hz(moved: &[[Moved; 2]]) -> Vec<f64> {
 impl Pulls {
     /// Complex amplitude of the tool in mm, while the belt runs forwards (1) or backwards (-1).
     fn moved(&self, frequency_hz: f64, forwards: f64) -> Moved {
-        let place = ((frequency_hz / LOWEST_HZ).ln() / RATIO.ln()).clamp(0.0, (COUNT - 1) as f64);
+        let place = (ln(frequency_hz / LOWEST_HZ) / ln(RATIO)).clamp(0.0, (COUNT - 1) as f64);
         let (below, part) = (place as usize, place.fract());
         let at = |index: usize| {
             // cos of a wheel that turns backwards is the same, sin is negative.
@@ -190,7 +191,7 @@ impl Pulls {
 }
 
 fn frequency_hz(index: usize) -> f64 {
-    LOWEST_HZ * RATIO.powi(index as i32)
+    LOWEST_HZ * powi(RATIO, index as i32)
 }
 
 /// Motion of the moving coordinates in mm for 1 N on the tool along x, and along y.

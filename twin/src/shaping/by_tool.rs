@@ -6,6 +6,7 @@
 use super::design::worst_residual;
 use super::shaper::{Impulse, Kind, impulses, residual};
 use super::wall::{Lag, Print, Unshaped, WallError, net_rounding};
+use crate::math::powf;
 use serde::Serialize;
 
 /// Shapers within this factor of the least error are equally good; the one with the shorter delay is suggested.
@@ -74,13 +75,13 @@ impl Machines {
             if ringing > RINGING { 1e6 * ringing } else { self.worst(&impulses).rms_um }
         };
         let search = |from: f64, to: f64, steps: usize| {
-            let tried = (0..=steps).map(|i| from * (to / from).powf(i as f64 / steps as f64));
+            let tried = (0..=steps).map(|i| from * powf(to / from, i as f64 / steps as f64));
             let tried = tried.map(|hz| (hz, worst(hz)));
             tried.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(from, |(hz, _)| hz)
         };
         let f = own.frequency_hz;
         let coarse = search(TRIED[0] * f, TRIED[1] * f, STEPS[0]);
-        let width = (TRIED[1] / TRIED[0]).powf(1.0 / STEPS[0] as f64);
+        let width = powf(TRIED[1] / TRIED[0], 1.0 / STEPS[0] as f64);
         let fine = search(coarse / width, coarse * width, STEPS[1]).clamp(FREQUENCIES[0], FREQUENCIES[1]);
         (fine * 10.0).round() / 10.0
     }

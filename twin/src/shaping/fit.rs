@@ -12,6 +12,7 @@
 //! the middle. Elsewhere motor fields deflect more. So the fitted f_motor is below the frequency of the motors alone;
 //! [`crate::solve::identify`] finds belts and motors.
 
+use crate::math::{powf, square};
 use crate::params::Params;
 use serde::Serialize;
 
@@ -97,8 +98,8 @@ pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, Fi
         Axis::Y => (p.depth_mm, p.bar_pulleys_mm),
     };
     let span_mm = p.width_mm + p.depth_mm - 4.0 * p.pulley_radius_mm - distance;
-    let softer = |place: f64| 1.0 - (2.0 * (place - length / 2.0) / span_mm).powi(2);
-    let points: Vec<(f64, f64)> = measured.iter().map(|m| (softer(m.place_mm), m.frequency_hz.powi(-2))).collect();
+    let softer = |place: f64| 1.0 - square(2.0 * (place - length / 2.0) / span_mm);
+    let points: Vec<(f64, f64)> = measured.iter().map(|m| (softer(m.place_mm), 1.0 / square(m.frequency_hz))).collect();
     let (mut a, mut b) = line(&points).ok_or(FitError::TooAlike)?;
     if a <= 0.0 {
         return Err(FitError::NotStiffer);
@@ -108,7 +109,7 @@ pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, Fi
         let (over, under) = points.iter().fold((0.0, 0.0), |(o, u), (x, y)| (o + x * y, u + x * x));
         (a, b) = (over / under, 0.0);
     }
-    let says = |place: f64| (a * softer(place) + b).powf(-0.5);
+    let says = |place: f64| powf(a * softer(place) + b, -0.5);
     let difference = |m: &Measured| (says(m.place_mm) / m.frequency_hz - 1.0).abs();
     let worst = measured.iter().max_by(|a, b| difference(a).total_cmp(&difference(b)));
     let worst_difference = worst.map_or(0.0, difference);
@@ -116,9 +117,9 @@ pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, Fi
         return Err(FitError::Unlike(worst.place_mm, worst_difference));
     }
     Ok(Fit {
-        frequency_hz: (a + b).powf(-0.5),
-        belt_frequency_hz: a.powf(-0.5),
-        motor_frequency_hz: (b > 0.0).then(|| b.powf(-0.5)),
+        frequency_hz: powf(a + b, -0.5),
+        belt_frequency_hz: powf(a, -0.5),
+        motor_frequency_hz: (b > 0.0).then(|| powf(b, -0.5)),
         span_mm,
         worst_difference,
     })
@@ -134,7 +135,7 @@ fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     }
     let (mean_x, mean_y) = points.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x / count, sy + y / count));
     let (over, under) =
-        points.iter().fold((0.0, 0.0), |(o, u), (x, y)| (o + (x - mean_x) * (y - mean_y), u + (x - mean_x).powi(2)));
+        points.iter().fold((0.0, 0.0), |(o, u), (x, y)| (o + (x - mean_x) * (y - mean_y), u + square(x - mean_x)));
     let slope = over / under;
     Some((slope, mean_y - slope * mean_x))
 }

@@ -4,6 +4,7 @@
 //! of vibration: Singhose, Seering and Singer, "Input shaping for vibration reduction with specified insensitivity to
 //! modeling errors", 1996. MZV, and all of them as in printer firmware: Klipper, `shaper_defs.py`.
 
+use crate::math::{cos, exp, hypot, sin};
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -70,7 +71,7 @@ pub struct Impulse {
 pub fn impulses(kind: Kind, frequency_hz: f64, damping: f64) -> Vec<Impulse> {
     let root = (1.0 - damping * damping).sqrt();
     let period = 1.0 / (frequency_hz * root);
-    let decay = |part: f64| (-part * TAU * damping / root).exp();
+    let decay = |part: f64| exp(-part * TAU * damping / root);
     let parts: Vec<(f64, f64)> = match kind {
         Kind::Zv => vec![(1.0, 0.0), (decay(0.5), 0.5)],
         Kind::Zvd => vec![(1.0, 0.0), (2.0 * decay(0.5), 0.5), (decay(1.0), 1.0)],
@@ -115,9 +116,9 @@ pub fn residual(impulses: &[Impulse], frequency_hz: f64, damping: f64) -> f64 {
     let omega = TAU * frequency_hz * (1.0 - damping * damping).sqrt();
     let end = impulses.last().map_or(0.0, |last| last.time_s);
     let sum = |part: fn(f64) -> f64| -> f64 {
-        impulses.iter().map(|i| i.amount * (decay * (i.time_s - end)).exp() * part(omega * i.time_s)).sum()
+        impulses.iter().map(|i| i.amount * exp(decay * (i.time_s - end)) * part(omega * i.time_s)).sum()
     };
-    sum(f64::cos).hypot(sum(f64::sin))
+    hypot(sum(cos), sum(sin))
 }
 
 /// Acceleration for smoothing figures, in mm/s^2; as in Klipper.

@@ -17,6 +17,7 @@
 //! rounding.
 
 use super::shaper::Impulse;
+use crate::math::{self, exp, hypot, sin_cos};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -76,10 +77,10 @@ pub struct WallError {
 #[must_use]
 pub fn net_rounding(impulses: &[Impulse], modes: &[Lag]) -> f64 {
     let mean: f64 = impulses.iter().map(|i| i.amount * i.time_s).sum();
-    let variance: f64 = impulses.iter().map(|i| i.amount * (i.time_s - mean).powi(2)).sum();
-    let softness = |mode: &Lag| mode.part / (TAU * mode.frequency_hz).powi(2);
+    let variance: f64 = impulses.iter().map(|i| i.amount * math::square(i.time_s - mean)).sum();
+    let softness = |mode: &Lag| mode.part / math::square(TAU * mode.frequency_hz);
     let lag: f64 = modes.iter().map(softness).sum();
-    let unit = modes.first().map_or(1.0, |mode| (TAU * mode.frequency_hz).powi(-2));
+    let unit = modes.first().map_or(1.0, |mode| 1.0 / math::square(TAU * mode.frequency_hz));
     (variance / 2.0 - lag) / unit
 }
 
@@ -137,7 +138,7 @@ impl Unshaped {
                     .map(|axis| taps.iter().map(|(amount, late)| amount * at(axis, i as f64 - late)).sum::<f64>());
                 let off = outline.distance(place);
                 if let Some(before) = before {
-                    let moved = (place[0] - before[0]).hypot(place[1] - before[1]);
+                    let moved = hypot(place[0] - before[0], place[1] - before[1]);
                     squares += off * off * moved;
                     length += moved;
                 }
@@ -155,9 +156,9 @@ impl Outline {
         match self {
             Self::Square => {
                 let [x, y] = place.map(|v| (v - SIDE_MM / 2.0).abs() - SIDE_MM / 2.0);
-                x.max(0.0).hypot(y.max(0.0)) + x.max(y).min(0.0)
+                hypot(x.max(0.0), y.max(0.0)) + x.max(y).min(0.0)
             }
-            Self::Hole => place[0].hypot(place[1]) - RADIUS_MM,
+            Self::Hole => hypot(place[0], place[1]) - RADIUS_MM,
         }
     }
 }
@@ -214,7 +215,7 @@ fn hole(print: &Print) -> Command {
         for i in 0..count {
             let t = (i as f64 + 0.5) * lasts / count as f64;
             let speed = from + along * t;
-            let (sin, cos) = ((before + from * t + along * t * t / 2.0) / RADIUS_MM).sin_cos();
+            let (sin, cos) = sin_cos((before + from * t + along * t * t / 2.0) / RADIUS_MM);
             let inwards = speed * speed / RADIUS_MM;
             let at_s = now + i as f64 * lasts / count as f64;
             x.push(Event { at_s, acceleration: -along * sin - inwards * cos, jump: 0.0 });
@@ -296,8 +297,8 @@ impl State {
         let rest = -acceleration / (omega * omega);
         let (decay, turn) = (damping * omega, omega * (1.0 - damping * damping).sqrt());
         let (off, speed) = (self.place - rest, self.speed);
-        let (sin, cos) = (turn * t).sin_cos();
-        let left = (-decay * t).exp();
+        let (sin, cos) = sin_cos(turn * t);
+        let left = exp(-decay * t);
         let b = (speed + decay * off) / turn;
         self.place = rest + left * (off * cos + b * sin);
         self.speed = left * (speed * cos - (decay * b + turn * off) * sin);

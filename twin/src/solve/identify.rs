@@ -7,6 +7,7 @@
 
 use super::NotHeld;
 use super::modes::{mode_of, modes};
+use crate::math::{exp, ln};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
@@ -157,8 +158,8 @@ pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Iden
 
 fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
     Params {
-        belt_ea_n: params.belt_ea_n.times(belt.exp()),
-        holding_torque_nm: params.holding_torque_nm * torque.exp(),
+        belt_ea_n: params.belt_ea_n.times(exp(belt)),
+        holding_torque_nm: params.holding_torque_nm * exp(torque),
         ..params.clone()
     }
 }
@@ -166,7 +167,7 @@ fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
 impl Unlike {
     /// Relative excess of the model's frequency, as a logarithm.
     fn log(&self) -> f64 {
-        (self.says_hz / self.measured_hz).ln()
+        ln(self.says_hz / self.measured_hz)
     }
 }
 

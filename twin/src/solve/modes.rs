@@ -5,6 +5,7 @@
 
 use super::NotHeld;
 use super::balance::{condensed, submatrix};
+use crate::math::powi;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Part};
 use std::f64::consts::TAU;
@@ -79,7 +80,7 @@ impl<'m> Ringing<'m> {
     /// Sum of both parts over a power of their angular frequencies: 1 for a jump of speed, 2 for one of acceleration.
     #[must_use]
     pub fn over_frequency(&self, power: i32) -> f64 {
-        let over = |mode: &Mode| (TAU * mode.frequency_hz).powi(-power);
+        let over = |mode: &Mode| powi(TAU * mode.frequency_hz, -power);
         let part = self.part_of_frame();
         (1.0 - part) * over(self.own) + self.frame.map_or(0.0, |mode| part * over(mode))
     }

@@ -7,6 +7,7 @@
 
 use super::pull_out::pull_out_torque_at_belt_nm;
 use crate::geometry::workspace;
+use crate::math::{cos, sin};
 use crate::model::elastic::{Elastic, Freedom};
 use crate::model::ways::Ways;
 use crate::params::Params;
@@ -142,7 +143,7 @@ impl Demand {
         let turns = || (0..around).step_by(degrees).map(|angle| f64::from(angle).to_radians());
         let rises = (0..=up).step_by(degrees).map(|rise: i32| f64::from(rise).to_radians());
         rises
-            .flat_map(|rise| turns().map(move |angle| [angle.cos() * rise.cos(), angle.sin() * rise.cos(), rise.sin()]))
+            .flat_map(|rise| turns().map(move |angle| [cos(angle) * cos(rise), sin(angle) * cos(rise), sin(rise)]))
             .collect()
     }
 

@@ -19,6 +19,7 @@
 //! I(rms), and conservation of energy gives the same k in E. A saturated chopper gives more than V (a square wave has
 //! 4/pi of it). Losses in switches and iron are neglected. So the curve has the right shape, accurate to about 20 %.
 
+use crate::math::hypot;
 use crate::params::Params;
 use std::f64::consts::SQRT_2;
 
@@ -53,7 +54,7 @@ struct Disc {
 
 impl Disc {
     fn has(&self, [x, y]: [f64; 2]) -> bool {
-        (x - self.centre[0]).hypot(y - self.centre[1]) <= self.radius
+        hypot(x - self.centre[0], y - self.centre[1]) <= self.radius
     }
 
     /// The point with the largest real part.
@@ -73,7 +74,7 @@ fn greatest_real(radius: f64, other: &Disc) -> f64 {
     }
     // Intersections of the two circles: at `along` from 0 towards the other's centre, and `across` at a right angle.
     let [x, y] = other.centre;
-    let distance = x.hypot(y);
+    let distance = hypot(x, y);
     let along = (distance * distance + radius * radius - other.radius * other.radius) / (2.0 * distance);
     let across_sq = radius * radius - along * along;
     if across_sq < 0.0 {

@@ -7,6 +7,7 @@
 use super::belt::{self, COORDINATES, X, Y, pulley};
 use super::model::{Mechanics, Model};
 use super::parameters::Parameters;
+use crate::math::{ln, square};
 
 /// One axis with the motors held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +34,7 @@ impl Axis {
     pub fn settling_time(&self) -> f64 {
         let ratio = self.damping_ratio();
         let beyond = (ratio * ratio - 1.0).max(0.0).sqrt();
-        20.0_f64.ln() / (self.frequency() * (ratio - beyond))
+        ln(20.0) / (self.frequency() * (ratio - beyond))
     }
 
     /// Damping ratio of viscous friction alone: 1 is critical.
@@ -55,7 +56,7 @@ fn axis(mechanics: &Mechanics, tool: usize, direction: [f64; 2]) -> Axis {
     let (viscous, stiffness) = at_tool(mechanics, tool, |i| mechanics.viscous[i] * speed[i]);
     let (coulomb, _) = at_tool(mechanics, tool, |i| mechanics.coulomb[i] * speed[i]);
     let moving = mechanics.coordinates.iter().filter(|&&i| i != pulley(1) && i != pulley(2));
-    let mass = moving.map(|&i| mechanics.mass[i] * speed[i].powi(2)).sum();
+    let mass = moving.map(|&i| mechanics.mass[i] * square(speed[i])).sum();
     Axis { stiffness, mass, viscous, coulomb }
 }
 

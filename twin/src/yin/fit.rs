@@ -1,5 +1,6 @@
 //! Straight lines through points, and power laws.
 
+use crate::math::{ln, square};
 use serde::Serialize;
 
 /// y = slope x + intercept by least squares.
@@ -19,9 +20,9 @@ pub fn line(points: &[(f64, f64)]) -> Line {
     let n = points.len() as f64;
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    let xx = mean(&|p| (p.0 - x).powi(2));
+    let xx = mean(&|p| square(p.0 - x));
     let xy = mean(&|p| (p.0 - x) * (p.1 - y));
-    let yy = mean(&|p| (p.1 - y).powi(2));
+    let yy = mean(&|p| square(p.1 - y));
     let slope = xy / xx;
     Line { slope, intercept: y - slope * x, r_squared: xy * xy / (xx * yy) }
 }
@@ -29,6 +30,6 @@ pub fn line(points: &[(f64, f64)]) -> Line {
 /// Exponent n of the best y = a x^n, by a line through the logarithms; all values must be positive.
 #[must_use]
 pub fn exponent(points: &[(f64, f64)]) -> f64 {
-    let logarithms: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let logarithms: Vec<_> = points.iter().map(|(x, y)| (ln(*x), ln(*y))).collect();
     line(&logarithms).slope
 }

@@ -9,6 +9,7 @@
 use super::belt::{COORDINATES, X, Y, pulley};
 use super::model::{Mechanics, Model};
 use super::parameters::Parameters;
+use crate::math::{square, tanh};
 
 /// Speed scale of the smoothing of sgn(v) to tanh(v / `SMOOTH_SPEED`), m/s: far below the running speeds, so that it
 /// blurs only rest.
@@ -86,7 +87,7 @@ impl System {
     #[must_use]
     pub fn servo(model: Model, parameters: &Parameters, gain: f64) -> System {
         let mut mechanics = with_rotors(model, parameters);
-        let spring = parameters.motor.torque_per_volt * gain / parameters.pulley_radius.powi(2);
+        let spring = parameters.motor.torque_per_volt * gain / square(parameters.pulley_radius);
         for m in MOTORS {
             mechanics.stiffness[m][m] += spring;
         }
@@ -110,7 +111,7 @@ impl System {
             let speed = state.speed[row.coordinate];
             let springs: f64 = row.springs.iter().map(|&(other, k)| k * state.place[other]).sum();
             let drive = row.drive[0] * input[0] + row.drive[1] * input[1];
-            let friction = row.viscous * speed + row.coulomb * (speed / SMOOTH_SPEED).tanh();
+            let friction = row.viscous * speed + row.coulomb * tanh(speed / SMOOTH_SPEED);
             change.place[row.coordinate] = speed;
             change.speed[row.coordinate] = (drive - springs - friction) / row.mass;
         }
@@ -122,7 +123,7 @@ impl System {
     pub fn energy(&self, state: &State) -> f64 {
         let of = |row: &Row| {
             let springs: f64 = row.springs.iter().map(|&(other, k)| k * state.place[other]).sum();
-            row.mass * state.speed[row.coordinate].powi(2) / 2.0 + springs * state.place[row.coordinate] / 2.0
+            row.mass * square(state.speed[row.coordinate]) / 2.0 + springs * state.place[row.coordinate] / 2.0
         };
         self.rows.iter().map(of).sum()
     }
@@ -140,7 +141,7 @@ impl System {
 /// A model with the rotors of its DC motors, and what they lose by turning.
 fn with_rotors(model: Model, parameters: &Parameters) -> Mechanics {
     let mut mechanics = Mechanics::new(model, parameters);
-    let square = parameters.pulley_radius.powi(2);
+    let square = square(parameters.pulley_radius);
     for m in MOTORS {
         mechanics.mass[m] += parameters.motor.rotor_inertia / square;
         mechanics.viscous[m] += parameters.motor.back_torque / square;

@@ -8,6 +8,7 @@
 use super::part::PartAccident;
 use corehbot::motors::MotorName;
 use corehbot::units::TICKS_PER_MS;
+use corehbot_twin::math::hypot;
 
 /// The tool is at a place when it is so near, in mm.
 const NEAR_MM: f64 = 1.0;
@@ -178,8 +179,8 @@ impl AccidentState {
 
     /// Begins if the tool is there and on its way.
     pub(super) fn begin(&mut self, hit: &Hit, now: u64, tool_mm: [f64; 2], [vx, vy]: [f64; 2]) {
-        let away = (tool_mm[0] - hit.at_mm[0]).hypot(tool_mm[1] - hit.at_mm[1]);
-        if *self == Self::Waiting && away <= NEAR_MM && vx.hypot(vy) > ON_ITS_WAY_MM_S {
+        let away = hypot(tool_mm[0] - hit.at_mm[0], tool_mm[1] - hit.at_mm[1]);
+        if *self == Self::Waiting && away <= NEAR_MM && hypot(vx, vy) > ON_ITS_WAY_MM_S {
             *self = Self::Acting(hit.force_n, now + ticks(hit.ms));
         }
     }

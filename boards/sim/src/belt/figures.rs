@@ -2,6 +2,7 @@
 
 use super::BeltPlant;
 use corehbot::motors::MotorName;
+use corehbot_twin::math::hypot;
 use serde::Serialize;
 use std::fmt;
 
@@ -96,7 +97,7 @@ impl BeltPlant {
             motors: self.layout.drives.iter().zip(self.live.rotors()).map(motor).collect(),
             skips,
             residual_mm: self.live.residual_mm().map(rounded),
-            off_mm: off.map(|[x, y, z]| rounded(x.hypot(y).hypot(z))),
+            off_mm: off.map(|[x, y, z]| rounded(hypot(hypot(x, y), z))),
             off_xy_mm: off.map(|[x, y, _]| [x, y].map(rounded)),
             off_z_mm: off.filter(|_| self.live.machine().lifts()).map(|[_, _, z]| rounded(z)),
             largest_off_mm: rounded(self.largest_off_mm),

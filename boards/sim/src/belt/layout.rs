@@ -6,6 +6,7 @@ use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_twin::description::Description;
 use corehbot_twin::geometry::{Workspace, workspace};
+use corehbot_twin::math::ln;
 use corehbot_twin::model::ways::Ways;
 use corehbot_twin::params::{Each, Params};
 use corehbot_twin::routing::{Machine, Place};
@@ -198,7 +199,7 @@ fn with_radii(mut params: Params, drives: &[MotorDrive], settings: &Settings) ->
     let steps_per_mm = settings.axes.x.steps_per_mm.to_num::<f64>();
     let off = |multiple: u8| {
         let by_steps = turn_steps / (steps_per_mm * f64::from(multiple)) / std::f64::consts::TAU;
-        (by_steps / params.pulley_radius_mm).ln().abs()
+        ln(by_steps / params.pulley_radius_mm).abs()
     };
     let multiples = || drives.iter().map(|drive| drive.multiple);
     let nearest = multiples().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1);

@@ -51,6 +51,7 @@ use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
 use corehbot_twin::description::Description;
 use corehbot_twin::live::{Live, phases_mm};
+use corehbot_twin::math::hypot;
 use corehbot_twin::routing::Place;
 use course::{Course, CourseBin};
 use field::Field;
@@ -365,7 +366,7 @@ impl BeltPlant {
             }));
         }
         if let Some([x, y, z]) = self.off_mm() {
-            self.largest_off_mm = self.largest_off_mm.max(x.hypot(y).hypot(z));
+            self.largest_off_mm = self.largest_off_mm.max(hypot(hypot(x, y), z));
         }
     }
 

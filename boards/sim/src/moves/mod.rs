@@ -20,6 +20,8 @@ mod trapezoid;
 pub use limit::Limit;
 pub(crate) use tap::Tap;
 
+use corehbot_twin::math::hypot;
+
 /// Why a move was planned.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Source {
@@ -79,7 +81,7 @@ impl MadeMove {
     /// Its length in the bed plane, in mm.
     #[must_use]
     pub fn plane_length(&self) -> f64 {
-        self.way[0].hypot(self.way[1])
+        hypot(self.way[0], self.way[1])
     }
 
     /// Whether it gets faster all along.

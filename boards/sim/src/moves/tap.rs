@@ -10,6 +10,7 @@ use corehbot::kinematics::Grouping;
 use corehbot::motion::{Entry, Move, WHOLE, Work};
 use corehbot::settings::{Axes, HomedAxis, Settings};
 use corehbot::units::{Mm, Steps, TICKS_PER_SECOND};
+use corehbot_twin::math::powi;
 use std::collections::VecDeque;
 
 /// A new name of a place that is no further from the place in mm is what a stop has left open; a greater difference is
@@ -239,7 +240,7 @@ impl Tap {
             way,
             is_apart: std::mem::take(&mut self.is_apart),
             is_watched: !m.watch.is_empty(),
-            length: m.length.0 as f64 / 2f64.powi(32),
+            length: m.length.0 as f64 / powi(2.0, 32),
             acceleration: m.acceleration.to_num(),
             cruise: f64::from(m.cruised - m.accelerated) / f64::from(WHOLE),
             ahead: 0,

@@ -2,6 +2,7 @@
 
 use corehbot::motion::{Move, WHOLE};
 use corehbot::units::TICKS_PER_SECOND;
+use corehbot_twin::math::powi;
 
 /// Ticks times 2^16 a second.
 const SUB_TICKS: f64 = TICKS_PER_SECOND as f64 * 65536.0;
@@ -19,7 +20,7 @@ impl Trapezoid {
     /// A planned move's.
     pub fn of(m: &Move) -> Self {
         let times = [m.accelerate, m.cruise, m.decelerate].map(|time| time.0 as f64 / SUB_TICKS);
-        let length = m.length.0 as f64 / 2f64.powi(32);
+        let length = m.length.0 as f64 / powi(2.0, 32);
         let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
         let ends = [part(m.accelerated), part(m.cruised), 1.0];
         let means: [f64; 3] = std::array::from_fn(|i| {

@@ -19,6 +19,7 @@ use corehbot_sim::world::{self, Host, Sink};
 use corehbot_twin::compensation::chords::vertices;
 use corehbot_twin::compensation::path::{RATE, sampled};
 use corehbot_twin::compensation::{Lead, lead_of};
+use corehbot_twin::math::{hypot, powi};
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::steps::{StepTrace, TICKS_PER_SECOND};
@@ -311,7 +312,7 @@ impl Stretch {
         let samples: Vec<[f64; 4]> = (0..count).map(sample).collect();
         let ways: Vec<f64> = std::iter::once(0.0)
             .chain(lead.meant.windows(2).scan(0.0, |sum, pair| {
-                *sum += (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+                *sum += hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
                 Some(*sum)
             }))
             .collect();
@@ -324,7 +325,7 @@ impl Stretch {
             while let Some(line) = asides.next_if(|line| line.part * whole <= ways[begin]) {
                 pass(line, text);
             }
-            let to = samples[end].map(|mm| (mm * 10_f64.powi(DECIMALS)).round() as i64);
+            let to = samples[end].map(|mm| (mm * powi(10.0, DECIMALS)).round() as i64);
             let way = made(std::array::from_fn(|i| to[i] - sent[i]), end + 1 == count);
             chords += usize::from(chord(way, (end - begin) as f64 / RATE, text));
             sent = std::array::from_fn(|i| sent[i] + way[i]);
@@ -343,7 +344,7 @@ fn made(way: [i64; 4], is_last: bool) -> [i64; 4] {
 
 /// Writes a move of `way` units of the last decimal in `duration_s`, if it is one.
 fn chord(way: [i64; 4], duration_s: f64, text: &mut String) -> bool {
-    let mm = way.map(|units| units as f64 / 10_f64.powi(DECIMALS));
+    let mm = way.map(|units| units as f64 / powi(10.0, DECIMALS));
     let tool = mm[..3].iter().map(|way| way * way).sum::<f64>().sqrt();
     let length = if tool > 0.0 { tool } else { mm[3].abs() };
     if length == 0.0 {

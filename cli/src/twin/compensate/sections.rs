@@ -5,6 +5,7 @@
 //! way. Every other command, such as homing, waiting or switching motors off, stands alone between two stretches.
 
 use corehbot_sim::file_line::{command_of, words};
+use corehbot_twin::math::{atan2, hypot, square};
 use std::fmt::Write as _;
 
 /// A part of a file.
@@ -126,13 +127,13 @@ impl Modes {
         match (first, centre) {
             (Some(('G', Some(92.0))), _) => 0.0,
             (Some(('G', Some(number))), Some([i, j])) if number >= 2.0 => {
-                let [begin, end] = [from, self.at].map(|at| (at[1] - from[1] - j).atan2(at[0] - from[0] - i));
+                let [begin, end] = [from, self.at].map(|at| atan2(at[1] - from[1] - j, at[0] - from[0] - i));
                 let turn = if number < 2.5 { begin - end } else { end - begin };
-                i.hypot(j)
+                hypot(i, j)
                     * if turn.abs() < 1e-9 { std::f64::consts::TAU } else { turn.rem_euclid(std::f64::consts::TAU) }
             }
             _ => {
-                let way: f64 = self.at.iter().zip(from).take(3).map(|(to, from)| (to - from).powi(2)).sum();
+                let way: f64 = self.at.iter().zip(from).take(3).map(|(to, from)| square(to - from)).sum();
                 way.sqrt()
             }
         }

@@ -1,6 +1,7 @@
 //! Summary: a study in a few lines: the range of each figure, and the varied numbers that it follows.
 
 use super::plan::{Sample, Study};
+use corehbot_twin::math::{log10, powi};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -207,12 +208,12 @@ fn significant(value: f64) -> String {
     if is_shown_as_zero(value) {
         return "0".to_owned();
     }
-    let digits = 4 - value.abs().log10().floor() as i32;
+    let digits = 4 - log10(value.abs()).floor() as i32;
     format!("{value:.*}", usize::try_from(digits.clamp(0, DECIMALS)).unwrap_or(0))
 }
 
 fn is_shown_as_zero(value: f64) -> bool {
-    value.abs() < 0.5 * 0.1_f64.powi(DECIMALS)
+    value.abs() < 0.5 * powi(0.1, DECIMALS)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{Ask, Case, Claim, Kind, LevelError, MODES, Study, TAKEN, THOUSAND, shown};
 use crate::geometry::workspace;
+use crate::math::hypot;
 use crate::routing::{Machine, Place};
 
 /// A soft spring idler, N/mm: assumed.
@@ -23,7 +24,7 @@ const fn angles(case: &Case) -> [f64; 3] {
 
 /// Tilt about the axis that has it.
 fn tilt(case: &Case) -> f64 {
-    case.gantry_mrad[0].hypot(case.gantry_mrad[1])
+    hypot(case.gantry_mrad[0], case.gantry_mrad[1])
 }
 
 impl Study<'_> {
@@ -37,7 +38,7 @@ impl Study<'_> {
         {
             let tool = Place { x: at(reach.x, *x), y: at(reach.y, *y), z: at(reach.z, *z) };
             let [about_x, about_y] = self.turned("", INTERNAL, tool)?.gantry_mrad;
-            worst = worst.max(about_x.hypot(about_y) / (THOUSAND * self.ask.taken_mm.abs()));
+            worst = worst.max(hypot(about_x, about_y) / (THOUSAND * self.ask.taken_mm.abs()));
         }
         Ok(worst)
     }
@@ -84,7 +85,7 @@ impl Study<'_> {
             format!(
                 "{} mm of A: {} N m on the gantry's guides, {} N m on the bar's",
                 self.ask.taken_mm,
-                shown(skewed.gantry_nm[0].hypot(skewed.gantry_nm[1]), 3),
+                shown(hypot(skewed.gantry_nm[0], skewed.gantry_nm[1]), 3),
                 shown(skewed.bar_nm, 3)
             ),
         ));
@@ -128,7 +129,7 @@ impl Study<'_> {
                     "in the middle a mm of the fourth racks by {} mrad, tilts by {} and strains belts by {} N; elsewhere \
                      it tilts by at most {} mrad",
                     shown(internal.bar_mrad.abs() / self.ask.taken_mm, 3),
-                    shown(internal.gantry_mrad[0].hypot(internal.gantry_mrad[1]) / self.ask.taken_mm, 3),
+                    shown(hypot(internal.gantry_mrad[0], internal.gantry_mrad[1]) / self.ask.taken_mm, 3),
                     shown(strain, 1),
                     shown(THOUSAND * worst, 3)
                 ),
