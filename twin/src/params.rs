@@ -84,6 +84,8 @@ pub struct Params {
     pub detent_torque_nm: Option<f64>,
     /// Amplitude of the error of a motor's field once a full step, in percent of a full step.
     pub full_step_error_percent: f64,
+    /// The same twice an electrical turn.
+    pub half_turn_error_percent: f64,
     /// The same once an electrical turn.
     pub electrical_turn_error_percent: f64,
     /// Amplitude of the error of belt and pulley from tooth to tooth.
@@ -141,6 +143,7 @@ const EMPTY: Params = Params {
     pole_pairs: 0.0,
     detent_torque_nm: None,
     full_step_error_percent: 0.0,
+    half_turn_error_percent: 0.0,
     electrical_turn_error_percent: 0.0,
     tooth_error_um: 0.0,
     pulley_eccentricity_um: 0.0,

@@ -5,7 +5,7 @@ use corehbot_twin::geometry::workspace;
 use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::{Each, Params};
 use corehbot_twin::queries::Setup;
-use corehbot_twin::queries::ripple::{Question, Ripple};
+use corehbot_twin::queries::ripple::{Question, Ripple, RippleError};
 use corehbot_twin::queries::tension::{Tension, TensionError};
 use corehbot_twin::ripple::response::{Response, Shaken};
 use corehbot_twin::ripple::source::{Amounts, Kind};
@@ -64,13 +64,51 @@ fn the_detent_shakes_the_bar_by_the_closed_form() {
         let own = across(&found, 0.0, speed, Kind::Detent);
         assert!((own / known - 1.0).abs() < 0.01, "{speed} mm/s: {own} um, {known}");
     }
-    // 2 % of a full step, once a full step and once an electrical turn: the same force at four times the speed.
+    // 2 % of a full step, once a full step, twice and once an electrical turn: the same force at two and four times the
+    // speed.
     let force = 0.4 * 50.0 / 6.35e-3 * (0.02 * step_mm / 6.35);
-    for (kind, speed) in [(Kind::FullStep, 11.5), (Kind::ElectricalTurn, 46.0)] {
+    for (kind, speed) in [(Kind::FullStep, 11.5), (Kind::HalfTurn, 23.0), (Kind::ElectricalTurn, 46.0)] {
         let known = 2.0 * bar_um(&params, force, 11.5 / step_mm);
         let own = across(&found, 0.0, speed, kind);
         assert!((own / known - 1.0).abs() < 0.01, "{kind:?}: {own} um, {known}");
     }
+}
+
+/// Two phases whose torques are (1 + d) sin and (1 - d) cos of the rotor's electrical angle: where they cancel, the
+/// rotor is off by 2 % of a full step, twice an electrical turn, if they differ by 6.3 %.
+#[test]
+fn phases_that_differ_by_six_percent_are_the_assumed_error_of_a_half_turn() {
+    let d = 0.063 / 2.0;
+    let off = |sent: f64| {
+        let torque = |at: f64| (1.0 - d) * sent.sin() * at.cos() - (1.0 + d) * sent.cos() * at.sin();
+        let (mut low, mut high) = (sent - 0.2, sent + 0.2);
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            *(if torque(middle) > 0.0 { &mut low } else { &mut high }) = middle;
+        }
+        100.0 * (low - sent) / (TAU / 4.0)
+    };
+    let turn: Vec<f64> = (0..360).map(|deg| off(f64::from(deg).to_radians())).collect();
+    let most = turn.iter().copied().fold(0.0, f64::max);
+    assert!((most / Params::default().half_turn_error_percent - 1.0).abs() < 0.01, "{most}");
+    assert!(turn.iter().zip(&turn[180..]).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!((turn[45] + most).abs() < 1e-3 && (turn[135] - most).abs() < 1e-3, "{} {}", turn[45], turn[135]);
+}
+
+#[test]
+fn a_yaw_that_nothing_damps_is_refused() {
+    let params = Params { guide_y_n_s_per_m: 0.0, ..Params::default() };
+    let setup = |machine, yaw| Setup {
+        params: params.clone(),
+        freedom: Freedom { yaw, ..Freedom::default() },
+        ..Setup::nominal(machine, 235.0, 235.0)
+    };
+    let question = Question { step_mm_s: 50.0, angle_step_deg: 45.0, ..Question::default() };
+    let refused = Ripple::new(&setup(Machine::CoreHBot, true), &question).unwrap_err();
+    assert_eq!(refused, RippleError::Undamped);
+    assert!(refused.to_string().contains("guide_y_N_s_per_m is 0"), "{refused}");
+    // The belts damp all other modes.
+    assert!(Ripple::new(&setup(Machine::CoreHBot, false), &question).is_ok());
 }
 
 /// On a diagonal two motors stand and the others turn 1.414 times as fast; along y, x is across.
@@ -125,7 +163,7 @@ fn the_loudest_speeds_are_the_resonant_ones_and_less_detent_is_calmer() {
     assert!(found.best_along_x_and_y.across_um < 0.2 * worst, "{:?}", found.best_along_x_and_y);
     assert!(found.loud_mm_s.iter().all(|loud| *loud != found.best.speed_mm_s), "{:?}", found.loud_mm_s);
     // All phases together are at most the root of the number of sources as much.
-    assert!(found.worst.iter().all(|w| w.aligned_um >= w.across_um && w.aligned_um <= 30.0_f64.sqrt() * w.across_um));
+    assert!(found.worst.iter().all(|w| w.aligned_um >= w.across_um && w.aligned_um <= 34.0_f64.sqrt() * w.across_um));
     // More current: stiffer fields against the same detent. An error of fields grows with them.
     assert!(found.currents.windows(2).all(|pair| pair[0].holding_torque_nm < pair[1].holding_torque_nm));
     let text = found.to_string();
@@ -133,6 +171,7 @@ fn the_loudest_speeds_are_the_resonant_ones_and_less_detent_is_calmer() {
     // Nothing repeats on a machine without errors.
     let perfect = Params {
         full_step_error_percent: 0.0,
+        half_turn_error_percent: 0.0,
         electrical_turn_error_percent: 0.0,
         tooth_error_um: 0.0,
         pulley_eccentricity_um: 0.0,

@@ -14,7 +14,7 @@ impl Row {
 }
 
 /// All numbers, in the order of documents and files.
-pub static ROWS: [Row; 43] = [
+pub static ROWS: [Row; 44] = [
     Row {
         key: "width_mm",
         unit: "mm",
@@ -316,6 +316,15 @@ pub static ROWS: [Row; 43] = [
         meaning: "Amplitude of the error of a motor's field once a full step, of a full step, for `twin ripple`",
         source: "assumed: a part of the 5 % within which makers of motors hold every full step",
         field: |p| Field::One(&mut p.full_step_error_percent),
+    },
+    Row {
+        key: "half_turn_error_percent",
+        unit: "%",
+        default: Some(2.0),
+        may_be_zero: true,
+        meaning: "The same twice an electrical turn, by phases of unlike strength",
+        source: "assumed, as once a full step: phases that differ by 6 %",
+        field: |p| Field::One(&mut p.half_turn_error_percent),
     },
     Row {
         key: "electrical_turn_error_percent",

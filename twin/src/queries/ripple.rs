@@ -21,6 +21,35 @@ const CURRENTS: [f64; 5] = [0.5, 0.75, 1.0, 1.25, 1.5];
 /// Directions of walls along x and y, in degrees.
 const STRAIGHT_DEG: [f64; 2] = [0.0, 90.0];
 
+/// Why there is no ripple.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RippleError {
+    /// Nothing holds the machine.
+    NotHeld(NotHeld),
+    /// Nothing damps the bar's yaw, so its ripple at resonance has no bound.
+    Undamped,
+}
+
+impl From<NotHeld> for RippleError {
+    fn from(error: NotHeld) -> Self {
+        Self::NotHeld(error)
+    }
+}
+
+impl std::fmt::Display for RippleError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotHeld(error) => error.fmt(f),
+            Self::Undamped => f.write_str(
+                "guide_y_N_s_per_m is 0, so nothing damps the bar's yaw and its ripple has no bound: give [twin] the \
+                 guides' friction, or leave out the yaw",
+            ),
+        }
+    }
+}
+
+impl std::error::Error for RippleError {}
+
 /// A ripple to be told.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
@@ -292,8 +321,12 @@ impl Ripple {
     /// The answer, with idlers and rotors; the bar yaws if the setup says so.
     ///
     /// # Errors
-    /// Nothing holds the machine.
-    pub fn new(setup: &Setup, question: &Question) -> Result<Self, NotHeld> {
+    /// Nothing holds the machine, or damps its bar's yaw.
+    pub fn new(setup: &Setup, question: &Question) -> Result<Self, RippleError> {
+        let yaws = setup.freedom.yaw && setup.machine.has_yawing_bar();
+        if yaws && setup.params.guide_y_n_s_per_m == 0.0 {
+            return Err(RippleError::Undamped);
+        }
         let speeds = steps(question.speeds_mm_s, question.step_mm_s);
         let angles: Vec<f64> =
             steps([0.0, 180.0], question.angle_step_deg).into_iter().filter(|a| *a < 180.0).collect();
@@ -314,7 +347,7 @@ impl Ripple {
         let (quiet_mm_s, loud_mm_s) = quiet_and_loud(&by_speed);
         let current = |factor: f64| {
             let params = Params { holding_torque_nm: setup.params.holding_torque_nm * factor, ..setup.params.clone() };
-            Ok(look(&params)?.current(&params, 100.0 * factor, best))
+            look(&params).map(|look| look.current(&params, 100.0 * factor, best))
         };
         let currents = CURRENTS.into_iter().map(current).collect::<Result<_, _>>()?;
         let (sources, long_waves_um) = (own.by_source(&all), own.long_waves());
@@ -348,8 +381,8 @@ impl std::fmt::Display for Ripple {
         writeln!(f, "  detent {:.1} mN m{assumed}", 1000.0 * a.detent_torque_nm)?;
         write!(
             f,
-            "  fields off by {} % of a full step, and by {} % an electrical turn",
-            a.full_step_error_percent, a.electrical_turn_error_percent
+            "  fields off by {} % of a full step, by {} % twice and by {} % once an electrical turn",
+            a.full_step_error_percent, a.half_turn_error_percent, a.electrical_turn_error_percent
         )?;
         writeln!(f, "; teeth {} um; pulleys {} um off their axes", a.tooth_error_um, a.pulley_eccentricity_um)?;
         let longest = self.longest_wave_mm;
