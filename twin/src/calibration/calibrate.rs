@@ -225,6 +225,6 @@ impl Search<'_> {
             }
         }
         let Some((out, best)) = found else { return Ok(None) };
-        Ok(Some(self.misfits(&self.excess(&best.params)?, Some(out))))
+        Ok(Some(self.misfits(&self.excess_of(&best.params)?, Some(out))))
     }
 }

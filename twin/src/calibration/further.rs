@@ -96,7 +96,7 @@ pub(super) fn further(
         uncertainty: figure.usual_uncertainty(),
     };
     let measurements: Vec<Measurement> = figures.iter().map(measurement).collect();
-    let slopes = Search { measurements: &measurements, ..*search }.slopes(params)?;
+    let slopes = Search { measurements: &measurements, ..*search }.slopes_at(params)?;
     let all = covariance.trace();
     let one = |(figure, slope): (&Figure, nalgebra::RowDVector<f64>)| {
         let spreads = covariance * slope.transpose();

@@ -1,17 +1,18 @@
 //! Identify: stiffness of belts and motors from measured frequencies.
 //!
 //! The fit finds the belt's tensile stiffness and the motors' holding torque (the stiffness of their fields) with which
-//! the model has the measured frequencies: least squares of the logarithms by the Gauss-Newton method. Masses are
-//! given. A number that the frequencies do not determine, such as the torque of rigid motors, stays within a factor of
+//! the model has the measured frequencies, by [`least_squares`](super::least_squares). Masses are given. A number that the frequencies do not determine, such as the torque of rigid motors, stays within a factor of
 //! a hundred. If the fitted machine does not have the measured frequencies, that is an error.
 
 use super::NotHeld;
+use super::least_squares::{FURTHEST, NoMinimum, PROBE, Problem, nearest_minimum};
 use super::modes::{mode_of, modes};
 use crate::math::{exp, ln};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
 use crate::routing::{Machine, Place};
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// Frequencies measured at one place.
@@ -101,47 +102,57 @@ pub const LIKE: f64 = 0.045;
 /// Belts differ from the nominal one by less than this factor, as a logarithm: ten, where those sold have 20 to 56 kN.
 const NO_BELT: f64 = 2.3;
 
-/// Maximum number of rounds; a few suffice.
-const ROUNDS: usize = 40;
+/// Standard uncertainty of a frequency.
+const UNCERTAINTY: f64 = LIKE / 3.0;
 
-/// Relative change of a number for differences.
-const PROBE: f64 = 1e-5;
+/// Weight that keeps an undetermined number in place: it is expected within a factor of e^1000.
+const RIDGE: f64 = 1e-6;
 
-/// Largest factor of a number's change in a round (as a logarithm).
-const LONGEST_STEP: f64 = 0.7;
+/// Belts and motors that ring as measured.
+struct Ringing<'m> {
+    machine: Machine,
+    params: &'m Params,
+    rung: &'m [Rung],
+    weights: DMatrix<f64>,
+}
 
-/// Largest factor of its change in all: a hundred (as a logarithm).
-const FURTHEST: f64 = 4.605;
+impl Problem for Ringing<'_> {
+    fn excess(&self, logs: &DVector<f64>) -> Result<DVector<f64>, NotHeld> {
+        let compared = compared(self.machine, &with(self.params, logs), self.rung)?;
+        Ok(DVector::from_iterator(compared.len(), compared.iter().map(|one| one.log() / UNCERTAINTY)))
+    }
 
-/// Keeps an undetermined number in place.
-const RIDGE: f64 = 1e-9;
+    fn slopes(&self, logs: &DVector<f64>) -> Result<DMatrix<f64>, NotHeld> {
+        let slope = |number: usize| {
+            let probed = |by: f64| {
+                let mut logs = logs.clone();
+                logs[number] += by;
+                self.excess(&logs)
+            };
+            Ok((probed(PROBE)? - probed(-PROBE)?) / (2.0 * PROBE))
+        };
+        Ok(DMatrix::from_columns(&[slope(0)?, slope(1)?]))
+    }
+
+    fn weights(&self) -> &DMatrix<f64> {
+        &self.weights
+    }
+}
 
 /// Belts and motors of a machine with these frequencies.
 ///
 /// # Errors
 /// Nothing holds the machine, or none has these frequencies.
 pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Identified, IdentifyError> {
-    let mut logs = [0.0_f64; 2];
-    for _ in 0..ROUNDS {
-        let now = logs_of(&compared(machine, &with(params, logs), rung)?);
-        let mut slopes = [Vec::new(), Vec::new()];
-        for (i, slope) in slopes.iter_mut().enumerate() {
-            let mut probed = logs;
-            if let Some(log) = probed.get_mut(i) {
-                *log += PROBE;
-            }
-            let then = logs_of(&compared(machine, &with(params, probed), rung)?);
-            *slope = then.iter().zip(&now).map(|(a, b)| (a - b) / PROBE).collect::<Vec<f64>>();
-        }
-        let step = newton(&slopes, &now);
-        for (log, step) in logs.iter_mut().zip(step) {
-            *log = (*log + step.clamp(-LONGEST_STEP, LONGEST_STEP)).clamp(-FURTHEST, FURTHEST);
-        }
-        if step.iter().all(|step| step.abs() < 1e-10) {
-            break;
-        }
-    }
-    let found = with(params, logs);
+    let ringing = Ringing { machine, params, rung, weights: DMatrix::identity(2, 2) * RIDGE };
+    let logs = match nearest_minimum(&ringing, ringing.point(DVector::zeros(2))?) {
+        Ok((found, _)) => found.logs,
+        Err(NoMinimum::NotHeld(error)) => return Err(error.into()),
+        // Such as motors that are as good as rigid. The differences tell whether the machine fits.
+        Err(NoMinimum::OutOfReach(logs) | NoMinimum::NotConverged(logs)) => logs,
+    };
+    let logs = logs.map(|log| log.clamp(-FURTHEST, FURTHEST));
+    let found = with(params, &logs);
     let left = compared(machine, &found, rung)?;
     let worst = left.into_iter().max_by(|a, b| a.log().abs().total_cmp(&b.log().abs()));
     let worst_difference = worst.map_or(0.0, |worst| worst.log().abs());
@@ -156,10 +167,10 @@ pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Iden
     }
 }
 
-fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
+fn with(params: &Params, logs: &DVector<f64>) -> Params {
     Params {
-        belt_ea_n: params.belt_ea_n.times(exp(belt)),
-        holding_torque_nm: params.holding_torque_nm * exp(torque),
+        belt_ea_n: params.belt_ea_n.times(exp(logs[0])),
+        holding_torque_nm: params.holding_torque_nm * exp(logs[1]),
         ..params.clone()
     }
 }
@@ -169,10 +180,6 @@ impl Unlike {
     fn log(&self) -> f64 {
         ln(self.says_hz / self.measured_hz)
     }
-}
-
-fn logs_of(compared: &[Unlike]) -> Vec<f64> {
-    compared.iter().map(Unlike::log).collect()
 }
 
 /// Each measured frequency with the model's.
@@ -188,15 +195,6 @@ fn compared(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Vec<Unli
         }
     }
     Ok(all)
-}
-
-/// The step that minimises the linearised differences.
-fn newton([first, second]: &[Vec<f64>; 2], differences: &[f64]) -> [f64; 2] {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (aa, bb, ab) = (dot(first, first) + RIDGE, dot(second, second) + RIDGE, dot(first, second));
-    let (a, b) = (dot(first, differences), dot(second, differences));
-    let determinant = aa * bb - ab * ab;
-    [-(bb * a - ab * b) / determinant, -(aa * b - ab * a) / determinant]
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
-//! Solve: equilibria and modes of a model, and the model from its modes.
+//! Solve: equilibria and modes of a model, the model from its modes, and the search for it.
 
 pub mod balance;
 pub mod identify;
+pub mod least_squares;
 pub mod modes;
 
 /// The machine is not held: it can move without any force, so there is no answer.
