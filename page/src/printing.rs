@@ -132,6 +132,10 @@ impl Host for Watched<'_> {
         }
     }
 
+    fn sent(&self) -> Option<(u32, u16, &str)> {
+        self.host.sent()
+    }
+
     fn hear(&mut self, line: &str) {
         self.host.hear(line);
     }
@@ -180,11 +184,21 @@ impl Sink for Sinks {
 mod tests {
     use super::*;
 
-    fn warnings(gcode: &str) -> String {
+    fn summary(gcode: &str) -> serde_json::Value {
         let job = Job { file: "a.gcode".to_owned(), homed: Some("0,0,0".to_owned()), ..Job::default() };
         let printed = print(&job, gcode.into(), &mut |_, _, _| {}).unwrap();
-        let summary: serde_json::Value = serde_json::from_str(&printed.summary).unwrap();
-        summary["warnings"].to_string()
+        serde_json::from_str(&printed.summary).unwrap()
+    }
+
+    fn warnings(gcode: &str) -> String {
+        summary(gcode)["warnings"].to_string()
+    }
+
+    /// Reproducer: no move knew its line, so each was limited by its own speed.
+    #[test]
+    fn a_short_move_is_limited_by_its_corners() {
+        let limits = summary("G1 X5 F6000\nG1 X5.1\nG1 Y0.2\n")["by_limit"].to_string();
+        assert!(limits.contains("corner"), "{limits}");
     }
 
     #[test]
