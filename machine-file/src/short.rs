@@ -8,7 +8,13 @@ const MOST: usize = 80;
 /// A foreign text for a message: if it is long, its beginning and its length.
 #[must_use]
 pub fn short(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(MOST) {
+    shortened(text, MOST)
+}
+
+/// The same, with at most so many characters.
+#[must_use]
+pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}... ({} bytes)", &text[..end], text.len())),
     }

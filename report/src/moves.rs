@@ -18,6 +18,7 @@ use crate::layers::Layers;
 use crate::varint::{put, put_signed};
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_sim::slicer::PURGE;
 use corehbot_twin::math::hypot;
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
@@ -88,6 +89,8 @@ pub struct StoredMoves<F> {
     /// Sums by the height of the layer in um. What comes before a layer's first printed move counts to the layer
     /// before.
     pub by_layer: BTreeMap<i64, Sum>,
+    /// What comes before the first layer, purge lines among it, and after the last printed move.
+    pub outside: [Sum; 2],
     /// Seconds by the number of the limit.
     pub by_limit: [f64; Limit::ALL.len()],
 }
@@ -95,8 +98,8 @@ pub struct StoredMoves<F> {
 impl<F> StoredMoves<F> {
     /// The same moves in another file.
     pub fn in_file<G>(self, file: G) -> StoredMoves<G> {
-        let Self { chunks, by_type, by_layer, by_limit, .. } = self;
-        StoredMoves { file, chunks, by_type, by_layer, by_limit }
+        let Self { chunks, by_type, by_layer, outside, by_limit, .. } = self;
+        StoredMoves { file, chunks, by_type, by_layer, outside, by_limit }
     }
 }
 
@@ -121,8 +124,9 @@ pub struct Moves<F: Write> {
     by_type: Vec<Sum>,
     by_layer: BTreeMap<i64, Sum>,
     by_limit: [f64; Limit::ALL.len()],
-    /// What comes before the first layer.
+    /// What comes before the first layer, and after the last printed move so far.
     first: Sum,
+    rest: Sum,
 }
 
 fn um(mm: f64) -> i64 {
@@ -151,35 +155,46 @@ impl<F: Write> Moves<F> {
             by_layer: BTreeMap::new(),
             by_limit: [0.0; Limit::ALL.len()],
             first: Sum::default(),
+            rest: Sum::default(),
         }
     }
 
     /// The next move.
     pub fn add(&mut self, made: &MadeMove) {
-        let height = made.is_printing().then(|| {
+        // A purge line may be higher than the first layer.
+        let is_of_layer = made.is_printing() && made.source.kind != PURGE;
+        let laid = is_of_layer.then(|| {
             let [x, y, z, _] = made.way;
             self.layers.enter([x, y, z], made.from[2] + z)
         });
-        let height = height.flatten().or(self.chunk.height);
+        let laid = laid.flatten();
+        let height = laid.or(self.chunk.height);
         let is_other = self.chunk.height.is_some() && height != self.chunk.height;
         if made.is_apart || is_other || self.chunk.moves >= CHUNK {
             self.flush();
         }
+        self.count(made, laid);
         self.chunk.height = height;
-        self.count(made);
         self.pack(made);
     }
 
-    fn count(&mut self, made: &MadeMove) {
+    /// Adds a move to the sums; `laid` is the layer that it is printed in.
+    fn count(&mut self, made: &MadeMove, laid: Option<i64>) {
         let kind = usize::from(made.source.kind);
         if self.by_type.len() <= kind {
             self.by_type.resize(kind + 1, Sum::default());
         }
         self.by_type[kind].add(made);
         self.by_limit[made.limit as usize] += (made.end() - made.begin) as f64 / f64::from(TICKS_PER_SECOND);
-        let sum = match self.chunk.height {
-            Some(height) => self.by_layer.entry(height).or_insert_with(|| std::mem::take(&mut self.first)),
-            None => &mut self.first,
+        if laid.is_some()
+            && let Some(before) = self.chunk.height
+        {
+            self.by_layer.entry(before).or_default().join(&std::mem::take(&mut self.rest));
+        }
+        let sum = match (laid, self.chunk.height) {
+            (Some(height), _) => self.by_layer.entry(height).or_default(),
+            (None, Some(_)) => &mut self.rest,
+            (None, None) => &mut self.first,
         };
         sum.add(made);
     }
@@ -242,13 +257,14 @@ impl<F: Write> Moves<F> {
             return Err(error);
         }
         if self.by_layer.is_empty() && self.first.moves > 0 {
-            self.by_layer.insert(0, self.first);
+            self.by_layer.insert(0, std::mem::take(&mut self.first));
         }
         Ok(StoredMoves {
             file: self.out.into_inner().map_err(io::IntoInnerError::into_error)?,
             chunks: self.chunks,
             by_type: self.by_type,
             by_layer: self.by_layer,
+            outside: [self.first, self.rest],
             by_limit: self.by_limit,
         })
     }

@@ -14,7 +14,9 @@ use crate::moves::StoredMoves;
 use crate::path::{Bounds, Chunk, Stored};
 use crate::record::{Record, TextChunk, blobs, text_blobs};
 use crate::summary::Summary;
-use crate::sums::{Filament, LayerSum, LimitSum, TypeSum, by_layer, by_limit, by_type, chunk_row};
+use crate::sums::{
+    Filament, LayerSum, LimitSum, OutsideSum, TypeSum, by_layer, by_limit, by_type, chunk_row, layer_of,
+};
 use crate::viewer::{self, TEMPLATE};
 use belt::BeltData;
 use corehbot::kinematics::Row;
@@ -99,6 +101,8 @@ struct Data<'a> {
     limits: [Limit; Limit::ALL.len()],
     by_type: Vec<TypeSum>,
     by_layer: Vec<LayerSum>,
+    before_layers: OutsideSum,
+    after_layers: OutsideSum,
     by_limit: Vec<LimitSum>,
     /// Why the print failed, if it did.
     fault: Option<&'a Fault>,
@@ -116,6 +120,8 @@ struct TimeData {
     motion: f64,
     heat: f64,
     waits: f64,
+    /// The slicer's estimate, if the file has one.
+    slicer: Option<f64>,
 }
 
 /// A motor that is fitted.
@@ -209,6 +215,9 @@ impl Page<'_> {
         let Self { summary, figures, heat, heat_waits, belt, settings, notes } = *self;
         let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
         let bins = figures.series.bins();
+        // Those of the moves: a purge line may be higher than the first layer.
+        let has_layers = moves.chunks.iter().any(|chunk| chunk.height.is_some());
+        let heights = if has_layers { moves.by_layer.keys().copied().collect() } else { stored.heights.clone() };
         let filament_mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
         Data {
             summary,
@@ -216,8 +225,8 @@ impl Page<'_> {
                 .map(|axis| settings.reach(axis))
                 .map(|r| [r.least, r.most].map(Mm::to_num)),
             motors: motors(summary, settings),
-            heights: stored.heights.iter().map(|um| *um as f64 / 1000.0).collect(),
-            chunks: stored.chunks.iter().map(|chunk| row(chunk, &stored.heights)).collect(),
+            heights: heights.iter().map(|um| *um as f64 / 1000.0).collect(),
+            chunks: stored.chunks.iter().map(|chunk| row(chunk, &heights)).collect(),
             printed: BoundsData::new(&stored.printed),
             travelled: BoundsData::new(&stored.travelled),
             bin_s,
@@ -229,7 +238,9 @@ impl Page<'_> {
             types: notes.types(),
             limits: Limit::ALL,
             by_type: by_type(&moves.by_type, notes),
-            by_layer: by_layer(&moves.by_layer, &stored.heights),
+            by_layer: by_layer(&moves.by_layer, &heights),
+            before_layers: OutsideSum::new(&moves.outside[0]),
+            after_layers: OutsideSum::new(&moves.outside[1]),
             by_limit: by_limit(&moves.by_limit),
             fault: summary.fault.as_ref(),
             time: TimeData {
@@ -237,10 +248,11 @@ impl Page<'_> {
                 motion: summary.motion_time_s,
                 heat: summary.heating_time_s,
                 waits: summary.waiting_time_s,
+                slicer: summary.slicer_time_s,
             },
             filament: Filament::new(filament_mm, notes),
             machine: MachineData::new(settings),
-            move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &stored.heights)).collect(),
+            move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &heights)).collect(),
             gcode_chunks: Vec::new(),
         }
     }
@@ -269,7 +281,7 @@ fn script(stream: Stream, blob: &[u8], out: &mut impl Write) -> io::Result<()> {
 }
 
 fn row(chunk: &Chunk, heights: &[i64]) -> [u64; 4] {
-    let layer = chunk.height.and_then(|height| heights.binary_search(&height).ok()).unwrap_or(0);
+    let layer = chunk.height.and_then(|height| layer_of(height, heights)).unwrap_or(0);
     [layer as u64, chunk.vertices as u64, chunk.time[0], chunk.time[1]]
 }
 

@@ -4,7 +4,7 @@ use crate::fault::Fault;
 use crate::mesh::MeshSummary;
 use crate::moves::StoredMoves;
 use crate::printable::line;
-use crate::sums::{Filament, LayerSum, LimitSum, TypeSum, by_layer, by_limit, by_type};
+use crate::sums::{Filament, LayerSum, LimitSum, OutsideSum, TypeSum, by_layer, by_limit, by_type};
 use corehbot::motors::{MOTORS, MotorName};
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::belt::figures::BeltFigures;
@@ -107,6 +107,12 @@ pub struct Summary {
     pub by_type: Vec<TypeSum>,
     /// The same by layer.
     pub by_layer: Vec<LayerSum>,
+    /// What comes before the first layer: homing, purge lines.
+    pub before_layers: OutsideSum,
+    /// What comes after the last printed move.
+    pub after_layers: OutsideSum,
+    /// How long the print takes by the slicer's estimate, if the file says it.
+    pub slicer_time_s: Option<f64>,
     /// The time of moves by what keeps them from being faster.
     pub by_limit: Vec<LimitSum>,
     /// All filament, if any moved.
@@ -182,6 +188,9 @@ impl Summary {
             mesh: None,
             by_type: Vec::new(),
             by_layer: Vec::new(),
+            before_layers: OutsideSum::default(),
+            after_layers: OutsideSum::default(),
+            slicer_time_s: None,
             by_limit: Vec::new(),
             filament: None,
             trace_sha256,
@@ -194,7 +203,9 @@ impl Summary {
         let heights: Vec<_> = moves.by_layer.keys().copied().collect();
         self.by_type = by_type(&moves.by_type, notes);
         self.by_layer = by_layer(&moves.by_layer, &heights);
+        [self.before_layers, self.after_layers] = moves.outside.each_ref().map(OutsideSum::new);
         self.by_limit = by_limit(&moves.by_limit);
+        self.slicer_time_s = notes.estimate_s();
         let mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
         self.filament = self.by_type.iter().any(|row| row.filament_mm != 0.0).then(|| Filament::new(mm, notes));
     }
@@ -221,6 +232,10 @@ impl fmt::Display for Summary {
         row("print time", format!("{} ({:.3} s)", clock(self.print_time_s), self.print_time_s))?;
         let (motion, heating, waiting) = (self.motion_time_s, self.heating_time_s, self.waiting_time_s);
         row("", format!("motion {motion:.3} s, heat {heating:.3} s, waits {waiting:.3} s"))?;
+        if let Some(seconds) = self.slicer_time_s {
+            let off = 100.0 * (self.print_time_s / seconds - 1.0);
+            row("slicer's estimate", format!("{}, and it takes {off:+.0} %", clock(seconds)))?;
+        }
         if self.wall_time_s > 0.0 {
             let factor = self.print_time_s / self.wall_time_s;
             row("simulated in", format!("{:.2} s ({factor:.0} times real time)", self.wall_time_s))?;
@@ -249,28 +264,38 @@ impl fmt::Display for Summary {
 }
 
 impl Summary {
-    /// Filament, layers, limits and types, of a print that lays filament.
+    /// Limits; and filament, layers and types, of a print that lays filament.
     fn write_sums(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(filament) = &self.filament else { return Ok(()) };
+        let Some(filament) = &self.filament else {
+            return if self.by_limit.is_empty() { Ok(()) } else { writeln!(f).and_then(|()| self.write_limits(f)) };
+        };
         writeln!(f, "\n{:<30} {:>12} {:>14} {:>10}", "line type", "time", "filament, mm", "moves")?;
         for row in &self.by_type {
             let (time, moves) = (clock(row.seconds), grouped(row.moves as i64));
             writeln!(f, "{:<30} {time:>12} {:>14.1} {moves:>10}", line(&row.name), row.filament_mm)?;
         }
-        let Filament { diameter_mm, mm, cm3, g, density, is_density_known } = filament;
+        let Filament { diameter_mm, mm, cm3, g, density_g_cm3, is_density_known } = filament;
         let whose = if *is_density_known { "" } else { " of PLA, as no line sent so far names another" };
         writeln!(
             f,
-            "\nfilament           {mm:.1} mm of {diameter_mm} mm, {cm3:.2} cm3, {g:.2} g ({density} g/cm3{whose})"
+            "\nfilament           {mm:.1} mm of {diameter_mm} mm, {cm3:.2} cm3, {g:.2} g ({density_g_cm3} g/cm3{whose})"
         )?;
+        self.write_limits(f)?;
+        let seconds = self.by_layer.iter().map(|row| row.seconds);
+        let (least, most) = (seconds.clone().fold(f64::INFINITY, f64::min), seconds.fold(0.0, f64::max));
+        let (count, before, after) = (self.by_layer.len(), self.before_layers.seconds, self.after_layers.seconds);
+        writeln!(
+            f,
+            "layers             {count}, {least:.1} to {most:.1} s each; {before:.1} s before, {after:.1} s after them"
+        )
+    }
+
+    fn write_limits(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let whole: f64 = self.by_limit.iter().map(|row| row.seconds).sum();
         let part = |row: &LimitSum| format!("{} {:.1} %", row.limit.name(), 100.0 * row.seconds / whole);
         let is_seen = |row: &&LimitSum| row.seconds >= LEAST_SHARE * whole;
         let limits: Vec<_> = self.by_limit.iter().filter(is_seen).map(part).collect();
-        writeln!(f, "limited by         {}", limits.join(", "))?;
-        let seconds = self.by_layer.iter().map(|row| row.seconds);
-        let (least, most) = (seconds.clone().fold(f64::INFINITY, f64::min), seconds.fold(0.0, f64::max));
-        writeln!(f, "layers             {}, {least:.1} to {most:.1} s each", self.by_layer.len())
+        if limits.is_empty() { Ok(()) } else { writeln!(f, "limited by         {}", limits.join(", ")) }
     }
 
     fn write_troubles(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

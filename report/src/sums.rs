@@ -36,14 +36,32 @@ pub struct TypeSum {
 /// Moves of a layer.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LayerSum {
-    /// Its height in mm.
-    pub height: f64,
+    /// Its height.
+    pub height_mm: f64,
     /// The time in s.
     pub seconds: f64,
     /// Filament that was moved.
     pub filament_mm: f64,
     /// The way on which filament was laid.
     pub printed_mm: f64,
+}
+
+/// Moves before the first layer, or after the last printed move.
+#[derive(Clone, Copy, PartialEq, Default, Debug, Serialize)]
+pub struct OutsideSum {
+    /// Their time in s.
+    pub seconds: f64,
+    /// Filament that they move.
+    pub filament_mm: f64,
+    /// Their number.
+    pub moves: u64,
+}
+
+impl OutsideSum {
+    pub(crate) fn new(sum: &Sum) -> Self {
+        let (seconds, filament_mm) = (to_thousandth(sum.seconds), to_thousandth(sum.filament_mm));
+        Self { seconds, filament_mm, moves: sum.moves }
+    }
 }
 
 /// The time of moves with a limit.
@@ -66,8 +84,8 @@ pub struct Filament {
     pub cm3: f64,
     /// Its mass.
     pub g: f64,
-    /// Its density in g/cm3.
-    pub density: f64,
+    /// Its density.
+    pub density_g_cm3: f64,
     /// Whether the file names the density; if not, it is the one of PLA.
     pub is_density_known: bool,
 }
@@ -77,14 +95,14 @@ impl Filament {
     #[must_use]
     pub fn new(mm: f64, notes: &Notes) -> Self {
         let diameter_mm = notes.diameter().unwrap_or(DIAMETER);
-        let density = notes.density().unwrap_or(DENSITY);
+        let density_g_cm3 = notes.density().unwrap_or(DENSITY);
         let cm3 = mm * PI * diameter_mm * diameter_mm / 4.0 / 1000.0;
         Self {
             diameter_mm,
             mm: to_thousandth(mm),
             cm3: to_thousandth(cm3),
-            g: to_thousandth(cm3 * density),
-            density,
+            g: to_thousandth(cm3 * density_g_cm3),
+            density_g_cm3,
             is_density_known: notes.density().is_some(),
         }
     }
@@ -123,7 +141,7 @@ pub(crate) fn by_layer(sums: &BTreeMap<i64, Sum>, heights: &[i64]) -> Vec<LayerS
         }
     }
     let row = |(height, sum): (&i64, &Sum)| LayerSum {
-        height: *height as f64 / 1000.0,
+        height_mm: *height as f64 / 1000.0,
         seconds: to_thousandth(sum.seconds),
         filament_mm: to_thousandth(sum.filament_mm),
         printed_mm: to_thousandth(sum.printed_mm),

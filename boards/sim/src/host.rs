@@ -14,7 +14,7 @@ use crate::slicer::Notes;
 use crate::world::Host;
 use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
-use corehbot_machine_file::short::short;
+use corehbot_machine_file::short::{short, shortened};
 use std::collections::VecDeque;
 use std::fmt;
 use std::io::BufRead;
@@ -62,12 +62,16 @@ pub struct Remark {
     pub reply: String,
 }
 
+/// A remark of this firmware is shown whole: it repeats at most 60 characters of a line (`protocol::reply`), and has about as
+/// many of its own.
+const LONGEST_REPLY: usize = 240;
+
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.line > 0 {
             write!(f, "{}: ", self.line)?;
         }
-        write!(f, "{}: {}", short(&self.command), short(&self.reply))
+        write!(f, "{}: {}", short(&self.command), shortened(&self.reply, LONGEST_REPLY))
     }
 }
 

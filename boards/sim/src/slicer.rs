@@ -125,12 +125,20 @@ pub struct LineType {
 
 /// Types that no comment names, by their index.
 pub const TRAVEL: u16 = 0;
-/// Filament goes back or forth, and the tool stands.
+/// Filament goes back, and the tool stands.
 pub const RETRACT: u16 = 1;
 /// Filament is laid, and nothing says why.
 pub const UNNAMED: u16 = 2;
 /// Filament is laid before the print begins.
 pub const PURGE: u16 = 3;
+/// Filament goes forth, and the tool stands.
+pub const PRIME: u16 = 4;
+/// Filament goes back while the tool travels.
+pub const WIPE: u16 = 5;
+
+/// Keys of a slicer's estimate: PrusaSlicer and OrcaSlicer, Bambu Studio, Cura, Simplify3D, ideaMaker.
+const ESTIMATES: [&str; 5] =
+    ["estimated printing time (normal mode)", "model printing time", "TIME", "Build time", "Print Time"];
 
 /// So many names are told apart: slicers have some twenty.
 const MOST_TYPES: usize = 200;
@@ -144,6 +152,8 @@ pub struct Notes {
     has_begun: bool,
     /// Density of the filament in g/cm3, and its diameter in mm.
     filament: [Option<f64>; 2],
+    /// The slicer's estimate of the time.
+    estimate_s: Option<f64>,
 }
 
 impl Default for Notes {
@@ -154,8 +164,16 @@ impl Default for Notes {
             ("Retract", Role::Travel),
             ("Without a name", Role::Other),
             ("Purge line", Role::Purge),
+            ("Prime", Role::Travel),
+            ("Wipe", Role::Travel),
         ];
-        Self { types: types.map(own).to_vec(), current: UNNAMED, has_begun: false, filament: [None; 2] }
+        Self {
+            types: types.map(own).to_vec(),
+            current: UNNAMED,
+            has_begun: false,
+            filament: [None; 2],
+            estimate_s: None,
+        }
     }
 }
 
@@ -184,6 +202,12 @@ impl Notes {
         self.filament[1]
     }
 
+    /// How long the print takes by the slicer's estimate in s, if the file says it.
+    #[must_use]
+    pub const fn estimate_s(&self) -> Option<f64> {
+        self.estimate_s
+    }
+
     /// Takes in a line of the file, whatever it is.
     pub fn read(&mut self, line: &str) {
         let Some(comment) = line.trim_start().strip_prefix(';') else { return };
@@ -192,6 +216,9 @@ impl Notes {
             self.enter(name);
         } else if let Some((key, value)) = comment.split_once(['=', ':']) {
             self.note_filament(key.trim(), value);
+            if ESTIMATES.contains(&key.trim()) {
+                self.estimate_s = self.estimate_s.or(duration(value));
+            }
         }
     }
 
@@ -224,6 +251,31 @@ impl Notes {
             self.filament[place].get_or_insert(value);
         }
     }
+}
+
+/// A time such as ` 1d 2h 3m 4s`, ` 1 hour 2 minutes` or `3600`, in s.
+fn duration(text: &str) -> Option<f64> {
+    // Bambu Studio has another time after it in the same line.
+    let text = text.split(';').next()?.trim();
+    if let Ok(seconds) = text.parse::<f64>() {
+        return Some(seconds).filter(|seconds| seconds.is_finite() && *seconds > 0.0);
+    }
+    let (mut sum, mut number) = (0.0, None);
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let digits = word.find(|c: char| !c.is_ascii_digit()).unwrap_or(word.len());
+        let (figures, unit) = word.split_at(digits);
+        number = figures.parse::<u32>().ok().map(f64::from).or(number);
+        let seconds = match unit.bytes().next() {
+            Some(b'd') => 86_400.0,
+            Some(b'h') => 3600.0,
+            Some(b'm') => 60.0,
+            Some(b's') => 1.0,
+            Some(_) => return None,
+            None => continue,
+        };
+        sum += number.take()? * seconds;
+    }
+    Some(sum).filter(|sum| *sum > 0.0)
 }
 
 /// The name of a type in a comment, if it names one.
@@ -300,6 +352,25 @@ mod tests {
     fn other_comments_are_no_types() {
         for comment in ["G1 X5 ;TYPE:Perimeter", "; perimeters extrusion width = 0.44mm", ";TYPE:", ";LAYER:3", ";"] {
             assert_eq!(after(&[comment]).0, "Without a name", "{comment}");
+        }
+    }
+
+    #[test]
+    fn every_slicer_s_estimate_is_read() {
+        for (line, seconds) in [
+            ("; estimated printing time (normal mode) = 1d 2h 3m 4s", Some(93_784.0)),
+            ("; estimated printing time (silent mode) = 59s", None),
+            ("; model printing time: 14m 20s; total estimated time: 20m 37s", Some(860.0)),
+            (";TIME:5025", Some(5025.0)),
+            (";TIME_ELAPSED:12.5", None),
+            (";   Build time: 1 hour 2 minutes", Some(3720.0)),
+            (";Print Time: 77", Some(77.0)),
+            (";TIME:soon", None),
+            (";TIME:-5", None),
+        ] {
+            let mut notes = Notes::default();
+            notes.read(line);
+            assert_eq!(notes.estimate_s(), seconds, "{line}");
         }
     }
 

@@ -10,6 +10,7 @@ use corehbot::units::{Mm, Seconds, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_sim::slicer;
 use corehbot_sim::world::{Desk, Host, Sink, run_at};
 use std::fmt::Write as _;
 
@@ -167,6 +168,23 @@ fn the_look_ahead() {
     let of = |limit| moves.iter().filter(|made| made.limit == limit).count();
     assert!(of(Limit::LookAhead) > 1500, "{} {}", of(Limit::LookAhead), of(Limit::Corner));
     assert_eq!(of(Limit::Feed) + of(Limit::Axis) + of(Limit::SlowHost), 0);
+}
+
+#[test]
+fn the_firmware_s_own_speed() {
+    let homed = moves("G28\nG1 X50 F3000");
+    let (last, own) = homed.split_last().unwrap();
+    assert!(own.len() >= 6, "{own:?}");
+    assert!(own.iter().any(|made| made.limit == Limit::Firmware), "{own:?}");
+    assert!(own.iter().all(|made| made.limit != Limit::Feed), "no line commands their speed: {own:?}");
+    assert_eq!(last.limit, Limit::Feed);
+}
+
+#[test]
+fn moves_that_lay_nothing_say_why() {
+    let moves = moves("M83\nG1 E-1 F600\nG1 X120 E-1 F3000\nG1 X150\nG1 E2 F600");
+    let kinds: Vec<_> = moves.iter().map(|made| made.source.kind).collect();
+    assert_eq!(kinds, [slicer::RETRACT, slicer::WIPE, slicer::TRAVEL, slicer::PRIME]);
 }
 
 #[test]

@@ -128,6 +128,11 @@ fn types_are_the_slicer_s_and_sums_are_those_of_the_moves() {
     ] {
         assert_eq!(of_line(line), Some(role), "line {line}");
     }
+    let name_of = |line: i64| {
+        let made = moves.iter().find(|made| made.line == line).unwrap();
+        page.data["types"][made.kind]["name"].as_str().unwrap().to_owned()
+    };
+    assert_eq!([8, 9, 10].map(name_of), ["Retract", "Travel", "Prime"]);
     assert!(moves.iter().filter(|made| made.line == 15).count() > 5, "an arc is chords");
     let end = moves.last().unwrap();
     let at = [0, 1, 2].map(|i| end.from[i] + end.way[i]);
@@ -136,10 +141,16 @@ fn types_are_the_slicer_s_and_sums_are_those_of_the_moves() {
         page.data[list].as_array().unwrap().iter().map(|row| row[key].as_f64().unwrap()).sum()
     };
     let seconds: f64 = moves.iter().map(|made| made.phases.iter().sum::<f64>()).sum();
-    for list in ["by_type", "by_layer"] {
-        assert!((sum(list, "seconds") - seconds).abs() < 0.01, "{list}");
-        assert!((sum(list, "filament_mm") - 11.0).abs() < 0.02, "{list}");
+    // The purge line and the way to it are of no layer, and neither is what follows the last line.
+    let of = |key: &str, what: &str| page.data[key][what].as_f64().unwrap();
+    let outside = |what: &str| of("before_layers", what) + of("after_layers", what);
+    for (list, besides) in [("by_type", 0.0), ("by_layer", 1.0)] {
+        assert!((sum(list, "seconds") + besides * outside("seconds") - seconds).abs() < 0.01, "{list}");
+        assert!((sum(list, "filament_mm") + besides * outside("filament_mm") - 11.0).abs() < 0.02, "{list}");
     }
+    let first = moves.iter().filter(|made| made.line < 6).map(|made| made.phases.iter().sum::<f64>());
+    assert!((of("before_layers", "seconds") - first.sum::<f64>()).abs() < 0.01, "{}", page.data["before_layers"]);
+    assert!((of("before_layers", "filament_mm") - 2.0).abs() < 0.01, "{}", page.data["before_layers"]);
     let filament = &page.data["filament"];
     // 11 mm of 1.75 mm with 1.2 g/cm3.
     assert!((filament["g"].as_f64().unwrap() - 11.0 * 2.405_28e-3 * 1.2).abs() < 1e-3, "{filament}");
@@ -169,6 +180,8 @@ fn homing_ends_where_the_switches_are() {
     let moves = moves(&page.data, &page.text);
     let homed: Vec<_> = moves.iter().filter(|made| made.line == 1).collect();
     assert!(homed.len() >= 6, "{homed:?}");
+    // No line commands their speed.
+    assert!(homed.iter().all(|made| page.data["limits"][made.limit] != "feed"), "{homed:?}");
     let last = moves.iter().rfind(|made| made.line == 2).unwrap();
     let at = [0, 1, 2].map(|i| last.from[i] + last.way[i]);
     assert!(at.iter().zip([50.0, 50.0, 5.0]).all(|(at, to)| (at - to).abs() < 0.05), "{at:?}");

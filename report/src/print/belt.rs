@@ -1,7 +1,6 @@
 //! The belt plant on a page: torque shares and residual over motion time, skips of motors, and parts that broke.
 
 use super::tenth;
-use corehbot::motors::MotorName;
 use corehbot_sim::belt::course::Course;
 use corehbot_sim::belt::figures::{BeltFigures, PartFigures, SkipFigures};
 use serde::Serialize;
@@ -19,7 +18,7 @@ pub struct BeltData {
 
 #[derive(Serialize)]
 struct MotorCurve {
-    name: MotorName,
+    name: String,
     /// Greatest torque share of each bin in percent.
     share: Vec<f64>,
 }
@@ -35,7 +34,7 @@ impl BeltData {
     /// The state of the plant, over time and at the end.
     pub fn new(course: &Course, figures: &BeltFigures) -> Self {
         let bins = course.bins();
-        let motor = |(index, name): (usize, MotorName)| {
+        let motor = |(index, name): (usize, String)| {
             let shares = bins.iter().map(|bin| bin.shares.get(index).copied().map_or(0.0, f64::from));
             MotorCurve { name, share: shares.map(|share| tenth(share * 100.0)).collect() }
         };
@@ -44,7 +43,7 @@ impl BeltData {
         let accident = |part: &PartFigures| Mark { time_s: part.began_s, text: part.to_string() };
         Self {
             bin_s: course.bin_s(),
-            motors: figures.motors.iter().map(|m| m.motor).enumerate().map(motor).collect(),
+            motors: figures.motors.iter().map(|m| m.name.clone()).enumerate().map(motor).collect(),
             residual_um: figures.residual_mm.map(|_| residual()),
             skips: figures.skips.iter().map(skip).collect(),
             accidents: figures.accidents.iter().map(accident).collect(),

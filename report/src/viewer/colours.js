@@ -27,7 +27,7 @@ const ROLES = {
 /** What limits a move, in the order of the record. */
 const LIMIT_COLOURS = {
   feed: OKABE_ITO.green, axis: OKABE_ITO.vermilion, motor: OKABE_ITO.purple, corner: OKABE_ITO.orange, "look-ahead": OKABE_ITO.yellow,
-  "cruise ratio": OKABE_ITO.sky, extruder: OKABE_ITO.blue, mesh: mixed(OKABE_ITO.purple, BLACK, 0.45), "slow host": mixed(OKABE_ITO.vermilion, BLACK, 0.5),
+  "cruise ratio": OKABE_ITO.sky, extruder: OKABE_ITO.blue, mesh: mixed(OKABE_ITO.purple, BLACK, 0.45), "slow host": mixed(OKABE_ITO.vermilion, BLACK, 0.5), firmware: mixed(OKABE_ITO.blue, WHITE, 0.5),
 };
 /** What lays nothing, where colours say something of printed lines. */
 const travelColour = () => darkScheme.matches ? [96, 106, 122] : [150, 158, 172];

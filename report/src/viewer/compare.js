@@ -22,9 +22,9 @@ const SAME_HEIGHT_MM = 0.02;
 function layersOfBoth(a, b) {
   const rows = [];
   for (let i = 0, k = 0; i < a.length || k < b.length;) {
-    const gap = i >= a.length ? Infinity : k >= b.length ? -Infinity : a[i].height - b[k].height;
+    const gap = i >= a.length ? Infinity : k >= b.length ? -Infinity : a[i].height_mm - b[k].height_mm;
     const [isFirst, isSecond] = [gap <= SAME_HEIGHT_MM, gap >= -SAME_HEIGHT_MM];
-    rows.push({ height: (isFirst ? a[i] : b[k]).height, first: isFirst ? a[i].seconds : 0, second: isSecond ? b[k].seconds : 0, layer: isFirst ? i : null });
+    rows.push({ height: (isFirst ? a[i] : b[k]).height_mm, first: isFirst ? a[i].seconds : 0, second: isSecond ? b[k].seconds : 0, layer: isFirst ? i : null });
     i += isFirst; k += isSecond;
   }
   return rows;
@@ -63,6 +63,7 @@ function compareCard(record, stage, player) {
     const A = record.data, B = second.data, time = data => data.time?.total ?? data.summary.print_time_s, saved = time(A) - time(B);
     const rows = [
       ["File", A.summary.file, B.summary.file], ["Machine", A.summary.machine, B.summary.machine], ["Time", clock(time(A)), clock(time(B))], ["Motion", clock(A.summary.motion_time_s), clock(B.summary.motion_time_s)],
+      ["Before the first layer", clock(A.before_layers.seconds), clock(B.before_layers.seconds)], ["After the last one", clock(A.after_layers.seconds), clock(B.after_layers.seconds)],
       ["Moves", count(a.made(a.n)), count(b.made(b.n))], ["Greatest speed, mm/s", A.summary.peak_speed_mm_s.toFixed(1), B.summary.peak_speed_mm_s.toFixed(1)], ["Filament, m", ((A.filament?.mm ?? 0) / 1000).toFixed(2), ((B.filament?.mm ?? 0) / 1000).toFixed(2)], ["Trace SHA-256", A.summary.trace_sha256.slice(0, 12) + "\u2026", B.summary.trace_sha256.slice(0, 12) + "\u2026"],
     ];
     const sides = select("What is drawn", [["both", "both paths"], ["first", "this report"], ["second", "the second one"]], side => { stage.sides = side; stage.redraw(); });

@@ -33,7 +33,8 @@ function tiles(record) {
   const metre = mm => mm >= 10000 ? [(mm / 1000).toFixed(1), "m"] : [mm.toFixed(0), "mm"];
   const list = [
     [clock(T.total), "", `= motion ${clock(T.motion)} + heat ${clock(T.heat)} + waits ${clock(T.waits)}`],
-    F.mm > 0 && [...metre(F.mm), `filament of ${F.diameter_mm} mm, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g at ${F.density} g/cm\u00b3${F.is_density_known === false ? ", the density of PLA" : ""}`],
+    T.slicer && [clock(T.slicer), "", `the slicer's estimate; the print takes ${signedPercent(T.total / T.slicer - 1)}`],
+    F.mm > 0 && [...metre(F.mm), `filament of ${F.diameter_mm} mm, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g at ${F.density_g_cm3} g/cm\u00b3${F.is_density_known === false ? ", the density of PLA" : ""}`],
     [...metre(S.path_mm), "path of the tool"],
     [count(S.moves), "", `moves of ${count(S.commands)} commands`],
     [S.peak_speed_mm_s.toFixed(0), "mm/s", "greatest speed, over 20 ms"],
@@ -43,6 +44,8 @@ function tiles(record) {
   return make("section", { className: "tiles", ariaLabel: "Figures" }, ...list.filter(Boolean).map(([value, unit, name]) => make("div", { className: "card tile" },
     make("b", { className: String(value).length + unit.length > 9 ? "long" : "" }, value + " ", make("small", { textContent: unit })), make("span", { textContent: name }))));
 }
+
+const signedPercent = share => (share < 0 ? "\u2212" : "+") + Math.abs(100 * share).toFixed(0) + " %";
 
 const table = (heads, rows, className = "") => {
   const body = make("tbody"), head = make("tr", {}, ...heads.map(textContent => make("th", { textContent, scope: "col" })));
@@ -69,7 +72,7 @@ function timeCards(record, player) {
   const layers = data.by_layer ?? [];
   if (layers.length > 1) {
     const place = make("div", { className: "plot", tabIndex: 0, role: "img", ariaLabel: "Time of each layer in s" }), out = make("output");
-    const box = make("section", { className: "card panel", ariaLabel: "Time by layer" }, make("div", { className: "bar" }, make("h2", { textContent: "Time by layer, s" }), make("span", { className: "grow" }), out), place);
+    const box = make("section", { className: "card panel", ariaLabel: "Time by layer" }, make("div", { className: "bar" }, make("h2", { textContent: "Time by layer, s" }), make("span", { className: "sub", textContent: `before them ${clock(data.before_layers.seconds)}, after them ${clock(data.after_layers.seconds)}` }), make("span", { className: "grow" }), out), place);
     let plot = null;
     const build = () => {
       plot?.destroy();
@@ -77,7 +80,7 @@ function timeCards(record, player) {
       plot = plotted({ width: Math.max(place.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers.length + 0.5] }, y: { range: (_, a, b) => [0, b * 1.06 || 1] } },
         cursor: { y: false, drag: { x: false, y: false } }, series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }],
         axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
-        hooks: { setCursor: [u => { const i = u.cursor.left >= 0 ? u.cursor.idx : player.high, layer = layers[i]; if (layer) out.textContent = `layer ${i + 1}, Z ${layer.height.toFixed(2)} mm: ${clock(layer.seconds)}, ${metres(layer.filament_mm)} m`; }] },
+        hooks: { setCursor: [u => { const i = u.cursor.left >= 0 ? u.cursor.idx : player.high, layer = layers[i]; if (layer) out.textContent = `layer ${i + 1}, Z ${layer.height_mm.toFixed(2)} mm: ${clock(layer.seconds)}, ${metres(layer.filament_mm)} m`; }] },
       }, [layers.map((_, i) => i + 1), layers.map(layer => layer.seconds)], place);
       plot.over.addEventListener("click", () => { const i = plot.cursor.idx; if (i !== null && i !== undefined) { player.single = true; player.setLayers(i, i); }; });
     };

@@ -79,7 +79,7 @@ class Moves {
 
 /** Heights of the layers, and how much each adds. */
 function layersOf(data) {
-  const heights = data.by_layer?.length ? data.by_layer.map(layer => layer.height) : data.heights.length ? data.heights : [0];
+  const heights = data.by_layer?.length ? data.by_layer.map(layer => layer.height_mm) : data.heights.length ? data.heights : [0];
   const thick = heights.map((z, i) => { const step = i ? z - heights[i - 1] : z; return step > 0.02 && step < 1.5 ? step : 0.2; });
   return { heights, thick };
 }

@@ -1,6 +1,7 @@
 //! Figures: the state of the machine after a print, for a person and for a program.
 
 use super::BeltPlant;
+use super::layout::MotorDrive;
 use corehbot::motors::MotorName;
 use corehbot_twin::math::hypot;
 use serde::Serialize;
@@ -51,10 +52,12 @@ pub struct PartFigures {
 }
 
 /// The load of a motor.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct MotorFigures {
-    /// Its name.
+    /// The name of its driver's motor.
     pub motor: MotorName,
+    /// Its own name: with a number if two motors share a driver, in the order of the belt.
+    pub name: String,
     /// The largest part of its torque that it bore, of 1.
     pub largest_torque_share: f64,
 }
@@ -77,10 +80,18 @@ impl BeltPlant {
     #[must_use]
     pub fn figures(&self) -> BeltFigures {
         let off = self.off_mm();
-        let motor = |(drive, rotor): (&super::layout::MotorDrive, &corehbot_twin::live::rotor::Rotor)| MotorFigures {
-            motor: drive.name,
-            largest_torque_share: rounded(rotor.greatest_share()),
+        let drives = &self.layout.drives;
+        let name = |index: usize, motor: MotorName| {
+            let of_driver = |drives: &[MotorDrive]| drives.iter().filter(|drive| drive.name == motor).count();
+            let is_shared = of_driver(drives) > 1;
+            if is_shared { format!("{motor}.{}", of_driver(&drives[..=index])) } else { motor.to_string() }
         };
+        let motor =
+            |(index, (drive, rotor)): (usize, (&MotorDrive, &corehbot_twin::live::rotor::Rotor))| MotorFigures {
+                motor: drive.name,
+                name: name(index, drive.name),
+                largest_torque_share: rounded(rotor.greatest_share()),
+            };
         let skip =
             |skip: &SkipFigures| SkipFigures { time_s: rounded(skip.time_s), at_mm: skip.at_mm.map(rounded), ..*skip };
         let part = |(accident, began_s, motor): (&str, Option<f64>, Option<usize>)| PartFigures {
@@ -94,7 +105,7 @@ impl BeltPlant {
         BeltFigures {
             machine: self.live.machine().name(),
             seed: self.seed,
-            motors: self.layout.drives.iter().zip(self.live.rotors()).map(motor).collect(),
+            motors: drives.iter().zip(self.live.rotors()).enumerate().map(motor).collect(),
             skips,
             residual_mm: self.live.residual_mm().map(rounded),
             off_mm: off.map(|[x, y, z]| rounded(hypot(hypot(x, y), z))),
@@ -118,7 +129,7 @@ impl fmt::Display for BeltFigures {
         let phases = self.seed.map_or_else(|| "phases 0".to_owned(), |seed| format!("phases of seed {seed}"));
         writeln!(f, "{:<18} {}, {phases}", "belt plant", self.machine)?;
         let shares: Vec<String> =
-            self.motors.iter().map(|m| format!("{} {:.0} %", m.motor, m.largest_torque_share * 100.0)).collect();
+            self.motors.iter().map(|m| format!("{} {:.0} %", m.name, m.largest_torque_share * 100.0)).collect();
         writeln!(f, "{:<18} {} at most", "torque share", shares.join(", "))?;
         if let Some(residual) = self.residual_mm {
             writeln!(f, "{:<18} {residual:.3} mm", "residual")?;

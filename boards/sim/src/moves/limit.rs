@@ -24,11 +24,13 @@ pub enum Limit {
     Mesh,
     /// A host that does not send fast enough.
     SlowHost,
+    /// The speed that the firmware has chosen itself: homing, probing, parking.
+    Firmware,
 }
 
 impl Limit {
     /// All, by their numbers.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Feed,
         Self::Axis,
         Self::Motor,
@@ -38,6 +40,7 @@ impl Limit {
         Self::Extruder,
         Self::Mesh,
         Self::SlowHost,
+        Self::Firmware,
     ];
 
     /// Its name.
@@ -53,6 +56,7 @@ impl Limit {
             Self::Extruder => "extruder",
             Self::Mesh => "mesh",
             Self::SlowHost => "slow host",
+            Self::Firmware => "firmware",
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Observer: says of every move what keeps it from being faster. It sees moves as they were made and the rules in
 //! force, nothing of the planner.
 //!
-//! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound: its commanded speed, an
-//!    axis, a motor or the extruder. If none of them fits, the mesh or pressure advance has taken the rest, or the share
+//! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound: its commanded speed, or the
+//!    firmware's own if the line commands none, an axis, a motor or the extruder. If none of them fits, the mesh or pressure advance has taken the rest, or the share
 //!    of the feed that a slow host gets.
 //! 2. Any other move only ramps, or cruises over just the minimum cruise ratio, at the speed where ramps over the rest
 //!    of the length meet. If its acceleration is less than M204 says, the reason for that is its limit.
@@ -62,7 +62,9 @@ impl Observer {
 
     /// The next move, with the rules in force for it.
     pub fn add(&mut self, made: &MadeMove, rules: &Rules) {
-        let (own, most) = self.judge(made, rules);
+        let named = |limit| if limit == Limit::Feed && made.source.feed.is_none() { Limit::Firmware } else { limit };
+        let (own, (limit, speed)) = self.judge(made, rules);
+        let (own, most) = (own.map(named), (named(limit), speed));
         self.waiting.push_back(Judged { made: *made, own, most, reasons: [Limit::Corner; 2] });
         if self.waiting.len() >= 2 * KNOWN {
             self.know(KNOWN);

@@ -257,7 +257,12 @@ impl Tap {
     /// Its type: the slicer's for a line that is laid.
     fn kind_of(&mut self, made: &MadeMove) -> u16 {
         if !made.is_printing() {
-            return if made.plane_length() == 0.0 && made.way[3] != 0.0 { slicer::RETRACT } else { slicer::TRAVEL };
+            return match (made.plane_length() == 0.0, made.way[3]) {
+                (true, ..0.0) => slicer::RETRACT,
+                (false, ..0.0) => slicer::WIPE,
+                (true, filament) if filament > 0.0 => slicer::PRIME,
+                _ => slicer::TRAVEL,
+            };
         }
         let kind = made.source.kind;
         if kind == slicer::UNNAMED && !self.has_printed {
