@@ -133,6 +133,26 @@ fn count(line: &str, word: &str) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
+
+    /// The packages behind `cargo` for these arguments, with their features.
+    fn features(packages: &[&str]) -> BTreeSet<String> {
+        let mut tree = cargo(["tree", "--offline", "--prefix", "none", "--format", "{p} {f}"]);
+        let output = tree.args(packages).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        text.lines().map(|line| line.trim_end_matches(" (*)").replace(" (proc-macro)", "")).collect()
+    }
+
+    /// With other features the core, the simulator and the twin would be built twice, once for `cargo xtask` and once
+    /// for the tests: 4 minutes on two cores.
+    #[test]
+    fn xtask_is_built_of_the_crates_of_the_workspace() {
+        let own = features(&["--package", "xtask", "--edges", "normal,build"]);
+        let all = features(&["--workspace", "--edges", "normal,build,dev"]);
+        let lone: Vec<_> = own.difference(&all).collect();
+        assert!(lone.is_empty(), "xtask/Cargo.toml needs a line for each: {lone:#?}");
+    }
 
     #[test]
     fn the_harness_says_how_many_passed() {
