@@ -2,7 +2,8 @@
 //!
 //! The page is a template. It holds the streams of the [record](crate::record) in blobs of base64, which the page
 //! unpacks when it shows them. So a print of any length has all of its lines and still opens at once. Everything else
-//! is one JSON object.
+//! is one JSON object. It comes before the blobs, with some of a large print's moves: they are the first picture, while
+//! the browser still reads the rest.
 
 mod belt;
 mod heat;
@@ -41,8 +42,22 @@ pub(crate) const HEAD: &str = include_str!("print/head.html");
 /// How pages look.
 pub(crate) const STYLE: &str = include_str!("print/page.css");
 
-/// Where the style goes, the path, the viewer and the data.
-const MARKS: [&str; 4] = ["/*STYLE*/\n", "<!--PATH-->", "/*VIEWER*/", "/*DATA*/"];
+/// Where the style goes, the viewer, the data, the moves of the first picture, and the streams.
+const MARKS: [&str; 5] = ["/*STYLE*/\n", "/*VIEWER*/", "/*DATA*/", "<!--PREVIEW-->", "<!--STREAMS-->"];
+
+/// Chunks of moves from which on a print has a first picture of some of them.
+const LARGE: usize = 100;
+
+/// That picture has one chunk of so many at least, and the last ones.
+const PICKED: usize = 32;
+const LAST: usize = 6;
+
+/// The chunks of moves for a first picture, by their indices.
+fn preview(chunks: usize) -> Vec<usize> {
+    let apart = chunks.div_ceil(PICKED);
+    let is_picked = |i: &usize| i % apart == 0 || i + LAST >= chunks;
+    if chunks < LARGE { Vec::new() } else { (0..chunks).filter(is_picked).collect() }
+}
 
 /// The content of a page.
 #[derive(Clone, Copy, Debug)]
@@ -110,6 +125,8 @@ struct Data<'a> {
     filament: Filament,
     machine: MachineData,
     move_chunks: Vec<[i64; 7]>,
+    /// Those for a first picture, by their indices.
+    preview: Vec<usize>,
     gcode_chunks: Vec<TextChunk>,
 }
 
@@ -158,20 +175,35 @@ impl Page<'_> {
         streams: Streams<P, M, impl Read>,
         out: &mut impl Write,
     ) -> io::Result<()> {
-        let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
-        let (begin, rest) = cut(TEMPLATE, MARKS[0])?;
-        let (head, rest) = cut(rest, MARKS[1])?;
-        let (middle, rest) = cut(rest, MARKS[2])?;
-        let (before, end) = cut(rest, MARKS[3])?;
-        for text in [HEAD, begin, &viewer::style(), head] {
-            out.write_all(text.as_bytes())?;
+        let mut parts = Vec::new();
+        let mut rest = TEMPLATE;
+        for mark in MARKS {
+            let (part, after) = rest.split_once(mark).ok_or(io::ErrorKind::InvalidData)?;
+            parts.push(part);
+            rest = after;
         }
-        let data = self.read(streams, |stream, blob| script(stream, blob, out))?;
+        let picked = preview(streams.moves.chunks.len());
+        let (mut first, mut all, mut chunk) = (Vec::new(), Vec::new(), 0);
+        let data = self.read(streams, |stream, blob| {
+            let text = packed(blob)?;
+            if stream == Stream::Moves {
+                if picked.contains(&chunk) {
+                    script("preview", &text, &mut first)?;
+                }
+                chunk += 1;
+            }
+            script(stream.name(), &text, &mut all)
+        })?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&data)?.replace('<', "\\u003c");
-        for text in [middle, &viewer::script(), before, &json, end] {
-            out.write_all(text.as_bytes())?;
+        let (style, viewer) = (viewer::style(), viewer::script());
+        let contents = [style.as_bytes(), viewer.as_bytes(), json.as_bytes(), &first, &all];
+        out.write_all(HEAD.as_bytes())?;
+        for (part, content) in parts.into_iter().zip(contents) {
+            out.write_all(part.as_bytes())?;
+            out.write_all(content)?;
         }
+        out.write_all(rest.as_bytes())?;
         out.flush()
     }
 
@@ -253,6 +285,7 @@ impl Page<'_> {
             filament: Filament::new(filament_mm, notes),
             machine: MachineData::new(settings),
             move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &heights)).collect(),
+            preview: preview(moves.chunks.len()),
             gcode_chunks: Vec::new(),
         }
     }
@@ -266,17 +299,25 @@ enum Stream {
     Gcode,
 }
 
-/// A blob as a script that does nothing.
-fn script(stream: Stream, blob: &[u8], out: &mut impl Write) -> io::Result<()> {
-    let class = match stream {
-        Stream::Path => "path",
-        Stream::Moves => "moves",
-        Stream::Gcode => "gcode",
-    };
-    // RFC 1951: browsers unpack it by themselves.
+impl Stream {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Moves => "moves",
+            Self::Gcode => "gcode",
+        }
+    }
+}
+
+/// A blob as text. RFC 1951: browsers unpack it by themselves.
+fn packed(blob: &[u8]) -> io::Result<String> {
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(blob)?;
-    let text = base64(&encoder.finish()?);
+    Ok(base64(&encoder.finish()?))
+}
+
+/// A text as a script that does nothing.
+fn script(class: &str, text: &str, out: &mut Vec<u8>) -> io::Result<()> {
     writeln!(out, "<script type=\"text/plain\" class=\"{class}\">{text}</script>")
 }
 
@@ -345,7 +386,22 @@ mod tests {
     }
 
     #[test]
-    fn the_template_has_places_for_path_viewer_and_data() {
+    fn a_large_print_has_a_first_picture_of_its_whole_height_and_its_end() {
+        assert_eq!(preview(0), [0; 0]);
+        assert_eq!(preview(LARGE - 1), [0; 0]);
+        for chunks in [LARGE, 488, 100_000] {
+            let picked = preview(chunks);
+            assert!(
+                picked.is_sorted() && picked.len() <= PICKED + LAST && picked.len() > PICKED / 2 + LAST,
+                "{picked:?}"
+            );
+            assert!(picked.ends_with(&Vec::from_iter(chunks - LAST..chunks)), "{picked:?}");
+            assert!(picked.windows(2).all(|pair| pair[1] - pair[0] <= chunks.div_ceil(PICKED)), "{picked:?}");
+        }
+    }
+
+    #[test]
+    fn the_template_has_a_place_for_each_content() {
         assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
         assert!(MARKS.map(|mark| TEMPLATE.find(mark)).is_sorted());
     }

@@ -8,7 +8,8 @@
 //! | call | job |
 //! |---|---|
 //! | `openRecord(root, data, streams, { docs })` | shows a record in an element, in place of what was there |
-//! | `streamsOfPage()` | the streams that are in the page's own scripts |
+//! | `openPreview(root, data, blobs)` | shows a first picture of a large record there, before the rest is read |
+//! | `streamsOfPage()`, `streamOfPage(name)` | the streams that are in the page's own scripts |
 //! | `recordOfText(text)` | data and streams in the text of a report |
 
 /// The page of a report.
@@ -47,7 +48,7 @@ const PARTS: [&str; 22] = [
 #[must_use]
 pub fn script() -> String {
     let parts = PARTS.join("\n");
-    let door = "return { openRecord, streamsOfPage, recordOfText };";
+    let door = "return { openRecord, openPreview, streamsOfPage, streamOfPage, recordOfText };";
     format!("const corehbotViewer = (() => {{\n\"use strict\";\n{UPLOT}\n{parts}\n{door}\n}})();\n")
 }
 

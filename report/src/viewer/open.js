@@ -10,24 +10,36 @@ async function loadRecord(data, streams, progress) {
   return record;
 }
 
-/** Chunks of a large print that give a first picture: the last ones, and some of all. */
-const PREVIEW = 32, LARGE = 100;
-async function previewOf(root, data, streams, wait) {
-  const rows = data.move_chunks ?? [], n = rows.length;
-  if (n < LARGE) return null;
-  const chosen = rows.map((_, i) => i).filter(i => i >= n - 6 || i % Math.ceil(n / PREVIEW) === 0);
-  const part = { ...data, move_chunks: chosen.map(i => rows[i]), fault: null };
-  try {
-    const record = await loadRecord(part, { moves: chosen.map(i => streams.moves[i]) });
-    const player = new Player(record.moves, layersOf(data).heights.length), stage = new Stage(record, player);
-    colourBar(record, stage, player);
-    stage.element.inert = true;
-    root.replaceChildren(header(record), make("section", { className: "card panel view" }, wait, stage.element));
-    // The picture, before the rest is read.
-    await new Promise(go => { stage.onPicture = () => setTimeout(go, 60); setTimeout(go, 2000); });
-    root.dispatchEvent(new CustomEvent("corehbot-picture", { bubbles: true }));
-    return stage;
-  } catch { return null; }
+const reading = share => "Reading the print" + (share ? `, ${(100 * share).toFixed(0)} %` : "");
+/** What says in `root` that a record is read. */
+function waitIn(root) {
+  const wait = make("p", { className: "sub", role: "status", textContent: reading() });
+  root.classList.add("viewer");
+  root.replaceChildren(wait);
+  return wait;
+}
+/**
+ * Shows a first picture of a large record in `root`, of the moves in these blobs, before the rest is read. They are the
+ * chunks in `data.preview`. Returns when it is drawn; `openRecord` waits for it.
+ */
+function openPreview(root, data, blobs) {
+  const stage = (async () => {
+    const chosen = data.preview ?? [], wait = waitIn(root);
+    if (!chosen.length) return null;
+    const part = { ...data, move_chunks: chosen.map(i => data.move_chunks[i]), fault: null };
+    try {
+      const record = await loadRecord(part, { moves: blobs });
+      const player = new Player(record.moves, layersOf(data).heights.length), stage = new Stage(record, player);
+      colourBar(record, stage, player);
+      stage.element.inert = true;
+      root.replaceChildren(header(record), make("section", { className: "card panel view" }, wait, stage.element));
+      await new Promise(go => { stage.onPicture = () => setTimeout(go, 60); setTimeout(go, 2000); });
+      root.dispatchEvent(new CustomEvent("corehbot-picture", { bubbles: true }));
+      return stage;
+    } catch { return null; }
+  })();
+  root.corehbotPreview = { data, stage };
+  return stage;
 }
 
 /**
@@ -40,11 +52,13 @@ async function openRecord(root, data, streams, { docs = null } = {}) {
   root.corehbotView?.player.stop();
   root.corehbotView?.stage?.lines.end();
   root.corehbotView = null;
-  const wait = make("p", { className: "sub", role: "status", textContent: "Reading the print" });
-  root.classList.add("viewer");
-  root.replaceChildren(wait);
-  const preview = await previewOf(root, data, streams, wait);
-  const record = await loadRecord(data, streams, share => { wait.textContent = `Reading the print, ${(100 * share).toFixed(0)} %`; });
+  // A report has begun its preview already.
+  const begun = root.corehbotPreview?.data === data ? root.corehbotPreview.stage : null;
+  const preview = await (begun ?? openPreview(root, data, (data.preview ?? []).map(i => streams.moves[i])));
+  if (root.corehbotRound !== round) return;
+  root.corehbotPreview = null;
+  const wait = root.querySelector("[role=status]") ?? waitIn(root);
+  const record = await loadRecord(data, streams, share => { wait.textContent = reading(share); });
   if (root.corehbotRound !== round) return;
   record.docs = docs;
   const { heights } = layersOf(data), player = new Player(record.moves, heights.length);

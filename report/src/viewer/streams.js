@@ -35,10 +35,9 @@ async function* inOrder(blobs) {
 /** Blobs of the texts of one class. */
 const packed = texts => texts.map(text => async () => inflate(fromBase64(typeof text === "string" ? text : text.textContent)));
 const STREAMS = ["path", "moves", "gcode"];
-/** The streams of the page that this script is in. */
-function streamsOfPage() {
-  return Object.fromEntries(STREAMS.map(name => [name, packed([...document.querySelectorAll(`script.${name}[type="text/plain"]`)])]));
-}
+/** A stream of the page that this script is in. */
+const streamOfPage = name => packed([...document.querySelectorAll(`script.${name}[type="text/plain"]`)]);
+const streamsOfPage = () => Object.fromEntries(STREAMS.map(name => [name, streamOfPage(name)]));
 /** The record in the text of another report, or null. */
 function recordOfText(text) {
   const begin = text.indexOf("\nconst D = "), end = text.indexOf(";\n", begin);
