@@ -55,7 +55,7 @@ const LAST: usize = 6;
 /// The chunks of moves for a first picture, by their indices.
 fn preview(chunks: usize) -> Vec<usize> {
     let apart = chunks.div_ceil(PICKED);
-    let is_picked = |i: &usize| i % apart == 0 || i + LAST >= chunks;
+    let is_picked = |i: &usize| i.is_multiple_of(apart) || i + LAST >= chunks;
     if chunks < LARGE { Vec::new() } else { (0..chunks).filter(is_picked).collect() }
 }
 
