@@ -1,9 +1,9 @@
 //! Sinks: all that listen to the steps of a print, on two threads of their own.
 //!
-//! The firmware and its machine run on the caller's thread, and hand over their events in batches. One thread writes and
-//! hashes the trace, the other measures and judges the steps. So a print takes as long as the slowest of the three, not
-//! as long as all of them. Each thread has a queue of a few batches. When it is full the firmware waits, so memory is
-//! bounded. A panic on a thread goes on in the caller.
+//! The firmware and its machine run on the caller's thread, and hand over their events in batches. One thread writes
+//! and hashes the trace, the other measures and judges the steps. So a print takes as long as the slowest of the
+//! three, not as long as all of them. Each thread has a queue of a few batches. When it is full the firmware waits, so
+//! memory is bounded. A panic on a thread goes on in the caller.
 
 use crate::output::Stream;
 use anyhow::{Context as _, Result};

@@ -1,5 +1,5 @@
-//! `cargo xtask picture`: the pictures of the viewer in the README and in its reference, which are the report of a print as
-//! a headless Chromium draws it.
+//! `cargo xtask picture`: the pictures of the viewer in the README and in its reference, which are the report of a
+//! print as a headless Chromium draws it.
 
 use crate::checkout::{cargo, root, run, target_dir};
 use anyhow::{Context as _, Result, ensure};
@@ -42,8 +42,8 @@ pub fn main() -> Result<()> {
         fs::write(&page, report.clone() + &script).with_context(|| format!("cannot write {}", page.display()))?;
         let picture = root().join("docs/pictures").join(name);
         let mut browser = Command::new("chromium");
-        // A container has no sandbox, and no graphics; the page is ours. The picture is taken after so many ms: lines are
-        // drawn over several frames.
+        // A container has no sandbox, and no graphics; the page is ours. The picture is taken after so many ms: lines
+        // are drawn over several frames.
         browser.args(["--headless", "--no-sandbox", "--hide-scrollbars"]).arg(format!("--window-size={size}"));
         browser.args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--timeout=15000"]);
         browser.arg(format!("--screenshot={}", picture.display()));

@@ -1,4 +1,5 @@
-//! Hand: what a person does to the simulated machine, in words. So the first hour with a board can be tried without one.
+//! Hand: what a person does to the simulated machine, in words. So the first hour with a board can be tried without
+//! one.
 //!
 //! | words | do |
 //! |---|---|

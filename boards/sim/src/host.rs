@@ -62,8 +62,8 @@ pub struct Remark {
     pub reply: String,
 }
 
-/// A remark of this firmware is shown whole: it repeats at most 60 characters of a line (`protocol::reply`), and has about as
-/// many of its own.
+/// A remark of this firmware is shown whole: it repeats at most 60 characters of a line (`protocol::reply`), and has
+/// about as many of its own.
 const LONGEST_REPLY: usize = 240;
 
 impl fmt::Display for Remark {

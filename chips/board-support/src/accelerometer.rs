@@ -3,9 +3,9 @@
 //! A chip's crate carries the bytes ([`Wire`], and the transfers that a [`Reader`] asks for). All that depends on the
 //! kind of sensor is a `Row`.
 //!
-//! **Set-up.** The identity is read up to three times after a reading that does not count: many sensors answer the first
-//! reading after power came with another number (Klipper's issue 3637, BTT's issue 156 of the Octopus). Every register
-//! that was written is read back.
+//! **Set-up.** The identity is read up to three times after a reading that does not count: many sensors answer the
+//! first reading after power came with another number (Klipper's issue 3637, BTT's issue 156 of the Octopus). Every
+//! register that was written is read back.
 //!
 //! **Sampling.** The sensor keeps up to 32 samples in a FIFO. Every millisecond the reader asks how many there are, and
 //! then fetches each by a transfer of its own:

@@ -1,8 +1,9 @@
 //! Identify: stiffness of belts and motors from measured frequencies.
 //!
 //! The fit finds the belt's tensile stiffness and the motors' holding torque (the stiffness of their fields) with which
-//! the model has the measured frequencies, by [`least_squares`](super::least_squares). Masses are given. A number that the frequencies do not determine, such as the torque of rigid motors, stays within a factor of
-//! a hundred. If the fitted machine does not have the measured frequencies, that is an error.
+//! the model has the measured frequencies, by [`least_squares`](super::least_squares). Masses are given. A number that
+//! the frequencies do not determine, such as the torque of rigid motors, stays within a factor of a hundred. If the
+//! fitted machine does not have the measured frequencies, that is an error.
 
 use super::NotHeld;
 use super::least_squares::{FURTHEST, NoMinimum, PROBE, Problem, nearest_minimum};

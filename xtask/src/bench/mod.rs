@@ -49,8 +49,8 @@ pub struct Args {
     /// Runs this job alone and shows where its instructions go.
     #[arg(long, value_name = "JOB", conflicts_with_all = ["json", "check"])]
     profile: Option<Job>,
-    /// Measures the simulator on this computer instead: how many times faster than the machine it prints these files, or
-    /// the examples, and where its instructions go.
+    /// Measures the simulator on this computer instead: how many times faster than the machine it prints these files,
+    /// or the examples, and where its instructions go.
     #[arg(long, value_name = "FILE", num_args = 0.., conflicts_with_all = ["json", "check", "profile"])]
     host: Option<Vec<PathBuf>>,
 }

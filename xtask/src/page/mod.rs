@@ -1,8 +1,8 @@
 //! `cargo xtask page`: the page with the firmware inside, as a folder of static files.
 //!
 //! The firmware and the simulator become WebAssembly, wasm-bindgen's library makes the script that loads it, and both
-//! go into the page as text. So the page opens from its file, without a server: browsers let no page of a file read other
-//! files, nor begin a worker from one.
+//! go into the page as text. So the page opens from its file, without a server: browsers let no page of a file read
+//! other files, nor begin a worker from one.
 
 mod embedded;
 
