@@ -12,10 +12,9 @@ mod store;
 
 pub use store::{Bounds, CHUNK, Chunk, Stored};
 
-use corehbot::kinematics::ForwardKinematics;
-use corehbot::motors::{MOTORS, MotorSet};
+use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
-use corehbot_sim::sampler::{Counts, count};
+use corehbot_sim::axis_sums::AxisSums;
 use corehbot_twin::contour::cut::ends;
 use filament::Filament;
 use std::io::{self, Write};
@@ -56,13 +55,13 @@ pub struct Vertex {
 
 /// Follows the steps and stores the lines.
 pub struct ToolPath<F: Write> {
-    back: ForwardKinematics<{ MOTORS }>,
-    /// mm a step of x, y and z.
-    step: [f64; 3],
+    axes: AxisSums,
+    /// The sums of x, y, z and e, and the mm of a unit of x, y and z.
+    sums: [i64; 4],
+    unit: [f64; 3],
     origin: [f64; 3],
     /// How far a place may be from its line, in mm.
     tolerance: f64,
-    counts: Counts,
     /// The program's z, if z follows a mesh. Real z would show the bed instead of layers.
     on_mesh: Option<f64>,
     filament: Filament,
@@ -76,15 +75,16 @@ impl<F: Write> ToolPath<F> {
     #[must_use]
     pub fn new(s: &Settings, origin: [f64; 3], file: F) -> Self {
         let step = [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>());
+        let axes = AxisSums::new(&s.mechanism);
         let begin = Place { at: origin, tick: 0, is_printing: false, is_turn: false };
         let mut store = Store::new(file);
         store.add(Vertex { at: begin.at, tick: 0, is_printing: false });
         Self {
-            back: s.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE),
-            step,
+            unit: std::array::from_fn(|i| step[i] / axes.over()[i] as f64),
+            axes,
+            sums: [0; 4],
             origin,
             tolerance: step[0].max(step[1]),
-            counts: [0; MOTORS],
             on_mesh: None,
             filament: Filament::new(origin),
             places: vec![begin],
@@ -99,17 +99,13 @@ impl<F: Write> ToolPath<F> {
 
     /// One instant in which `steps` move, each forward or backward.
     pub fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        count(&mut self.counts, steps, forward);
-        let way = self.back.fractions(&self.counts);
-        let mut at = std::array::from_fn(|i| {
-            let (sum, over) = way[i];
-            self.origin[i] + sum as f64 * (self.step[i] / over as f64)
-        });
+        self.axes.add_event(&mut self.sums, steps, forward);
+        let mut at = std::array::from_fn(|i| self.origin[i] + self.sums[i] as f64 * self.unit[i]);
         if let Some(z) = self.on_mesh {
             at[2] = z;
         }
-        let Self { filament, places, .. } = self;
-        filament.event(at, tick, way[3].0, |place| places.push(place));
+        let Self { filament, places, sums, .. } = self;
+        filament.event(at, tick, sums[3], |place| places.push(place));
         if self.places.len() >= BLOCK {
             self.cut(false);
         }
@@ -148,19 +144,21 @@ impl<F: Write> ToolPath<F> {
         let (a, b) = (self.places.get(begin)?, self.places.get(end)?);
         let along: [f64; 3] = std::array::from_fn(|i| b.at[i] - a.at[i]);
         let square = dot(along, along);
-        let length = square.sqrt();
         let time = (b.tick - a.tick) as f64;
+        // Divisions and roots are taken once for the line: distances are compared by their squares.
+        let a_square = if square > 0.0 { 1.0 / square } else { 0.0 };
+        let a_tick = if time > 0.0 { 1.0 / time } else { 0.0 };
+        let (off_scale, ahead_scale) = (1.0 / (self.tolerance * self.tolerance), square / (AHEAD * AHEAD));
         let mut found = (1.0, None);
         for (index, place) in self.places.iter().enumerate().take(end).skip(begin + 1) {
-            let to: [f64; 3] = std::array::from_fn(|i| place.at[i] - a.at[i]);
-            let way = dot(along, to);
-            let share = if square > 0.0 { (way / square).clamp(0.0, 1.0) } else { 0.0 };
-            let off: [f64; 3] = std::array::from_fn(|i| to[i] - share * along[i]);
-            let due = if time > 0.0 { (place.tick - a.tick) as f64 / time } else { share };
-            let far = (dot(off, off).sqrt() / self.tolerance).max((share - due).abs() * length / AHEAD);
             if place.is_turn {
                 return Some(index);
             }
+            let to: [f64; 3] = std::array::from_fn(|i| place.at[i] - a.at[i]);
+            let share = (dot(along, to) * a_square).clamp(0.0, 1.0);
+            let off: [f64; 3] = std::array::from_fn(|i| to[i] - share * along[i]);
+            let ahead = if time > 0.0 { share - (place.tick - a.tick) as f64 * a_tick } else { 0.0 };
+            let far = (dot(off, off) * off_scale).max(ahead * ahead * ahead_scale);
             if far > found.0 {
                 found = (far, Some(index));
             }

@@ -85,8 +85,9 @@ pub struct SimSensor {
 impl SimSensor {
     /// When the next sample is due by `now`, in ticks.
     pub(crate) fn due(&self, now: u64) -> Option<u64> {
+        self.period?;
         let tick = (self.next * f64::from(TICKS_PER_SECOND)) as u64;
-        self.period.filter(|_| tick <= now).map(|_| tick)
+        (tick <= now).then_some(tick)
     }
 
     /// The time of the next sample has come, and the belt plant's tool moves at this velocity in mm/s.
@@ -103,12 +104,14 @@ impl SimSensor {
         self.sample(impulse.map(|sum| sum / period));
     }
 
+    /// Whether it runs on a tool with modes, so that it has to know where the nozzle is.
+    pub(crate) fn vibrates(&self) -> bool {
+        self.period.is_some() && self.truth.as_ref().is_some_and(|truth| !truth.modes.is_empty())
+    }
+
     /// Time passes up to `now` in ticks, with a rigid machine's nozzle at that place.
     pub(crate) fn vibrate(&mut self, now: u64, nozzle: [f64; 3]) {
-        let (Some(truth), Some(_)) = (&self.truth, self.period) else { return };
-        if truth.modes.is_empty() {
-            return;
-        }
+        let Some(truth) = self.truth.as_ref().filter(|_| self.vibrates()) else { return };
         let now = now as f64 / f64::from(TICKS_PER_SECOND);
         if self.states.len() != truth.modes.len() {
             self.states = truth.modes.iter().map(|mode| [nozzle[mode.axis], 0.0]).collect();

@@ -3,14 +3,16 @@
 //! They are the fractions of [`ForwardKinematics`], which are linear in the counts. Here each motor's weights are known
 //! beforehand, so a position takes a few products instead of the rows of the mechanism times the adjugate.
 
-use crate::sampler::Counts;
+use crate::sampler::{Counts, HALF, STEPS, places};
 use corehbot::kinematics::{ForwardKinematics, Mechanism};
-use corehbot::motors::MOTORS;
+use corehbot::motors::{MOTORS, MotorSet};
 
 /// The weights of a mechanism.
 pub struct AxisSums {
     /// Of each motor, for x, y, z and e.
     weights: [[i64; 4]; MOTORS],
+    /// What an event adds, for each half of the motors, by the places of [`STEPS`].
+    events: Box<[[[i64; 4]; STEPS.len()]; 2]>,
     /// What each sum is divided by.
     over: [i64; 4],
 }
@@ -22,10 +24,23 @@ impl AxisSums {
         let back = mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
         let fractions = |counts: &Counts| back.fractions(counts);
         let one = |motor: usize| std::array::from_fn(|other| i64::from(other == motor));
-        Self {
-            weights: std::array::from_fn(|motor| fractions(&one(motor)).map(|(sum, _)| sum)),
-            over: fractions(&[0; MOTORS]).map(|(_, over)| over),
+        let weights: [[i64; 4]; MOTORS] = std::array::from_fn(|motor| fractions(&one(motor)).map(|(sum, _)| sum));
+        let mut events = Box::new([[[0; 4]; STEPS.len()]; 2]);
+        for (events, weights) in events.iter_mut().zip(weights.chunks_exact(HALF)) {
+            for (sums, steps) in events.iter_mut().zip(&STEPS) {
+                steps.iter().zip(weights).for_each(|(step, weights)| add(sums, weights.map(|weight| weight * step)));
+            }
         }
+        Self { weights, events, over: fractions(&[0; MOTORS]).map(|(_, over)| over) }
+    }
+
+    /// Adds an event to the sums.
+    #[inline]
+    pub fn add_event(&self, sums: &mut [i64; 4], steps: MotorSet, forward: MotorSet) {
+        let [low, high] = &*self.events;
+        let [low_place, high_place] = places(steps, forward);
+        add(sums, low[low_place]);
+        add(sums, high[high_place]);
     }
 
     /// x, y, z and e at these counts, in parts of a step.
@@ -34,9 +49,7 @@ impl AxisSums {
     pub fn at(&self, counts: &Counts) -> [i64; 4] {
         let mut sums = [0; 4];
         for (weights, count) in self.weights.iter().zip(counts) {
-            for (sum, weight) in sums.iter_mut().zip(weights) {
-                *sum += weight * count;
-            }
+            add(&mut sums, weights.map(|weight| weight * count));
         }
         sums
     }
@@ -48,9 +61,14 @@ impl AxisSums {
     }
 }
 
+fn add(sums: &mut [i64; 4], more: [i64; 4]) {
+    sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampler::count;
     use corehbot_machine_file as machine_file;
     use proptest::prelude::*;
     use std::path::Path;
@@ -76,5 +94,18 @@ mod tests {
                 prop_assert_eq!(fractions, back.fractions(&counts));
             }
         });
+    }
+
+    #[test]
+    fn events_add_what_their_steps_add_to_the_counts() {
+        for mechanism in mechanisms() {
+            let sums = AxisSums::new(&mechanism);
+            let (mut counts, mut added) = ([0; MOTORS], [0; 4]);
+            for (steps, forward) in (0..=u8::MAX).flat_map(|steps| (0..=u8::MAX).map(move |forward| (steps, forward))) {
+                count(&mut counts, MotorSet(steps), MotorSet(forward));
+                sums.add_event(&mut added, MotorSet(steps), MotorSet(forward));
+                assert_eq!(added, sums.at(&counts));
+            }
+        }
     }
 }

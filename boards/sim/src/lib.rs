@@ -10,7 +10,7 @@
 pub mod accelerometer;
 mod any_storage;
 pub mod asked;
-mod axis_sums;
+pub mod axis_sums;
 pub mod bed_plant;
 pub mod belt;
 pub mod check;

@@ -214,7 +214,10 @@ impl Pins<'_> {
                 }
             }
         }
-        if let Mechanics::Rigid(rig) = &self.mechanics {
+        // Where the nozzle is takes a few products for each event, and most machines have no sensor.
+        if let Mechanics::Rigid(rig) = &self.mechanics
+            && sensor.vibrates()
+        {
             sensor.vibrate(now, rig.nozzle());
         }
     }

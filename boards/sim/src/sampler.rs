@@ -20,10 +20,10 @@ pub const LONGEST_WINDOW: usize = 512;
 pub type Counts = [i64; MOTORS];
 
 /// Motors whose steps are looked up together.
-const HALF: usize = MOTORS / 2;
+pub(crate) const HALF: usize = MOTORS / 2;
 
 /// Steps of four motors, by the motors that step (low four bits) and those that would go forward (high four bits).
-const STEPS: [[i64; HALF]; 1 << MOTORS] = {
+pub(crate) const STEPS: [[i64; HALF]; 1 << MOTORS] = {
     let mut table = [[0; HALF]; 1 << MOTORS];
     let mut index = 0;
     while index < table.len() {
@@ -39,13 +39,19 @@ const STEPS: [[i64; HALF]; 1 << MOTORS] = {
     table
 };
 
+/// The places of an event's lower and upper motors in [`STEPS`].
+#[inline]
+pub(crate) fn places(steps: MotorSet, forward: MotorSet) -> [usize; 2] {
+    let (s, f) = (usize::from(steps.0), usize::from(forward.0));
+    [s & 0xF | (f & 0xF) << HALF, s >> HALF | f & 0xF0]
+}
+
 /// Adds an event to the counts: looked up, because this runs several times an event.
 #[inline]
 pub fn count(counts: &mut Counts, steps: MotorSet, forward: MotorSet) {
-    let (s, f) = (usize::from(steps.0), usize::from(forward.0));
     let (low, high) = counts.split_at_mut(HALF);
-    for (counts, index) in [(low, s & 0xF | (f & 0xF) << HALF), (high, s >> HALF | f & 0xF0)] {
-        for (count, step) in counts.iter_mut().zip(&STEPS[index]) {
+    for (counts, place) in [low, high].into_iter().zip(places(steps, forward)) {
+        for (count, step) in counts.iter_mut().zip(&STEPS[place]) {
             *count += step;
         }
     }
