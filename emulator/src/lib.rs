@@ -2,10 +2,10 @@
 //!
 //! A model of the chip (the `rigless` crate) executes the release ELF file instruction by instruction in virtual time.
 //! Around it stand the board ([`wiring`], [`board`]) with its motor drivers ([`driver_line`]) and hosts on the serial
-//! lines ([`mod@line`]), and an accelerometer ([`sensor`], [`sensor_bus`]). The firmware feels the endstops of the simulated machine, the host simulator's
-//! ([`mechanics`]). In place of a scripted host, a real one may come through a pseudo-terminal ([`terminal`]). A
-//! stand-in for its [`bootloader`] runs before the image. The record ([`steps`], [`safety`], [`clock_rules`], [`gaps`])
-//! is then compared with the steps of the host simulator ([`compare`]).
+//! lines ([`mod@line`]), and an accelerometer ([`sensor`], [`sensor_bus`]). The firmware feels the endstops of the
+//! simulated machine, the host simulator's ([`mechanics`]). In place of a scripted host, a real one may come through a
+//! pseudo-terminal ([`terminal`]). A stand-in for its [`bootloader`] runs before the image. The record ([`steps`],
+//! [`safety`], [`clock_rules`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
 //!
 //! README.md lists the limits of the emulator.
 

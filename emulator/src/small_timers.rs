@@ -1,9 +1,9 @@
 //! Small timers: TIM6, TIM7, TIM9 and TIM12, which the crate has as registers only.
 //!
-//! TIM6 and TIM7 have no channel, and an interrupt at the end of each period (RM0390 rev 6, the chapter of TIM6 and TIM7). The
-//! others have two channels, count 16 bits up, and have the one-pulse mode (RM0390 rev 6, the chapter of TIM9 to
-//! TIM14). The crate models such a timer for another part (its `Kind::TwoChannelSlave`); here it answers from the
-//! F427's layout. It runs at the rate that the image's clocks give the timer. Neither timer runs before that, and a
+//! TIM6 and TIM7 have no channel, and an interrupt at the end of each period (RM0390 rev 6, the chapter of TIM6 and
+//! TIM7). The others have two channels, count 16 bits up, and have the one-pulse mode (RM0390 rev 6, the chapter of
+//! TIM9 to TIM14). The crate models such a timer for another part (its `Kind::TwoChannelSlave`); here it answers from
+//! the F427's layout. It runs at the rate that the image's clocks give the timer. Neither timer runs before that, and a
 //! rule of [`clock_rules`](crate::clock_rules) finds an access without a clock. The reset bits of RCC do not reach it;
 //! a reset of the chip does.
 

@@ -163,8 +163,8 @@ fn switch_on(pins: SensorPins) {
     TIM6.dier().write(|w| w.set_uie(true));
 }
 
-/// Ends a transfer under way and the timer, in the order of RM0390 (SPI: communication using DMA, procedure for disabling
-/// the SPI). The sensor is not selected then, and bytes go one by one.
+/// Ends a transfer under way and the timer, in the order of RM0390 (SPI: communication using DMA, procedure for
+/// disabling the SPI). The sensor is not selected then, and bytes go one by one.
 fn end_transfers(pins: SensorPins) {
     critical_section::with(|_| {
         ENGINE.with(|engine| (engine.reader, engine.fault) = (None, SensorFault::Silent));
