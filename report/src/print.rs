@@ -39,9 +39,6 @@ use std::io::{self, Read, Seek, Write};
 /// The head of every page.
 pub(crate) const HEAD: &str = include_str!("print/head.html");
 
-/// How pages look.
-pub(crate) const STYLE: &str = include_str!("print/page.css");
-
 /// Where the style goes, the viewer, the data, the moves of the first picture, and the streams.
 const MARKS: [&str; 5] = ["/*STYLE*/\n", "/*VIEWER*/", "/*DATA*/", "<!--PREVIEW-->", "<!--STREAMS-->"];
 

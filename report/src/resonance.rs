@@ -11,7 +11,7 @@ use corehbot_twin::shaping::shaper::residual;
 use serde::Serialize;
 use std::io::Write;
 
-const TEMPLATE: &str = include_str!("resonance/page.html");
+const SCRIPT: &str = include_str!("resonance/page.js");
 
 /// Frequencies of a shaper's curve: from 0 to 200 Hz.
 const PLACES: usize = 201;
@@ -61,7 +61,7 @@ pub fn write(
         belts: belts.map(|(comparison, recordings)| Paths { comparison, recordings }),
         profile,
     };
-    fill(out, TEMPLATE, &data).context("cannot write the report")
+    fill(out, SCRIPT, &data).context("cannot write the report")
 }
 
 /// The suggested shaper and Klipper's.
@@ -85,12 +85,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_has_places_for_style_script_and_data_and_needs_no_network() {
-        for mark in ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/"] {
-            assert_eq!(TEMPLATE.matches(mark).count(), 1, "{mark}");
-        }
+    fn the_page_needs_no_network() {
         // The name of SVG is no address that is asked.
-        let addresses = TEMPLATE.matches("http").count() - TEMPLATE.matches("http://www.w3.org/2000/svg").count();
+        let addresses = SCRIPT.matches("http").count() - SCRIPT.matches("http://www.w3.org/2000/svg").count();
         assert_eq!(addresses, 0);
     }
 }

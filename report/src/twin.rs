@@ -2,7 +2,8 @@
 
 pub mod ripple;
 
-use crate::print::{HEAD, STYLE};
+use crate::print::HEAD;
+use crate::viewer;
 use anyhow::{Context as _, Result};
 use corehbot_twin::contour::trail::Beside;
 use corehbot_twin::geometry::workspace;
@@ -17,23 +18,26 @@ use corehbot_twin::steps::TICKS_PER_SECOND;
 use serde::Serialize;
 use std::io::Write;
 
-/// The page of a path.
-const TEMPLATE: &str = include_str!("twin/page.html");
+/// All pages that show no print: the style of the viewer, its charts, and a script of each.
+const FRAME: &str = include_str!("twin/frame.html");
 
-/// The script shared by the twin's pages.
+/// What the scripts have in common.
 const SHARED: &str = include_str!("twin/shared.js");
 
-/// The page of `twin resonance`.
-const RESONANCE: &str = include_str!("twin/resonance.html");
+/// The script of a played path (`twin run`).
+const RUN: &str = include_str!("twin/run.js");
 
-/// The page of machines side by side (`twin compare`), for [`fill`].
-pub const COMPARE: &str = include_str!("twin/compare.html");
+/// The script of `twin resonance`.
+const RESONANCE: &str = include_str!("twin/resonance.js");
 
-/// The page of a study (`twin sweep`), for [`fill`].
-pub const STUDY: &str = include_str!("twin/study.html");
+/// The script of machines side by side (`twin compare`), for [`fill`].
+pub const COMPARE: &str = include_str!("twin/compare.js");
 
-/// The places for the style, the shared script, and the data.
-const MARKS: [&str; 3] = ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/"];
+/// The script of a study (`twin sweep`), for [`fill`].
+pub const STUDY: &str = include_str!("twin/study.js");
+
+/// The places for the style, the shared script, the data, and the page's own script.
+const MARKS: [&str; 4] = ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/", "/*PAGE*/\n"];
 
 /// Lines that are drawn; of a longer path neighbours are drawn as one.
 const MOST_LINES: usize = 200_000;
@@ -143,21 +147,26 @@ pub fn write(
         trail: trail(watch),
         resonance: Resonance::new(&setup, GRID, GRID)?,
     };
-    fill(out, TEMPLATE, &data).context("cannot write the report")
+    fill(out, RUN, &data).context("cannot write the report")
 }
 
-/// Writes a page with its style and its data in it.
+/// Writes a page with its style, its data and its script in it.
 ///
 /// # Errors
-/// The error from `out`, or the page has no places for them.
-pub fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize) -> Result<()> {
+/// The error from `out`, or the frame has no places for them.
+pub fn fill(out: &mut impl Write, script: &'static str, data: &impl Serialize) -> Result<()> {
     // A file name with "</script>" in it must not end the script.
     let json = serde_json::to_string(data)?.replace('<', "\\u003c");
-    let page = template.replacen(MARKS[0], STYLE, 1).replacen(MARKS[1], SHARED, 1);
-    let (head, end) = page.split_once(MARKS[2]).context("the page has no place for its data")?;
-    for text in [HEAD, head, &json, end] {
+    let (style, shared) = (viewer::style(), [&viewer::shared(), SHARED].concat());
+    out.write_all(HEAD.as_bytes())?;
+    let mut rest = FRAME;
+    for (mark, text) in MARKS.into_iter().zip([&style, &shared, &json, script]) {
+        let (before, behind) = rest.split_once(mark).with_context(|| format!("the page has no place for {mark}"))?;
+        out.write_all(before.as_bytes())?;
         out.write_all(text.as_bytes())?;
+        rest = behind;
     }
+    out.write_all(rest.as_bytes())?;
     Ok(out.flush()?)
 }
 
@@ -210,12 +219,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn templates_have_places_for_style_and_data_and_need_no_network() {
-        // A study draws by itself and shares no script.
-        for (template, shared) in [(TEMPLATE, 1), (RESONANCE, 1), (COMPARE, 1), (STUDY, 0)] {
-            let places = MARKS.map(|mark| template.matches(mark).count());
-            assert_eq!(places, [1, shared, 1]);
-            assert!(!template.contains("http://") && !template.contains("https://"));
+    fn the_frame_has_a_place_for_each_part_and_scripts_need_no_network() {
+        assert_eq!(MARKS.map(|mark| FRAME.matches(mark).count()), [1; 4]);
+        assert!(MARKS.map(|mark| FRAME.find(mark)).is_sorted());
+        for script in [SHARED, RUN, RESONANCE, COMPARE, STUDY] {
+            assert!(!["http://", "https://", "fetch(", "</script", "<!--"].iter().any(|word| script.contains(word)));
         }
     }
 }

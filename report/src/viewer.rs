@@ -19,14 +19,16 @@ pub(crate) const TEMPLATE: &str = include_str!("viewer/page.html");
 const UPLOT: &str = include_str!("viewer/uplot/uPlot.iife.min.js");
 
 /// The files of the script; each uses only names of those before it, or inside of functions.
-const PARTS: [&str; 22] = [
+const PARTS: [&str; 24] = [
     include_str!("viewer/words.js"),
     include_str!("viewer/colours.js"),
+    include_str!("viewer/pieces.js"),
+    include_str!("viewer/graph.js"),
+    include_str!("viewer/camera.js"),
     include_str!("viewer/streams.js"),
     include_str!("viewer/moves.js"),
     include_str!("viewer/path.js"),
     include_str!("viewer/measures.js"),
-    include_str!("viewer/camera.js"),
     include_str!("viewer/lines.js"),
     include_str!("viewer/player.js"),
     include_str!("viewer/pick.js"),
@@ -43,6 +45,15 @@ const PARTS: [&str; 22] = [
     include_str!("viewer/compare.js"),
     include_str!("viewer/open.js"),
 ];
+
+/// How many of them any page begins with: words, colours, charts, and a camera.
+const SHARED: usize = 5;
+
+/// The script that pages without a print begin with, and in which the names of the viewer are theirs.
+pub(crate) fn shared() -> String {
+    let parts = PARTS.get(..SHARED).unwrap_or_default().join("\n");
+    format!("{UPLOT}\n{parts}\n")
+}
 
 /// The script: a declaration of `corehbotViewer`, and nothing else that another script could see.
 #[must_use]

@@ -94,7 +94,7 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
     let page = gcode.with_file_name("resonance.html");
     assert!(twin(&format!("resonance --grid 3x4 --report {}", page.display())).status.success());
     let page = std::fs::read_to_string(page).unwrap();
-    assert!(page.contains(told["y"]["line"].as_str().unwrap()) && !page.contains("/*"), "{page}");
+    assert!(page.contains(told["y"]["line"].as_str().unwrap()) && !page.contains("/*PAGE*/"), "{page}");
 }
 
 /// Pitches of a string, and a belt's tension from a pitch; walls' ripple with its picture.
@@ -137,7 +137,7 @@ fn mechanisms_are_compared_on_an_area_and_on_a_file() {
     let played = json(&words);
     let page = std::fs::read_to_string(page).unwrap();
     assert!(
-        page.contains("side.gcode") && page.contains("\"racking_y_um_per_m_s2\"") && !page.contains("/*"),
+        page.contains("side.gcode") && page.contains("\"racking_y_um_per_m_s2\"") && !page.contains("/*PAGE*/"),
         "{page}"
     );
     let errors: Vec<f64> =

@@ -1,46 +1,50 @@
-// What the twin's pages have in common: small words, colours, and frequencies over the reach with their shapers.
-const $ = id => document.getElementById(id);
-const make = (tag, props, ...children) => { const e = Object.assign(document.createElement(tag), props); e.append(...children); return e; };
-const row = (body, texts, className) => { const r = body.insertRow(); if (className) r.className = className; for (const t of texts) r.insertCell().textContent = t; };
-const mm = v => Math.abs(v) < .1 ? (1000 * v).toFixed(1) + " \u00b5m" : v.toFixed(3) + " mm";
-// ---- Colours
-const VIRIDIS = [[68,1,84],[72,40,120],[62,73,137],[49,104,142],[38,130,142],[31,158,137],[53,183,121],[110,206,88],[181,222,43],[253,231,37]];
-const isDark = matchMedia("(prefers-color-scheme: dark)");
-function colour(part) {
-  const [from, to] = isDark.matches ? [.2, 1] : [0, .86];
-  const f = (from + (to - from) * Math.min(Math.max(part, 0), 1)) * 9, k = Math.min(8, Math.floor(f)), r = f - k;
-  return "rgb(" + VIRIDIS[k].map((c, j) => Math.round(c + (VIRIDIS[k + 1][j] - c) * r)) + ")";
+// Shared: the frame of the pages that show no print, and frequencies over the reach with their shapers.
+
+const mm = v => Math.abs(v) < 0.1 ? (1000 * v).toFixed(1) + " \u00b5m" : v.toFixed(3) + " mm";
+const percent = (part, digits = 0) => (100 * part).toFixed(digits) + " %";
+const seconds = v => v.toFixed(v < 100 ? 3 : 1) + " s";
+const fileName = path => path.split("/").pop();
+/** Puts parts into the page; the first one is its head. */
+function show(title, ...parts) {
+  document.title = title + " \u2013 corehbot";
+  document.querySelector("main").append(...parts.filter(Boolean));
 }
-// ---- Resonance: a map and shapers for each axis
-function drawResonance() {
-  $("resonance").replaceChildren();
-  for (const letter of ["x", "y", "z"].filter(axis => D.resonance[axis])) {
-    const A = D.resonance[letter], [low, high] = A.band_Hz;
-    const map = make("table", { className: "heatmap" });
-    [...A.frequencies_Hz].reverse().forEach((line, j) => {
-      const r = map.insertRow();
-      r.insertCell().textContent = D.resonance.y_mm[D.resonance.y_mm.length - 1 - j].toFixed(0);
-      for (const f of line) {
-        const cell = r.insertCell(), part = high > low ? (f - low) / (high - low) : 0;
-        cell.textContent = f.toFixed(1);
-        cell.style.background = colour(part);
-        cell.style.color = (isDark.matches ? .2 + .8 * part : .86 * part) > .55 ? "#111" : "#fff";
-      }
+const bounds = values => { let a = Infinity, b = -Infinity; for (const v of values) if (v !== null) { a = Math.min(a, v); b = Math.max(b, v); } return [a, b]; };
+
+/** A map of a quantity over rows and columns, as a table of coloured cells; `corner` says what the rows and columns are. */
+function heatmap({ label, unit, rows, columns, corner, value, range: [low, high], digits = 1, hint }) {
+  const table = make("table", { className: "heatmap", ariaLabel: label });
+  const paint = () => {
+    table.replaceChildren();
+    const head = table.createTHead().insertRow();
+    head.append(make("th", { textContent: corner, scope: "col" }), ...columns.map(v => make("th", { textContent: v, scope: "col" })));
+    rows.forEach((name, j) => {
+      const line = table.insertRow();
+      line.append(make("th", { textContent: name, scope: "row" }));
+      columns.forEach((_, i) => {
+        const v = value(i, j), cell = line.insertCell();
+        if (v === null || v === undefined) return;
+        cell.textContent = v.toFixed(digits);
+        if (hint) cell.title = hint(i, j);
+        shade(cell, high > low ? (v - low) / (high - low) : 0.5);
+      });
     });
-    const foot = map.insertRow();
-    foot.insertCell();
-    for (const x of D.resonance.x_mm) foot.insertCell().textContent = x.toFixed(0);
-    const shapers = make("table", {}, make("thead", {}, make("tr", {}, ...["Shaper", "Frequency", "Leaves", "Rounds"].map(t => make("th", { textContent: t })))), make("tbody"));
-    for (const s of A.shapers) row(shapers.tBodies[0], [s.type, s.frequency_Hz.toFixed(1) + " Hz", (100 * s.worst_residual).toFixed(1) + " %", mm(s.smoothing_mm)], A.suggestion && s.type === A.suggestion.type ? "taken" : "");
-    const v = A.resonant_speeds;
-    $("resonance").append(make("div", { className: "card panel" },
-      make("h2", { textContent: "Frequency of " + letter + " over the reach, Hz, " + (D.model || "with idlers and rotors") }), map, shapers, make("pre", { textContent: A.line }),
-      make("span", { className: "sub", textContent: "Rings at " + v.full_step_mm_s.toFixed(1) + " mm/s (full steps), " + v.electrical_turn_mm_s.toFixed(1) + " (electrical turns), " + v.tooth_mm_s.toFixed(1) + " (teeth)." })));
-  }
-  const panel = (title, text) => $("resonance").append(make("div", { className: "card panel" }, make("h2", { textContent: title }), make("span", { className: "sub", textContent: text })));
-  (D.resonance.frame || []).forEach((F, i) => panel("Frame in " + "xy"[i], F.band_Hz.map(v => v.toFixed(1)).join(" to ") + " Hz, " + (100 * F.part).toFixed(1) + " % of the tool's ringing after a jump of speed." + (F.left_by_shaper === null ? "" : " The line for " + "XY"[i] + " leaves up to " + (100 * F.left_by_shaper).toFixed(0) + " % of it.")));
-  if (!D.resonance.yaw) return;
-  const Y = D.resonance.yaw, [least, most] = Y.band_Hz;
-  panel("Yaw of the bar on its guides", least.toFixed(1) + " to " + most.toFixed(1) + " Hz. Moves along y excite it, the more so the further the head is from the middle. No line here is made for it" + (Y.left_by_y === null ? "." : "; that for Y leaves up to " + (100 * Y.left_by_y).toFixed(0) + " % of it."));
+  };
+  paint(); onScheme(table, paint);
+  return [scaleOf(low.toFixed(digits), high.toFixed(digits) + " " + unit), make("div", { className: "wide", tabIndex: 0, role: "region", ariaLabel: label }, table)];
 }
 
+/** Cards of each axis: its frequency over the reach, and its shapers; then frame and yaw. */
+function resonanceCards(R, model) {
+  const cards = [], text = v => v.toFixed(1);
+  for (const letter of ["x", "y", "z"].filter(axis => R[axis])) {
+    const A = R[letter], { full_step_mm_s, electrical_turn_mm_s, tooth_mm_s } = A.resonant_speeds, rows = [...R.y_mm].reverse();
+    const map = heatmap({ label: `Frequency of ${letter} over the reach`, unit: "Hz", rows: rows.map(v => v.toFixed(0)), columns: R.x_mm.map(v => v.toFixed(0)), corner: "Y, X mm", value: (i, j) => A.frequencies_Hz[rows.length - 1 - j][i], range: A.band_Hz });
+    const shapers = table(["Shaper", "Frequency", "Leaves", "Rounds"], A.shapers.map(s => [s.type, text(s.frequency_Hz) + " Hz", percent(s.worst_residual, 1), mm(s.smoothing_mm)]), "", i => A.suggestion?.type === A.shapers[i].type);
+    cards.push(card(`Frequency of ${letter} over the reach, Hz, ${model}`, ...map, shapers, copyLine(A.line),
+      note(`Rings at ${text(full_step_mm_s)} mm/s (full steps), ${text(electrical_turn_mm_s)} mm/s (electrical turns), ${text(tooth_mm_s)} mm/s (teeth).`)));
+  }
+  (R.frame ?? []).forEach((F, i) => cards.push(card("Frame in " + "xy"[i], note(`${F.band_Hz.map(text).join(" to ")} Hz, ${percent(F.part, 1)} of the tool's ringing after a jump of speed.` + (F.left_by_shaper === null ? "" : ` The line for ${"XY"[i]} leaves up to ${percent(F.left_by_shaper)} of it.`)))));
+  if (R.yaw) cards.push(card("Yaw of the bar on its guides", note(`${R.yaw.band_Hz.map(text).join(" to ")} Hz. Moves along y excite it, the more so the further the head is from the middle. No line here is made for it` + (R.yaw.left_by_y === null ? "." : `; that for Y leaves up to ${percent(R.yaw.left_by_y)} of it.`))));
+  return make("section", { className: "pair" }, ...cards);
+}

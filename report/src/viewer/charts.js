@@ -1,15 +1,5 @@
 // Charts: curves over time by uPlot, coupled with the picture and with each other.
 
-/**
- * Makes a chart of uPlot whose canvas is drawn by the processor. Where graphics are done in software (SwiftShader), a curve
- * on a canvas of the graphics process holds the whole page up for seconds.
- */
-function plotted(options, data, place) {
-  const { prototype } = HTMLCanvasElement, own = prototype.getContext;
-  prototype.getContext = function (kind, settings) { return own.call(this, kind, kind === "2d" ? { willReadFrequently: true, ...settings } : settings); };
-  try { return new uPlot(options, data, place); } finally { prototype.getContext = own; }
-}
-
 /** Steps of a time axis in s. */
 const TIMES = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1800, 3600, 7200, 21600];
 
@@ -30,7 +20,6 @@ class Chart {
     new IntersectionObserver(entries => { this.isSeen = entries.at(-1).isIntersecting; if (this.isSeen) group.ask(); }, { rootMargin: "150px" }).observe(this.place);
   }
   build() {
-    const ink = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, ticks = { ...grid, size: 4 }, font = "11px system-ui, sans-serif";
     const series = [{}], bands = [];
     this.names.forEach((name, k) => {
       const stroke = this.colours[k]();
@@ -39,7 +28,6 @@ class Chart {
       series.push({ ...line, label: name }, { ...line, label: name });
       bands.push({ series: [2 * k + 2, 2 * k + 1], fill: faint(stroke, this.names.length > 2 ? 0.2 : 0.45) });
     });
-    const wide = v => Math.abs(v) >= 1e5 ? v / 1000 + "k" : String(+v.toFixed(3));
     const { group } = this;
     this.plot = plotted({
       width: Math.max(this.place.clientWidth, 200), height: this.height, series, bands, legend: { show: false }, padding: [8, 8, 0, 0],
@@ -48,8 +36,8 @@ class Chart {
         const bottom = Math.min(least, this.low ?? Infinity), room = (most - bottom) * 0.06 || Math.max(Math.abs(most) * 0.05, 1e-3);
         return [bottom === 0 ? 0 : bottom - room, most + room];
       } } },
-      axes: [{ stroke: ink, grid, ticks, font, size: 28, incrs: TIMES, values: (_, all) => all.map(t => { const [a, b] = group.window; return b - a > 120 ? minutes(t) : +t.toFixed(3) + " s"; }) },
-        { stroke: ink, grid, ticks, font, size: 54, values: (_, all) => all.map(wide) }],
+      axes: [{ ...axisLook(28), incrs: TIMES, values: (_, all) => all.map(t => { const [a, b] = group.window; return b - a > 120 ? minutes(t) : +t.toFixed(3) + " s"; }) },
+        { ...axisLook(54), values: (_, all) => all.map(tickText) }],
       cursor: { y: false, points: { show: false }, drag: { x: true, y: false, setScale: false }, sync: { key: group.key }, bind: { dblclick: () => () => { group.show(...group.whole); return null; } } },
       hooks: {
         setSelect: [u => { if (u.select.width > 6) group.show(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")); u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false); }],
@@ -118,12 +106,11 @@ class Charts {
   constructor(title, whole, { toTime, fromTime, marks, waits, player, note }) {
     Object.assign(this, { charts: [], key: "corehbot-" + (Charts.keys = (Charts.keys ?? 0) + 1), whole, window: [...whole], marks, waits, toTime, fromTime, player, round: 0 });
     this.out = make("output");
-    const button = (textContent, label, onclick) => make("button", { type: "button", textContent, ariaLabel: label, title: label, onclick });
     const zoom = times => { const [a, b] = this.window, half = Math.max((b - a) * times, 0.02) / 2, middle = this.now >= a && this.now <= b ? this.now : (a + b) / 2; this.show(middle - half, middle + half); };
     const move = share => { const [a, b] = this.window; this.show(a + (b - a) * share, b + (b - a) * share); };
     this.grid = make("div", { className: "charts" });
     this.element = make("section", { className: "card panel", ariaLabel: title }, make("div", { className: "bar" }, make("h2", { textContent: title }), make("span", { className: "sub", textContent: note }), make("span", { className: "grow" }), this.out,
-      make("div", { className: "group", role: "group", ariaLabel: "Window of time" }, button("\u2190", "Earlier", () => move(-0.5)), button("\u2212", "Longer window", () => zoom(4)), button("+", "Shorter window around now", () => zoom(0.25)), button("\u2192", "Later", () => move(0.5)), button("All", "The whole print", () => this.show(...this.whole)))), this.grid);
+      buttonGroup("Window of time", pushButton("\u2190", "Earlier", () => move(-0.5)), pushButton("\u2212", "Longer window", () => zoom(4)), pushButton("+", "Shorter window around now", () => zoom(0.25)), pushButton("\u2192", "Later", () => move(0.5)), pushButton("All", "The whole print", () => this.show(...this.whole)))), this.grid);
     player.on("time", () => this.follow());
     onScheme(this.element, () => this.rebuild());
     new ResizeObserver(() => this.resize()).observe(this.grid);

@@ -16,6 +16,8 @@ function viridis(share) {
   const f = (from + (to - from) * clamp(share, 0, 1)) * 9, k = Math.min(8, Math.floor(f)), r = f - k;
   return VIRIDIS[k].map((c, j) => Math.round(c + (VIRIDIS[k + 1][j] - c) * r));
 }
+/** The scale as a background, from its least to its greatest. */
+const rampCss = () => `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8].map(k => rgb(viridis(k / 8))).join(",")})`;
 /** Between a colour and white or black. */
 const mixed = (c, other, share) => c.map((v, i) => Math.round(v + (other[i] - v) * share));
 const WHITE = [255, 255, 255], BLACK = [0, 0, 0];

@@ -35,7 +35,6 @@ function compareCard(record, stage, player) {
   const status = make("output", { role: "status" });
   const choose = make("label", { className: "drop" }, "Choose or drop a second report of the same file: other settings, or another version. ", file);
   const section = card("Compare with another run", choose, status, result);
-  let plot = null;
   async function take(text, name) {
     status.textContent = "reading " + name;
     await breathe();
@@ -69,24 +68,19 @@ function compareCard(record, stage, player) {
     const sides = select("What is drawn", [["both", "both paths"], ["first", "this report"], ["second", "the second one"]], side => { stage.sides = side; stage.redraw(); });
     stage.sides = "both";
     const end = make("button", { type: "button", textContent: "End the comparison" });
-    end.onclick = () => { stage.lines.remove(stage.second.body); stage.second = null; stage.sides = "both"; plot?.destroy(); plot = null; result.replaceChildren(); stage.redraw(); };
-    const chart = make("div", { className: "plot", role: "img", ariaLabel: "Time saved by layer, s" }), out = make("output");
+    end.onclick = () => { stage.lines.remove(stage.second.body); stage.second = null; stage.sides = "both"; result.replaceChildren(); stage.redraw(); };
     const keys = otherKeys(A.machine ?? {}, B.machine ?? {});
     result.replaceChildren(
       make("div", { className: "bar" }, make("span", { className: "legend" }, dot(OKABE_ITO.vermilion), name), sides, end),
       make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${Math.abs(saved) < 60 ? clock(Math.abs(saved)) : Math.abs(saved).toFixed(1) + " s"} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
       table(["", "this report", "second report"], rows, "figures"),
-      ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []),
-      make("div", { className: "bar" }, make("h3", { textContent: "Time saved by layer, s" }), make("span", { className: "grow" }), out), chart);
+      ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []));
     const both = layersOfBoth(A.by_layer ?? [], B.by_layer ?? []), layers = both.length, gain = both.map(({ first, second }) => first - second);
-    plot?.destroy(); plot = null;
     if (!layers) return;
-    const ink = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, font = "11px system-ui, sans-serif", stroke = curveColour(0);
-    plot = plotted({ width: Math.max(chart.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers + 0.5] } }, cursor: { y: false, drag: { x: false, y: false } },
-      series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }], axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
-      hooks: { setCursor: [u => { const i = u.cursor.idx; if (i !== null && i !== undefined && u.cursor.left >= 0) out.textContent = `Z ${both[i].height.toFixed(2)} mm: ${gain[i].toFixed(3)} s`; }] } }, [gain.map((_, i) => i + 1), gain], chart);
-    plot.over.addEventListener("click", () => { const layer = both[plot.cursor.idx ?? -1]?.layer ?? null; if (layer !== null) { player.single = true; player.setLayers(layer, layer); }; });
-    new ResizeObserver(() => plot?.setSize({ width: Math.max(chart.clientWidth, 200), height: 200 })).observe(chart);
+    const say = n => `layer ${n}, Z ${both[n - 1].height.toFixed(2)} mm`;
+    const chart = new Graph({ title: "Time saved by layer", unit: "s", x: { name: "layer", from: 0.5, to: layers + 0.5, say }, curves: [{ name: "time saved", x: gain.map((_, i) => i + 1), y: gain }], isBars: true, low: 0, height: 200 });
+    chart.onPick = i => { const { layer } = both[i]; if (layer !== null) { player.single = true; player.setLayers(layer, layer); } };
+    result.append(chart.element);
   }
   const open = async f => { if (f) await take(await f.text(), f.name); };
   file.onchange = () => open(file.files[0]);

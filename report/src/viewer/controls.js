@@ -12,11 +12,6 @@ function playButton(player) {
   show();
   return button;
 }
-const select = (label, options, onchange) => {
-  const list = make("select", { ariaLabel: label }, ...options.map(([value, textContent]) => make("option", { value, textContent })));
-  list.onchange = () => onchange(list.value);
-  return list;
-};
 const check = (text, checked, onchange) => {
   const box = make("input", { type: "checkbox", checked });
   box.onchange = () => onchange(box.checked);
@@ -88,10 +83,11 @@ function colourBar(record, stage, player) {
     stage.redraw();
     if (!measure.kinds) {
       const scale = make("i", { className: "scale" });
-      scale.style.background = `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8].map(k => rgb(viridis(k / 8))).join(",")})`;
+      scale.style.background = rampCss();
       const at = share => range.low + (range.high - range.low) * share;
       const ends = v => make("span", { textContent: v });
       const travel = make("span", { hidden: isHidden(travels) }, dot(travelColour()), "travel");
+      if (range.isConstant) { legend.replaceChildren(make("span", {}, dot(viridis(0)), short(range.least) + " " + measure.unit + " everywhere"), travel); return; }
       legend.replaceChildren(make("div", { className: "ramped" }, scale, make("div", {}, ...[0, 0.25, 0.5, 0.75, 1].map((share, k) => ends((k === 0 && range.least < range.low - 1e-9 ? "\u2264 " : k === 4 && range.most > range.high + 1e-9 ? "\u2265 " : "") + short(at(share)))))), ends(measure.unit), travel);
       return;
     }
@@ -121,8 +117,7 @@ function colourBar(record, stage, player) {
 }
 
 function viewButtons(stage, player, record, path) {
-  const button = (textContent, title, onclick) => make("button", { type: "button", textContent, title, onclick });
-  const above = button("Above", "From above", () => stage.setAbove(true)), space = button("3D", "In three dimensions", () => stage.setAbove(false));
+  const above = pushButton("Above", "From above", () => stage.setAbove(true)), space = pushButton("3D", "In three dimensions", () => stage.setAbove(false));
   const show = () => { above.ariaPressed = String(stage.camera.isAbove); space.ariaPressed = String(!stage.camera.isAbove); };
   player.on("camera", show);
   show();
@@ -132,8 +127,8 @@ function viewButtons(stage, player, record, path) {
   const way = check("real way", false, isOn => stage.setWay(isOn, path));
   way.title = "The way of the tool by its steps, exact to a step, above the planned moves";
   way.hidden = !path?.length;
-  return [make("div", { className: "group", role: "group", ariaLabel: "View" }, above, space),
-    make("div", { className: "group", role: "group", ariaLabel: "Zoom" }, button("\u2212", "Zoom out", () => { stage.camera.zoom(0.7); stage.redraw(); }), button("+", "Zoom in", () => { stage.camera.zoom(1 / 0.7); stage.redraw(); }), button("Fit", "Show the whole print", () => stage.fit())), skirt, way];
+  return [buttonGroup("View", above, space),
+    buttonGroup("Zoom", pushButton("\u2212", "Zoom out", () => { stage.camera.zoom(0.7); stage.redraw(); }), pushButton("+", "Zoom in", () => { stage.camera.zoom(1 / 0.7); stage.redraw(); }), pushButton("Fit", "Show the whole print", () => stage.fit())), skirt, way];
 }
 
 /** The same keys on picture, charts and text. */

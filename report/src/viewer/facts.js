@@ -2,9 +2,9 @@
 
 function header(record) {
   const { summary: S } = record.data, name = S.file.split("/").pop();
-  const badge = make("span", { className: "badge " + (S.ok ? "good" : "bad"), textContent: S.ok ? "done, every step sound" : S.failure || record.fault ? "failed" : S.violations_total + " violations" });
+  const badge = S.ok ? "done, every step sound" : S.failure || record.fault ? "failed" : S.violations_total + " violations";
   const F = record.data.filament, filament = F.mm > 0 ? `, ${(F.mm / 1000).toFixed(2)} m of filament, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g` : "";
-  return make("header", {}, make("h1", { textContent: name, title: S.file }), make("span", { className: "sub", textContent: `on ${S.machine}: ${clock(record.data.time.total)}${filament}` }), badge);
+  return heading(name, `on ${S.machine}: ${clock(record.data.time.total)}${filament}`, badge, { isGood: S.ok, title: S.file });
 }
 
 /** What happened, when, what to do, and where more of it is written. */
@@ -12,7 +12,7 @@ function faultCard(record, player) {
   const { data, fault } = record, S = data.summary;
   if (S.ok && !fault) return "";
   const lines = [];
-  const row = (name, ...content) => lines.push(make("dt", { textContent: name }), make("dd", {}, ...content));
+  const row = (...line) => lines.push(line);
   const title = fault ? (fault.code ? fault.code + ": " : "") + fault.text : S.failure ?? S.violations_total + " violations of the machine's limits";
   if (fault) {
     const go = make("button", { type: "button", textContent: "Show the place" });
@@ -23,9 +23,8 @@ function faultCard(record, player) {
   if (fault?.cure) row("What to do", fault.cure);
   if (fault?.page) row("More", make("code", { textContent: fault.page }));
   const some = S.violations.slice(0, 5);
-  if (some.length) row("Violations", make("ul", { className: "remarks" }, ...some.map(textContent => make("li", { textContent }))), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));
-  const section = make("section", { className: "card panel fault", role: "alert", ariaLabel: "What went wrong" }, make("h2", { textContent: title }), make("dl", {}, ...lines));
-  return section;
+  if (some.length) row("Violations", remarkList(some), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));
+  return alertCard(title, lines);
 }
 
 function tiles(record) {
@@ -41,17 +40,10 @@ function tiles(record) {
     [(S.peak_event_rate_hz / 1000).toFixed(1), "kHz", `greatest step rate, of ${count(S.events)} steps`],
     [S.underruns, "", "underruns" + (S.look_ahead_low_water === null ? "" : ", \u2265 " + S.look_ahead_low_water + " moves ahead")],
   ];
-  return make("section", { className: "tiles", ariaLabel: "Figures" }, ...list.filter(Boolean).map(([value, unit, name]) => make("div", { className: "card tile" },
-    make("b", { className: String(value).length + unit.length > 9 ? "long" : "" }, value + " ", make("small", { textContent: unit })), make("span", { textContent: name }))));
+  return tileRow(list);
 }
 
 const signedPercent = share => (share < 0 ? "\u2212" : "+") + Math.abs(100 * share).toFixed(0) + " %";
-
-const table = (heads, rows, className = "") => {
-  const body = make("tbody"), head = make("tr", {}, ...heads.map(textContent => make("th", { textContent, scope: "col" })));
-  for (const row of rows) { const line = body.insertRow(); for (const cell of row) line.insertCell().append(cell); }
-  return make("div", { className: "wide" }, make("table", { className }, make("thead", {}, head), body));
-};
 
 /** Filament in m, below one to the millimetre; pulled back it is negative. */
 const metres = mm => (mm < 0 ? "\u2212" : "") + Math.abs(mm / 1000).toFixed(Math.abs(mm) < 1000 ? 3 : 2);
@@ -71,21 +63,11 @@ function timeCards(record, player) {
   }
   const layers = data.by_layer ?? [];
   if (layers.length > 1) {
-    const place = make("div", { className: "plot", tabIndex: 0, role: "img", ariaLabel: "Time of each layer in s" }), out = make("output");
-    const box = make("section", { className: "card panel", ariaLabel: "Time by layer" }, make("div", { className: "bar" }, make("h2", { textContent: "Time by layer, s" }), make("span", { className: "sub", textContent: `before them ${clock(data.before_layers.seconds)}, after them ${clock(data.after_layers.seconds)}` }), make("span", { className: "grow" }), out), place);
-    let plot = null;
-    const build = () => {
-      plot?.destroy();
-      const ink = css("--soft"), grid = { stroke: css("--grid"), width: 1 }, font = "11px system-ui, sans-serif", stroke = curveColour(0);
-      plot = plotted({ width: Math.max(place.clientWidth, 200), height: 200, legend: { show: false }, padding: [8, 8, 0, 0], scales: { x: { time: false, range: [0.5, layers.length + 0.5] }, y: { range: (_, a, b) => [0, b * 1.06 || 1] } },
-        cursor: { y: false, drag: { x: false, y: false } }, series: [{}, { stroke, fill: faint(stroke, 0.3), paths: uPlot.paths.bars({ size: [0.85, 60] }), points: { show: false } }],
-        axes: [{ stroke: ink, grid, font, size: 28, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] }, { stroke: ink, grid, font, size: 54 }],
-        hooks: { setCursor: [u => { const i = u.cursor.left >= 0 ? u.cursor.idx : player.high, layer = layers[i]; if (layer) out.textContent = `layer ${i + 1}, Z ${layer.height_mm.toFixed(2)} mm: ${clock(layer.seconds)}, ${metres(layer.filament_mm)} m`; }] },
-      }, [layers.map((_, i) => i + 1), layers.map(layer => layer.seconds)], place);
-      plot.over.addEventListener("click", () => { const i = plot.cursor.idx; if (i !== null && i !== undefined) { player.single = true; player.setLayers(i, i); }; });
-    };
-    onScheme(place, build);
-    new ResizeObserver(() => plot ? plot.setSize({ width: Math.max(place.clientWidth, 200), height: 200 }) : build()).observe(place);
+    const say = n => `layer ${n}, Z ${layers[n - 1].height_mm.toFixed(2)} mm`;
+    const chart = new Graph({ title: "Time by layer", unit: "s", x: { name: "layer", from: 0.5, to: layers.length + 0.5, say }, curves: [{ name: "time", x: layers.map((_, i) => i + 1), y: layers.map(layer => layer.seconds) }], isBars: true, low: 0, height: 200 });
+    chart.onPick = i => { player.single = true; player.setLayers(i, i); };
+    chart.place.ariaLabel += " A click shows the layer.";
+    const box = make("section", { className: "card panel", ariaLabel: "Time by layer" }, chart.element, make("p", { className: "sub", textContent: `Before the layers ${clock(data.before_layers.seconds)}, after them ${clock(data.after_layers.seconds)}.` }));
     cards.push(box);
   }
   return cards.length ? make("section", { className: cards.length > 1 ? "pair" : "" }, ...cards) : "";
@@ -96,7 +78,7 @@ function endCards(record) {
   const { data } = record, S = data.summary;
   const motors = table(["Motor", "Drives", "Steps", "Net steps"], data.motors.map(m => [m.name, m.drives, count(m.steps), count(m.net)]), "figures");
   const remarks = [...S.violations, ...S.warnings, ...S.pauses, ...(data.belt?.accidents.map(accident => "accident " + accident.text) ?? []), ...(data.belt?.skips.map(skip => "skipped: " + skip.text) ?? [])];
-  const list = remarks.length ? make("ul", { className: "remarks" }, ...remarks.map(textContent => make("li", { textContent }))) : make("span", { className: "sub", textContent: S.ok ? "None: limits kept, no step strains the belt, end position exact." : "None." });
+  const list = remarks.length ? remarkList(remarks) : make("span", { className: "sub", textContent: S.ok ? "None: limits kept, no step strains the belt, end position exact." : "None." });
   return make("section", { className: "pair" }, card("Motors", motors), make("section", { className: "card panel" }, make("h2", { textContent: "Remarks" }), list, make("h2", { textContent: "Trace SHA-256" }), make("div", { className: "hash", textContent: S.trace_sha256 })));
 }
 

@@ -22,7 +22,9 @@ function measuresOf(record) {
   const motors = record.motors;
   const hotend = data.heat?.heaters.find(heater => heater.name === "hotend") ?? data.heat?.heaters[0];
   const fan = data.heat?.fans.find(f => !/hotend|controller/.test(f.name));
-  const layerTimes = data.by_layer?.map(layer => layer.seconds) ?? [];
+  const layers = data.by_layer ?? [], layerTimes = layers.map(layer => layer.seconds);
+  // Above the layer before. Heights are counted in steps, so the last micrometres say nothing.
+  const layerHeights = layers.map((layer, i) => Math.round(100 * (layer.height_mm - (i ? layers[i - 1].height_mm : 0))) / 100);
   const mean = i => { const s = moves.duration(i); return s > 0 ? moves.length(i) / s : 0; };
   const all = [
     { id: "type", name: "Line type", kinds: data.types.map(type => ({ name: type.name, colour: ROLES[type.role] ?? ROLES.other })), of: i => moves.type[i] },
@@ -34,6 +36,7 @@ function measuresOf(record) {
     hotend && { id: "temperature", name: "Temperature, " + hotend.name, unit: "\u00b0C", of: i => { const bin = heat.bin(moves.begin[i]), v = hotend.high[bin]; return v === null ? NaN : (v + hotend.low[bin]) / 2; } },
     fan && { id: "fan", name: "Fan", unit: "%", of: i => fan.duty.mean[heat.bin(moves.begin[i])] },
     layerTimes.length && { id: "layer", name: "Layer time", unit: "s", of: i => layerTimes[moves.layer[i]] ?? NaN },
+    layerHeights.length && { id: "height", name: "Layer height", unit: "mm", of: i => layerHeights[moves.layer[i]] ?? NaN },
     motors.length && { id: "motor", name: "Motor speed, fastest", unit: "mm/s", of: i => fastestMotor(moves, i, motors, true) },
     motors.length && { id: "rate", name: "Step rate, fastest motor", unit: "steps/s", of: i => fastestMotor(moves, i, motors, false) },
     moves.limit.some(limit => limit > 0) && { id: "limit", name: "What limits the move", kinds: data.limits.map(name => ({ name, colour: LIMIT_COLOURS[name] ?? OKABE_ITO.grey })), of: i => moves.limit[i] },
@@ -59,7 +62,7 @@ function rangeOf(measure, moves, isShown) {
   values.forEach((v, k) => { bins[Math.min(BINS - 1, Math.floor((v - least) / span * BINS))] += ways[k]; whole += ways[k]; });
   const edge = (from, step) => { let sum = 0, k = from; while (k >= 0 && k < BINS && (sum += bins[k]) <= OUTSIDE * whole) k += step; return k; };
   const low = least + edge(0, 1) / BINS * span, high = least + (edge(BINS - 1, -1) + 1) / BINS * span;
-  return whole > 0 && high > low ? { low, high, least, most } : { low: least, high: most > least ? most : least + 1, least, most };
+  return whole > 0 && high > low ? { low, high, least, most } : { low: least, high: most > least ? most : least + 1, least, most, isConstant: !(most > least) };
 }
 
 /** Codes of all moves, and the palette for them. */

@@ -58,7 +58,7 @@ function meshCards(record) {
     for (let j = 0; j < M.rows; j += every(M.rows, B.h * 2)) g.fillText(part(M.y_mm, j, M.rows).toFixed(0), B.x - 9, B.y + B.h * (1 - j / (M.rows - 1)) + 4);
     g.save(); g.translate(Math.max(B.x - 40, 10), B.y + B.h / 2); g.rotate(-Math.PI / 2); g.textAlign = "center"; g.fillText("Y, mm", 0, 0); g.restore();
   }
-  const paint = () => { scale.style.background = `linear-gradient(to right, ${[0, 1, 2, 3, 4, 5, 6, 7, 8].map(k => rgb(viridis(k / 8))).join(",")})`; draw(); };
+  const paint = () => { scale.style.background = rampCss(); draw(); };
   const read = e => {
     const B = box(canvas.clientWidth, canvas.clientHeight), u = (e.offsetX - B.x) / B.w, v = 1 - (e.offsetY - B.y) / B.h, at = (ends, share) => (ends[0] + (ends[1] - ends[0]) * share).toFixed(1);
     out.textContent = u >= 0 && u <= 1 && v >= 0 && v <= 1 ? `X ${at(M.x_mm, u)}  Y ${at(M.y_mm, v)} \u00b7 ${signedMm(mesh.height(u * (M.columns - 1), v * (M.rows - 1)))} mm` : "";

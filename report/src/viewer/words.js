@@ -32,7 +32,5 @@ const after = (n, value, limit) => {
   return a;
 };
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-/** A card with a heading of its own. */
-const card = (title, ...children) => make("section", { className: "card panel", ariaLabel: title }, make("h2", { textContent: title }), ...children);
 /** Lets the page draw and react. */
 const breathe = () => new Promise(go => setTimeout(go));

@@ -25,6 +25,9 @@ const BIND: [&str; 2] = ["corehbot-page-bind", "page/bind"];
 /// Where the page's own files are.
 const FOLDER: &str = "page/www";
 
+/// The look of all pages, of reports too.
+const LOOK: &str = "report/src/print/page.css";
+
 /// The file there that is the worker's script; it becomes text in the page.
 const WORKER: &str = "worker.js";
 
@@ -75,6 +78,7 @@ pub fn files() -> Result<Vec<File>> {
             files.push(File { name, bytes: read(&path)? });
         }
     }
+    files.push(File { name: "look.css".to_owned(), bytes: read(&root().join(LOOK))? });
     files.push(File { name: "firmware.js".to_owned(), bytes: firmware()?.into_bytes() });
     files.push(File { name: "examples.js".to_owned(), bytes: examples()?.into_bytes() });
     files.sort_by(|a, b| a.name.cmp(&b.name));
