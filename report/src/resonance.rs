@@ -7,6 +7,7 @@ use corehbot_resonance::axis::{Axis, Measured, Net};
 use corehbot_resonance::belts::Comparison;
 use corehbot_resonance::klipper::{DAMPING, Rated, SPECTRUM_HZ};
 use corehbot_resonance::profile::Profile;
+use corehbot_resonance::spectrogram::Spectrogram;
 use corehbot_twin::shaping::shaper::residual;
 use serde::Serialize;
 use std::io::Write;
@@ -29,6 +30,8 @@ struct Data<'a> {
 struct Shown<'a> {
     #[serde(flatten)]
     axis: &'a Axis,
+    /// Of each recording.
+    over_time: Vec<&'a Spectrogram>,
     curves: Vec<Curve>,
 }
 
@@ -57,11 +60,16 @@ pub fn write(
 ) -> Result<()> {
     let data = Data {
         most_hz: SPECTRUM_HZ,
-        axes: axes.iter().map(|axis| Shown { axis, curves: curves(axis) }).collect(),
+        axes: axes.iter().map(shown).collect(),
         belts: belts.map(|(comparison, recordings)| Paths { comparison, recordings }),
         profile,
     };
     fill(out, SCRIPT, &data).context("cannot write the report")
+}
+
+fn shown(axis: &Axis) -> Shown<'_> {
+    let over_time = axis.recordings.iter().map(|recording| &recording.over_time).collect();
+    Shown { axis, over_time, curves: curves(axis) }
 }
 
 /// The suggested shaper and Klipper's.

@@ -8,6 +8,7 @@ use crate::label;
 use crate::modes::{self, Mode, Modes};
 use crate::recording::Recording;
 use crate::shapers::Shaper;
+use crate::spectrogram::Spectrogram;
 use crate::spectrum::{Spectrum, WINDOW_S};
 use crate::sweep::Sweep;
 use corehbot_twin::shaping::by_tool::{Machines, RINGING, suggested};
@@ -52,6 +53,9 @@ pub struct Measured {
     pub remarks: Vec<String>,
     /// Density up to 200 Hz.
     pub spectrum: Spectrum,
+    /// Power over time, for the page.
+    #[serde(skip)]
+    pub over_time: Spectrogram,
     /// The fit; nothing if there is none, and then the remarks say why.
     pub fit: Option<Modes>,
 }
@@ -131,7 +135,9 @@ pub fn measure(named: Named, sweep: &Sweep) -> Result<Measured, modes::Unfitted>
     if let Err(error) = &fit {
         remarks.push(error.to_string());
     }
-    Ok(Measured { file: file.to_owned(), rate_hz: recording.rate_hz, lasts_s, remarks, spectrum, fit: fit.ok() })
+    let over_time = Spectrogram::new(recording, SPECTRUM_HZ);
+    let (file, rate_hz) = (file.to_owned(), recording.rate_hz);
+    Ok(Measured { file, rate_hz, lasts_s, remarks, spectrum, over_time, fit: fit.ok() })
 }
 
 /// Judges an axis by its recordings.

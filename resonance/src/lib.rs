@@ -9,6 +9,7 @@
 //! | [`recording`] | text of a raw file to checked samples |
 //! | [`stdata`] | files of Shake&Tune with several recordings |
 //! | [`spectrum`] | power spectral density, as Klipper computes it |
+//! | [`spectrogram`] | power over time and frequency, to look at |
 //! | [`sweep`] | the commanded acceleration of a sweep |
 //! | [`modes`] | frequencies and dampings, fitted to the response |
 //! | [`gcode`] | the same sweep as G-code |
@@ -28,6 +29,7 @@ pub mod modes;
 pub mod profile;
 pub mod recording;
 pub mod shapers;
+pub mod spectrogram;
 pub mod spectrum;
 pub mod stdata;
 pub mod sweep;

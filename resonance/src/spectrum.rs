@@ -6,6 +6,7 @@
 
 use crate::recording::Recording;
 use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
 use serde::Serialize;
 
 /// Klipper's window in s.
@@ -72,7 +73,7 @@ fn between(curve: &[f64], place: f64) -> f64 {
 }
 
 /// The power of two that is at least as long as this.
-fn size(rate_hz: f64, window_s: f64) -> usize {
+pub(crate) fn size(rate_hz: f64, window_s: f64) -> usize {
     ((rate_hz * window_s) as usize).max(2).next_power_of_two()
 }
 
@@ -80,26 +81,14 @@ fn size(rate_hz: f64, window_s: f64) -> usize {
 fn welch(samples: &[f64], rate_hz: f64, size: usize) -> Vec<f64> {
     let window = kaiser(size);
     let scale = 1.0 / (rate_hz * window.iter().map(|w| w * w).sum::<f64>());
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
-    let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
-    let mut scratch = transform.make_scratch_vec();
-    let mut psd = vec![0.0; output.len()];
+    let mut psd = vec![0.0; size / 2 + 1];
     let mut count = 0.0_f64;
-    for begin in (0..=samples.len().saturating_sub(size)).step_by(size / 2) {
-        let Some(part) = samples.get(begin..begin + size) else { break };
-        let mean = part.iter().sum::<f64>() / size as f64;
-        for ((to, from), weight) in input.iter_mut().zip(part).zip(&window) {
-            *to = (from - mean) * weight;
-        }
-        // The buffers are of the plan's own lengths, so it cannot fail.
-        if transform.process_with_scratch(&mut input, &mut output, &mut scratch).is_err() {
-            break;
-        }
-        for (sum, value) in psd.iter_mut().zip(&output) {
+    each_window(samples, &window, size / 2, |_, transformed| {
+        for (sum, value) in psd.iter_mut().zip(transformed) {
             *sum += value.norm_sqr();
         }
         count += 1.0;
-    }
+    });
     // One-sided: twice everything that has a negative frequency too.
     let last = psd.len() - 1;
     for (i, value) in psd.iter_mut().enumerate() {
@@ -109,8 +98,28 @@ fn welch(samples: &[f64], rate_hz: f64, size: usize) -> Vec<f64> {
     psd
 }
 
+/// Gives the number and the transform of each window, every `step` samples, with its mean removed.
+pub(crate) fn each_window(samples: &[f64], window: &[f64], step: usize, mut each: impl FnMut(usize, &[Complex<f64>])) {
+    let size = window.len();
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+    let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+    let mut scratch = transform.make_scratch_vec();
+    for (number, begin) in (0..=samples.len().saturating_sub(size)).step_by(step.max(1)).enumerate() {
+        let Some(part) = samples.get(begin..begin + size) else { break };
+        let mean = part.iter().sum::<f64>() / size as f64;
+        for ((to, from), weight) in input.iter_mut().zip(part).zip(window) {
+            *to = (from - mean) * weight;
+        }
+        // The buffers are of the plan's own lengths, so it cannot fail.
+        if transform.process_with_scratch(&mut input, &mut output, &mut scratch).is_err() {
+            break;
+        }
+        each(number, &output);
+    }
+}
+
 /// Kaiser's window.
-fn kaiser(size: usize) -> Vec<f64> {
+pub(crate) fn kaiser(size: usize) -> Vec<f64> {
     let top = bessel(BETA);
     let one = |i: usize| {
         let x = 2.0 * i as f64 / (size - 1) as f64 - 1.0;

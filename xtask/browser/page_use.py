@@ -15,6 +15,9 @@ from trial import main
 # So long that nobody waits for its end: a circle is printed again and again.
 ENDLESS = "const lines = ['G28', 'G1 F3000']; for (let i = 0; i < 40000; i++) lines.push(`G1 X${100 + i % 7} Y${100 + i % 5}`); take('endless.gcode', lines.join('\\n'));"
 
+# How high the picture in the report is.
+TALL = "return document.querySelector('#report').contentDocument?.querySelector('.stage')?.clientHeight ?? 0"
+
 
 def text(browser, selector):
     return browser.run("return document.querySelector(arguments[0]).textContent", selector)
@@ -174,6 +177,9 @@ def run(_corehbot, _folder):
             check_tabs(browser)
             check_print(browser)
             browser.check_width()
+            # The frame is as high as the report, which must not be as high as a share of its frame.
+            browser.wait("report", lambda: browser.run(TALL) > 0)
+            check(browser.run(TALL) < size[1], f"the picture of the report is {browser.run(TALL)} px high")
             browser.check_quiet()
     return f"loaded in {seconds:.2f} s; prints, is cancelled, prints again, explains keys, answers M-codes"
 

@@ -139,6 +139,8 @@ def use_measured(browser, kind):
     check("Hz" in read(browser, 0, 0.2, kind), "a frequency has no unit")
     check(f"{MODE_HZ}.0" in browser.find("main").text, "the mode of the plant is not told")
     check(browser.find_all("button[aria-label='Copy this line']"), "no line to copy")
+    painted = "const c = document.querySelector('.spectrogram canvas'); return c.getContext('2d').getImageData(c.width / 2, c.height / 2, 1, 1).data[3]"
+    check(browser.run(painted) == 255, "the spectrogram is not drawn")
 
 
 USE = {"run": (4, use_run), "compare": (0, None), "resonance": (0, None), "study": (3, use_study), "measured": (2, use_measured)}

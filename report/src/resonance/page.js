@@ -33,6 +33,7 @@ for (const A of D.axes) {
       { name: (one ? "" : r.file + " ") + "fitted", x: r.fit.frequencies_Hz, y: r.fit.fitted, dash: true, colour: () => curveColour(one ? 1 : i) }]);
     parts.push(card("Response", graph({ title: "Response of the tool to the sweep, and the fit", unit: "tool over command", x: { ...FREQUENCY, to: Math.max(...best.fit.frequencies_Hz) }, curves: fits, marks: marksOf(R) }), modes(R), note(`The fit is within ${best.fit.fit_error_dB.toFixed(1)} dB, RMS.`)));
   }
+  parts.push(...A.over_time.map((seen, i) => card("Spectrogram" + (one ? "" : ": " + R[i].file), spectrogram(seen, R[i]), note("The bright slope is the sweep itself; flatter slopes are its harmonics. An upright line is something that runs by itself all the time, as a fan does."))));
   const klippers = A.klipper.shapers, ranked = T?.shapers;
   parts.push(make("section", { className: "pair" }, card("Klipper\u2019s ranking: how the shaper rounds the command",
     table(["Shaper", "Frequency", "Vibration", "Smoothing", "Score", "Acceleration"], klippers.map(s => [s.shaper, hertz(s.frequency_Hz), percent(s.remaining_vibration, 1), s.smoothing_mm.toFixed(3) + " mm", s.score.toFixed(4), s.suggested_acceleration_mm_s2.toFixed(0) + " mm/s\u00b2"]), "", i => K?.shaper === klippers[i].shaper),
@@ -74,6 +75,40 @@ if (D.profile) {
   parts.push(make("section", { className: "pair" }, card("Vibration by direction, with the speed from the middle outwards, mm/s", scaleOf("0", top.toFixed(0) + " mm/s\u00b2"), polar(P, speeds, fastest, top), note("Both ways along an angle are one run. Hold a part for its numbers.")),
     card("Vibration in mm/s\u00b2 RMS, by speed and angle", ...heatmap({ label: "Vibration by speed and angle", unit: "mm/s\u00b2", rows: speeds.map(v => v.toFixed(0)), columns: P.angles_deg.map(v => v.toFixed(0) + "\u00b0"), corner: "mm/s", digits: 0, range: [0, top],
       value: (i, j) => runAt(P, speeds[j], P.angles_deg[i])?.vibration_mm_s2, hint: (i, j) => { const run = runAt(P, speeds[j], P.angles_deg[i]); return `${run.loudest_Hz.toFixed(0)} Hz, ${run.file}`; } }), note("10 to 500 Hz. Hold a cell for its loudest frequency."))));
+}
+/** Power over frequency and time. */
+function spectrogram({ levels, step_s, first_s, step_Hz, range_dB }, { file }) {
+  const DIGITS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", LEFT = 54, BOTTOM = 34, TOP = 6, RIGHT = 16;
+  const n = levels[0]?.length ?? 0, end = first_s + step_s * (levels.length - 0.5), canvas = make("canvas", { role: "img", ariaLabel: `Power over frequency, 0 to ${most} Hz, and time, 0 to ${end.toFixed(0)} s, ${file}` }), out = make("output", { textContent: "\u00a0" });
+  const shareAt = (i, j) => DIGITS.indexOf(levels[j][i]) / 63;
+  const box = () => ({ w: canvas.clientWidth - LEFT - RIGHT, h: canvas.clientHeight - TOP - BOTTOM });
+  const draw = () => {
+    const d = devicePixelRatio || 1, { w, h } = box();
+    if (w <= 0 || !n) return;
+    Object.assign(canvas, { width: canvas.clientWidth * d, height: canvas.clientHeight * d });
+    const g = canvas.getContext("2d", { willReadFrequently: true }), image = make("canvas", { width: n, height: levels.length }), dots = image.getContext("2d", { willReadFrequently: true }), pixels = dots.createImageData(n, levels.length);
+    // Time goes up.
+    for (let j = 0; j < levels.length; j++) for (let i = 0; i < n; i++) pixels.data.set([...viridis(shareAt(i, j)), 255], 4 * ((levels.length - 1 - j) * n + i));
+    dots.putImageData(pixels, 0, 0);
+    g.setTransform(d, 0, 0, d, 0, 0);
+    g.drawImage(image, LEFT, TOP, w * (n - 1) * step_Hz / most, h);
+    g.font = "11px system-ui, sans-serif"; g.fillStyle = css("--soft");
+    const hz = nice(most / (w < 500 ? 5 : 10)), s = nice(end / 4);
+    g.textAlign = "center";
+    for (let f = 0; f <= most; f += hz) g.fillText(f, LEFT + w * f / most, TOP + h + 14);
+    g.fillText("frequency, Hz", LEFT + w / 2, TOP + h + 30);
+    g.textAlign = "right";
+    for (let t = 0; t <= end; t += s) g.fillText(+t.toFixed(3) + " s", LEFT - 6, TOP + h - h * t / end + 4);
+  };
+  const look = e => {
+    const { w, h } = box(), i = Math.round((e.offsetX - LEFT) / w * most / step_Hz), j = Math.floor((1 - (e.offsetY - TOP) / h) * levels.length);
+    out.textContent = levels[j]?.[i] ? `${hertz(i * step_Hz)} at ${(first_s + j * step_s).toFixed(1)} s: ${((shareAt(i, j) - 1) * range_dB).toFixed(0).replace("-", "\u2212")} dB of the greatest` : "\u00a0";
+  };
+  for (const name of ["pointermove", "pointerdown"]) canvas.addEventListener(name, look);
+  canvas.addEventListener("pointerleave", () => { out.textContent = "\u00a0"; });
+  onScheme(canvas, draw);
+  new ResizeObserver(draw).observe(canvas);
+  return make("div", { className: "chart" }, make("div", { className: "bar" }, scaleOf(`\u2212${range_dB} dB`, "0 dB"), out), make("div", { className: "spectrogram" }, canvas));
 }
 function runAt(P, speed, angle) { return P.runs.find(run => run.angle_deg === angle && run.speed_mm_s === speed); }
 /** Each run is a part of a ring, and both ways along an angle are one. */

@@ -66,7 +66,7 @@ function timeCards(record, player) {
     const say = n => `layer ${n}, Z ${layers[n - 1].height_mm.toFixed(2)} mm`;
     const chart = new Graph({ title: "Time by layer", unit: "s", x: { name: "layer", from: 0.5, to: layers.length + 0.5, say }, curves: [{ name: "time", x: layers.map((_, i) => i + 1), y: layers.map(layer => layer.seconds) }], isBars: true, low: 0, height: 200 });
     chart.onPick = i => { player.single = true; player.setLayers(i, i); };
-    chart.place.ariaLabel += " A click shows the layer.";
+    chart.place.ariaLabel += " A click or Enter shows the layer.";
     const box = make("section", { className: "card panel", ariaLabel: "Time by layer" }, chart.element, make("p", { className: "sub", textContent: `Before the layers ${clock(data.before_layers.seconds)}, after them ${clock(data.after_layers.seconds)}.` }));
     cards.push(box);
   }

@@ -112,6 +112,7 @@ class Graph {
   }
   key(e) {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[e.key], xs = this.data[0];
+    if (e.key === "Enter" && this.onPick && this.read !== null) { e.preventDefault(); e.stopPropagation(); this.onPick(this.read); return; }
     if (!step || !this.plot || e.altKey || e.ctrlKey || e.metaKey) return;
     e.preventDefault(); e.stopPropagation();
     const [a, b] = this.window ?? this.whole, first = after(xs.length, i => xs[i], a - 1e-12), last = after(xs.length, i => xs[i], b) - 1;
