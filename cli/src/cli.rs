@@ -45,6 +45,10 @@ enum Command {
     #[command(subcommand)]
     Twin(Twin),
     /// Analyses recordings of an accelerometer on the tool: modes, shapers, belts, quiet speeds.
+    ///
+    /// Parts are of 1: part of a mode in the slow motion (negative against the command), remaining_vibration,
+    /// most_ringing, uncertainty. damping_ratio is of critical damping. A net rounding is positive where the tool stays
+    /// inside a corner. A comparison of belts is A against B: positive where A is higher, stiffer or louder.
     Resonance(Resonance),
 }
 

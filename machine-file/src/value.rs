@@ -91,6 +91,10 @@ pub(crate) fn each(key: &str, toml: &Toml, row: &TwinRow) -> Result<Each, Machin
         Toml::Array(_) => return Err(MachineFileError::kind(key, "a number", toml)),
         _ => vec![float(key, toml)?],
     };
+    // No number stands for another key's number, of a row that has none by itself.
+    if listed.is_empty() && row.default.is_some() {
+        return Err(MachineFileError::kind(key, "a number, or a list of numbers", toml));
+    }
     if let Some(value) = listed.iter().find(|value| !row.allows(**value)) {
         return Err(MachineFileError::Range { key: key.to_owned(), value: *value, legal: row.legal().to_owned() });
     }

@@ -32,6 +32,7 @@ pub mod corexyz;
 pub mod ended;
 pub mod fault;
 pub mod figures;
+pub mod frame;
 pub mod heat_log;
 mod layers;
 pub mod mesh;

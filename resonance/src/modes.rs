@@ -159,7 +159,7 @@ fn data(recording: &Recording, sweep: &Sweep) -> Option<Data> {
         let psd = measured.sum.get(i).copied().filter(|psd| *psd > 0.0)?;
         (from..=to).contains(&hz).then(|| Point { hz, commanded: commanded.at(hz), measured: psd.ln() })
     };
-    let points: Vec<Point> = (0..measured.sum.len()).filter_map(point).filter(|p| p.commanded > 0.0).collect();
+    let mut points: Vec<Point> = (0..measured.sum.len()).filter_map(point).filter(|p| p.commanded > 0.0).collect();
     // Far above the sweep there is noise, and little else: a tenth is quieter than harmonics.
     let half = recording.rate_hz / 2.0;
     let above = |i: &usize| (0.5 * half..0.95 * half).contains(&(*i as f64 * step));
@@ -167,7 +167,10 @@ fn data(recording: &Recording, sweep: &Sweep) -> Option<Data> {
         (0..measured.sum.len()).filter(above).filter_map(|i| measured.sum.get(i).copied()).collect();
     quiet.sort_by(f64::total_cmp);
     let noise = quiet.get(quiet.len() / 10).copied().unwrap_or(0.0);
-    (points.len() >= 20).then_some(Data { points, noise })
+    // The search begins at a gain of 1: the strength of the sweep, and the unit of the file, do not count.
+    let strength = points.iter().map(|p| p.measured - p.commanded.ln()).sum::<f64>() / points.len().max(1) as f64;
+    points.iter_mut().for_each(|p| p.measured -= strength);
+    (points.len() >= 20).then_some(Data { points, noise: noise * (-strength).exp() })
 }
 
 /// |H|^2.

@@ -290,9 +290,22 @@ impl Rows {
                 remarks.push(format!("{letter} reaches the end of the sensor's range, so peaks are too low"));
             }
         }
+        remarks.extend(other_unit(&self.axes));
         // As Klipper: samples over time from the first to the last.
         Ok(Recording { rate_hz: self.times.len() as f64 / lasts, axes: self.axes, remarks })
     }
+}
+
+/// A remark if the mean acceleration is gravity in another unit than mm/s^2, within a tenth.
+fn other_unit(axes: &[Vec<f64>; 3]) -> Option<String> {
+    let means = axes.each_ref().map(|axis| axis.iter().sum::<f64>() / axis.len().max(1) as f64);
+    let mean = means.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let units = [("g", 1.0), ("m/s^2", GRAVITY / 1000.0)];
+    let (unit, _) = units.into_iter().find(|(_, gravity)| (0.9..1.1).contains(&(mean / gravity)))?;
+    Some(format!(
+        "the mean acceleration is {mean:.1}, so this is in {unit} and not in mm/s^2: \
+         frequencies, dampings and shapers hold, heights of spectra do not"
+    ))
 }
 
 /// Whether all samples are alike.

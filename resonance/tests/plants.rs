@@ -50,6 +50,20 @@ fn a_weak_sweep_and_another_rate_are_enough() {
     are(&fit(&slow, &Sweep::default()).unwrap(), &known, 0.005, 0.1);
 }
 
+/// A file in g under Klipper's header: the modes are the same, and the unit is remarked.
+#[test]
+fn another_unit_changes_no_mode() {
+    let known = [(48.6, 0.06, 1.0)];
+    let mut wrong = recording(&known, &Sweep::default(), RATE, 100.0, 7);
+    let right = fit(&wrong, &Sweep::default()).unwrap().modes;
+    wrong.axes.iter_mut().flatten().for_each(|value| *value /= 9806.65);
+    let read = through_text(&wrong);
+    assert!(read.remarks.len() == 1 && read.remarks[0].contains("in g and not in mm/s^2"), "{:?}", read.remarks);
+    let found = fit(&wrong, &Sweep::default()).unwrap();
+    are(&found, &known, 0.005, 0.1);
+    assert!((found.modes[0].frequency_hz - right[0].frequency_hz).abs() < 1e-6, "{:?} {right:?}", found.modes);
+}
+
 #[test]
 fn two_modes_within_twelve_hertz_are_both_found() {
     let known = [(50.0, 0.04, 0.6), (61.0, 0.05, 0.4)];

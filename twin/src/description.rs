@@ -4,7 +4,7 @@
 //! motors turn like a CoreXY's, two drivers in series may turn the four motors of a CoreH-bot, and a bed that moves in
 //! y turns its motor as a bar does.
 
-use crate::params::Params;
+use crate::params::{Params, Parts, ROWS};
 use crate::routing::own::Row;
 use crate::routing::{Machine, Own};
 
@@ -73,6 +73,50 @@ impl Description {
             None => by_rows(rows),
         }
     }
+}
+
+/// A list with a number too many or too few for a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrongList {
+    /// Its key.
+    pub key: &'static str,
+    /// Numbers in it.
+    pub listed: usize,
+    /// The machine.
+    pub machine: Machine,
+    /// How many of these parts the machine has.
+    pub parts: (usize, Parts),
+}
+
+impl std::fmt::Display for WrongList {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { key, listed, machine, parts: (count, parts) } = self;
+        write!(f, "twin.{key} has {listed} numbers, and the {} has {count} {parts}", machine.name())?;
+        f.write_str("; one number is for all of them")
+    }
+}
+
+impl std::error::Error for WrongList {}
+
+/// Whether each list of numbers has one for every part of the machine.
+///
+/// # Errors
+/// The first list that has not.
+pub fn check_lists(machine: Machine, params: &Params) -> Result<(), WrongList> {
+    for row in &ROWS {
+        let Some(parts) = (row.field)(&mut params.clone()).parts() else { continue };
+        let count = match parts {
+            Parts::Belts => machine.belts().len(),
+            Parts::Spans => machine.span_names().len(),
+            Parts::Motors => machine.motors().len(),
+            Parts::Axes => 2,
+        };
+        let listed = row.values(params).values().len();
+        if listed > 1 && listed != count {
+            return Err(WrongList { key: row.key, listed, machine, parts: (count, parts) });
+        }
+    }
+    Ok(())
 }
 
 fn by_rows(rows: &[Row]) -> Option<Machine> {

@@ -9,7 +9,7 @@ mod rows;
 mod serial;
 
 pub use each::{Each, MOST_PARTS};
-pub use row::{Field, Row};
+pub use row::{Field, Parts, Row};
 pub use rows::ROWS;
 
 use crate::math::square;

@@ -7,6 +7,7 @@ use corehbot_twin::model::elastic::{Elastic, Freedom};
 use corehbot_twin::model::ways::{Ways, residual_mm};
 use corehbot_twin::params::{Each, Params};
 use corehbot_twin::queries::Setup;
+use corehbot_twin::queries::push::Push;
 use corehbot_twin::queries::stiffness::Stiffness;
 use corehbot_twin::routing::{Machine, Own, Place};
 use corehbot_twin::solve::balance::condensed;
@@ -87,6 +88,15 @@ fn three_motors_couple_the_axes_of_a_corexyz() {
     for (row, expected) in k.iter().zip(expected) {
         assert!(row.iter().zip(expected).all(|(k, times)| (k - times * belt).abs() < 1e-6), "{k:?}");
     }
+    // The answers have z. The inverse of the matrix is (2, -1, -1; ...) over 4 belts.
+    let setup =
+        Setup { machine: Machine::CoreXyzThree, params, tool: Place::of_xyz([235.0; 3]), freedom: Freedom::default() };
+    let told = Stiffness::new(&setup).unwrap();
+    assert!(near(told.kxz.unwrap(), belt, 1e-9) && near(told.kyz.unwrap(), -belt, 1e-9), "{told}");
+    let pushed = Push::new(&setup, [5.0, 0.0]).unwrap().strain;
+    let moved = [pushed.dx_mm, pushed.dy_mm, pushed.dz_mm.unwrap()];
+    let expected = [2.0, -1.0, -1.0].map(|times| times * 5.0 / (4.0 * belt));
+    assert!(moved.iter().zip(expected).all(|(mm, expected)| near(*mm, expected, 1e-9)), "{moved:?} {expected:?}");
 }
 
 /// A Cartesian machine: K of an axis is EA (1/L1 + 1/L2) of its own belt, with the motor at the far end.

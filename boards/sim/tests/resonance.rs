@@ -6,6 +6,9 @@
 #[expect(dead_code, reason = "each test has its own part of it")]
 mod life;
 
+#[path = "common/heated.rs"]
+mod heated;
+
 use corehbot::accelerometer::{Kind, SensorFault};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
@@ -188,6 +191,24 @@ fn a_sensor_that_fails_ends_the_sweep_and_the_tool_goes_back() {
     });
 }
 
+/// Heaters go on heating to their targets, through the fault and after it.
+#[test]
+fn a_sensor_that_fails_leaves_the_heaters_alone() {
+    let mut settings = heated::heated();
+    settings.accelerometer.kind = Some(Kind::Adxl345);
+    let truth = SensorTruth { accident: Some((10_000, SensorAccident::IsUnplugged)), ..modes(&[(0, 48.6, 0.06, 1.0)]) };
+    live(&settings, truth, |life| {
+        life.say("M104 S60");
+        life.say("M140 S40");
+        life.rest(2000);
+        let before = life.targets();
+        life.say(SHORT);
+        assert_eq!(life.count("echo:ADXL345 gives no samples"), 1, "{:#?}", life.heard);
+        assert_eq!((life.targets(), life.is_halted()), (before, false));
+        assert!(before == [60.0, 40.0] && life.celsius() > 25.0, "{before:?} {}", life.celsius());
+    });
+}
+
 #[test]
 fn the_sensor_tells_its_rate_and_its_noise() {
     live(&settings(), SensorTruth { clock: 1.02, ..SensorTruth::default() }, |life| {
@@ -230,13 +251,14 @@ fn raw_samples_are_in_klippers_form() {
     });
 }
 
-/// M410 in the middle: it stops within 0.1 s, the position is the counts', and everything goes on as before.
+/// M410 at 60 Hz: it stops within 0.1 s, the position is the counts', and everything goes on as before.
 #[test]
 fn a_sweep_that_is_stopped_leaves_the_machine_as_it_was() {
     live(&settings(), modes(&[(0, 48.6, 0.06, 1.0)]), |life| {
         life.say("M593 X F48.6 D0.06 T2");
         life.mark();
-        life.put(0, SHORT);
+        // A second of noise, and 5 s from 50 Hz on by 2 Hz a second.
+        life.put(0, "TEST_RESONANCES AXIS=X FREQ_START=50 FREQ_END=70 HZ_PER_SEC=2");
         life.rest(6000);
         let before = life.events().len();
         life.put(0, "M410");

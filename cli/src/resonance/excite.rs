@@ -33,13 +33,13 @@ pub(super) struct Excite {
     #[arg(long, value_name = "FROM-TO", value_parser = parse_range, default_value = "5-135")]
     sweep: [f64; 2],
     /// Growth of the frequency, in Hz per second.
-    #[arg(long, value_name = "HZ_PER_S", value_parser = number(0.1, 10.0), default_value = "1")]
+    #[arg(long, value_name = "HZ_PER_S", allow_negative_numbers = true, value_parser = number(0.1, 10.0), default_value = "1")]
     growth: f64,
     /// Acceleration over frequency, in mm/s^2 per Hz. The machine must allow it times the last frequency.
-    #[arg(long, value_name = "MM_S2_PER_HZ", value_parser = number(1.0, 500.0), default_value = "34")]
+    #[arg(long, value_name = "MM_S2_PER_HZ", allow_negative_numbers = true, value_parser = number(1.0, 500.0), default_value = "34")]
     accel_per_hz: f64,
     /// Length of a step of x and y, in mm: moves are whole steps, so that they last as long as they should.
-    #[arg(long, value_name = "MM", value_parser = number(0.0, 1.0), default_value = "0.0125")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number(0.0, 1.0), default_value = "0.0125")]
     resolution: f64,
     /// Where the G-code goes; `-` is standard output.
     #[arg(long, short, value_name = "SWEEP.gcode")]

@@ -39,23 +39,23 @@ pub(crate) struct Resonance {
     #[arg(long, value_name = "FROM-TO", value_parser = parse_range, default_value = "5-135")]
     sweep: [f64; 2],
     /// Growth of the sweep's frequency, in Hz per second.
-    #[arg(long, value_name = "HZ_PER_S", value_parser = number(0.1, 10.0), default_value = "1")]
+    #[arg(long, value_name = "HZ_PER_S", allow_negative_numbers = true, value_parser = number(0.1, 10.0), default_value = "1")]
     growth: f64,
     /// Amplitude of a sweep by `resonance sweep`, if it is one: acceleration over frequency in mm/s^2 per Hz, and
     /// length of a step in mm.
     #[arg(long, value_name = "MM_S2_PER_HZ,MM", value_parser = parse_moves)]
     by_moves: Option<[f64; 2]>,
     /// Uncertainty of the frequency in percent. Without it the fit says it, but at least 5: one place is not all.
-    #[arg(long, value_name = "PERCENT", value_parser = number(0.0, 50.0))]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = number(0.0, 50.0))]
     uncertainty: Option<f64>,
     /// Acceleration of the walls that are judged, in mm/s^2.
-    #[arg(long, value_name = "MM_S2", value_parser = number(100.0, 100_000.0), default_value = "5000")]
+    #[arg(long, value_name = "MM_S2", allow_negative_numbers = true, value_parser = number(100.0, 100_000.0), default_value = "5000")]
     acceleration: f64,
     /// Speed of the walls, in mm/s.
-    #[arg(long, value_name = "MM_S", value_parser = number(1.0, 1000.0), default_value = "100")]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number(1.0, 1000.0), default_value = "100")]
     speed: f64,
     /// Speed at their corners, in mm/s.
-    #[arg(long, value_name = "MM_S", value_parser = number(0.0, 100.0), default_value = "5")]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number(0.0, 100.0), default_value = "5")]
     corner_speed: f64,
     /// Writes a page with spectra, shapers, belts and the profile.
     #[arg(long, value_name = "R.html")]

@@ -28,7 +28,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "7x7")]
     grid: [usize; 2],
     /// The force in N that moves the tool aside.
-    #[arg(long, value_name = "N", default_value = "5", value_parser = parse_force)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value = "5", value_parser = parse_force)]
     force: f64,
     /// Parts that may move besides the tool, over the area.
     #[arg(long, value_enum, default_value = "full")]

@@ -22,14 +22,14 @@ pub(crate) struct Level {
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
     /// How much belt is taken up or let out, in mm.
-    #[arg(long, value_name = "MM", default_value_t = 0.1, value_parser = parse_positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 0.1, value_parser = parse_positive)]
     take_up: f64,
     /// The stiffness of a spring idler in each belt, in N/mm; without it there are none. Springs count for levelling
     /// and preload only, where a belt slips over its motor, and not for turned motors and motion.
-    #[arg(long, value_name = "N_PER_MM", value_parser = parse_positive)]
+    #[arg(long, value_name = "N_PER_MM", allow_negative_numbers = true, value_parser = parse_positive)]
     spring: Option<f64>,
     /// The acceleration of the tool in the cases of motion, in m/s2.
-    #[arg(long, value_name = "M_PER_S2", default_value_t = 5.0, value_parser = parse_positive)]
+    #[arg(long, value_name = "M_PER_S2", allow_negative_numbers = true, default_value_t = 5.0, value_parser = parse_positive)]
     acceleration: f64,
     /// Writes the tilted gantries as a drawing; `-` is standard output.
     #[arg(long, value_name = "F.svg")]

@@ -18,16 +18,16 @@ pub(crate) struct LimitsArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// The error in mm that ringing may make.
-    #[arg(long, value_name = "MM", value_parser = parse_error, default_value = "0.025")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = parse_error, default_value = "0.025")]
     error: f64,
     /// The part of the holding torque that may be used, of 1.
-    #[arg(long, value_name = "PART", value_parser = parse_part, default_value = "0.5")]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true, value_parser = parse_part, default_value = "0.5")]
     torque: f64,
     /// The part of its torque at each speed that a motor keeps, of 1: an alternative to --torque.
-    #[arg(long, value_name = "PART", value_parser = parse_margin, conflicts_with = "torque")]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true, value_parser = parse_margin, conflicts_with = "torque")]
     margin: Option<f64>,
     /// The belt speed in mm/s for which settings are suggested.
-    #[arg(long, value_name = "MM_S", value_parser = parse_speed, default_value = "300")]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = parse_speed, default_value = "300")]
     speed: f64,
     /// Parts that may move besides the tool.
     #[arg(long, value_enum, default_value = "rotors")]

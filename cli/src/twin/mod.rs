@@ -8,6 +8,7 @@ mod compensate;
 mod figures;
 mod fit;
 mod flow;
+mod frame;
 mod jump;
 mod level;
 mod limits;
@@ -44,13 +45,14 @@ pub(crate) enum Twin {
     Geometry(point::Geometry),
     /// Computes how stiffly the tool is held.
     ///
-    /// Kxy is the force along y for a millimetre of x. The softest direction counts from x towards y.
+    /// Kxy is the force along y for a millimetre of x. The softest direction counts from x towards y; where belts lift
+    /// the tool, z is held.
     Stiffness(point::Stiffness),
     /// Computes the frequencies at which the machine vibrates.
     Modes(point::Modes),
     /// Computes the effect of a force on the tool.
     ///
-    /// dx_mm is to the right and dy_mm away from the front. A change of tension is positive where a span gets tighter.
+    /// dx_mm is to the right, dy_mm away from the front and dz_mm up. A change of tension is positive where a span gets tighter.
     /// A motor's torque is the one with which it holds, counter-clockwise seen from above. The residual is the part of
     /// the motors' travel that a rigid belt cannot follow.
     Push(point::Push),
@@ -70,17 +72,41 @@ pub(crate) enum Twin {
     /// shaper.
     Shaper(shaper::Shaper),
     /// Computes the pitch of each straight part of the belts for a wanted tension, and the tension for a heard pitch.
+    ///
+    /// parts[].part numbers the straight parts along the belts, between the pulleys of `twin geometry`; is_longest
+    /// marks the one to pluck.
     Tension(tension::Tension),
     /// Computes the torques, and the tension along the stroke, that pulleys off their places make.
+    ///
+    /// Torques are counter-clockwise, seen from above. A change of tension is positive where a span gets tighter;
+    /// dx_mm is to the right and dy_mm away from the front, of the tool against its place with the pulleys right.
     Misalignment(misalignment::Misalignment),
     /// Finds the frequencies at which each axis rings over the reach, shapers that fit, and speeds to avoid.
+    ///
+    /// frequencies_Hz has a row for each y_mm and a column for each x_mm, from motor 1's axis. Residuals
+    /// (worst_residual, left_by_y, left_by_shaper) and coupling are parts, of 1; damping_ratio is of critical damping. A net rounding is positive where the
+    /// tool stays inside a corner, in a/w^2.
     Resonance(resonance::Resonance),
     /// Computes fine ripple of walls by speed and angle (VFA): motors, teeth and pulleys that shake the tool.
     Ripple(ripple::Ripple),
     /// Finds the limits before a motor slips, a span goes slack, or the tool rings too much.
+    ///
+    /// Each limit is for the worst place of the reach and holds in both directions of its axis. margin and torque_part
+    /// are parts, of 1. worst_direction_deg counts from x towards y.
     Limits(limits::LimitsArgs),
     /// Compares CoreH-bot, H-bot and CoreXY of one size, over one area and, if given, on a file.
+    ///
+    /// Ranges are lowest and highest over the area. frame_torque_x and frame_torque_y are the torque of all motors on
+    /// their rotors, counter-clockwise seen from above, for an acceleration to the right and away from the front; the
+    /// frame bears the opposite one. The runs have the keys of `twin run`.
     Compare(compare::Compare),
+    /// Computes the motors' torque on the frame, and how a frame that is not rigid vibrates with the tool.
+    ///
+    /// Torques are those of all motors on their rotors, counter-clockwise seen from above, for an acceleration to the
+    /// right (x) and away from the front (y); the frame bears the opposite ones. belts_ is what the belts take, rotors_
+    /// what the rotors take, and printed_ the paper's without a direction. The frame has one stiffness along x and y
+    /// after the other, and frequencies_Hz are those of tool and frame, ascending.
+    Frame(frame::Frame),
     /// Draws the schematics, table 1 and the workspaces of the CoreH-bot paper, and compares its numbers with the
     /// model.
     Figures(figures::Figures),
@@ -96,6 +122,11 @@ pub(crate) enum Twin {
     #[command(mut_args(sweep::not_beside_a_study))]
     Sweep(sweep::Sweep),
     /// Fits belts, tensions, masses, motors, yaw and damping of a machine to measurements.
+    ///
+    /// uncertainty, assumed_uncertainty, now and then are relative standard uncertainties, of 1; the last two those of
+    /// a number before and after a further measurement, which removes a part of all variance, of 1. part is by how
+    /// much the model exceeds a measured value, of 1, and uncertainties is the same over the uncertainty of the
+    /// measurement. spread is the factor by which all measurements count as more uncertain.
     Fit(fit::Fit),
     /// Compensates G-code, or a step trace, in advance for the give of belts and motors, for the unchanged firmware.
     Compensate(compensate::Compensate),
@@ -110,18 +141,24 @@ pub(crate) enum Twin {
     ///
     /// A way aside is the tool's distance from the line of the move between its steps. A residual is the part of the
     /// motors' steps that no place of the tool has; it strains the belts.
+    /// followed is the part, of 1, that the tool follows.
     Zigzag(zigzag::Zigzag),
     /// Computes what the belts of a CoreXYZ do to its bar and its gantry: racking, and levelling by belts and pulleys.
     ///
     /// The tilt about x is positive where the back rises, the tilt about y where the left side rises, the racking of
-    /// the bar counter-clockwise seen from above. Moments are those that the guides bear, with these signs. Without
-    /// --machine and --settings the machine is a CoreXYZ with four motors.
+    /// the bar counter-clockwise seen from above. Moments are those that the guides bear, with these signs. Pairs are
+    /// about x and about y. corners_mm is up: front left, front right, back right, back left; tool_mm is to the right,
+    /// away from the front and up. A tension is positive where a belt gets tighter. Without --machine and --settings
+    /// the machine is a CoreXYZ with four motors.
     Level(level::Level),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     ///
     /// Errors are distances from the commanded line: rounding towards the inside of a corner, overshoot towards its
     /// outside. bisector_mm is positive inside. end_off_x_um and end_off_y_um are the tool's place at rest after the
-    /// last step minus the end of its line: to the right and away from the front is positive.
+    /// last step minus the end of its line: to the right and away from the front is positive. Places of corners count
+    /// from motor 1's axis; turn_deg is positive to the left. tension_N has the lowest and the highest tension, and a
+    /// margin is the part of a motor's torque that was left, of 1. Torques, residuals and slack are the largest, without
+    /// a sign; full_steps_off is positive counter-clockwise.
     Run(play::Play),
 }
 
@@ -155,6 +192,7 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Zigzag(args) => args.answer(),
         Twin::Level(args) => args.answer(),
         Twin::Compare(args) => args.answer(),
+        Twin::Frame(args) => args.answer(),
         Twin::Figures(args) => args.answer(),
         Twin::Parts(args) => args.answer(),
         Twin::Sweep(args) => args.answer(),

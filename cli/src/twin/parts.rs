@@ -32,7 +32,7 @@ pub(crate) struct Parts {
     #[arg(long, value_enum, value_delimiter = ',')]
     machine: Vec<MachineArg>,
     /// Commanded speeds in mm/s; the machine's limits hold.
-    #[arg(long, value_name = "MM_S,...", value_delimiter = ',', value_parser = parse_speed, default_value = "50,100,150,200,250,300")]
+    #[arg(long, value_name = "MM_S,...", allow_negative_numbers = true, value_delimiter = ',', value_parser = parse_speed, default_value = "50,100,150,200,250,300")]
     speed: Vec<f64>,
     /// The part's middle, in mm from motor 1's axis; the middle of each machine's reach without it.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]

@@ -6,7 +6,7 @@ use super::source::Source;
 use crate::printer::Printer;
 use crate::stop::Stop;
 use crate::watched::Progress;
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use clap::{Args, ValueEnum};
 use corehbot_report::twin as page;
 use corehbot_twin::dynamics::plant::Detail;
@@ -86,6 +86,11 @@ impl Play {
         let (machine, params) = self.machine.read(&self.printer.machine()?)?;
         let stop = Stop::at_signals()?;
         let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
+            ensure!(
+                !source.steps.events.is_empty() || stop.is_set(),
+                "{}: no motor steps in it; expected G-code that moves, or a step trace (corehbot run --trace)",
+                self.file.display()
+            );
             let start = self.start(machine, &params, source.begin);
             let meant = |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, &self.printer, &stop)?.steps);
             let meant = self.against.as_ref().map(meant).transpose()?;

@@ -32,10 +32,10 @@ pub(crate) struct Resonance {
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
     /// Acceleration of the walls that shapers are ranked by, in mm/s^2.
-    #[arg(long, value_name = "MM_S2", value_parser = number(100.0, 100_000.0), default_value = "5000")]
+    #[arg(long, value_name = "MM_S2", allow_negative_numbers = true, value_parser = number(100.0, 100_000.0), default_value = "5000")]
     acceleration: f64,
     /// Speed of these walls, in mm/s.
-    #[arg(long, value_name = "MM_S", value_parser = number(5.0, 1000.0), default_value = "100")]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number(5.0, 1000.0), default_value = "100")]
     speed: f64,
     #[command(flatten)]
     json: Json,

@@ -25,13 +25,13 @@ pub(crate) struct Ripple {
     #[arg(long, value_name = "FROM-TO", value_parser = parse_speeds, default_value = "20-300")]
     speeds: [f64; 2],
     /// Distance of the speeds, in mm/s.
-    #[arg(long, value_name = "MM_S", value_parser = number(0.2, 50.0), default_value = "2")]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number(0.2, 50.0), default_value = "2")]
     step: f64,
     /// Distance of the angles, in degrees.
-    #[arg(long, value_name = "DEG", value_parser = number(1.0, 90.0), default_value = "5")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = number(1.0, 90.0), default_value = "5")]
     angle_step: f64,
     /// Longest wave that counts as ripple, in mm of the path; longer ones are an error of shape.
-    #[arg(long, value_name = "MM", value_parser = number(0.1, 1000.0), default_value = "10")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = number(0.1, 1000.0), default_value = "10")]
     longest: f64,
     /// The bar may yaw on its guides.
     #[arg(long)]

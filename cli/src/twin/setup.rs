@@ -144,10 +144,7 @@ impl MachineArgs {
 
 /// Whether the tool of these machines has room with these numbers.
 pub(super) fn has_room(machines: &[Machine], params: &Params) -> Result<()> {
-    let has_room = |machine: &Machine| {
-        let reach = workspace(*machine, params);
-        reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1]
-    };
+    let has_room = |machine: &Machine| workspace(*machine, params).has_room();
     ensure!(machines.iter().all(has_room), "twin: these pulleys leave the tool no room");
     Ok(())
 }

@@ -14,16 +14,16 @@ pub(crate) struct Shaper {
     #[arg(long, value_enum, ignore_case = true)]
     kind: KindArg,
     /// The frequency in Hz for which it is made, without damping (F of M593): 10 to 500.
-    #[arg(long, value_name = "HZ", value_parser = number(10.0, 500.0))]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number(10.0, 500.0))]
     frequency: f64,
     /// The damping for which it is made, of critical damping (D of M593): 0 to 0.5; to 0.3 of 2HUMP_EI.
-    #[arg(long, value_name = "PART", value_parser = parse_damping, default_value = "0.1")]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true, value_parser = parse_damping, default_value = "0.1")]
     damping: f64,
     /// Vibrations that it is to remove: their frequencies in Hz, without damping.
-    #[arg(long, value_name = "HZ,...", value_delimiter = ',', value_parser = parse_frequency, required = true)]
+    #[arg(long, value_name = "HZ,...", allow_negative_numbers = true, value_delimiter = ',', value_parser = parse_frequency, required = true)]
     ring: Vec<f64>,
     /// The damping of the vibrations, of critical damping; that of the shaper without it.
-    #[arg(long, value_name = "PART", value_parser = parse_damping)]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true, value_parser = parse_damping)]
     ring_damping: Option<f64>,
     #[command(flatten)]
     json: Json,

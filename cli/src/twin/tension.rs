@@ -17,7 +17,7 @@ pub(crate) struct Tension {
     #[command(flatten)]
     place: PlaceArgs,
     /// The wanted tension in N; without it each belt's own (preload_N).
-    #[arg(long, value_name = "N", value_parser = number(0.1, 1000.0))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.1, 1000.0))]
     wanted: Option<f64>,
     /// A pitch that was heard: number of the part in the table, and Hz. May be given for several parts.
     #[arg(long, value_name = "PART=HZ", value_parser = parse_heard)]

@@ -26,10 +26,10 @@ pub(crate) struct Zigzag {
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=100))]
     steps: u32,
     /// The length of a step in mm.
-    #[arg(long, value_name = "MM", default_value_t = 0.0125, value_parser = parse_positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 0.0125, value_parser = parse_positive)]
     step: f64,
     /// The speed of the move in mm/s, for the part of the zig-zag that the tool's mass leaves.
-    #[arg(long, value_name = "MM_S", default_value_t = 100.0, value_parser = parse_positive)]
+    #[arg(long, value_name = "MM_S", allow_negative_numbers = true, default_value_t = 100.0, value_parser = parse_positive)]
     speed: f64,
     /// The order of the motors' steps, by their letters in Carlyle's tables (CoreXY, CoreXYZ) or their numbers, of
     /// one machine. Without it, ascending.

@@ -77,6 +77,47 @@ fn a_jump_of_speed_rings_by_speed_over_angular_frequency() {
     assert!(complaint("jump --speed 3000,0").contains("the path takes"));
 }
 
+/// Lists with a number for each part of the machine, and room for the tool.
+#[test]
+fn numbers_that_do_not_fit_the_machine_are_refused() {
+    for (table, answer) in [
+        ("belt_EA_N = []", "twin.belt_EA_N"),
+        (
+            "belt_EA_N = [56000, 30000]",
+            "twin.belt_EA_N has 2 numbers, and the CoreH-bot has 1 belts; one number is for all",
+        ),
+        ("motor_radius_mm = [6, 5]", "twin.motor_radius_mm has 2 numbers, and the CoreH-bot has 4 motors"),
+        ("frame_stiffness_N_per_mm = [1, 2, 3]", "has 3 numbers, and the CoreH-bot has 2 axes"),
+        ("outside_mm = [1, 2, 3]", "has 3 numbers, and the CoreH-bot has 4 spans"),
+        (
+            "width_mm = 50",
+            "twin.width_mm = 50, twin.depth_mm = 470: the pulleys of frame, bar and head leave the tool no room",
+        ),
+    ] {
+        let machine = file("unfit.toml", &format!("[twin]\n{table}\n"));
+        let found = complaint(&format!("modes --settings {}", machine.display()));
+        assert!(found.contains(answer), "{table}: {found}");
+    }
+    let fits = file("fits.toml", "[twin]\nmotor_radius_mm = []\noutside_mm = [0, 200, 0, 0]\n");
+    assert!(twin(&format!("modes --settings {}", fits.display())).status.success());
+}
+
+#[test]
+fn forces_slips_and_files_that_cannot_be_are_refused() {
+    for words in ["push --force 1e300,0", "slip --motor 1 --full-steps 1e9", "slip --motor 1 --full-steps=-10001"] {
+        assert_eq!(twin(words).status.code(), Some(2), "{words}");
+    }
+    for words in
+        ["limits --error -1", "shaper --kind zv --frequency 60 --ring -3", "tension --wanted -3", "ripple --step -1"]
+    {
+        let error = String::from_utf8(twin(words).stderr).unwrap();
+        assert!(error.starts_with("error: invalid value '-") && error.contains(" is not a"), "{error}");
+    }
+    let samples = file("samples.csv", "#time,accel_x,accel_y,accel_z\n1.0,2,3,4\n");
+    let found = complaint(&format!("run {}", samples.display()));
+    assert!(found.contains("no motor steps in it; expected G-code that moves, or a step trace"), "{found}");
+}
+
 /// A step of motor 1 that is lost near the middle: a quarter of it to each side, as the belt gives way evenly.
 #[test]
 fn a_lost_step_leaves_the_tool_off_by_a_quarter_of_it() {

@@ -114,3 +114,34 @@ fn the_picture_of_pulleys_off_their_places_is_the_commands() {
     let text = String::from_utf8(twin("misalignment").stdout).unwrap();
     assert!(text.contains("for 1 mm of a pulley") && !text.contains("by the paper"), "{text}");
 }
+
+/// Torques by virtual work: 0.6 kg at r are 3.81 mN m; and two masses on two springs, the tool's and the frame's.
+#[test]
+fn the_picture_of_the_frame_is_the_commands() {
+    let made = file("frame.svg", "");
+    let told = json(&format!("frame --svg {}", made.display()));
+    let of = |machine: usize, key: &str| told["torques"][machine]["x"][key].as_f64().unwrap();
+    assert!(of(0, "belts_mNm_per_m_s2").abs() < 1e-9 && of(0, "rotors_mNm_per_m_s2").abs() < 1e-9, "{told}");
+    for machine in [1, 2] {
+        assert!((of(machine, "belts_mNm_per_m_s2") - 3.81).abs() < 1e-6, "{told}");
+        assert!((of(machine, "rotors_mNm_per_m_s2") - 1.7008).abs() < 1e-4, "{told}");
+    }
+    let frame = told["frames"].as_array().unwrap().iter().find(|f| f["frame_stiffness_N_per_mm"] == 400.0).unwrap();
+    let mut expected = Vec::new();
+    for (k, m, big) in [(287.563, 0.6, 11.2), (278.358, 1.8, 10.0)] {
+        let (a, b, c) = (m * big, (k * (m + big) + 400.0 * m) * 1000.0, k * 400.0 * 1e6);
+        let root = f64::sqrt(b * b - 4.0 * a * c);
+        expected.extend([b - root, b + root].map(|s| (s / (2.0 * a)).sqrt() / std::f64::consts::TAU));
+    }
+    expected.sort_by(f64::total_cmp);
+    for (i, hz) in expected.iter().enumerate() {
+        assert!(near(&frame["frequencies_Hz"][i], *hz, 1e-5), "{frame} {expected:?}");
+    }
+    assert!(near(&told["rigid_Hz"][0], 62.587, 1e-4) && near(&told["rigid_Hz"][1], 110.182, 1e-4), "{told}");
+    let kept = documents().join("frame.svg");
+    if std::env::var_os("BLESS").is_some() {
+        fs::copy(&made, &kept).unwrap();
+    }
+    let [made, kept] = [made, kept].map(|path| fs::read_to_string(path).unwrap());
+    assert!(made == kept && made.len() as u64 <= LARGEST, "docs/research/frame.svg differs: BLESS=1");
+}

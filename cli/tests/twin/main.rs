@@ -6,6 +6,7 @@ mod asked;
 mod compensated;
 mod drawn;
 mod fitted;
+mod keys;
 mod papers;
 mod parts;
 mod played;

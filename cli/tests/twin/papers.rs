@@ -25,6 +25,7 @@ fn drawings_in_the_documents_are_what_the_command_makes() {
     for number in [3, 4, 5] {
         drawn(&format!("yin --figure {number}"), &format!("yin-paper/figure-{number}.svg"));
     }
+    drawn("yin --figure 4 --drive dc", "yin-paper/figure-4-dc.svg");
     drawn("zigzag", "corexyz-paper/zigzag.svg");
     drawn("level", "corexyz-paper/levelling.svg");
 }

@@ -5,6 +5,7 @@
 //! each axis ends where the first segment has no length left.
 
 use super::layout;
+use super::segment::Segment;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
 
@@ -27,6 +28,12 @@ impl std::fmt::Display for Workspace {
 }
 
 impl Workspace {
+    /// Whether there is any place for the tool.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.x[0] < self.x[1] && self.y[0] < self.y[1]
+    }
+
     /// Whether the tool can be there, up to rounding.
     #[must_use]
     pub fn has(&self, tool: Place) -> bool {
@@ -102,8 +109,12 @@ pub fn workspace(machine: Machine, params: &Params) -> Workspace {
     let [x, y, z] = [params.width_mm, params.depth_mm, params.height_mm].map(|length| length / 2.0);
     let middle = if machine.lifts() { Place { x, y, z } } else { Place::flat(x, y) };
     let stops = machine.stops();
+    let segments = layout(machine, params, middle).segments;
+    if !runs_as_drawn(machine, params, &segments) {
+        return Workspace { x: [x, 0.0], y: [y, 0.0], z: [0.0; 2] };
+    }
     let mut reach = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
-    for segment in layout(machine, params, middle).segments {
+    for segment in segments {
         let (Some(from), Some(to)) = (stops.get(segment.from), stops.get(segment.to)) else { continue };
         if segment.length_mm.is_nan() || segment.length_mm <= 0.0 && machine.lifts() {
             return Workspace { x: [x, 0.0], y: [y, 0.0], z: [0.0; 2] };
@@ -115,6 +126,21 @@ pub fn workspace(machine: Machine, params: &Params) -> Workspace {
     }
     let [x, y, z] = reach;
     Workspace { x, y, z: if machine.lifts() { z } else { [0.0; 2] } }
+}
+
+/// Whether every segment runs the way that it does in a frame with much room: between pulleys that have passed each
+/// other it runs back, and seems to have a length.
+fn runs_as_drawn(machine: Machine, params: &Params, segments: &[Segment]) -> bool {
+    let room = 2.0 * (params.head_pulleys_mm + params.bar_pulleys_mm + 16.0 * params.pulley_radius_mm);
+    let [width_mm, depth_mm, height_mm] = [params.width_mm, params.depth_mm, params.height_mm].map(|side| side + room);
+    let [x, y, z] = [width_mm, depth_mm, height_mm].map(|side| side / 2.0);
+    let middle = if machine.lifts() { Place { x, y, z } } else { Place::flat(x, y) };
+    let wide = layout(machine, &Params { width_mm, depth_mm, height_mm, ..params.clone() }, middle).segments;
+    let is_alike = |(segment, drawn): (&Segment, &Segment)| {
+        let along: f64 = segment.along().iter().zip(drawn.along()).map(|(a, b)| a * b).sum();
+        along > 0.0
+    };
+    segments.iter().zip(&wide).all(is_alike)
 }
 
 /// Ends a range where a segment with this growth per millimetre has no length left.

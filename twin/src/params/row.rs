@@ -27,14 +27,23 @@ pub enum Field<'p> {
     /// One number, or none.
     Maybe(&'p mut Option<f64>),
     /// A number for all parts of a kind, or a list.
-    Each(&'p mut Each),
+    Each(&'p mut Each, Parts),
 }
 
 impl Field<'_> {
     /// Whether a list of numbers is legal.
     #[must_use]
     pub const fn is_list(&self) -> bool {
-        matches!(self, Self::Each(_))
+        matches!(self, Self::Each(..))
+    }
+
+    /// What a list has a number for; none where a list is not legal.
+    #[must_use]
+    pub const fn parts(&self) -> Option<Parts> {
+        match self {
+            Self::Each(_, parts) => Some(*parts),
+            Self::One(_) | Self::Maybe(_) => None,
+        }
     }
 
     /// Its numbers.
@@ -43,7 +52,7 @@ impl Field<'_> {
         match self {
             Self::One(value) => Each::all(**value),
             Self::Maybe(value) => value.map_or(Each::NONE, Each::all),
-            Self::Each(each) => **each,
+            Self::Each(each, _) => **each,
         }
     }
 
@@ -52,8 +61,32 @@ impl Field<'_> {
         match self {
             Self::One(value) => *value = values.get(0).unwrap_or(*value),
             Self::Maybe(value) => *value = values.get(0),
-            Self::Each(each) => *each = values,
+            Self::Each(each, _) => *each = values,
         }
+    }
+}
+
+/// What a list has a number for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// Each belt.
+    Belts,
+    /// Each span, belt after belt.
+    Spans,
+    /// Each motor, by their numbers.
+    Motors,
+    /// x and y.
+    Axes,
+}
+
+impl std::fmt::Display for Parts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Belts => "belts",
+            Self::Spans => "spans",
+            Self::Motors => "motors",
+            Self::Axes => "axes",
+        })
     }
 }
 

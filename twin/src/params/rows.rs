@@ -3,7 +3,7 @@
 //! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). The prototype's masses, guides, friction and
 //! damping are not published, so those values are *assumed*.
 
-use super::row::{Field, Row};
+use super::row::{Field, Parts, Row};
 
 impl Row {
     /// The row of a key.
@@ -59,7 +59,7 @@ pub static ROWS: [Row; 44] = [
         meaning: "The same on each motor, in the order of the motors' numbers, where pulleys differ ([H] equation \
                  8); the belt's lines stay as they are",
         source: "pulley_radius_mm",
-        field: |p| Field::Each(&mut p.motor_radius_mm),
+        field: |p| Field::Each(&mut p.motor_radius_mm, Parts::Motors),
     },
     Row {
         key: "bar_pulleys_mm",
@@ -87,7 +87,7 @@ pub static ROWS: [Row; 44] = [
         meaning: "Free belt of each span outside the rectangle of W and D, in the order of the spans of `twin \
                  geometry`",
         source: "[H] figure 6: none",
-        field: |p| Field::Each(&mut p.outside_mm),
+        field: |p| Field::Each(&mut p.outside_mm, Parts::Spans),
     },
     Row {
         key: "belt_EA_N",
@@ -97,7 +97,7 @@ pub static ROWS: [Row; 44] = [
         meaning: "Tensile stiffness of each belt (modulus times section), N per unit of strain",
         source: "assumed: 9 mm of GT2 with glass cords; one published pull of 169 N on 500 mm gave 29,100, steel \
                  cords 56,000; credible are 20,000 to 56,000",
-        field: |p| Field::Each(&mut p.belt_ea_n),
+        field: |p| Field::Each(&mut p.belt_ea_n, Parts::Belts),
     },
     Row {
         key: "preload_N",
@@ -106,7 +106,7 @@ pub static ROWS: [Row; 44] = [
         may_be_zero: true,
         meaning: "Tension of each belt at rest",
         source: "assumed: Gates' 6 to 8 lbf for 6 mm of GT2, scaled to 9 mm",
-        field: |p| Field::Each(&mut p.preload_n),
+        field: |p| Field::Each(&mut p.preload_n, Parts::Belts),
     },
     Row {
         key: "belt_kg_per_m",
@@ -115,7 +115,7 @@ pub static ROWS: [Row; 44] = [
         may_be_zero: false,
         meaning: "Mass of a metre of each belt, used for plucked parts",
         source: "assumed: 9 mm of GT2, from 8.3 g/m for 6 mm (a tension table by Benchtop Machine Shop)",
-        field: |p| Field::Each(&mut p.belt_kg_per_m),
+        field: |p| Field::Each(&mut p.belt_kg_per_m, Parts::Belts),
     },
     Row {
         key: "belt_damping_s",
@@ -205,7 +205,7 @@ pub static ROWS: [Row; 44] = [
         may_be_zero: false,
         meaning: "Stiffness with which the ground holds the frame in x and in y; the frame then vibrates too",
         source: "a rigid frame",
-        field: |p| Field::Each(&mut p.frame_stiffness_n_per_mm),
+        field: |p| Field::Each(&mut p.frame_stiffness_n_per_mm, Parts::Axes),
     },
     Row {
         key: "frame_damping_ratio",

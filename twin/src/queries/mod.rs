@@ -2,7 +2,7 @@
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
 //! [`tension`], [`ripple`], [`misalignment`]. About the whole reach: [`resonance`], [`compare`], [`limits`],
-//! [`torque`]. [`frame`] has the torque on the frame. [`paper`] compares the CoreH-bot paper with the model, and
+//! [`torque`]. [`frame`] has the torque on the frame, [`soft_frame`] its vibration. [`paper`] compares the CoreH-bot paper with the model, and
 //! [`shaper`] rates a shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as
 //! [`claim`]s.
 
@@ -20,6 +20,7 @@ pub mod resonance;
 pub mod ripple;
 pub mod shaper;
 pub mod slip;
+pub mod soft_frame;
 pub mod stiffness;
 mod strain;
 pub mod tension;

@@ -15,6 +15,9 @@ pub struct Strain {
     pub dx_mm: f64,
     /// Displacement away from the front.
     pub dy_mm: f64,
+    /// Displacement up; none where no belts lift the tool.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dz_mm: Option<f64>,
     /// Part of the motor travel that a rigid belt cannot follow; none on machines without a residual.
     pub residual_mm: Option<f64>,
     /// Change of each span's tension.
@@ -35,6 +38,7 @@ impl Strain {
         Self {
             dx_mm: balance.of(elastic, Coordinate::X),
             dy_mm: balance.of(elastic, Coordinate::Y),
+            dz_mm: elastic.links.index(Coordinate::Z).map(|_| balance.of(elastic, Coordinate::Z)),
             residual_mm: residual_mm(setup.machine, &turned),
             // Where links are segments, all segments of a span have one tension, because only the belt turns an idler.
             tension_change_n: spans.zip(balance.tensions_n.iter().copied()).collect(),
@@ -46,7 +50,11 @@ impl Strain {
 
 impl std::fmt::Display for Strain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(f, "  tool     dx {:>9} mm   dy {:>9} mm", shown(self.dx_mm, 5), shown(self.dy_mm, 5))?;
+        write!(f, "  tool     dx {:>9} mm   dy {:>9} mm", shown(self.dx_mm, 5), shown(self.dy_mm, 5))?;
+        if let Some(dz) = self.dz_mm {
+            write!(f, "   dz {:>9} mm", shown(dz, 5))?;
+        }
+        writeln!(f)?;
         if let Some(residual) = self.residual_mm {
             writeln!(f, "  residual    {:>9} mm of belt", shown(residual, 5))?;
         }

@@ -108,11 +108,15 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
     run(command)?;
     let on = settings.map(|machine| format!(" on {}", name(machine)));
     let settings = settings.map(machine_file::read).transpose()?.map_or_else(Settings::prototype, |read| read.settings);
+    let sensor = settings.accelerometer.kind.map_or("", |_| {
+        "\nThis machine has an accelerometer, and the board in QEMU has none: it sweeps without one. Leave \
+         [accelerometer] out of the file, or use cargo xtask emulate octopus."
+    });
     let job = Job { gcode: qemu::read_gcode(file)?, settings, start: None, mesh: None, patience_ms: 0 };
     let outcome = job.run(image, Some(&found))?;
     if let Some(difference) = diff::first(&expected, &found)? {
         let log = outcome.log.join("\n");
-        bail!("{difference} (simulator: {}, QEMU: {})\n{log}", expected.display(), found.display());
+        bail!("{difference} (simulator: {}, QEMU: {}){sensor}\n{log}", expected.display(), found.display());
     }
     // Only traces that differ are worth keeping.
     std::fs::remove_file(expected)?;

@@ -96,8 +96,9 @@ fn force_of(text: &str) -> Result<f64, AccidentError> {
     number(text, "force of 0 to 10,000 N", [0.0, MOST_N])
 }
 
+/// With 0 it would end as it begins.
 fn duration_ms(text: &str) -> Result<f64, AccidentError> {
-    number(text, "time of 0 to 60,000 ms", [0.0, LONGEST_MS])
+    number(text, "time above 0 and up to 60,000 ms", [f64::MIN_POSITIVE, LONGEST_MS])
 }
 
 impl std::str::FromStr for Hit {
@@ -210,11 +211,12 @@ mod tests {
         assert_eq!(hit("1,2,3"), "expected X,Y,N,MS");
         assert_eq!(hit("1,nan,3,4"), "`nan` is not a position in mm");
         assert_eq!(hit("1,2,-3,4"), "`-3` is not a force of 0 to 10,000 N");
-        assert_eq!(hit("1,2,3,inf"), "`inf` is not a time of 0 to 60,000 ms");
+        assert_eq!(hit("1,2,3,inf"), "`inf` is not a time above 0 and up to 60,000 ms");
         let brake = |text: &str| text.parse::<Brake>().unwrap_err().to_string();
         assert_eq!(brake("a motor,3"), "`a motor` is not the name of a motor");
         assert_eq!(brake("m1"), "expected MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS");
         assert_eq!(brake("m1,3,-1"), "`-1` is not a time in s");
+        assert_eq!(brake("m1,3,2,0"), "`0` is not a time above 0 and up to 60,000 ms");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use corehbot::kinematics::{Row, multiple};
 use corehbot::motors::{MOTORS, Motor, MotorName};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_twin::description::Description;
+use corehbot_twin::description::{Description, WrongList, check_lists};
 use corehbot_twin::geometry::{Workspace, workspace};
 use corehbot_twin::math::ln;
 use corehbot_twin::model::ways::Ways;
@@ -54,6 +54,10 @@ pub enum LayoutError {
     NoMotor(Machine, NoColumn),
     /// The named routing has no belt for this motor.
     NoBelt(Machine, MotorName),
+    /// A list of numbers does not fit the machine.
+    Lists(WrongList),
+    /// Pulleys leave the tool no reach in a frame of this width and depth in mm.
+    NoRoom([f64; 2]),
     /// The axes are longer than the tool reaches, in mm.
     TooLong {
         /// Length of the axes.
@@ -88,6 +92,12 @@ impl std::fmt::Display for LayoutError {
             Self::NoBelt(machine, name) => {
                 write!(f, "twin.routing = \"{}\": it has no belt for motor {name}", machine.key())
             }
+            Self::Lists(wrong) => wrong.fmt(f),
+            Self::NoRoom([width, depth]) => write!(
+                f,
+                "twin.width_mm = {width}, twin.depth_mm = {depth}: the pulleys of frame, bar and head leave the tool no \
+                 room"
+            ),
             Self::TooLong { axes, reach } => write!(
                 f,
                 "axes of {} mm: the belts of twin.width_mm, depth_mm and height_mm reach {}",
@@ -130,10 +140,15 @@ impl Layout {
             settings.mechanism.motors().filter(|(_, [x, y, ..])| (*x, *y) != (0, 0)).collect();
         let rows: Vec<[i8; 3]> = belt.iter().map(|(_, row)| reduced(*row, multiple(*row))).collect();
         let machine = twin.machine(&rows).ok_or(LayoutError::NoMachine)?;
+        check_lists(machine, &twin.params).map_err(LayoutError::Lists)?;
+        let params = with_room(machine, twin.params.clone(), settings);
+        if !workspace(machine, &params).has_room() {
+            return Err(LayoutError::NoRoom([twin.params.width_mm, twin.params.depth_mm]));
+        }
         let columns =
             belt.iter().map(|(_, [x, y, z, _])| Column { name: String::new(), row: [*x, *y, *z], axis_step: 1.0 });
-        let ways = Ways::new(machine, &twin.params);
-        let turned = drives(&StepTrace::new(columns.collect(), 1.0), &ways, &twin.params);
+        let ways = Ways::new(machine, &params);
+        let turned = drives(&StepTrace::new(columns.collect(), 1.0), &ways, &params);
         let turned = turned.map_err(|missing| LayoutError::NoMotor(machine, missing))?;
         for (index, (motor, _)) in belt.iter().enumerate() {
             if turned.iter().all(|drive| drive.column != index) {
@@ -150,7 +165,7 @@ impl Layout {
             })
         };
         let drives: Vec<MotorDrive> = turned.iter().filter_map(drive).collect();
-        let params = with_room(machine, with_radii(twin.params.clone(), &drives, settings), settings);
+        let params = with_radii(params, &drives, settings);
         Ok(Self { machine, params, drives })
     }
 

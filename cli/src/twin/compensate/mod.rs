@@ -38,7 +38,7 @@ pub(crate) struct Compensate {
     #[command(flatten)]
     printer: Printer,
     /// Over how many ms (standard deviation of a Gaussian) the path is smoothed before its acceleration is taken.
-    #[arg(long, value_name = "MS", value_parser = parse_width, default_value = "1")]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = parse_width, default_value = "1")]
     smooth: f64,
     /// Plays both on the machine with rotors, with the believed values and with belts and fields 20 % off, and reports
     /// the remaining error.
