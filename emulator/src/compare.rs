@@ -45,6 +45,16 @@ pub fn scheduled_with(
     storage: impl Storage,
     belt: Option<&BeltSetup>,
 ) -> Result<Vec<Scheduled>> {
+    printed(gcode, [settings, settings], storage, belt)
+}
+
+/// Prints on a simulator that was built as the first machine and pulls the belts of the second one.
+fn printed(
+    gcode: &str,
+    [built, pulled]: [&Settings; 2],
+    storage: impl Storage,
+    belt: Option<&BeltSetup>,
+) -> Result<Vec<Scheduled>> {
     struct Steps(Vec<Scheduled>);
     impl Sink for Steps {
         fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
@@ -56,10 +66,10 @@ pub fn scheduled_with(
     let mut steps = Steps(Vec::new());
     let mut desk = Desk::new(1);
     if let Some(setup) = belt {
-        desk.belt = Some(Box::new(BeltPlant::new(settings, None, false, setup.clone(), 0)?));
+        desk.belt = Some(Box::new(BeltPlant::new(pulled, None, false, setup.clone(), 0)?));
     }
     let (drivers, mut host) = (Drivers::new(), FileHost::new(gcode));
-    world::run_at(&mut desk, settings, None, storage, &drivers, &mut [&mut host], &mut steps)?;
+    world::run_at(&mut desk, built, None, storage, &drivers, &mut [&mut host], &mut steps)?;
     Ok(steps.0)
 }
 
@@ -80,7 +90,7 @@ pub fn scheduled_stored(
     }
     // It would lack the accelerometer too: then the firmware finds none, and makes no sweep.
     let built = Settings { accelerometer: settings.accelerometer, ..prototype };
-    scheduled_with(gcode, &built, eeprom, belt)
+    printed(gcode, [&built, settings], eeprom, belt)
 }
 
 /// The part of `events` that a board shows if it has only the motors `motors`.

@@ -61,3 +61,20 @@ fn a_stored_machine_has_its_accelerometer_plugged_in() {
     assert_eq!(stored, scheduled(&gcode, &settings).unwrap());
     assert!(stored.len() > scheduled(before, &settings).unwrap().len() + 1000, "{}", stored.len());
 }
+
+/// The belts are those of the stored machine: with the prototype's, a millimetre would have half as many steps, and
+/// the tool would meet its switches elsewhere.
+#[test]
+fn a_stored_machine_pulls_its_own_belts() {
+    let mut settings = Settings::prototype();
+    for axis in [&mut settings.axes.x, &mut settings.axes.y] {
+        axis.steps_per_mm = corehbot::units::StepsPerMm::from_num(160);
+    }
+    let mut eeprom = Eeprom::blank();
+    eeprom.save(&settings).unwrap();
+    let setup = BeltSetup { seed: Some(3), ..BeltSetup::default() };
+    let gcode = "G28 X Y\nG1 X20 F6000\nM400\n";
+    let stored = scheduled_stored(gcode, &settings, &mut eeprom, Some(&setup)).unwrap();
+    let built = scheduled_with(gcode, &settings, NoStorage, Some(&setup)).unwrap();
+    assert!(built.len() > 1000 && stored == built, "{} {}", stored.len(), built.len());
+}
