@@ -30,6 +30,9 @@ impl Plant {
     pub(super) fn brake(&self, first: usize, speeds: &[f64], brakes_n: &[f64], forces: &mut [f64]) {
         let wheels = speeds.iter().zip(&self.mobility).skip(first).zip(forces.iter_mut().skip(first));
         for (((speed, mobility), force), brake) in wheels.zip(brakes_n) {
+            if *brake == 0.0 {
+                continue;
+            }
             let stops = *force + speed / (mobility * BRAKED_IN_S);
             *force -= stops.clamp(-brake, *brake);
         }

@@ -299,13 +299,19 @@ impl Plant {
         (spring.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
     }
 
-    /// Pull of a spring: its tension, and its damping unless it is slack.
+    /// Pull of a spring: its tension, and its damping unless it is slack. Stretch and rate are summed in one pass, since
+    /// this is the innermost loop.
     fn pull_of(&self, spring: &Spring, at: &[f64], speeds: &[f64]) -> f64 {
-        let tension = self.tension(spring, at);
+        let (mut stretch, mut rate) = (0.0, 0.0);
+        for (i, c) in &spring.row {
+            stretch += c * at.get(*i).copied().unwrap_or(0.0);
+            rate += c * speeds.get(*i).copied().unwrap_or(0.0);
+        }
+        let tension = spring.preload_n + spring.stiffness * stretch;
         if tension <= 0.0 {
             return 0.0;
         }
-        tension + self.params.belt_damping_s * spring.stiffness * sum(&spring.row, speeds)
+        tension + self.params.belt_damping_s * spring.stiffness * rate
     }
 
     /// Accelerations of all moving parts, for commanded motor positions and outside actions.
@@ -321,7 +327,7 @@ impl Plant {
         // Loose pulleys give way first. Spans to them have no damping: they are not stretched as fast as they seem.
         let slipped = self.slipped(at, &outside.screws);
         for spring in &self.springs {
-            let tension = if self.is_loose(spring, &outside.screws) {
+            let tension = if !outside.screws.is_empty() && self.is_loose(spring, &outside.screws) {
                 self.tension(spring, slipped.as_ref().map_or(at, |slipped| &slipped.at))
             } else {
                 self.pull_of(spring, at, speeds)

@@ -99,6 +99,9 @@ impl State {
             for (sum, a) in s.sum_slopes.iter_mut().zip(&s.slope) {
                 *sum += weight * a;
             }
+            if ahead == 0.0 {
+                break;
+            }
             // The next stage starts from here by this stage's slopes.
             for (stage, (q, v)) in s.at.iter_mut().zip(at.iter().zip(&s.speeds)) {
                 *stage = q + ahead * h * v;

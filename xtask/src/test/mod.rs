@@ -10,6 +10,7 @@ mod diff;
 mod exchanges;
 mod halt;
 mod lane;
+mod processor;
 mod side_by_side;
 mod size;
 mod tools;
@@ -147,6 +148,21 @@ pub fn main(args: &Args) -> Result<()> {
     if report.failed > 0 { bail!("not everything is well") } else { Ok(()) }
 }
 
+/// Time of a step.
+#[derive(Clone, Copy, Default)]
+struct Time {
+    wall: Duration,
+    /// Of all processors together, where the system tells it.
+    processor: Option<Duration>,
+}
+
+impl std::fmt::Display for Time {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:>6.1} s", self.wall.as_secs_f64())?;
+        self.processor.map_or(Ok(()), |time| write!(f, " {:>6.1} CPU-s", time.as_secs_f64()))
+    }
+}
+
 /// The table at the end. Each test counts, and so does each step without tests of its own.
 #[derive(Default)]
 struct Report {
@@ -160,9 +176,11 @@ impl Report {
     fn run(&mut self, is_wanted: impl Fn(&Step) -> bool) {
         for step in STEPS.iter().filter(|step| is_wanted(step)) {
             println!("\n== {}: {}", step.name, step.heading);
-            let begin = Instant::now();
+            let (begin, taken) = (Instant::now(), processor::taken());
             let verdict = (step.run)();
-            self.add(step.name, verdict, begin.elapsed());
+            let time =
+                Time { wall: begin.elapsed(), processor: processor::taken().zip(taken).map(|(now, then)| now - then) };
+            self.add(step.name, verdict, time);
         }
     }
 
@@ -183,7 +201,7 @@ impl Report {
         Ok(())
     }
 
-    fn add(&mut self, name: &str, verdict: Result<Verdict>, time: Duration) {
+    fn add(&mut self, name: &str, verdict: Result<Verdict>, time: Time) {
         let (word, passed, failed, remark) = match verdict {
             Ok(Verdict::Passed(remark)) => ("ok", 1, 0, remark),
             Ok(Verdict::Tested { passed, failed: 0, remark }) => ("ok", passed, 0, remark),
@@ -197,13 +215,16 @@ impl Report {
         self.passed += passed;
         self.failed += failed;
         let remark = remark.lines().next().unwrap_or_default();
-        self.rows.push(format!("{name:<8} {word:<8} {:>6.1} s  {remark}", time.as_secs_f64()));
+        self.rows.push(format!("{name:<8} {word:<8} {time}  {remark}"));
     }
 
     fn print(&self) {
         println!("\n== result");
         for row in &self.rows {
             println!("{}", row.trim_end());
+        }
+        if let Some(taken) = processor::taken() {
+            println!("the processors took {:.0} s", taken.as_secs_f64());
         }
         println!("{} passed, {} failed", self.passed, self.failed);
     }
@@ -216,8 +237,8 @@ mod tests {
     #[test]
     fn results_go_from_one_process_to_the_other() {
         let mut images = Report::default();
-        images.add("qemu", Ok(Verdict::Tested { passed: 5, failed: 1, remark: "one differs".into() }), Duration::ZERO);
-        images.add("size", Ok(Verdict::Passed(String::new())), Duration::ZERO);
+        images.add("qemu", Ok(Verdict::Tested { passed: 5, failed: 1, remark: "one differs".into() }), Time::default());
+        images.add("size", Ok(Verdict::Passed(String::new())), Time::default());
         let path = std::env::temp_dir().join(format!("corehbot-results-{}", std::process::id()));
         images.write(&path).unwrap();
         let mut all = Report { passed: 10, ..Report::default() };
