@@ -52,9 +52,9 @@ pub(crate) enum Twin {
     Modes(point::Modes),
     /// Computes the effect of a force on the tool.
     ///
-    /// dx_mm is to the right, dy_mm away from the front and dz_mm up. A change of tension is positive where a span gets tighter.
-    /// A motor's torque is the one with which it holds, counter-clockwise seen from above. The residual is the part of
-    /// the motors' travel that a rigid belt cannot follow.
+    /// dx_mm is to the right, dy_mm away from the front and dz_mm up. A change of tension is positive where a span gets
+    /// tighter. A motor's torque is the one with which it holds, counter-clockwise seen from above. The residual is the
+    /// part of the motors' travel that a rigid belt cannot follow.
     Push(point::Push),
     /// Computes the effect of a motor that slipped.
     ///
@@ -84,8 +84,8 @@ pub(crate) enum Twin {
     /// Finds the frequencies at which each axis rings over the reach, shapers that fit, and speeds to avoid.
     ///
     /// frequencies_Hz has a row for each y_mm and a column for each x_mm, from motor 1's axis. Residuals
-    /// (worst_residual, left_by_y, left_by_shaper) and coupling are parts, of 1; damping_ratio is of critical damping. A net rounding is positive where the
-    /// tool stays inside a corner, in a/w^2.
+    /// (worst_residual, left_by_y, left_by_shaper) and coupling are parts, of 1; damping_ratio is of critical damping.
+    /// A net rounding is positive where the tool stays inside a corner, in a/w^2.
     Resonance(resonance::Resonance),
     /// Computes fine ripple of walls by speed and angle (VFA): motors, teeth and pulleys that shake the tool.
     Ripple(ripple::Ripple),
@@ -157,8 +157,8 @@ pub(crate) enum Twin {
     /// outside. bisector_mm is positive inside. end_off_x_um and end_off_y_um are the tool's place at rest after the
     /// last step minus the end of its line: to the right and away from the front is positive. Places of corners count
     /// from motor 1's axis; turn_deg is positive to the left. tension_N has the lowest and the highest tension, and a
-    /// margin is the part of a motor's torque that was left, of 1. Torques, residuals and slack are the largest, without
-    /// a sign; full_steps_off is positive counter-clockwise.
+    /// margin is the part of a motor's torque that was left, of 1. Torques, residuals and slack are the largest,
+    /// without a sign; full_steps_off is positive counter-clockwise.
     Run(play::Play),
 }
 
