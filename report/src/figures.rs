@@ -9,10 +9,12 @@
 //! | `forces` | a simple belt, free bodies, and motions along the axes, as in figures 7 to 9 |
 //! | `workspaces` | the reach of three machines, by equations 20 and 21 |
 //! | `table` | table 1 |
+//! | `radii` | equation 8: motors with pulleys of four sizes |
 //! | `page` | the page with all of them, and the numbers of the text |
 
 mod forces;
 mod page;
+mod radii;
 mod routing;
 mod table;
 mod workspaces;
@@ -40,6 +42,7 @@ pub fn figures(paper: &Paper) -> Vec<Figure> {
         ("fig-8-free-bodies.svg", forces::free_bodies()),
         ("fig-9-motions.svg", forces::motions()),
         ("table-1.svg", table::table_1(paper)),
+        ("equation-8.svg", radii::turns(&paper.radii)),
         ("workspaces.svg", workspaces::workspaces()),
         ("README.md", page::page(paper)),
     ]

@@ -88,6 +88,31 @@ fn each_number_of_the_paper_stands_next_to_one_computed_elsewhere() {
     }
 }
 
+/// Equation 8 by hand. A tooth is 2 mm of belt, so 10 mm turn a pulley of n teeth by 1800 / n degrees. A pulley that is
+/// taken for one of 20 teeth moves n / 20 of the belt; x, y, circulation and equation 11 are sums over the four.
+#[test]
+fn four_pulleys_of_four_sizes_turn_as_computed_by_hand() {
+    let made = file("figures-radii", "").with_file_name("radii");
+    let radii = &json(&format!("figures {}", made.display()))["radii"];
+    assert_eq!(radii["teeth"], serde_json::json!([20, 16, 24, 18]), "{radii}");
+    let turns = [[-90.0, -112.5, 75.0, 100.0], [90.0, -112.5, -75.0, 100.0], [0.0, -225.0, 0.0, 200.0]];
+    for (movement, turns) in radii["movements"].as_array().unwrap().iter().zip(turns) {
+        for (motor, turn) in turns.into_iter().enumerate() {
+            assert!((movement["turn_deg"][motor].as_f64().unwrap() - turn).abs() < 1e-9, "{movement}");
+        }
+    }
+    // Belts for (100, 0): -100, -80, 120, 90 mm; for (0, 100): 100, -80, -120, 90 mm; and their sum.
+    let corners =
+        [([0.0, 0.0], 0.0, 0.0), ([97.5, -12.5], 7.5, 10.0), ([85.0, 85.0], 5.0, -20.0), ([-12.5, 97.5], -2.5, -30.0)];
+    let told = radii["taken_for_equal"].as_array().unwrap();
+    assert_eq!(told.len(), corners.len());
+    for (corner, ([x, y], round, residual)) in told.iter().zip(corners) {
+        let is = |value: &serde_json::Value, expected: f64| (value.as_f64().unwrap() - expected).abs() < 1e-9;
+        assert!(is(&corner["reached_mm"][0], x) && is(&corner["reached_mm"][1], y), "{corner}");
+        assert!(is(&corner["circulation_mm"], round) && is(&corner["residual_mm"], residual), "{corner}");
+    }
+}
+
 #[test]
 fn the_picture_of_pulleys_off_their_places_is_the_commands() {
     let made = file("twin-misalignment.svg", "");

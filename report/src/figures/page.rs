@@ -7,7 +7,7 @@ const HEAD: &str = "# Figures of the CoreH-bot paper\n
 Made by `corehbot twin figures docs/research/corehbot-paper`. Do not edit: a test compares this folder with the command.\n
 The drawings follow from the [routing tables](../twin.md#one-law), which also give every stiffness, mode and run of the [twin](../twin.md). The paper's own figures cannot be computed with. Radii and the widths of bar and head are drawn larger than they are, as in the paper.\n";
 
-const DRAWINGS: [(&str, &str, &str); 7] = [
+const DRAWINGS: [(&str, &str, &str); 8] = [
     (
         "Figure 5: the CoreH-bot",
         "fig-5-corehbot.svg",
@@ -17,6 +17,11 @@ const DRAWINGS: [(&str, &str, &str); 7] = [
         "Figure 6: three routings",
         "fig-6-routings.svg",
         "H-bot and CoreXY have no pulleys on the head; here `e` is the distance of the belt's clamps.",
+    ),
+    (
+        "Equation 8: pulleys of four sizes",
+        "equation-8.svg",
+        "The paper gives each motor a radius of its own and has no picture of it. `twin.motor_radius_mm` of a [machine file](../twin.md#the-machine) has the four radii.",
     ),
     ("Table 1: lengths", "table-1.svg", "No other routing gives all 28 lengths."),
     (

@@ -8,11 +8,14 @@
 //! | [`table`] | table 1: the length of each segment and wrap |
 //! | [`pattern`] | tensions in a motion along an axis, by the paper's condition F |
 //! | [`statements`] | numbers in the text |
+//! | [`radii`] | equation 8 with four pulleys of four sizes |
 
 pub mod pattern;
+pub mod radii;
 pub mod statements;
 pub mod table;
 
+use radii::Radii;
 use serde::Serialize;
 use statements::{Statement, statements};
 use table::{Row, table_1};
@@ -24,13 +27,15 @@ pub struct Paper {
     pub table_1: Vec<Row>,
     /// Numbers in the text.
     pub statements: Vec<Statement>,
+    /// Equation 8 with unequal radii.
+    pub radii: Radii,
 }
 
 impl Paper {
     /// The answer, with the dimensions of the paper's table 2.
     #[must_use]
     pub fn new() -> Self {
-        Self { table_1: table_1(), statements: statements() }
+        Self { table_1: table_1(), statements: statements(), radii: Radii::new() }
     }
 }
 
@@ -49,6 +54,6 @@ impl std::fmt::Display for Paper {
             let [printed, ours] = [s.printed, s.ours].map(|value| s.text(value));
             writeln!(f, "{:<14}{:<66}{printed:>10}{ours:>10} {}", s.place, s.what, s.unit)?;
         }
-        Ok(())
+        write!(f, "{}", self.radii)
     }
 }
