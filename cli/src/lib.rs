@@ -20,6 +20,7 @@ pub mod bed_args;
 mod bringup;
 pub mod cli;
 mod config;
+mod digest;
 pub mod heat_args;
 pub mod image;
 pub mod input;

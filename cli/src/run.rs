@@ -1,6 +1,7 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
 use crate::bed_args::BedArgs;
+use crate::digest::RingSha256;
 use crate::heat_args::HeatArgs;
 use crate::input::GcodeFile;
 use crate::output::Outputs;
@@ -151,7 +152,8 @@ impl Prepared {
         // Without a page their sums count.
         let path = scratch().context("cannot keep the tool path in a temporary file")?;
         let moves = scratch().context("cannot keep the moves in a temporary file")?;
-        let writers = Writers { trace: TraceWriter::new(trace, settings.into()), vcd };
+        let trace = TraceWriter::with_digest(trace, settings.into(), RingSha256::default());
+        let writers = Writers { trace, vcd };
         let judges = Judges {
             tally: Tally::new(settings, begin),
             checker: Checker::new(settings, &limits),

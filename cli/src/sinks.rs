@@ -5,6 +5,7 @@
 //! three, not as long as all of them. Each thread has a queue of a few batches. When it is full the firmware waits, so
 //! memory is bounded. A panic on a thread goes on in the caller.
 
+use crate::digest::RingSha256;
 use crate::output::Stream;
 use anyhow::{Context as _, Result};
 use corehbot::motors::MotorSet;
@@ -70,7 +71,7 @@ impl Batch {
 
 /// Sinks that write every step.
 pub(crate) struct Writers<W: Write> {
-    pub trace: TraceWriter<W>,
+    pub trace: TraceWriter<W, RingSha256>,
     pub vcd: Option<VcdWriter<W>>,
 }
 

@@ -12,7 +12,7 @@ use corehbot::kinematics::Mechanism;
 use corehbot::motors::{MOTORS, MotorName, MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::{StepsPerMm, TICKS_PER_SECOND};
-use sha2::{Digest, Sha256};
+use sha2::{Digest as _, Sha256};
 use std::io::{self, Write};
 
 /// Bytes gathered before they are hashed and written.
@@ -109,6 +109,24 @@ pub struct Finished {
     pub events: u64,
 }
 
+/// A SHA-256 under way. The library has `sha2`'s, which runs everywhere; a caller may have a faster one.
+pub trait Digest {
+    /// Takes in more bytes.
+    fn update(&mut self, bytes: &[u8]);
+    /// The digest of all bytes.
+    fn finish(self) -> [u8; 32];
+}
+
+impl Digest for Sha256 {
+    fn update(&mut self, bytes: &[u8]) {
+        sha2::Digest::update(self, bytes);
+    }
+
+    fn finish(self) -> [u8; 32] {
+        self.finalize().into()
+    }
+}
+
 /// A few characters of a row.
 #[derive(Clone, Copy, Default)]
 struct Piece {
@@ -155,9 +173,9 @@ impl High {
 /// Writes a trace and computes its digest.
 ///
 /// An I/O error is kept and returned by [`finish`](Self::finish), so that a sink need not fail.
-pub struct TraceWriter<W> {
+pub struct TraceWriter<W, D = Sha256> {
     out: Option<W>,
-    hash: Sha256,
+    hash: D,
     /// Bytes not hashed yet: the first `filled` of them.
     buffer: Box<[u8]>,
     filled: usize,
@@ -174,6 +192,14 @@ impl<W: Write> TraceWriter<W> {
     /// A trace that goes to `out`, or only into the digest.
     #[must_use]
     pub fn new(out: Option<W>, header: Header) -> Self {
+        Self::with_digest(out, header, Sha256::new())
+    }
+}
+
+impl<W: Write, D: Digest> TraceWriter<W, D> {
+    /// The same with a digest of the caller, which has taken in nothing yet.
+    #[must_use]
+    pub fn with_digest(out: Option<W>, header: Header, hash: D) -> Self {
         let text = header.text();
         let mut buffer = vec![0; text.len() + CHUNK + LONGEST_ROW].into_boxed_slice();
         buffer[..text.len()].copy_from_slice(text.as_bytes());
@@ -182,7 +208,7 @@ impl<W: Write> TraceWriter<W> {
         let first = of(columns.min(4) as u8, b"");
         let others = of(columns.saturating_sub(4) as u8, b"\n");
         let (filled, high) = (text.len(), High::default());
-        Self { out, hash: Sha256::new(), buffer, filled, events: 0, high, error: None, first, others }
+        Self { out, hash, buffer, filled, events: 0, high, error: None, first, others }
     }
 
     /// One instant in which `steps` move, each forward or backward. An instant without steps has no row.
@@ -219,7 +245,7 @@ impl<W: Write> TraceWriter<W> {
         }
         match self.error {
             Some(error) => Err(error),
-            None => Ok(Finished { sha256: hex(&self.hash.finalize()), events: self.events }),
+            None => Ok(Finished { sha256: hex(&self.hash.finish()), events: self.events }),
         }
     }
 

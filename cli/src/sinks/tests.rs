@@ -26,7 +26,10 @@ fn tell(sink: &mut impl Sink, mut each: impl FnMut()) {
 }
 
 fn writers<W: Write>(out: W) -> Writers<W> {
-    Writers { trace: TraceWriter::new(Some(out), (&Settings::prototype()).into()), vcd: None }
+    Writers {
+        trace: TraceWriter::with_digest(Some(out), (&Settings::prototype()).into(), RingSha256::default()),
+        vcd: None,
+    }
 }
 
 fn judges() -> Judges {
