@@ -156,11 +156,35 @@ def desk(browser, report):
 
 def phone(browser):
     browser.check_width()
+    remarks(browser)
     browser.run("document.querySelector('.charts').scrollIntoView()")
     browser.wait("a chart", lambda: browser.find_all(".charts .u-over"))
     touch = browser.run("return getComputedStyle(document.querySelector('.charts .u-over')).touchAction")
     check(touch == "pan-y", f"a chart cannot be scrolled past: {touch}")
     browser.check_quiet()
+
+
+def remarks(browser):
+    """A print with thousands of remarks is no higher than one with twenty, and a key scrolls the list."""
+    fill = """const { record } = document.querySelector('.viewer').corehbotView, count = arguments[0];
+        const { summary } = record.data, texts = Array.from({ length: count }, (_, i) => `motor 1 slipped at ${i} s`);
+        const { pauses, warnings, violations } = summary;
+        Object.assign(summary, { pauses: texts, warnings: [], violations: [] });
+        const root = document.querySelector('.viewer'), streams = corehbotViewer.streamsOfPage;
+        window.corehbotFilled = false;
+        corehbotViewer.openRecord(root, record.data, (window.corehbotStreams ??= streams()))
+            .then(() => { Object.assign(summary, { pauses, warnings, violations }); window.corehbotFilled = true; });"""
+    heights = []
+    for number in (40, 3000):
+        browser.run(fill, number)
+        browser.wait("remarks", lambda: browser.run("return window.corehbotFilled"))
+        check(len(browser.find_all(".remarks li")) == number, f"{number} remarks are not all there")
+        heights.append(browser.run("return document.body.getBoundingClientRect().height"))
+    check(abs(heights[1] - heights[0]) < 1, f"40 and 3000 remarks make the page {heights} px high")
+    items = browser.find(".remarks")
+    items.send_keys(Keys.END)
+    browser.wait("end of the remarks", lambda: browser.run("return arguments[0].scrollTop > 1000", items), 10)
+    check("3,000" in items.get_attribute("aria-label"), f"the list is called {items.get_attribute('aria-label')}")
 
 
 main(run)

@@ -9,7 +9,13 @@ const note = textContent => make("p", { className: "sub", textContent });
 /** What went wrong: a title, and rows of a name and what is said of it. */
 const alertCard = (title, rows) => make("section", { className: "card panel fault", role: "alert", ariaLabel: "What went wrong" }, make("h2", { textContent: title }),
   make("dl", {}, ...rows.flatMap(([name, ...content]) => [make("dt", { textContent: name }), make("dd", {}, ...content)])));
-const remarkList = texts => make("ul", { className: "remarks" }, ...texts.map(textContent => make("li", { textContent })));
+/** Texts in a list that scrolls if there are many, with the keyboard too: the keys of the page are not for it then. */
+function remarkList(texts) {
+  const list = make("ul", { className: "remarks", tabIndex: 0, ariaLabel: `Remarks: ${count(texts.length)}` }, ...texts.map(textContent => make("li", { textContent })));
+  const KEYS = ["ArrowUp", "ArrowDown", "PageUp", "PageDown", "Home", "End", " "];
+  list.addEventListener("keydown", e => { if (KEYS.includes(e.key) && list.scrollHeight > list.clientHeight) e.stopPropagation(); });
+  return list;
+}
 /** Figures, each with its unit and its name; of what is not known there is none. */
 const tileRow = list => make("section", { className: "tiles", ariaLabel: "Figures" }, ...list.filter(Boolean).map(([value, unit, name]) => make("div", { className: "card tile" },
   make("b", { className: String(value).length + unit.length > 9 ? "long" : "" }, value + " ", make("small", { textContent: unit })), make("span", { textContent: name }))));
