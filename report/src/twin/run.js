@@ -21,15 +21,8 @@ function drawPath() {
   if (canvas.width !== Math.round(w * d) || canvas.height !== Math.round(h * d)) Object.assign(canvas, { width: Math.round(w * d), height: Math.round(h * d) });
   g.setTransform(d, 0, 0, d, 0, 0);
   g.clearRect(0, 0, w, h);
-  g.font = "11px system-ui, sans-serif"; g.fillStyle = css("--soft"); g.strokeStyle = css("--grid"); g.lineWidth = 1; g.textAlign = "left";
-  const lines = new Path2D(), step = nice(70 / camera.scale), [x0, y0] = camera.toPlane(0, h, 0), [x1, y1] = camera.toPlane(w, 0, 0);
-  for (let x = Math.ceil(x0 / step) * step; x < x1; x += step) { const px = Math.round(sx(x)) + 0.5; lines.moveTo(px, 0); lines.lineTo(px, h); if (px < w - 60) g.fillText(+x.toFixed(4), px + 4, h - 5); }
-  for (let y = Math.ceil(y0 / step) * step; y < y1; y += step) { const py = Math.round(sy(y)) + 0.5; lines.moveTo(0, py); lines.lineTo(w, py); if (py < h - 20) g.fillText(+y.toFixed(4), 4, py - 4); }
-  g.textAlign = "right"; g.fillText("mm", w - 5, h - 5); g.textAlign = "left";
-  g.stroke(lines);
-  g.strokeStyle = css("--travel"); g.setLineDash([4, 4]);
-  g.strokeRect(sx(D.reach_x[0]), sy(D.reach_y[1]), (D.reach_x[1] - D.reach_x[0]) * camera.scale, (D.reach_y[1] - D.reach_y[0]) * camera.scale);
-  g.setLineDash([]); g.lineCap = g.lineJoin = "round";
+  drawGrid(g, camera, [D.reach_x, D.reach_y]);
+  g.lineCap = g.lineJoin = "round";
   // The exaggerated way lies below, so that it hides no colour.
   const T = D.trail, k = times.value / 1000;
   timesNow.textContent = times.value + "\u00d7";

@@ -1,4 +1,5 @@
-// Camera: where a place in mm is on the screen. Parallel lines stay parallel, so a mm is as long everywhere.
+// Camera: where a place in mm is on the screen, and the grid below. Parallel lines stay parallel, so a mm is as long
+// everywhere.
 
 class Camera {
   constructor() { Object.assign(this, { width: 1, height: 1, centre: [0, 0, 0], scale: 1, azimuth: 0, elevation: 90 }); }
@@ -45,4 +46,25 @@ class Camera {
     this.scale = Math.min((this.width - 2 * margin) / Math.max(span(right), 2), (this.height - 2 * margin) / Math.max(span(up), 2));
     this.centre = least.map((v, i) => (v + most[i]) / 2);
   }
+}
+
+/** A grid in mm at z = 0 and the reach of the machine: ranges of x and of y. */
+function drawGrid(g, camera, [[left, right], [front, back]]) {
+  const { width: w, height: h, isAbove } = camera, step = nice(70 / camera.scale);
+  g.font = "11px system-ui, sans-serif"; g.lineWidth = 1; g.strokeStyle = css("--grid"); g.fillStyle = css("--soft"); g.textAlign = "left";
+  const grid = new Path2D(), line = (a, b) => { grid.moveTo(...camera.toScreen(a)); grid.lineTo(...camera.toScreen(b)); };
+  // In three dimensions the grid ends at the reach, seen from above it fills the picture.
+  const corners = [[0, 0], [w, 0], [0, h], [w, h]].map(([x, y]) => camera.toPlane(x, y, 0)).filter(Boolean);
+  const span = (axis, low, high) => isAbove && corners.length ? [Math.min(...corners.map(c => c[axis])), Math.max(...corners.map(c => c[axis]))] : [low, high];
+  const [x0, x1] = span(0, left, right), [y0, y1] = span(1, front, back), text = v => String(+v.toFixed(4));
+  if ((x1 - x0) / step < 400 && (y1 - y0) / step < 400) {
+    for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) { line([x, y0, 0], [x, y1, 0]); const at = camera.toScreen([x, y0, 0])[0] + 4; if (isAbove && at < w - 48) g.fillText(text(x), at, h - 6); }
+    for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) { line([x0, y, 0], [x1, y, 0]); if (isAbove) g.fillText(text(y), 5, camera.toScreen([x0, y, 0])[1] - 4); }
+  }
+  g.stroke(grid);
+  if (isAbove) { g.textAlign = "right"; g.fillText("mm", w - 6, h - 6); g.textAlign = "left"; }
+  const edge = new Path2D();
+  [[left, front], [right, front], [right, back], [left, back]].forEach(([x, y], i) => edge[i ? "lineTo" : "moveTo"](...camera.toScreen([x, y, 0])));
+  edge.closePath();
+  g.strokeStyle = css("--travel"); g.setLineDash([4, 4]); g.stroke(edge); g.setLineDash([]);
 }

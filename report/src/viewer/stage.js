@@ -128,24 +128,9 @@ class Stage {
   }
   /** The reach of the machine and a grid at z = 0. */
   drawUnder() {
-    const { camera } = this, g = this.surface(this.under), { width: w, height: h } = camera;
-    const [[left, right], [front, back]] = this.record.data.reach, step = nice(70 / camera.scale);
-    g.font = "11px system-ui, sans-serif"; g.lineWidth = 1; g.strokeStyle = css("--grid"); g.fillStyle = css("--soft");
-    const grid = new Path2D(), line = (a, b) => { grid.moveTo(...camera.toScreen(a)); grid.lineTo(...camera.toScreen(b)); };
-    // In three dimensions the grid ends at the reach, seen from above it fills the picture.
-    const corners = [[0, 0], [w, 0], [0, h], [w, h]].map(([x, y]) => camera.toPlane(x, y, 0)).filter(Boolean);
-    const span = (axis, low, high) => camera.isAbove && corners.length ? [Math.min(...corners.map(c => c[axis])), Math.max(...corners.map(c => c[axis]))] : [low, high];
-    const [x0, x1] = span(0, left, right), [y0, y1] = span(1, front, back), text = v => String(+v.toFixed(4));
-    if ((x1 - x0) / step < 400 && (y1 - y0) / step < 400) {
-      for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) { line([x, y0, 0], [x, y1, 0]); const at = camera.toScreen([x, y0, 0])[0] + 4; if (camera.isAbove && at < w - 48) g.fillText(text(x), at, h - 6); }
-      for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) { line([x0, y, 0], [x1, y, 0]); if (camera.isAbove) g.fillText(text(y), 5, camera.toScreen([x0, y, 0])[1] - 4); }
-    }
-    g.stroke(grid);
-    if (camera.isAbove) { g.textAlign = "right"; g.fillText("mm", w - 6, h - 6); g.textAlign = "left"; }
-    const edge = new Path2D();
-    [[left, front], [right, front], [right, back], [left, back]].forEach(([x, y], i) => edge[i ? "lineTo" : "moveTo"](...camera.toScreen([x, y, 0])));
-    edge.closePath();
-    g.strokeStyle = css("--travel"); g.setLineDash([4, 4]); g.stroke(edge); g.setLineDash([]);
+    const { camera } = this, g = this.surface(this.under);
+    const { reach } = this.record.data, [[left, right], [front, back]] = reach;
+    drawGrid(g, camera, reach);
     if (camera.isAbove) return;
     for (const [name, axis] of [["X", 0], ["Y", 1], ["Z", 2]]) {
       const from = [left, front, 0], to = [...from]; to[axis] += Math.min(right - left, back - front) / 8;
