@@ -3,6 +3,8 @@
 Arguments: corehbot.
 """
 
+import re
+
 from chromium import DESK, PHONE, Chromium, check
 from selenium.webdriver.common.keys import Keys
 from trial import ROOT, main, print_report
@@ -118,6 +120,8 @@ def desk(browser, report):
         box.click()
     browser.run("const list = document.querySelector('label select'); list.value = 'type'; list.onchange();")
 
+    used(browser)
+
     # The upright slider: a key moves its thumb by one layer.
     high = browser.find(".layers input:nth-of-type(2)")
     wide, high_px = browser.run("const { width, height } = arguments[0].getBoundingClientRect(); return [width, height]", high)
@@ -152,6 +156,27 @@ def desk(browser, report):
     told = browser.find("section[aria-label^=Compare]").text
     check("path: none" in told and "speeds: none" in told, f"a report differs from itself: {told[:300]}")
     browser.check_quiet()
+
+
+def used(browser):
+    """Time left and filament up to a place are those of the file's own lines; the example has relative E words."""
+    lines = (ROOT / FILE).read_text().splitlines()
+    words = [re.match(r"G[1-3] .*?E(-?[\d.]+)", line) for line in lines]
+    whole_mm = sum(float(word[1]) for word in words if word)
+    script = """const { player, record } = document.querySelector('.viewer').corehbotView, { moves } = record;
+        player.setMove(Math.round(moves.n * arguments[0]));
+        let i = player.done - 1;
+        while (!moves.line[i]) i--;
+        return [moves.line[i], moves.whole, player.now, document.querySelector('.now').textContent];"""
+    for share in (0.3, 0.7, 1):
+        line, whole_s, now_s, told = browser.run(script, share)
+        metres, grams = map(float, re.search(r"(-?[\d.]+) m, (-?[\d.]+) g", told).groups())
+        mm = sum(float(word[1]) for word in words[:line] if word)
+        # Arcs and lines may be several moves; the text has three digits of m.
+        check(abs(1000 * metres - mm) < 1, f"line {line}: {mm} mm in the file, {told}")
+        check(abs(grams * whole_mm - mm * browser.run("return D.filament.g")) < 0.02 * whole_mm, f"line {line}: {told}")
+        left = whole_s - now_s
+        check(left < 60 or f"{int(left // 60)}:{int(left % 60):02} left" in told, f"{left} s left: {told}")
 
 
 def phone(browser):

@@ -47,11 +47,13 @@ function moveSlider(player, record) {
   const slider = make("input", { type: "range", step: 1, ariaLabel: "Move" }), out = make("output", { className: "now" });
   const speed = select("Speed of playing", [[0, "in 20 s"], [0.1, "\u00d7 0.1"], [1, "\u00d7 1"], [10, "\u00d7 10"], [100, "\u00d7 100"], [1000, "\u00d7 1000"]], v => { player.speed = +v; });
   const span = () => { [slider.min, slider.max] = player.span(); show(); };
+  const { filament: F } = record.data;
+  const used = t => { if (!(F?.mm > 0)) return ""; const mm = moves.filament(t); return `${metres(mm)} m, ${(F.g * mm / F.mm).toFixed(2)} g \u00b7 `; };
   const show = () => {
     slider.value = player.done;
     const i = player.current, s = player.now - moves.begin[i], [x, y, z] = moves.place(i, moves.share(i, player.now));
     const v = player.now >= moves.whole ? 0 : moves.along(i, s)[1];
-    out.textContent = `${clock(player.now)} of ${clock(moves.whole)} \u00b7 move ${count(moves.made(player.done))} of ${count(moves.made(moves.n))} \u00b7 X ${x.toFixed(2)} Y ${y.toFixed(2)} Z ${z.toFixed(2)} mm \u00b7 ${v.toFixed(0)} mm/s`;
+    out.textContent = `${clock(player.now)} of ${clock(moves.whole)}, ${clock(moves.whole - player.now)} left \u00b7 ${used(player.now)}move ${count(moves.made(player.done))} of ${count(moves.made(moves.n))} \u00b7 X ${x.toFixed(2)} Y ${y.toFixed(2)} Z ${z.toFixed(2)} mm \u00b7 ${v.toFixed(0)} mm/s`;
     slider.setAttribute("aria-valuetext", `move ${moves.made(player.done)} of ${moves.made(moves.n)}, ${clock(player.now)}`);
   };
   slider.oninput = () => { player.stop(); player.setMove(+slider.value); };

@@ -74,6 +74,19 @@ class Moves {
   }
   /** How many of the first `i` are moves. */
   made(i) { return i - after(this.renamed.length, k => this.renamed[k], i - 1); }
+  /** mm of filament up to a time, pulled back ones taken off; sums of the moves before are kept for some of them. */
+  filament(t) {
+    const EVERY = 1024;
+    this.sums ??= Float64Array.from({ length: Math.ceil(this.n / EVERY) + 1 }, (() => {
+      let sum = 0;
+      return (_, k) => { for (let i = Math.max(k - 1, 0) * EVERY; i < Math.min(k * EVERY, this.n); i++) sum += this.e[i]; return sum; };
+    })());
+    if (!this.n) return 0;
+    const i = this.indexAt(t), k = Math.floor(i / EVERY);
+    let sum = this.sums[k] + this.e[i] * this.share(i, t);
+    for (let j = k * EVERY; j < i; j++) sum += this.e[j];
+    return sum;
+  }
   get whole() { return this.n ? this.end(this.n - 1) : 0; }
 }
 
