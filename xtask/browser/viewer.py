@@ -121,6 +121,7 @@ def desk(browser, report):
     browser.run("const list = document.querySelector('label select'); list.value = 'type'; list.onchange();")
 
     used(browser)
+    log_scale(browser, stage)
 
     # The upright slider: a key moves its thumb by one layer.
     high = browser.find(".layers input:nth-of-type(2)")
@@ -177,6 +178,27 @@ def used(browser):
         check(abs(grams * whole_mm - mm * browser.run("return D.filament.g")) < 0.02 * whole_mm, f"line {line}: {told}")
         left = whole_s - now_s
         check(left < 60 or f"{int(left // 60)}:{int(left % 60):02} left" in told, f"{left} s left: {told}")
+
+
+def log_scale(browser, stage):
+    """The middle of the scale of layer times is the mean of its ends; on the scale of factors, their geometric mean."""
+    choose = "const list = document.querySelector('label select'); list.value = arguments[0]; list.onchange();"
+    box = next(box for box in browser.find_all(".view label") if "log scale" in box.get_attribute("textContent"))
+    check(not box.is_displayed(), "line types have a log scale")
+    browser.run(choose, "layer")
+    check(box.is_displayed() and box.get_attribute("title"), "layer times have no log scale, or it has no words")
+    texts = "return [...document.querySelectorAll('.ramped div span')].map(span => parseFloat(span.textContent.replace(/[^\\d.]/g, '')))"
+    low, _, middle, _, high = browser.run(texts)
+    check(abs(middle - (low + high) / 2) < 0.02 * high, f"linear: {low}, {middle}, {high}")
+    box.find_element("css selector", "input").send_keys(" ")
+    whole(browser)
+    low, _, middle, _, high = browser.run(texts)
+    check(abs(middle - (low * high) ** 0.5) < 0.02 * high, f"log: {low}, {middle}, {high}")
+    stage.send_keys(Keys.ARROW_LEFT)
+    box.find_element("css selector", "input").send_keys(" ")
+    check(abs(browser.run(texts)[2] - (low + high) / 2) < 0.02 * high, "it does not get linear again")
+    browser.run(choose, "type")
+    whole(browser)
 
 
 def phone(browser):

@@ -79,17 +79,21 @@ function colourBar(record, stage, player) {
   const hide = (bits, isHidden) => { player.hidden = isHidden ? player.hidden | bits : player.hidden & ~bits; player.tell("hidden"); };
   const isHidden = bits => (player.hidden & bits) !== 0;
   const ways = i => moves.isPrinted(i) && moves.points[4 * i + 3] > 0;
+  const log = check("log scale", false, () => show());
+  log.title = "Equal steps of colour are equal factors of the time, not equal differences";
   function show() {
-    const range = measure.kinds ? null : rangeOf(measure, moves, anyPrint ? ways : i => moves.type[i] !== HIDDEN && moves.length(i) > 0);
-    stage.lines.paint(stage.body, paint(measure, moves, range));
+    log.hidden = !measure.hasLog;
+    const scaled = measure.hasLog && log.box.checked ? logarithmic(measure) : measure, back = scaled.back ?? (v => v);
+    const range = measure.kinds ? null : rangeOf(scaled, moves, anyPrint ? ways : i => moves.type[i] !== HIDDEN && moves.length(i) > 0);
+    stage.lines.paint(stage.body, paint(scaled, moves, range));
     stage.redraw();
     if (!measure.kinds) {
       const scale = make("i", { className: "scale" });
       scale.style.background = rampCss();
-      const at = share => range.low + (range.high - range.low) * share;
+      const at = share => back(range.low + (range.high - range.low) * share);
       const ends = v => make("span", { textContent: v });
       const travel = make("span", { hidden: isHidden(travels) }, dot(travelColour()), "travel");
-      if (range.isConstant) { legend.replaceChildren(make("span", {}, dot(viridis(0)), short(range.least) + " " + measure.unit + " everywhere"), travel); return; }
+      if (range.isConstant) { legend.replaceChildren(make("span", {}, dot(viridis(0)), short(back(range.least)) + " " + measure.unit + " everywhere"), travel); return; }
       legend.replaceChildren(make("div", { className: "ramped" }, scale, make("div", {}, ...[0, 0.25, 0.5, 0.75, 1].map((share, k) => ends((k === 0 && range.least < range.low - 1e-9 ? "\u2264 " : k === 4 && range.most > range.high + 1e-9 ? "\u2265 " : "") + short(at(share)))))), ends(measure.unit), travel);
       return;
     }
@@ -115,7 +119,7 @@ function colourBar(record, stage, player) {
   const travel = check("travel", !(travels & player.hidden), isOn => { hide(travels, !isOn); show(); });
   travel.hidden = !anyPrint || !travels;
   show();
-  return { choice: make("label", {}, "colour", choice), travel, legend };
+  return { choice: make("span", { className: "bar" }, log, make("label", {}, "colour", choice)), travel, legend };
 }
 
 function viewButtons(stage, player, record, path) {

@@ -35,7 +35,7 @@ function measuresOf(record) {
     { id: "width", name: "Line width", unit: "mm", of: i => moves.points[4 * i + 3] },
     hotend && { id: "temperature", name: "Temperature, " + hotend.name, unit: "\u00b0C", of: i => { const bin = heat.bin(moves.begin[i]), v = hotend.high[bin]; return v === null ? NaN : (v + hotend.low[bin]) / 2; } },
     fan && { id: "fan", name: "Fan", unit: "%", of: i => fan.duty.mean[heat.bin(moves.begin[i])] },
-    layerTimes.length && { id: "layer", name: "Layer time", unit: "s", of: i => layerTimes[moves.layer[i]] ?? NaN },
+    layerTimes.length && { id: "layer", name: "Layer time", unit: "s", hasLog: true, of: i => layerTimes[moves.layer[i]] ?? NaN },
     layerHeights.length && { id: "height", name: "Layer height", unit: "mm", of: i => layerHeights[moves.layer[i]] ?? NaN },
     motors.length && { id: "motor", name: "Motor speed, fastest", unit: "mm/s", of: i => fastestMotor(moves, i, motors, true) },
     motors.length && { id: "rate", name: "Step rate, fastest motor", unit: "steps/s", of: i => fastestMotor(moves, i, motors, false) },
@@ -43,6 +43,9 @@ function measuresOf(record) {
   ];
   return all.filter(Boolean);
 }
+
+/** A measure on a scale of equal factors; `back` makes its values of the scale's. */
+const logarithmic = measure => ({ ...measure, of: i => Math.log(measure.of(i)), back: Math.exp });
 
 /** The range of a measure over printed moves: nearly all of their way lies in it. */
 function rangeOf(measure, moves, isShown) {
