@@ -6,6 +6,7 @@ Arguments: corehbot.
 import re
 
 from chromium import DESK, PHONE, Chromium, check
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from trial import ROOT, main, print_report
 
@@ -122,6 +123,7 @@ def desk(browser, report):
 
     used(browser)
     log_scale(browser, stage)
+    only(browser)
 
     # The upright slider: a key moves its thumb by one layer.
     high = browser.find(".layers input:nth-of-type(2)")
@@ -199,6 +201,29 @@ def log_scale(browser, stage):
     check(abs(browser.run(texts)[2] - (low + high) / 2) < 0.02 * high, "it does not get linear again")
     browser.run(choose, "type")
     whole(browser)
+
+
+def only(browser):
+    """One type alone, another one alone, and back to what was shown at first: by keys, and by a double click."""
+    kinds = browser.find_all(".kinds .kind")
+    boxes = lambda: [kind.find_element("css selector", "input").is_selected() for kind in kinds]
+    begin, covered = boxes(), browser.run(COVERED)
+    check(sum(begin) > 2, f"few types are shown: {begin}")
+    for chosen in (0, 1):
+        button = kinds[chosen].find_element("css selector", "button")
+        check("only" in button.get_attribute("title"), "the button has no words")
+        button.send_keys(Keys.ENTER)
+        whole(browser)
+        check(boxes() == [k == chosen for k in range(len(kinds))], f"type {chosen} is not alone: {boxes()}")
+        check(0 < browser.run(COVERED) < covered, f"type {chosen} alone covers {browser.run(COVERED)} of {covered}")
+        check(button.get_attribute("aria-pressed") == "true", "the button is not pressed")
+    button.send_keys(" ")
+    whole(browser)
+    check(boxes() == begin and abs(browser.run(COVERED) - covered) < 1e-3, f"what was shown is not back: {boxes()}")
+    for expected in ([True] + [False] * (len(kinds) - 1), begin):
+        ActionChains(browser.driver).double_click(kinds[0].find_element("css selector", "label")).perform()
+        whole(browser)
+        check(boxes() == expected, f"a double click shows {boxes()}")
 
 
 def phone(browser):

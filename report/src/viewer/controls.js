@@ -79,10 +79,22 @@ function colourBar(record, stage, player) {
   const hide = (bits, isHidden) => { player.hidden = isHidden ? player.hidden | bits : player.hidden & ~bits; player.tell("hidden"); };
   const isHidden = bits => (player.hidden & bits) !== 0;
   const ways = i => moves.isPrinted(i) && moves.points[4 * i + 3] > 0;
+  /** Entries of the legend that follow what is hidden. */
+  let syncs = [], before = null;
+  const others = k => [...used].reduce((bits, other) => other === HIDDEN || other === k ? bits : bits | 1 << other, 0);
+  const isAlone = k => !isHidden(1 << k) && others(k) !== 0 && (player.hidden & others(k)) === others(k);
+  /** One type alone; if it is alone already, what was shown before. */
+  function showOnly(k) {
+    if (isAlone(k)) player.hidden = before ?? 0;
+    else { if (![...used].some(isAlone)) before = player.hidden; player.hidden = others(k); }
+    player.tell("hidden");
+  }
+  player.on("hidden", () => { for (const sync of syncs) sync(); travel.box.checked = !isHidden(travels); });
   const log = check("log scale", false, () => show());
   log.title = "Equal steps of colour are equal factors of the time, not equal differences";
   function show() {
     log.hidden = !measure.hasLog;
+    syncs = [];
     const scaled = measure.hasLog && log.box.checked ? logarithmic(measure) : measure, back = scaled.back ?? (v => v);
     const range = measure.kinds ? null : rangeOf(scaled, moves, anyPrint ? ways : i => moves.type[i] !== HIDDEN && moves.length(i) > 0);
     stage.lines.paint(stage.body, paint(scaled, moves, range));
@@ -110,8 +122,11 @@ function colourBar(record, stage, player) {
       if (!used.has(k)) return "";
       const label = check(kind.name + (seconds.has(k) ? ", " + clock(seconds.get(k)) : ""), !(player.hidden >>> k & 1), isOn => hide(1 << k, !isOn));
       label.prepend(swatch);
-      label.isTravel = moves.isTravel[k];
-      return label;
+      const alone = pushButton("only", `Show ${kind.name} only; again: what was shown before`, () => showOnly(k));
+      const sync = () => { label.box.checked = !isHidden(1 << k); alone.ariaPressed = String(isAlone(k)); };
+      syncs.push(sync); sync();
+      label.ondblclick = e => { e.preventDefault(); showOnly(k); };
+      return Object.assign(make("span", { className: "kind" }, label, alone), { isTravel: moves.isTravel[k] });
     }).sort((a, b) => (measure.id === "type") * (isGrey(a) - isGrey(b))));
   }
   const choice = select("Colour by", measures.map(m => [m.id, m.name]), id => { measure = measures.find(m => m.id === id); show(); });
