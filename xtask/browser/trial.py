@@ -1,5 +1,6 @@
 """A trial: a function that gets `corehbot` and a folder for files, and returns what it has measured in a line."""
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -16,7 +17,7 @@ def print_report(corehbot, file, folder, *options, ends_well=True):
     """Prints a file in the simulator; returns the path of its report."""
     report = pathlib.Path(folder) / "report.html"
     # Relative, since the page shows it.
-    command = [corehbot, "run", str(pathlib.Path(file).relative_to(ROOT)), "--report", str(report), *map(str, options)]
+    command = [corehbot, "run", os.path.relpath(file, ROOT), "--report", str(report), *map(str, options)]
     ran = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     check((ran.returncode == 0) == ends_well, f"corehbot run {file}: {ran.stdout}{ran.stderr}")
     return report

@@ -26,6 +26,12 @@ COVERED = """const { stage } = document.querySelector('.viewer').corehbotView, g
     for (let i = 3; i < pixels.length; i += 4) lines += pixels[i] > 0;
     return lines / (width * height);"""
 
+# A sum of the picture's colours, in which places count.
+PIXELS = """const { stage } = document.querySelector('.viewer').corehbotView, gl = stage.lines.gl;
+    const { width, height } = gl.canvas, pixels = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    return pixels.reduce((sum, value, i) => (sum * 31 + value + i) % 1000003, 0);"""
+
 # Whether all is drawn, exactly.
 WHOLE = """const view = document.querySelector('.viewer')?.corehbotView;
     return view && !view.stage.dirty && !view.stage.lines.queue.length && view.stage.drawn === view.player.done;"""
@@ -38,6 +44,7 @@ def run(corehbot, folder):
         whole(browser)
         desk(browser, report)
         frames = browser.frames_per_second()
+        told_marks(browser, corehbot, folder)
         browser.resize(PHONE, True)
         browser.open(report)
         whole(browser)
@@ -55,6 +62,38 @@ def marks(file):
             found["retractions" if line[4] == "-" else "primes"] += 1
             found["seams"] += line[4] != "-" and kind == ";TYPE:External perimeter"
     return found
+
+
+# Lines after which the file has comments of slicers and commands; a comment and its command are one mark. The file has
+# no line that moves between a pause and its comment.
+TOLD = {
+    60: (";COLOR_CHANGE,T0,#ff0000", "M600"),
+    80: ("; PAUSE_PRINTING", "M601"),
+    100: ("; WIPE_START", ";WIPE_END", "T1", "T1", "T0"),
+    120: ("M0 S1", ";WIPE_START", "; CUSTOM_GCODE", "M117 M600 ; no pause: M0"),
+}
+MARKS = {"wipes": 2, "pauses": 2, "colour changes": 1, "tool changes": 1, "custom G-code": 1}
+
+
+def told_marks(browser, corehbot, folder):
+    """What the file's own text says of wipes, pauses and changes is marked, by keys, and gone again."""
+    file = folder / "told.gcode"
+    lines = (ROOT / FILE).read_text().splitlines()
+    file.write_text("\n".join(line for i, own in enumerate(lines) for line in (own, *TOLD.get(i, ()))))
+    browser.open(print_report(corehbot, file, folder))
+    whole(browser)
+    begin = browser.run(PIXELS)
+    for name, number in MARKS.items():
+        box = next(box for box in browser.find_all("[aria-label=Marks] label") if name in box.text)
+        control = box.find_element("css selector", "input")
+        control.send_keys(" ")
+        browser.wait(f"{number} {name}, not {box.text}", lambda: box.text.strip() == f"{name}: {number}", 10)
+        whole(browser)
+        check(box.get_attribute("title") and browser.run(PIXELS) != begin, f"{name} are not in the picture")
+        control.send_keys(" ")
+        whole(browser)
+        browser.wait(f"picture without {name}", lambda: browser.run(PIXELS) == begin, 10)
+    browser.check_quiet()
 
 
 def whole(browser):
@@ -116,7 +155,9 @@ def desk(browser, report):
     for name, number in marks(ROOT / FILE).items():
         box = next(box for box in browser.find_all("[aria-label=Marks] label") if name in box.text)
         box.click()
-        check(box.text.strip() == f"{name}: {number}", f"{number} {name} in the file, {box.text} in the picture")
+        said = lambda: box.text.strip() == f"{name}: {number}"
+        check(box.get_attribute("title"), f"{name} has no words")
+        browser.wait(f"{number} {name} as in the file, not {box.text}", said, 10)
         whole(browser)
         box.click()
     browser.run("const list = document.querySelector('label select'); list.value = 'type'; list.onchange();")

@@ -1,4 +1,5 @@
-// Marks: where filament is pulled back, where it is primed again, and where outer walls close, as squares on the lines.
+// Marks: where filament is pulled back, where it is primed again, where outer walls close, and what the file's text says
+// of wipes, pauses and changes, as squares on the lines.
 
 /** A mark is as wide in mm, and at least as wide in px. */
 const MARK_MM = 0.7, MARK_PX = 5;
@@ -40,18 +41,76 @@ function marksAt(moves, places, data) {
   return marks;
 }
 
-/** Boxes that show and hide marks. They are looked for when a box is ticked first. */
-function markBoxes(stage, record) {
-  const { moves, data } = record, bodies = {};
-  let found = null;
-  const colours = { retractions: OKABE_ITO.blue, primes: mixed(OKABE_ITO.vermilion, BLACK, 0.25), seams: mixed(WHITE, BLACK, 0.75) };
-  const boxes = Object.entries(colours).map(([name, colour]) => {
-    const label = check(name, false, isOn => {
-      found ??= markedMoves(moves, data.types);
-      if (isOn) bodies[name] ??= stage.lines.add(marksAt(moves, found[name], data), colour, MARK_PX);
-      stage.setMarks(name, isOn ? bodies[name] : null);
-      label.lastChild.textContent = ` ${name}: ${count(found[name].length)}`;
+/**
+ * What lines of the file stand for. Comments are those of PrusaSlicer (GCodeProcessor.hpp, reserved tags) and of Orca,
+ * which has a space and PAUSE_PRINTING; a change of colour is M600, too. The tool counts as changed if its number does.
+ */
+const LINES = {
+  wipes: /^;\s*WIPE_START\b/,
+  pauses: /^(?:;\s*PAUSE_PRINT(?:ING)?\b|M(?:0|1|25|125|601)(?!\d|\.))/i,
+  "colour changes": /^(?:;\s*COLOR_CHANGE\b|M600(?!\d|\.))/i,
+  "tool changes": /^T\d+/i,
+  "custom G-code": /^;\s*CUSTOM_GCODE\b/,
+};
+
+/** Lines of the file of each kind of `LINES`, in order. */
+async function markedLines(chunks, blobs) {
+  const found = Object.fromEntries(Object.keys(LINES).map(name => [name, []])), decoder = new TextDecoder();
+  let c = 0, tool = "T0";
+  for await (const bytes of inOrder(blobs)) {
+    decoder.decode(bytes).split("\n").forEach((text, k) => {
+      const words = text.trimStart().replace(/^N\d+\s*/i, "");
+      for (const [name, sign] of Object.entries(LINES)) {
+        const said = sign.exec(words)?.[0].toUpperCase();
+        if (!said || name === "tool changes" && said === tool) continue;
+        if (name === "tool changes") tool = said;
+        found[name].push(chunks[c][0] + k);
+      }
     });
+    c++;
+    await breathe();
+  }
+  return found;
+}
+/** The first moves after lines, each once: a comment and its command are at one place. */
+function movesAfter(moves, lines) {
+  const places = new Set();
+  let i = 0;
+  for (const line of lines) {
+    while (i < moves.n - 1 && moves.line[i] < line) i++;
+    places.add(i);
+  }
+  return [...places];
+}
+
+/** The kinds of marks: name, colour, what its pointer says, and whether the text of the file says where they are. */
+const MARKS = [
+  ["retractions", OKABE_ITO.blue, "Where filament is pulled back"],
+  ["primes", mixed(OKABE_ITO.vermilion, BLACK, 0.25), "Where filament is primed again"],
+  ["seams", mixed(WHITE, BLACK, 0.75), "Where outer walls close"],
+  ["wipes", OKABE_ITO.sky, "Where a wipe begins, by the slicer's comments", true],
+  ["pauses", OKABE_ITO.purple, "Where the file asks for a pause: M0, M1, M25, M125, M601, or a comment", true],
+  ["colour changes", OKABE_ITO.green, "Where filament of another colour is asked for: M600, or a comment", true],
+  ["tool changes", OKABE_ITO.orange, "Where another tool is chosen", true],
+  ["custom G-code", OKABE_ITO.grey, "Where lines begin that a user added in the slicer", true],
+];
+
+/** Boxes that show and hide marks. They are looked for when a box is ticked first. */
+function markBoxes(stage, record, blobs) {
+  const { moves, data } = record, chunks = data.gcode_chunks ?? [], bodies = {};
+  let ofMoves = null, ofText = null;
+  const places = async (name, isOfText) => {
+    if (!isOfText) return (ofMoves ??= markedMoves(moves, data.types))[name];
+    return movesAfter(moves, (await (ofText ??= markedLines(chunks, blobs)))[name]);
+  };
+  const boxes = MARKS.filter(([, , , isOfText]) => !isOfText || chunks.length).map(([name, colour, title, isOfText]) => {
+    const label = check(name, false, async isOn => {
+      const found = await places(name, isOfText);
+      if (isOn && found.length) bodies[name] ??= stage.lines.add(marksAt(moves, found, data), colour, MARK_PX);
+      stage.setMarks(name, label.box.checked ? bodies[name] ?? null : null);
+      label.lastChild.textContent = ` ${name}: ${count(found.length)}`;
+    });
+    label.title = title;
     label.prepend(dot(colour));
     return label;
   });

@@ -70,7 +70,7 @@ async function openRecord(root, data, streams, { docs = null } = {}) {
     const hasText = text.lines > 0;
     const view = make("section", { className: "card panel view", ariaLabel: "Tool path" },
       make("div", { className: "bar" }, make("h2", { textContent: "Tool path" }), ...viewButtons(stage, player, record, streams.path), make("span", { className: "grow" }), colours.travel, colours.choice),
-      colours.legend, markBoxes(stage, record),
+      colours.legend, markBoxes(stage, record, streams.gcode ?? []),
       make("div", { className: "beside" }, stage.element, layers.slider, ...(hasText ? [text.element] : [])),
       moveSlider(player, record), layers.line, help());
     parts.push(view);
