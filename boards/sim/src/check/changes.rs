@@ -106,8 +106,9 @@ impl Axis {
         let speeds = self.speeds.get_or_insert([speed; WINDOW_SAMPLES]);
         speeds[self.next] = speed;
         self.next = (self.next + 1) % WINDOW_SAMPLES;
-        let greatest = speeds.iter().copied().fold(f64::MIN, f64::max);
-        let least = speeds.iter().copied().fold(f64::MAX, f64::min);
+        // Comparisons: `f64::max` has more instructions, for what is no number.
+        let greatest = speeds.iter().copied().fold(f64::MIN, |most, speed| if speed > most { speed } else { most });
+        let least = speeds.iter().copied().fold(f64::MAX, |least, speed| if speed < least { speed } else { least });
         let (is_over, is_new) = (greatest - least > self.most, self.quiet == 0);
         self.quiet = if is_over { EPISODE } else { self.quiet.saturating_sub(1) };
         (is_over && is_new).then_some(greatest - least)

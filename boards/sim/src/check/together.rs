@@ -22,8 +22,7 @@ pub(super) struct Together {
     /// Names of the motors.
     names: [MotorName; MOTORS],
     groups: Groups,
-    /// The groups' motors, for every event.
-    masks: Vec<Mask>,
+    whole: Whole,
     /// The constraint from [`Groups::constraint`].
     constraint: Option<[i32; MOST_GROUPS]>,
     /// The strain of a closed belt.
@@ -39,7 +38,7 @@ impl Together {
         Self {
             names: s.motor_names,
             groups: Groups::new(&s.mechanism),
-            masks: Groups::new(&s.mechanism).iter().map(Mask::new).collect(),
+            whole: Whole::new(&Groups::new(&s.mechanism)),
             constraint: Groups::new(&s.mechanism).constraint(),
             residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
             trims: trims(s, limits),
@@ -54,7 +53,7 @@ impl Together {
             self.note_trim(steps, forward);
         }
         let is_plain = self.is_consistent && self.residuals.is_none() && self.constraint.is_none();
-        if !is_plain || !self.masks.iter().all(|mask| mask.is_whole(steps, forward)) {
+        if !is_plain || !self.whole.is_whole(steps, forward) {
             self.check(findings, tick, steps, counts);
         }
     }
@@ -118,22 +117,27 @@ impl Together {
     }
 }
 
-/// The motors of a group, and its two directions.
-struct Mask {
-    motors: MotorSet,
-    directions: [MotorSet; 2],
+/// Which sets of motors are whole groups.
+struct Whole {
+    /// By the set: no group has motors both in it and out of it.
+    sets: Box<[bool; 1 << MOTORS]>,
+    /// The motors that go forward with their group.
+    with: MotorSet,
 }
 
-impl Mask {
-    fn new(group: &Group) -> Self {
-        Self { motors: group.motors(), directions: [group.with, group.against] }
+impl Whole {
+    fn new(groups: &Groups) -> Self {
+        let is_whole =
+            |set| groups.iter().map(|group| group.motors().0).all(|motors| set & motors == 0 || set & motors == motors);
+        let with = groups.iter().fold(MotorSet::NONE, |motors, group| motors.with(group.with));
+        Self { sets: Box::new(std::array::from_fn(|set| is_whole(set as u8))), with }
     }
 
-    /// Whether the group rests, or all of it steps and each motor in its own direction.
-    const fn is_whole(&self, steps: MotorSet, forward: MotorSet) -> bool {
-        let (moved, ahead) = (steps.0 & self.motors.0, forward.0 & self.motors.0);
-        let [with, against] = self.directions;
-        moved == 0 || moved == self.motors.0 && (ahead == with.0 || ahead == against.0)
+    /// Whether each group rests, or all of it steps and each motor in its own direction.
+    fn is_whole(&self, steps: MotorSet, forward: MotorSet) -> bool {
+        // Motors of groups that go back.
+        let back = steps.0 & (forward.0 ^ self.with.0);
+        self.sets[usize::from(steps.0)] && self.sets[usize::from(back)]
     }
 }
 
@@ -147,4 +151,23 @@ fn is_together(group: &Group, counts: &Counts) -> bool {
         }
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_groups_are_those_whose_motors_all_rest_or_all_step_in_their_own_direction() {
+        let groups = Groups::new(&Settings::prototype().mechanism);
+        let whole = Whole::new(&groups);
+        for (steps, forward) in (0..=u8::MAX).flat_map(|steps| (0..=u8::MAX).map(move |forward| (steps, forward))) {
+            let is_whole = groups.iter().all(|group| {
+                let (moved, ahead) = (steps & group.motors().0, forward & group.motors().0);
+                let in_its_direction = [group.with.0, group.against.0].contains(&ahead);
+                moved == 0 || (moved == group.motors().0 && in_its_direction)
+            });
+            assert_eq!(whole.is_whole(MotorSet(steps), MotorSet(forward)), is_whole, "{steps:08b} {forward:08b}");
+        }
+    }
 }
