@@ -42,8 +42,9 @@ function marksAt(moves, places, data) {
 }
 
 /**
- * What lines of the file stand for. Comments are those of PrusaSlicer (GCodeProcessor.hpp, reserved tags) and of Orca,
- * which has a space and PAUSE_PRINTING; a change of colour is M600, too. The tool counts as changed if its number does.
+ * What lines of the file stand for. Comments are those of PrusaSlicer and of Orca (Reserved_Tags in GCodeProcessor.cpp of
+ * both). Orca has a space and PAUSE_PRINTING. A change of colour is M600, too. The tool counts as changed if its number
+ * does.
  */
 const LINES = {
   wipes: /^;\s*WIPE_START\b/,

@@ -7,8 +7,6 @@
 use crate::model::ways::{Ways, residual_mm};
 use crate::params::{Each, Params, TOOTH_MM};
 use crate::routing::Machine;
-use crate::steps::drive::drives;
-use crate::steps::{Column, StepTrace};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -73,9 +71,10 @@ impl Radii {
             let turn_deg = belt_mm.iter().zip(radius_mm).map(|(belt, radius)| (belt / radius).to_degrees()).collect();
             Movement { tool_mm, belt_mm, turn_deg }
         });
-        let shares = shares(&ways, &params);
+        // Turns for the first pulley's radius move each belt by its own.
+        let shares = radius_mm.map(|radius| radius / radius_mm[0]);
         let corner = |commanded_mm: [f64; 2]| {
-            let turned: Vec<f64> = belts(commanded_mm).iter().zip(&shares).map(|(belt, share)| belt * share).collect();
+            let turned: Vec<f64> = belts(commanded_mm).iter().zip(shares).map(|(belt, share)| belt * share).collect();
             let [x, y, _] = ways.tool(&turned);
             Corner {
                 commanded_mm,
@@ -92,13 +91,6 @@ impl Radii {
             motors: ways.motors,
         }
     }
-}
-
-/// The belt that each motor moves, as a part of what equal steps should, as in a run of a trace.
-fn shares(ways: &Ways, params: &Params) -> Vec<f64> {
-    let column = |row: &[f64; 3]| Column { name: String::new(), row: row.map(|way| way.round() as i8), axis_step: 1.0 };
-    let trace = StepTrace::new(ways.rows.iter().map(column).collect(), 1.0);
-    drives(&trace, ways, params).unwrap_or_default().iter().map(|drive| drive.axis_step).collect()
 }
 
 impl std::fmt::Display for Radii {
