@@ -154,6 +154,18 @@ mod tests {
         assert!(lone.is_empty(), "xtask/Cargo.toml needs a line for each: {lone:#?}");
     }
 
+    /// Otherwise `cargo xtask` and cargo by hand would build ring, and all that needs it, in turns.
+    #[test]
+    fn cargo_hears_nothing_of_this_programs_package() {
+        assert!(std::env::var_os("CARGO_MANIFEST_DIR").is_some());
+        let command = cargo(["build"]);
+        let removed: BTreeSet<_> =
+            command.get_envs().filter(|(_, value)| value.is_none()).map(|(name, _)| name).collect();
+        assert!(
+            ["CARGO_MANIFEST_DIR", "CARGO_PKG_NAME"].iter().all(|name| removed.contains(std::ffi::OsStr::new(name)))
+        );
+    }
+
     #[test]
     fn the_harness_says_how_many_passed() {
         let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.01s";
