@@ -16,6 +16,11 @@ function svg(tag, attributes, ...children) {
 // Teeth are drawn every so many mm: a real pitch of 2 mm would be a grey line.
 const PITCH_MM = 12;
 
+// Diameter of a part that is clicked, in CSS pixels, for a finger and for a mouse: WCAG 2.2, success criteria 2.5.5
+// (enhanced) and 2.5.8 (minimum).
+const FINGER_PX = 44;
+const MOUSE_PX = 24;
+
 class MachinePicture {
   // `choose` gets a part that is clicked: its role (motor, idler, belt) and its name.
   constructor(element, choose = null) {
@@ -68,12 +73,31 @@ class MachinePicture {
       svg('path', { class: 'teeth', 'stroke-dasharray': `${PITCH_MM / 4} ${PITCH_MM * 3 / 4}` }),
     ]);
     parts.pulleys = pulleys.map(({ at, name, role }) => svg('g', { class: role, ...this.chosen(role, name) },
-      // A finger is wider than a pulley.
+      // `widen` sets the radius for what points at it.
       ...(this.choose && name ? [svg('circle', { class: 'target', r: 1.7 * r })] : []),
       ...(role === 'clamp' ? [svg('rect', { x: -4, y: -4, width: 8, height: 8 })] : [svg('circle', { r: r - 1 })]),
       ...(role === 'motor' ? [svg('line', { x1: 0, y1: 0, x2: r - 1, y2: 0 }), svg('text', { y: (at[1] > frame.depth_mm / 2 ? -1.5 : 2.4) * r, 'text-anchor': 'middle' }, name)] : []),
       ...(role === 'idler' && this.choose ? [svg('text', { y: 0.55 * r, 'text-anchor': 'middle' }, name)] : [])));
     element.append(...parts.belts.flat(), ...parts.pulleys, parts.tool);
+    if (!this.choose) return;
+    parts.places = pulleys.map(({ at }) => at);
+    this.widen();
+    this.watch ??= new ResizeObserver(() => this.widen());
+    this.watch.observe(element);
+  }
+
+  // A pulley is hit as far as half-way to the next one, if it is small for what points at it, and never less than a
+  // mouse needs.
+  widen() {
+    const { frame, parts } = this, scale = this.element.getScreenCTM()?.a;
+    if (!scale || !parts?.places) return;
+    const wanted = (matchMedia('(pointer: coarse)').matches ? FINGER_PX : MOUSE_PX) / 2 / scale;
+    parts.pulleys.forEach((pulley, index) => {
+      const [x, y] = parts.places[index];
+      const next = Math.min(...parts.places.filter((_, other) => other !== index).map(([a, b]) => Math.hypot(a - x, b - y)));
+      const radius = Math.max(Math.min(Math.max(wanted, 1.7 * frame.radius_mm), next / 2), MOUSE_PX / 2 / scale);
+      pulley.querySelector('.target')?.setAttribute('r', radius.toFixed(2));
+    });
   }
 
   move({ tool: [x, y], belts, pulleys }) {

@@ -103,6 +103,22 @@ def check_parts(browser):
     browser.find("#belt").click()
 
 
+# The widths of the pulleys' targets in CSS pixels, and whether each is hit in its middle.
+TARGETS = """return [...document.querySelectorAll('#parts .target')].map(target => {
+    target.scrollIntoView({ block: 'center' });
+    const { x, y, width, height } = target.getBoundingClientRect();
+    return [width, target.parentNode.contains(document.elementFromPoint(x + width / 2, y + height / 2))];
+});"""
+
+
+def check_targets(browser):
+    """A pulley is wide enough for a pointer, also in a small picture (WCAG 2.5.8), and none covers the middle of another."""
+    Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
+    browser.wait("picture", lambda: browser.find("#parts").is_displayed())
+    targets = browser.run(TARGETS)
+    check(len(targets) > 4 and all(width > 23.9 and is_hit for width, is_hit in targets), f"targets of pulleys: {targets}")
+
+
 def check_editor(browser):
     browser.find("#tab-machine").click()
     value(browser, "#text", "[axes.x]\nmax_sped = 200\n")
@@ -177,6 +193,7 @@ def run(_corehbot, _folder):
             check_tabs(browser)
             check_print(browser)
             browser.check_width()
+            check_targets(browser)
             # The frame is as high as the report, which must not be as high as a share of its frame.
             browser.wait("report", lambda: browser.run(TALL) > 0)
             check(browser.run(TALL) < size[1], f"the picture of the report is {browser.run(TALL)} px high")
