@@ -46,7 +46,7 @@ pub(crate) struct Sweep {
 pub(super) fn not_beside_a_study(arg: clap::Arg) -> clap::Arg {
     const BESIDE_A_STUDY: [&str; 8] = ["file", "vary", "output", "jobs", "report", "sample", "plan", "json"];
     let is_taken = BESIDE_A_STUDY.iter().any(|id| arg.get_id() == id);
-    if is_taken { arg } else { arg.conflicts_with_all(["output", "report", "sample", "plan"]) }
+    if is_taken { arg } else { arg.conflicts_with_all(["output", "sample", "plan"]) }
 }
 
 /// Values of a key.
@@ -108,25 +108,25 @@ impl Sweep {
         let played = |file: &Path| Played::new(file.to_owned(), self.printer.clone());
         let run = file.map(|file| Query::Run { file: played(file), model: self.run_model, begin });
         let study = Study::of_one(setup, key.clone(), values.clone(), run);
-        let rows = compute(&study, None, Vec::new(), self.study.jobs(), &stop).and_then(|samples| {
-            samples
-                .into_iter()
-                .zip(values)
-                .map(|(sample, value)| row(&study, *value, sample))
-                .collect::<Result<Vec<_>>>()
-        });
+        let computed = compute(&study, None, Vec::new(), self.study.jobs(), &stop);
         if let Some(status) = stop.status() {
             eprintln!("corehbot: interrupted");
             return Ok(status);
         }
-        let answer = Answer { key: key.clone(), rows: rows? };
-        self.json.give(&answer, self.printer.files().chain(file))
+        let samples = computed?;
+        let rows =
+            samples.iter().zip(values).map(|(sample, value)| row(&study, *value, sample)).collect::<Result<_>>()?;
+        let answer = Answer { key: key.clone(), rows };
+        let name = file.map_or_else(|| key.clone(), |file| file.display().to_string());
+        self.json.give_with(&answer, self.printer.files().chain(file), |outputs| {
+            self.study.report(outputs, &name, &study, &samples)
+        })
     }
 }
 
 /// The figures of a sample.
-fn row(study: &Study, value: f64, sample: Sample) -> Result<Row> {
-    let figures = sample.outcome.map_err(|why| anyhow!("{} = {value}: {why}", study.keys.join(", ")))?;
+fn row(study: &Study, value: f64, sample: &Sample) -> Result<Row> {
+    let figures = sample.outcome.as_ref().map_err(|why| anyhow!("{} = {value}: {why}", study.keys.join(", ")))?;
     let figure = |name: &str| figures.get(study.figures().position(|known| known == name)?).copied().flatten();
     let run = || {
         Some(RunRow {

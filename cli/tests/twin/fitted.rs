@@ -16,6 +16,18 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert!(light < heavy, "{played}");
     assert!(complaint("sweep --vary belt_EA=1:2:3").contains("belt_EA_N"));
     assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
+    // The page of one number, of another machine too; a study names its machines in its file.
+    let page = file("swept.html", "");
+    json(&format!("sweep --vary belt_EA_N=20000:60000:3 --machine corexy --report {}", page.display()));
+    let text = std::fs::read_to_string(&page).unwrap();
+    let data = text.split_once("const D = ").unwrap().1.split_once(";\n").unwrap().0;
+    let data: Value = serde_json::from_str(data).unwrap();
+    let values: Vec<_> = data["points"].as_array().unwrap().iter().map(|point| point["values"][0].clone()).collect();
+    assert_eq!((&data["file"], &data["machines"][0]), (&Value::from("belt_EA_N"), &Value::from("CoreXY")), "{data}");
+    assert_eq!(values, [20_000.0, 40_000.0, 60_000.0].map(Value::from));
+    let study = file("swept.toml", "compute = [\"stiffness\"]\n[vary]\nbelt_EA_N = { from = 1, to = 2, count = 2 }\n");
+    let words = format!("sweep {} --machine corexy --report {}", study.display(), page.display());
+    assert!(complaint(&words).contains("needs an output"));
     // The model's own numbers must follow from the model's own ringing, given to a hundredth of a hertz.
     let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
         let modes = json(&format!("modes --model rotors --at {x},{y}"));

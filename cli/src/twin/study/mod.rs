@@ -36,7 +36,7 @@ pub(super) use played::Played;
 pub(super) use query::Query;
 
 use super::answer::{Json, say};
-use crate::output::STANDARD;
+use crate::output::{Outputs, STANDARD};
 use crate::status::{DONE, FAILED};
 use crate::stop::Stop;
 use anyhow::{Result, bail, ensure};
@@ -44,6 +44,7 @@ use clap::Args;
 use journal::Journal;
 use results::{Results, Wanted};
 use std::path::{Path, PathBuf};
+use summary::Summary;
 
 /// Command-line options of a study.
 #[derive(Args)]
@@ -56,7 +57,7 @@ pub(super) struct Options {
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// Writes a page with a picture of each figure over each number.
-    #[arg(long, value_name = "R.html", conflicts_with_all = ["vary", "sample", "plan"])]
+    #[arg(long, value_name = "R.html", conflicts_with_all = ["sample", "plan"])]
     report: Option<PathBuf>,
     /// Computes one sample, counted from 0, and prints it as the line of a journal: the task of one computer among
     /// many.
@@ -71,6 +72,15 @@ impl Options {
     /// How many threads are wanted.
     pub(super) fn jobs(&self) -> Option<usize> {
         self.jobs.map(usize::from)
+    }
+
+    /// Writes the page of samples that are no study's, if it is asked for.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub(super) fn report(&self, outputs: &mut Outputs, name: &str, study: &Study, samples: &[Sample]) -> Result<()> {
+        let Some(path) = &self.report else { return Ok(()) };
+        page::write(&mut outputs.open(path)?, name, study, (samples, &Summary::new(study, samples)))
     }
 
     /// Runs the study of a file with these options.
