@@ -25,7 +25,10 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     let values: Vec<_> = data["points"].as_array().unwrap().iter().map(|point| point["values"][0].clone()).collect();
     assert_eq!((&data["file"], &data["machines"][0]), (&Value::from("belt_EA_N"), &Value::from("CoreXY")), "{data}");
     assert_eq!(values, [20_000.0, 40_000.0, 60_000.0].map(Value::from));
-    let study = file("swept.toml", "compute = [\"stiffness\"]\n[vary]\nbelt_EA_N = { from = 1, to = 2, count = 2 }\n");
+    let study = file(
+        "swept.toml",
+        "compute = [\"stiffness\"]\nmethod = \"grid\"\n[vary]\nbelt_EA_N = { from = 1, to = 2, count = 2 }\n",
+    );
     let words = format!("sweep {} --machine corexy --report {}", study.display(), page.display());
     assert!(complaint(&words).contains("needs an output"));
     // The model's own numbers must follow from the model's own ringing, given to a hundredth of a hertz.
