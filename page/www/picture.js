@@ -60,8 +60,8 @@ class MachinePicture {
   // Attributes of a part that can be clicked, or chosen by the keyboard.
   chosen(role, name) {
     if (!this.choose || !name) return {};
-    const choose = () => this.choose(role, name);
-    const onkeydown = event => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); choose(); } };
+    const choose = event => role === 'belt' ? this.choose(role, name) : this.choose(...(this.nearest(event) ?? [role, name]));
+    const onkeydown = event => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); choose(event); } };
     const words = { motor: `motor ${name}`, idler: `pulley ${name}`, belt: `belt of ${name}` }[role];
     return { role: 'button', tabindex: 0, 'aria-label': words, 'data-part': role === 'belt' ? null : name, onclick: choose, onkeydown };
   }
@@ -80,24 +80,28 @@ class MachinePicture {
       ...(role === 'idler' && this.choose ? [svg('text', { y: 0.55 * r, 'text-anchor': 'middle' }, name)] : [])));
     element.append(...parts.belts.flat(), ...parts.pulleys, parts.tool);
     if (!this.choose) return;
-    parts.places = pulleys.map(({ at }) => at);
+    parts.places = pulleys.filter(({ name }) => name);
     this.widen();
     this.watch ??= new ResizeObserver(() => this.widen());
     this.watch.observe(element);
   }
 
-  // A pulley is hit as far as half-way to the next one, if it is small for what points at it, and never less than a
-  // mouse needs.
+  // Pulleys are hit as far from their middle as what points at them needs. Where several are hit, `nearest` decides.
   widen() {
     const { frame, parts } = this, scale = this.element.getScreenCTM()?.a;
-    if (!scale || !parts?.places) return;
+    if (!scale || !parts) return;
     const wanted = (matchMedia('(pointer: coarse)').matches ? FINGER_PX : MOUSE_PX) / 2 / scale;
-    parts.pulleys.forEach((pulley, index) => {
-      const [x, y] = parts.places[index];
-      const next = Math.min(...parts.places.filter((_, other) => other !== index).map(([a, b]) => Math.hypot(a - x, b - y)));
-      const radius = Math.max(Math.min(Math.max(wanted, 1.7 * frame.radius_mm), next / 2), MOUSE_PX / 2 / scale);
-      pulley.querySelector('.target')?.setAttribute('r', radius.toFixed(2));
-    });
+    for (const target of this.element.querySelectorAll('.target')) target.setAttribute('r', Math.max(wanted, 1.7 * frame.radius_mm).toFixed(2));
+  }
+
+  // Role and name of the pulley that is nearest to a click; none for a key.
+  nearest(event) {
+    const matrix = this.element.getScreenCTM();
+    if (!matrix || event.type !== 'click' || !event.detail) return null;
+    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
+    const far = ({ at }) => Math.hypot(at[0] - x, at[1] + y);
+    const { role, name } = this.parts.places.reduce((best, other) => far(other) < far(best) ? other : best);
+    return [role, name];
   }
 
   move({ tool: [x, y], belts, pulleys }) {
