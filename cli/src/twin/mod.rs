@@ -123,10 +123,10 @@ pub(crate) enum Twin {
     Sweep(sweep::Sweep),
     /// Fits belts, tensions, masses, motors, yaw and damping of a machine to measurements.
     ///
-    /// uncertainty, assumed_uncertainty, now and then are relative standard uncertainties, of 1; the last two those of
-    /// a number before and after a further measurement, which removes a part of all variance, of 1. part is by how
-    /// much the model exceeds a measured value, of 1, and uncertainties is the same over the uncertainty of the
-    /// measurement. spread is the factor by which all measurements count as more uncertain.
+    /// uncertainty and assumed_uncertainty are relative standard uncertainties, of 1. So are now and then: before and
+    /// after a further measurement, which removes a part of all variance, of 1. For a measured value, part is by how
+    /// much the model exceeds it, of 1. uncertainties is the same difference over the uncertainty of the measurement.
+    /// spread is the factor by which all measurements count as more uncertain.
     Fit(fit::Fit),
     /// Compensates G-code, or a step trace, in advance for the give of belts and motors, for the unchanged firmware.
     Compensate(compensate::Compensate),

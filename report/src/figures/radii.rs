@@ -92,12 +92,12 @@ fn square(drawing: &mut Drawing, radii: &Radii) {
     };
     line(
         370.0,
-        ["commanded", "reached, mm", "runs round, mm", "does not fit, mm"].map(str::to_owned),
+        ["commanded, mm", "reached, mm", "runs round, mm", "does not fit, mm"].map(str::to_owned),
         "style=\"font-weight:bold\"",
     );
     for (corner, y) in corners.iter().zip([390.0, 408.0, 426.0, 444.0]) {
         let [commanded, reached] =
-            [corner.commanded_mm, corner.reached_mm].map(|[x, y]| format!("({}, {})", number(x), number(y)));
+            [corner.commanded_mm, corner.reached_mm].map(|[x, y]| format!("({}, {})", minus(x), minus(y)));
         let [round, residual] = [corner.circulation_mm, corner.residual_mm].map(signed);
         line(y, [commanded, reached, round, residual], "");
     }
@@ -114,10 +114,11 @@ fn square(drawing: &mut Drawing, radii: &Radii) {
 
 /// With a sign, and none for 0.
 fn signed(value: f64) -> String {
-    let text = number(value);
-    match text.strip_prefix('-') {
-        Some(rest) => format!("−{rest}"),
-        None if text == "0" => text,
-        None => format!("+{text}"),
-    }
+    let text = minus(value);
+    if text == "0" || value < 0.0 { text } else { format!("+{text}") }
+}
+
+/// With a true minus.
+fn minus(value: f64) -> String {
+    number(value).replace('-', "−")
 }

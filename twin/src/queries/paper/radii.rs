@@ -95,8 +95,9 @@ impl Radii {
 
 impl std::fmt::Display for Radii {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // No -0.
-        let each = |values: &[f64]| values.iter().map(|value| format!("{:>10.2}", value + 0.0)).collect::<String>();
+        // No -0.00.
+        let shown = |value: &f64| (value * 100.0).round() / 100.0 + 0.0;
+        let each = |values: &[f64]| values.iter().map(|value| format!("{:>10.2}", shown(value))).collect::<String>();
         let names: String =
             self.motors.iter().zip(self.teeth).map(|(m, t)| format!("{:>10}", format!("{m}: {t}"))).collect();
         writeln!(f, "Equation 8, motor and teeth of its pulley{names}")?;
