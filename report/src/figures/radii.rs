@@ -84,10 +84,9 @@ fn square(drawing: &mut Drawing, radii: &Radii) {
         |of: fn(&Corner) -> [f64; 2]| corners.iter().chain(corners.first()).map(of).map(at).collect::<Vec<_>>();
     drawing.polyline(&closed(|c| c.commanded_mm), "stroke=\"#777\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\"");
     drawing.polyline(&closed(|c| c.reached_mm), &format!("stroke=\"{}\" stroke-width=\"2\"", COLOURS[1]));
-    let columns = [(400.0, Anchor::End), (520.0, Anchor::End), (660.0, Anchor::End), (800.0, Anchor::End)];
     let mut line = |y: f64, words: [String; 4], style: &str| {
-        for (text, (x, anchor)) in words.iter().zip(columns) {
-            drawing.text([x, y], anchor, text, style);
+        for (text, x) in words.iter().zip([400.0, 520.0, 660.0, 800.0]) {
+            drawing.text([x, y], Anchor::End, text, style);
         }
     };
     line(

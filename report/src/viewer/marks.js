@@ -42,9 +42,9 @@ function marksAt(moves, places, data) {
 }
 
 /**
- * What lines of the file stand for. Comments are those of PrusaSlicer and of Orca (Reserved_Tags in GCodeProcessor.cpp of
- * both). Orca has a space and PAUSE_PRINTING. A change of colour is M600, too. The tool counts as changed if its number
- * does.
+ * What lines of the file stand for. Comments are those of PrusaSlicer and of Orca (Reserved_Tags in GCodeProcessor.cpp
+ * of both). Orca has a space and PAUSE_PRINTING. A change of colour is M600, too. The tool counts as changed if its
+ * number does.
  */
 const LINES = {
   wipes: /^;\s*WIPE_START\b/,
@@ -73,6 +73,7 @@ async function markedLines(chunks, blobs) {
   }
   return found;
 }
+
 /** The first moves after lines, each once: a comment and its command are at one place. */
 function movesAfter(moves, lines) {
   const places = new Set();

@@ -5,7 +5,7 @@
 //! round, and a part of the travel does not fit a rigid belt (equation 11).
 
 use crate::model::ways::{Ways, residual_mm};
-use crate::params::{Each, Params, TOOTH_MM};
+use crate::params::{Params, TOOTH_MM};
 use crate::routing::Machine;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -62,9 +62,7 @@ impl Radii {
     pub(super) fn new() -> Self {
         let machine = Machine::CoreHBot;
         let radius_mm = TEETH.map(|teeth| f64::from(teeth) * TOOTH_MM / TAU);
-        let motor_radius_mm = Each::listed(&radius_mm).unwrap_or(Each::NONE);
-        let params = Params { pulley_radius_mm: radius_mm[0], motor_radius_mm, ..Params::default() };
-        let ways = Ways::new(machine, &params);
+        let ways = Ways::new(machine, &Params::default());
         let belts = |[x, y]: [f64; 2]| ways.rows.iter().map(|row| row[0] * x + row[1] * y).collect::<Vec<_>>();
         let movements = MOVEMENTS_MM.map(|tool_mm| {
             let belt_mm = belts(tool_mm);
