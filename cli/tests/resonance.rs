@@ -180,6 +180,44 @@ fn runs_become_a_profile() {
     assert!(out.contains("120.0 mm/s") && out.contains("loud"), "{out}");
 }
 
+/// Motors of one side are twice as loud as those of the other, once an electrical turn, and the tool rings at 60 Hz.
+#[test]
+fn runs_along_both_diagonals_tell_the_motors_and_the_symmetry() {
+    let run = |angle: u32, speed: f64| {
+        // Electrical turns of 0.8 mm of belt, and the belt runs by 2^(1/2) of the tool's way: amplitudes of 4 and 2 um.
+        let (hz, mm) = (std::f64::consts::SQRT_2 * speed / 0.8, if angle == 45 { 0.004 } else { 0.002 });
+        let gain = 1.0 / ((1.0 - (hz / 60.0).powi(2)).powi(2) + (0.1 * hz / 60.0).powi(2)).sqrt();
+        let w = TAU * hz;
+        let x = (0..2000).map(|i| mm * gain * w * w * (w * f64::from(i) / 1600.0).sin()).collect();
+        let still = vec![0.0; 2000];
+        let recording = Recording { rate_hz: 1600.0, axes: [x, still.clone(), still], remarks: Vec::new() };
+        file(&format!("motors_an{angle}_00sp{speed:.0}_00n1.csv"), &text(&recording))
+    };
+    let speeds = || (16..=60).step_by(2).map(f64::from);
+    let files: Vec<PathBuf> = [45, 135].into_iter().flat_map(|angle| speeds().map(move |v| run(angle, v))).collect();
+    let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let page = scratch("motors.html");
+    let profile = &json(&files, &["--report", page.to_str().unwrap()])["profile"];
+    let symmetry = &profile["symmetry"];
+    // 1 - (2 - 1) / (2 + 1), and 20 log 2.
+    assert!((symmetry["symmetry_percent"].as_f64().unwrap() - 66.7).abs() < 0.5, "{symmetry}");
+    assert!((symmetry["level_difference_dB"].as_f64().unwrap() - 6.02).abs() < 0.05, "{symmetry}");
+    for (side, um) in [(0, 4.0), (1, 2.0)] {
+        let motors = &profile["motors"][side];
+        let mode = &motors["modes"][0];
+        assert!((mode["frequency_Hz"].as_f64().unwrap() / 60.0 - 1.0).abs() < 0.005, "{motors}");
+        assert!((mode["damping_ratio"].as_f64().unwrap() / 0.05 - 1.0).abs() < 0.1, "{motors}");
+        assert_eq!(motors["orders"][0]["repeats"], "electrical_turn");
+        assert!((motors["orders"][0]["slow_um"].as_f64().unwrap() / um - 1.0).abs() < 0.1, "{motors}");
+    }
+    let (out, _) = said(&resonance(&files, &[]));
+    assert!(out.contains("mirror each other: 67 %") && out.contains("electrical turns: at most"), "{out}");
+    // On a Cartesian machine both motors turn along a diagonal.
+    let cartesian = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/machines/cartesian.toml");
+    let profile = &json(&files, &["--settings", cartesian])["profile"];
+    assert!(profile["motors"].as_array().unwrap().is_empty() && !profile["symmetry"].is_null(), "{profile}");
+}
+
 /// The firmware's own steps swing the tool as often as the sweep says, and end where they began.
 #[test]
 fn a_sweep_as_g_code_shakes_the_simulated_machine() {

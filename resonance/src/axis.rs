@@ -207,6 +207,7 @@ fn first(modes: &[Mode]) -> Mode {
         frequency_hz: 50.0,
         frequency_error_hz: 0.0,
         damping_ratio: 0.1,
+        damping_ratio_error: 0.0,
         part: 1.0,
     })
 }

@@ -111,7 +111,7 @@ fn verdict(similarity: f64, ratio: Option<f64>, alone: &[Vec<Peak>; 2]) -> Strin
 }
 
 /// Pearson's correlation.
-fn correlation([a, b]: &[Vec<f64>; 2]) -> f64 {
+pub(crate) fn correlation([a, b]: &[Vec<f64>; 2]) -> f64 {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     let (ma, mb) = (mean(a), mean(b));
     let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);

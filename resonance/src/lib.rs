@@ -17,6 +17,9 @@
 //! | [`klipper`] | Klipper's score and choice |
 //! | [`axis`] | an axis: modes, both rankings, the line that sets a shaper |
 //! | [`belts`] | comparison of two belt paths |
+//! | [`run`] | vibration at one speed along one angle |
+//! | [`motors`] | what each pair of motors does to the tool, by its frequency |
+//! | [`symmetry`] | how alike directions are that mirror each other |
 //! | [`profile`] | vibration by speed and angle |
 #![forbid(unsafe_code)]
 
@@ -26,10 +29,13 @@ pub mod gcode;
 pub mod klipper;
 pub mod label;
 pub mod modes;
+pub mod motors;
 pub mod profile;
 pub mod recording;
+pub mod run;
 pub mod shapers;
 pub mod spectrogram;
 pub mod spectrum;
 pub mod stdata;
 pub mod sweep;
+pub mod symmetry;

@@ -9,6 +9,10 @@
 //! with Levenberg's and Marquardt's method (D. Marquardt, 1963). Only magnitudes count: the phase depends on when the
 //! sensor's clock sampled. A peak of the density alone would be at the nearest of its frequencies, and its width is the
 //! width of the window: a half width gives half of the damping or twice of it.
+//!
+//! Points of several sources of unknown strength, as the motors of [`crate::motors`] are, get a mean difference of zero
+//! each (variable projection: G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973). Their modes add up by power,
+//! because those along different axes do.
 
 use crate::recording::Recording;
 use crate::spectrum::Spectrum;
@@ -48,6 +52,8 @@ pub struct Mode {
     pub frequency_error_hz: f64,
     /// Damping as a ratio to critical damping.
     pub damping_ratio: f64,
+    /// Standard error of the damping by the fit.
+    pub damping_ratio_error: f64,
     /// Its part in the slow motion of the tool; all parts add up to 1. A negative part moves against the command.
     pub part: f64,
 }
@@ -91,18 +97,22 @@ impl std::error::Error for Unfitted {}
 
 /// A frequency of the fit.
 #[derive(Clone, Copy)]
-struct Point {
-    hz: f64,
+pub(crate) struct Point {
+    pub hz: f64,
     /// Commanded density.
-    commanded: f64,
+    pub commanded: f64,
     /// Logarithm of the measured density.
-    measured: f64,
+    pub measured: f64,
+    /// The source that shakes here, from 0 on.
+    pub source: usize,
 }
 
 /// The points and the sensor's noise.
 struct Data {
     points: Vec<Point>,
     noise: f64,
+    /// Sources of unknown strength; 0 if the strength is known.
+    sources: usize,
 }
 
 impl Data {
@@ -131,21 +141,35 @@ type Numbers = DVector<f64>;
 /// # Errors
 /// Nothing can be fitted.
 pub fn fit(recording: &Recording, sweep: &Sweep) -> Result<Modes, Unfitted> {
-    let data = data(recording, sweep).ok_or(Unfitted::Short)?;
+    fitted(&data(recording, sweep).ok_or(Unfitted::Short)?)
+}
+
+/// Modes that so many sources of unknown strength excited.
+pub(crate) fn fit_sources(points: Vec<Point>, sources: usize) -> Result<Modes, Unfitted> {
+    let mean = points.iter().map(|p| p.measured - p.commanded.ln()).sum::<f64>() / points.len().max(1) as f64;
+    let points = points.into_iter().map(|p| Point { measured: p.measured - mean, ..p }).collect();
+    let data = Data { points, noise: 0.0, sources };
+    let flat = differences(&DVector::zeros(0), &data).norm_squared() / data.points.len().max(1) as f64;
+    let modes = fitted(&data)?;
+    let decibels = |cost: f64| 10.0 / std::f64::consts::LN_10 * cost.sqrt();
+    if modes.fit_error_db < WORTH * decibels(flat) { Ok(modes) } else { Err(Unfitted::Flat) }
+}
+
+fn fitted(data: &Data) -> Result<Modes, Unfitted> {
     let mut best: Option<(Numbers, f64)> = None;
     for count in 1..=MOST {
-        let Some(next) = with_one_more(&data, best.as_ref().map(|(numbers, _)| numbers)) else { break };
+        let Some(next) = with_one_more(data, best.as_ref().map(|(numbers, _)| numbers)) else { break };
         let is_worth = best.as_ref().is_none_or(|(_, before)| next.1 < before * WORTH * WORTH);
-        if !is_worth || count > 1 && !(are_apart(&next.0) && is_within(&next.0, &data)) {
+        if !is_worth || count > 1 && !(are_apart(&next.0) && is_within(&next.0, data)) {
             break;
         }
         best = Some(next);
     }
     let (numbers, cost) = best.ok_or(Unfitted::Flat)?;
-    if !is_within(&numbers, &data) {
+    if !is_within(&numbers, data) {
         return Err(Unfitted::Flat);
     }
-    Ok(told(&data, &numbers, cost))
+    Ok(told(data, &numbers, cost))
 }
 
 /// Points between the ends of the sweep: near them the pulses have other harmonics, and below is the slow swing.
@@ -157,7 +181,7 @@ fn data(recording: &Recording, sweep: &Sweep) -> Option<Data> {
     let point = |i: usize| {
         let hz = i as f64 * step;
         let psd = measured.sum.get(i).copied().filter(|psd| *psd > 0.0)?;
-        (from..=to).contains(&hz).then(|| Point { hz, commanded: commanded.at(hz), measured: psd.ln() })
+        (from..=to).contains(&hz).then(|| Point { hz, commanded: commanded.at(hz), measured: psd.ln(), source: 0 })
     };
     let mut points: Vec<Point> = (0..measured.sum.len()).filter_map(point).filter(|p| p.commanded > 0.0).collect();
     // Far above the sweep there is noise, and little else: a tenth is quieter than harmonics.
@@ -170,12 +194,15 @@ fn data(recording: &Recording, sweep: &Sweep) -> Option<Data> {
     // The search begins at a gain of 1: the strength of the sweep, and the unit of the file, do not count.
     let strength = points.iter().map(|p| p.measured - p.commanded.ln()).sum::<f64>() / points.len().max(1) as f64;
     points.iter_mut().for_each(|p| p.measured -= strength);
-    (points.len() >= 20).then_some(Data { points, noise: noise * (-strength).exp() })
+    (points.len() >= 20).then_some(Data { points, noise: noise * (-strength).exp(), sources: 0 })
 }
 
-/// |H|^2.
-fn response(numbers: &Numbers, hz: f64) -> f64 {
-    let (mut re, mut im) = (0.0, 0.0);
+/// |H|^2. Without modes the tool follows its command.
+fn response(numbers: &Numbers, hz: f64, data: &Data) -> f64 {
+    if numbers.is_empty() {
+        return 1.0;
+    }
+    let (mut re, mut im, mut powers) = (0.0, 0.0, 0.0);
     for mode in numbers.as_slice().chunks_exact(3) {
         let [frequency, damping, gain] = [mode[0].exp(), mode[1].exp(), mode[2]];
         let r = hz / frequency;
@@ -183,16 +210,25 @@ fn response(numbers: &Numbers, hz: f64) -> f64 {
         let power = gain / (a * a + b * b);
         re += power * a;
         im -= power * b;
+        powers += gain * power;
     }
-    re * re + im * im
+    if data.sources == 0 { re * re + im * im } else { powers }
 }
 
-fn difference(numbers: &Numbers, point: &Point, noise: f64) -> f64 {
-    (point.commanded * response(numbers, point.hz) + noise).max(f64::MIN_POSITIVE).ln() - point.measured
+fn difference(numbers: &Numbers, point: &Point, data: &Data) -> f64 {
+    let power = point.commanded * response(numbers, point.hz, data) + data.noise;
+    power.max(f64::MIN_POSITIVE).ln() - point.measured
 }
 
 fn differences(numbers: &Numbers, data: &Data) -> DVector<f64> {
-    DVector::from_iterator(data.points.len(), data.points.iter().map(|p| difference(numbers, p, data.noise)))
+    let all = data.points.iter().map(|p| difference(numbers, p, data));
+    let mut all = DVector::from_iterator(data.points.len(), all);
+    for source in 0..data.sources {
+        let own = || data.points.iter().enumerate().filter(move |(_, p)| p.source == source).map(|(i, _)| i);
+        let mean = own().map(|i| all[i]).sum::<f64>() / own().count().max(1) as f64;
+        own().for_each(|i| all[i] -= mean);
+    }
+    all
 }
 
 /// Derivatives by each number.
@@ -250,13 +286,12 @@ fn minimum(data: &Data, start: Numbers) -> (Numbers, f64) {
 /// The best fit with one mode more, from several starts: where the measured response is most above the fitted one, and
 /// at places all over the sweep.
 fn with_one_more(data: &Data, before: Option<&Numbers>) -> Option<(Numbers, f64)> {
-    let above = |p: &Point| before.map_or(0.0, |numbers| -difference(numbers, p, data.noise));
-    let score = |p: &Point| match before {
-        // The first: the highest |H|^2.
-        None => p.measured - p.commanded.ln(),
-        Some(_) => above(p),
+    // The first: the highest |H|^2.
+    let scores = match before {
+        None => -differences(&DVector::zeros(0), data),
+        Some(numbers) => -differences(numbers, data),
     };
-    let highest = data.points.iter().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    let (highest, _) = data.points.iter().zip(scores.iter()).max_by(|a, b| a.1.total_cmp(b.1))?;
     let [first, last] = data.ends();
     let spread = (1..8).map(|i| first * (last / first).powf(f64::from(i) / 8.0));
     let gains: &[f64] = if before.is_some() { &[0.3, -0.3] } else { &[1.0] };
@@ -304,19 +339,25 @@ fn told(data: &Data, numbers: &Numbers, cost: f64) -> Modes {
     let slopes = derivatives(numbers, data);
     let free = (data.points.len() - numbers.len()).max(1) as f64;
     let variance = cost * data.points.len() as f64 / free;
-    let covariance = slopes.tr_mul(&slopes).try_inverse();
+    let mut square = slopes.tr_mul(&slopes);
+    if data.sources > 0 {
+        // All gains together are as good as the strengths of the sources, so no equation holds them.
+        (0..square.nrows()).for_each(|i| square[(i, i)] += 1e-9);
+    }
+    let covariance = square.try_inverse();
     let whole: f64 = numbers.as_slice().chunks_exact(3).map(|mode| mode[2]).sum();
     let sign = if whole < 0.0 { -1.0 } else { 1.0 };
     // Without slow motion there are no parts of it; the strongest gets them all.
     let strongest = numbers.as_slice().chunks_exact(3).map(|mode| mode[2].abs()).fold(0.0, f64::max);
     let scale = if whole.abs() > 0.1 * strongest { whole.abs() } else { strongest.max(f64::MIN_POSITIVE) };
     let one = |(i, mode): (usize, &[f64])| {
-        let error = covariance.as_ref().map_or(0.0, |c| (c[(3 * i, 3 * i)] * variance).max(0.0).sqrt());
-        let frequency_hz = mode[0].exp();
+        let error = |k: usize| covariance.as_ref().map_or(0.0, |c| (c[(k, k)] * variance).max(0.0).sqrt());
+        let (frequency_hz, damping_ratio) = (mode[0].exp(), mode[1].exp());
         let mode_told = Mode {
             frequency_hz,
-            frequency_error_hz: error * frequency_hz,
-            damping_ratio: mode[1].exp(),
+            frequency_error_hz: error(3 * i) * frequency_hz,
+            damping_ratio,
+            damping_ratio_error: error(3 * i + 1) * damping_ratio,
             part: sign * mode[2] / scale,
         };
         (peak(mode), mode_told)
@@ -329,6 +370,6 @@ fn told(data: &Data, numbers: &Numbers, cost: f64) -> Modes {
         fit_error_db: 10.0 / std::f64::consts::LN_10 * cost.sqrt(),
         frequencies_hz: data.points.iter().map(|p| p.hz).collect(),
         measured: data.points.iter().map(measured).collect(),
-        fitted: data.points.iter().map(|p| response(numbers, p.hz).sqrt() / scale).collect(),
+        fitted: data.points.iter().map(|p| response(numbers, p.hz, data).sqrt() / scale).collect(),
     }
 }

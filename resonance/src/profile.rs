@@ -1,31 +1,13 @@
 //! Profile: vibration of the tool by speed and angle, from a recording of each.
 //!
 //! Steps of motors, teeth and pulleys shake the tool at frequencies in proportion to the speed. Where they meet a mode,
-//! walls get fine ripples. A recording is taken at constant speed along one angle.
+//! walls get fine ripples.
 
-use crate::recording::Recording;
-use crate::spectrum::{Spectrum, WINDOW_S};
+use crate::motors::{Drive, Motors, motors};
+use crate::run::Run;
+use crate::symmetry::{Symmetry, symmetry};
 use corehbot_twin::ripple::quiet::quiet_and_loud;
 use serde::Serialize;
-
-/// The band that counts in Hz: below, the tool's own moves; above, sound and not ripple.
-const BAND_HZ: [f64; 2] = [10.0, 500.0];
-
-/// A run at one speed along one angle.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Run {
-    /// The file.
-    pub file: String,
-    /// Direction, from x to y.
-    pub angle_deg: f64,
-    /// Speed.
-    pub speed_mm_s: f64,
-    /// Root mean square of the acceleration in the band.
-    pub vibration_mm_s2: f64,
-    /// Frequency of the strongest vibration.
-    #[serde(rename = "loudest_Hz")]
-    pub loudest_hz: f64,
-}
 
 /// Vibration of a speed over all angles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -51,22 +33,15 @@ pub struct Profile {
     pub quiet_mm_s: Vec<[f64; 2]>,
     /// Speeds to avoid.
     pub loud_mm_s: Vec<f64>,
+    /// How alike directions are that mirror each other, if two of them were measured.
+    pub symmetry: Option<Symmetry>,
+    /// Each group of motors that a measured direction turns alone.
+    pub motors: Vec<Motors>,
 }
 
-/// Vibration of a run; nothing if the recording is shorter than a window.
+/// The profile of these runs on a machine with these drives.
 #[must_use]
-pub fn run(file: &str, [angle_deg, speed_mm_s]: [f64; 2], recording: &Recording) -> Option<Run> {
-    let spectrum = Spectrum::new(recording, WINDOW_S)?;
-    let bins = spectrum.sum.iter().enumerate().map(|(i, psd)| (i as f64 * spectrum.step_hz, *psd));
-    let band: Vec<(f64, f64)> = bins.filter(|(hz, _)| (BAND_HZ[0]..=BAND_HZ[1]).contains(hz)).collect();
-    let power = band.iter().map(|(_, psd)| psd).sum::<f64>() * spectrum.step_hz;
-    let loudest_hz = band.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.0, |(hz, _)| *hz);
-    Some(Run { file: file.to_owned(), angle_deg, speed_mm_s, vibration_mm_s2: power.sqrt(), loudest_hz })
-}
-
-/// The profile of these runs.
-#[must_use]
-pub fn profile(mut runs: Vec<Run>) -> Profile {
+pub fn profile(mut runs: Vec<Run>, drives: &[Drive]) -> Profile {
     runs.sort_by(|a, b| a.angle_deg.total_cmp(&b.angle_deg).then(a.speed_mm_s.total_cmp(&b.speed_mm_s)));
     let different = |of: fn(&Run) -> f64| {
         let mut all: Vec<f64> = runs.iter().map(of).collect();
@@ -83,12 +58,15 @@ pub fn profile(mut runs: Vec<Run>) -> Profile {
     let speeds: Vec<Speed> = values.iter().map(speed).collect();
     let loudest: Vec<(f64, f64)> = speeds.iter().map(|s| (s.speed_mm_s, s.max_mm_s2)).collect();
     let (quiet_mm_s, loud_mm_s) = quiet_and_loud(&loudest);
-    Profile { runs, angles_deg, speeds, quiet_mm_s, loud_mm_s }
+    let (symmetry, motors) = (symmetry(&runs), motors(&runs, drives));
+    Profile { runs, angles_deg, speeds, quiet_mm_s, loud_mm_s, symmetry, motors }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::Recording;
+    use crate::run::run;
     use std::f64::consts::TAU;
 
     /// Teeth of 2 mm shake a mode at 60 Hz: it is loud at 120 mm/s, along every angle.
@@ -107,7 +85,7 @@ mod tests {
                 runs.push(run("run", [angle, speed], &recording).unwrap());
             }
         }
-        let found = profile(runs);
+        let found = profile(runs, &[]);
         assert_eq!(found.angles_deg, [0.0, 45.0, 90.0]);
         assert!(found.loud_mm_s.contains(&120.0) && !found.loud_mm_s.contains(&200.0), "{:?}", found.loud_mm_s);
         assert_eq!(found.quiet_mm_s.last().map(|range| range[1]), Some(200.0), "{:?}", found.quiet_mm_s);

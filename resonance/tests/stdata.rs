@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_resonance::label;
-use corehbot_resonance::profile::run;
 use corehbot_resonance::recording::Flaw;
+use corehbot_resonance::run::run;
 use corehbot_resonance::stdata::{Contents, HEAD, read};
 
 /// Two runs of 2 s at 800 Hz with 50 Hz along x, of 1000 and of 500 mm/s^2; made by zstd itself (`zstd -3`).

@@ -3,18 +3,22 @@
 //! File names tell the axis of a sweep, or the speed and angle of a run. Recordings of x, y and z are judged for
 //! shapers, those of both belt paths are compared, and runs become a profile.
 
+mod drives;
 mod excite;
 mod text;
 
 use crate::answer::Json;
+use crate::printer::Printer;
 use crate::values::number;
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot_report::resonance as page;
 use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure};
 use corehbot_resonance::label;
+use corehbot_resonance::motors::Drive;
 use corehbot_resonance::profile::{self, Profile};
 use corehbot_resonance::recording::{Recording, read};
+use corehbot_resonance::run;
 use corehbot_resonance::stdata::{self, Contents};
 use corehbot_resonance::sweep::Sweep;
 use corehbot_twin::shaping::wall::Print;
@@ -57,6 +61,10 @@ pub(crate) struct Resonance {
     /// Speed at their corners, in mm/s.
     #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number(0.0, 100.0), default_value = "5")]
     corner_speed: f64,
+    /// The machine file of the machine that was recorded: its motors' steps are at frequencies of their own in runs at one
+    /// speed. Without it, the CoreH-bot prototype.
+    #[arg(long, value_name = "M.toml")]
+    settings: Option<PathBuf>,
     /// Writes a page with spectra, shapers, belts and the profile.
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
@@ -73,6 +81,7 @@ pub(crate) struct Prepared {
     sweeps: BTreeMap<Option<label::Axis>, Vec<(String, Recording)>>,
     runs: Vec<(String, [f64; 2], Recording)>,
     left_out: Vec<String>,
+    drives: Vec<Drive>,
 }
 
 /// Everything that was found.
@@ -133,7 +142,8 @@ impl Prepared {
                 }
             }
         }
-        Ok(Self { sweeps, runs, left_out })
+        let drives = drives::of(&Printer::new(args.settings.clone(), None).machine()?.settings);
+        Ok(Self { sweeps, runs, left_out, drives })
     }
 
     /// Judges the recordings and gives the answer.
@@ -145,7 +155,8 @@ impl Prepared {
             return part.run();
         }
         let answer = self.answer(&args.question())?;
-        args.json.give_with(&answer, args.files.iter().map(PathBuf::as_path), |outputs| {
+        let inputs = args.files.iter().chain(&args.settings).map(PathBuf::as_path);
+        args.json.give_with(&answer, inputs, |outputs| {
             let Some(path) = &args.report else { return Ok(()) };
             let belts = answer.belts.as_ref().map(|belts| (&belts.comparison, &belts.recordings));
             page::write(&mut outputs.open(path)?, &answer.axes, belts, answer.profile.as_ref())
@@ -179,11 +190,11 @@ impl Prepared {
         };
         let axes = self.sweeps.iter().map(axis).collect::<Result<Vec<_>>>()?;
         let run = |(file, place, recording): &(String, [f64; 2], Recording)| {
-            profile::run(short(file), *place, recording)
+            run::run(short(file), *place, recording)
                 .with_context(|| format!("{file}: it is shorter than half a second"))
         };
         let runs = self.runs.iter().map(run).collect::<Result<Vec<_>>>()?;
-        let profile = (!runs.is_empty()).then(|| profile::profile(runs));
+        let profile = (!runs.is_empty()).then(|| profile::profile(runs, &self.drives));
         Ok(Answer { axes, belts, profile, left_out: self.left_out })
     }
 }

@@ -5,7 +5,9 @@ use corehbot_resonance::axis::{Axis, Measured, Net, Ranking};
 use corehbot_resonance::belts::Comparison;
 use corehbot_resonance::klipper::Choice;
 use corehbot_resonance::label;
+use corehbot_resonance::motors::{Motors, Repeat};
 use corehbot_resonance::profile::Profile;
+use corehbot_resonance::symmetry::Symmetry;
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Answer {
@@ -127,7 +129,41 @@ fn told_profile(f: &mut Formatter<'_>, profile: &Profile) -> Result {
     match quiet.is_empty() {
         true => writeln!(f, "  no speed is much quieter than the others"),
         false => writeln!(f, "  quiet along every angle: {} mm/s", quiet.join(", ")),
+    }?;
+    profile.symmetry.as_ref().map_or(Ok(()), |symmetry| told_symmetry(f, symmetry))?;
+    profile.motors.iter().try_for_each(|motors| told_motors(f, motors))
+}
+
+fn told_symmetry(f: &mut Formatter<'_>, symmetry: &Symmetry) -> Result {
+    let Symmetry { symmetry_percent, level_difference_db, shape_percent, worst, .. } = symmetry;
+    let [a, b] = worst.angles_deg;
+    writeln!(f, "Symmetry of directions that mirror each other: {symmetry_percent:.0} %")?;
+    write!(f, "  level {level_difference_db:+.1} dB")?;
+    if let Some(shape) = shape_percent {
+        write!(f, ", shape over the speeds {shape:.0} % alike")?;
     }
+    write!(f, "; most apart at {:.0} mm/s: {:.0} mm/s2", worst.speed_mm_s, worst.vibration_mm_s2[0])?;
+    writeln!(f, " along {a:.0} degrees, {:.0} along {b:.0}", worst.vibration_mm_s2[1])
+}
+
+fn told_motors(f: &mut Formatter<'_>, motors: &Motors) -> Result {
+    writeln!(f, "Motors {}, {} runs along {:.0} degrees", motors.motors, motors.runs, motors.angle_deg)?;
+    for mode in &motors.modes {
+        write!(f, "  {:.2} Hz +- {:.2}", mode.frequency_hz, 2.0 * mode.frequency_error_hz)?;
+        writeln!(f, ", damping {:.4} +- {:.4}", mode.damping_ratio, 2.0 * mode.damping_ratio_error)?;
+    }
+    for order in &motors.orders {
+        let name = match order.repeats {
+            Repeat::ElectricalTurn => "electrical turns",
+            Repeat::HalfTurn => "half turns",
+            Repeat::FullStep => "full steps",
+        };
+        let most = order.amplitudes_um.iter().copied().fold(0.0, f64::max);
+        write!(f, "  {name}: at most {most:.1} um")?;
+        order.slow_um.map_or(Ok(()), |slow| write!(f, ", {slow:.1} um without the resonance"))?;
+        writeln!(f)?;
+    }
+    motors.remarks.iter().try_for_each(|remark| writeln!(f, "  remark: {remark}"))
 }
 
 fn range(from: f64, to: f64) -> String {

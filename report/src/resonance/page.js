@@ -75,6 +75,30 @@ if (D.profile) {
   parts.push(make("section", { className: "pair" }, card("Vibration by direction, with the speed from the middle outwards, mm/s", scaleOf("0", top.toFixed(0) + " mm/s\u00b2"), polar(P, speeds, fastest, top), note("Both ways along an angle are one run. Hold a part for its numbers.")),
     card("Vibration in mm/s\u00b2 RMS, by speed and angle", ...heatmap({ label: "Vibration by speed and angle", unit: "mm/s\u00b2", rows: speeds.map(v => v.toFixed(0)), columns: P.angles_deg.map(v => v.toFixed(0) + "\u00b0"), corner: "mm/s", digits: 0, range: [0, top],
       value: (i, j) => runAt(P, speeds[j], P.angles_deg[i])?.vibration_mm_s2, hint: (i, j) => { const run = runAt(P, speeds[j], P.angles_deg[i]); return `${run.loudest_Hz.toFixed(0)} Hz, ${run.file}`; } }), note("10 to 500 Hz. Hold a cell for its loudest frequency."))));
+  if (P.symmetry) mirrored(P.symmetry);
+  if (P.motors.length) motors(P.motors);
+}
+/** How alike directions are that mirror each other. */
+function mirrored(S) {
+  const W = S.worst, signed = (v, digits) => (v < 0 ? "\u2212" : "+") + Math.abs(v).toFixed(digits), firsts = [...new Set(S.pairs.map(p => p.angles_deg[0]))];
+  const curves = firsts.flatMap((angle, k) => { const own = S.pairs.filter(p => p.angles_deg[0] === angle); return [0, 1].map(side => ({ name: own[0].angles_deg[side].toFixed(0) + "\u00b0", x: own.map(p => p.speed_mm_s), y: own.map(p => p.vibration_mm_s2[side]), dash: side === 1, colour: () => curveColour(firsts.length > 1 ? k : side) })); });
+  const [a, b] = W.angles_deg.map(v => v.toFixed(0) + "\u00b0");
+  parts.push(heading("Symmetry", "directions that mirror each other, as 45\u00b0 and 135\u00b0"), tileRow([[S.symmetry_percent.toFixed(0), "%", "symmetry"], [signed(S.level_difference_dB, 1), "dB", `${firsts.map(v => v.toFixed(0) + "\u00b0").join(", ")} against the mirror image`], S.shape_percent !== null && [S.shape_percent.toFixed(0), "%", "likeness of the shapes over the speeds"]]),
+    card("Both sides", graph({ title: "Vibration of mirrored directions", unit: "mm/s\u00b2 RMS", x: { name: "speed", unit: "mm/s" }, curves, marks: [{ x: W.speed_mm_s, name: "most apart" }] }),
+      note(`The symmetry is the part of the vibration that both sides have in common. They are most apart at ${W.speed_mm_s.toFixed(0)} mm/s: ${W.vibration_mm_s2[0].toFixed(0)} mm/s\u00b2 along ${a}, ${W.vibration_mm_s2[1].toFixed(0)} along ${b}. Like shapes at different levels are unlike currents or motors; unlike shapes are unlike belts, pulleys or guides. The sensor\u2019s noise is on both sides and makes a calm machine look symmetric.`)));
+}
+/** What each group of motors does to the tool, by frequency. */
+function motors(all) {
+  const REPEATS = { electrical_turn: "electrical turns", half_turn: "half turns", full_step: "full steps" }, best = all.map(M => M.modes[0]);
+  const range = (v, error, digits) => v.toFixed(digits) + " \u00b1 " + (2 * error).toFixed(digits), along = M => `${M.motors}, along ${M.angle_deg.toFixed(0)}\u00b0`;
+  parts.push(heading("Motor frequency profile", "directions along which one group of motors turns and the others stand"), tileRow(all.flatMap((M, i) => best[i] ? [[best[i].frequency_Hz.toFixed(1), "Hz", "main resonance of " + M.motors], [best[i].damping_ratio.toFixed(3), "", "its damping ratio"]] : [])));
+  parts.push(card("By frequency", graph({ title: "Power spectral density, mean of all speeds", unit: DENSITY, x: { name: "frequency", unit: "Hz", from: 0, say: v => v.toFixed(1) }, curves: all.map(M => ({ name: along(M), ...even(M.density_mm2_s4_Hz, M.step_Hz) })), marks: best.filter(Boolean).map(m => ({ x: m.frequency_Hz, name: hertz(m.frequency_Hz) })) }),
+    note("Where the tool vibrates, whatever speed it comes from. It grows with the frequency by itself, so its highest peak need not be the main resonance. The comb is the distance of the speeds.")));
+  parts.push(make("section", { className: "pair" }, ...all.map(M => card(along(M), ...(M.orders.length ? [graph({ title: "Motion of the tool by the motors\u2019 frequency", unit: "\u00b5m", x: { ...FREQUENCY, from: undefined, to: M.modes[0]?.frequency_Hz < most / 2 ? most : undefined }, marks: M.modes.map(m => ({ x: m.frequency_Hz, name: hertz(m.frequency_Hz) })),
+    curves: M.orders.flatMap((o, k) => [{ name: REPEATS[o.repeats], x: o.frequencies_Hz, y: o.amplitudes_um, isThin: true, colour: () => curveColour(k) }, ...(o.fitted_um.length ? [{ name: "fitted, " + REPEATS[o.repeats], x: o.frequencies_Hz, y: o.fitted_um, dash: true, colour: () => curveColour(k) }] : [])]) })] : []),
+    ...(M.modes.length ? [table(["Mode", "Damping ratio"], M.modes.map(m => [range(m.frequency_Hz, m.frequency_error_Hz, 2) + " Hz", range(m.damping_ratio, m.damping_ratio_error, 4)]))] : []),
+    ...(M.orders.length ? [table(["Motors\u2019 error", "At most", "Without resonance"], M.orders.map(o => [REPEATS[o.repeats], Math.max(...o.amplitudes_um).toFixed(1) + " \u00b5m", o.slow_um === null ? "\u2013" : o.slow_um.toFixed(1) + " \u00b5m"]))] : []),
+    ...(M.fit_error_dB !== null ? [note(`The fit is within ${M.fit_error_dB.toFixed(1)} dB, RMS.`)] : []), ...(M.remarks.length ? [remarkList(M.remarks)] : [])))));
 }
 /** Power over frequency and time. */
 function spectrogram({ levels, step_s, first_s, step_Hz, range_dB }, { file }) {
