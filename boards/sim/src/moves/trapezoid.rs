@@ -27,18 +27,24 @@ impl Trapezoid {
             let begin = if i == 0 { 0.0 } else { ends[i - 1] };
             if times[i] > 0.0 { (ends[i] - begin) * length / times[i] } else { 0.0 }
         });
-        // A phase's lower speed alone would cover the share of it; its mean is half the sum of its two speeds.
-        let ramp = |mean: f64, share: u32| [part(share) * mean, (2.0 - part(share)) * mean];
-        let [low, high] = ramp(means[0], m.entry_share);
-        let [entry, after_entry] = if m.brakes_first { [high, low] } else { [low, high] };
-        let [exit, before_exit] = ramp(means[2], m.exit_share);
-        let top = match times {
-            [_, cruise, _] if cruise > 0.0 => means[1],
-            [rise, ..] if rise > 0.0 => after_entry,
-            _ => before_exit,
+        // A phase's lower speed alone would cover the share of it, and its mean is half the sum of its two speeds. The
+        // longest phase tells the top: fractions are rounded, so the mean of one of a few ticks says nothing.
+        let [rise, cruise, fall] = times;
+        let high = |mean: f64, share: u32| (2.0 - part(share)) * mean;
+        let top = if cruise >= rise.max(fall) {
+            means[1]
+        } else if rise >= fall {
+            if m.brakes_first { part(m.entry_share) * means[0] } else { high(means[0], m.entry_share) }
+        } else {
+            high(means[2], m.exit_share)
         };
-        let entry = if times[0] > 0.0 { entry } else { top };
-        let exit = if times[2] > 0.0 { exit } else { top };
+        let ratio = |share: u32| part(share) / (2.0 - part(share));
+        let entry = match ratio(m.entry_share) {
+            _ if rise <= 0.0 => top,
+            ratio if m.brakes_first && ratio > 0.0 => top / ratio,
+            ratio => top * ratio,
+        };
+        let exit = if fall > 0.0 { top * ratio(m.exit_share) } else { top };
         Self { times, speeds: [entry, top, exit] }
     }
 
@@ -64,6 +70,48 @@ impl Trapezoid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::port::EndstopSet;
+    use corehbot::units::{Length, MmPerSec2, Steps, SubTicks};
+
+    /// Reproducer: a cruise of three ticks, which rounding has made 8 um long, had a top speed of 27 m/s.
+    #[test]
+    fn a_phase_of_a_few_ticks_does_not_tell_the_speed() {
+        let ticks = |seconds: f64| SubTicks((seconds * SUB_TICKS) as u64);
+        let fraction = |part: f64| (part * f64::from(WHOLE)) as u32;
+        // From 30 to 34 mm/s in 8 ms, which are 0.256 mm, and a cruise.
+        let rise = Move {
+            length: Length((0.264 * powi(2.0, 32)) as u64),
+            accelerated: fraction(0.256 / 0.264),
+            cruised: WHOLE,
+            accelerate: ticks(0.008),
+            cruise: ticks(3e-7),
+            entry_share: fraction(60.0 / 64.0),
+            exit_share: WHOLE,
+            decelerate: SubTicks::ZERO,
+            end: [Steps::ZERO; 4],
+            acceleration: MmPerSec2::ZERO,
+            advance: Steps::ZERO,
+            brakes_first: false,
+            rests: false,
+            watch: EndstopSet::NONE,
+        };
+        let fall = Move {
+            accelerated: 0,
+            cruised: fraction(0.008 / 0.264),
+            accelerate: SubTicks::ZERO,
+            decelerate: rise.accelerate,
+            entry_share: WHOLE,
+            exit_share: rise.entry_share,
+            ..rise
+        };
+        for (planned, known) in [(rise, [30.0, 34.0, 34.0]), (fall, [34.0, 34.0, 30.0])] {
+            let speeds = Trapezoid::of(&planned).speeds;
+            assert!(speeds.iter().zip(known).all(|(v, known)| (v - known).abs() < 1e-3), "{speeds:?}");
+        }
+        let brakes = Move { brakes_first: true, ..rise };
+        let speeds = Trapezoid::of(&brakes).speeds;
+        assert!(speeds.iter().zip([34.0, 30.0, 30.0]).all(|(v, known)| (v - known).abs() < 1e-3), "{speeds:?}");
+    }
 
     #[test]
     fn a_part_of_a_trapezoid_has_the_way_under_it() {
