@@ -197,8 +197,7 @@ fn lines(output: &Path, name: &str) -> Result<Vec<String>> {
 
 /// Fetches cargo-mutants, if it is not there in this version.
 fn install() -> Result<()> {
-    let mut command = Command::new("cargo");
-    let found = command.args(["mutants", "--version"]).stderr(Stdio::null()).output();
+    let found = cargo(["mutants", "--version"]).stderr(Stdio::null()).output();
     if found.is_ok_and(|found| String::from_utf8_lossy(&found.stdout).trim().ends_with(VERSION)) {
         return Ok(());
     }

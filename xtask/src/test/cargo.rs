@@ -133,6 +133,7 @@ fn count(line: &str, word: &str) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::checkout::root;
     use std::collections::BTreeSet;
 
     /// The packages behind `cargo` for these arguments, with their features.
@@ -164,6 +165,24 @@ mod tests {
         assert!(
             ["CARGO_MANIFEST_DIR", "CARGO_PKG_NAME"].iter().all(|name| removed.contains(std::ffi::OsStr::new(name)))
         );
+    }
+
+    /// So all calls of it get the same treatment.
+    #[test]
+    fn cargo_is_called_in_one_place() {
+        let mut folders = vec![root().join("xtask/src")];
+        let mut callers = BTreeSet::new();
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if std::fs::read_to_string(&path).is_ok_and(|text| text.contains("\"cargo\"")) {
+                    callers.insert(path.strip_prefix(root()).unwrap().to_owned());
+                }
+            }
+        }
+        assert_eq!(callers, BTreeSet::from(["xtask/src/checkout.rs".into()]));
     }
 
     #[test]
