@@ -59,17 +59,51 @@ impl Progress {
         if let Some((_, done)) = state.pieces.get_mut(piece) {
             *done = part;
         }
-        let whole: f64 = state.pieces.iter().map(|(weight, _)| weight).sum();
-        let done = state.pieces.iter().map(|(weight, done)| weight * done).sum::<f64>() / whole;
+        let done = state.done();
         self.bar.set_position((done * PARTS) as u64);
         let elapsed = state.begin.get_or_insert_with(Instant::now).elapsed();
         if self.bar.is_hidden() && done > KNOWN_AFTER && !state.is_told {
             state.is_told = true;
-            let left = elapsed.mul_f64((1.0 - done) / done);
+            let left = state.left(elapsed);
             if left > WORTH {
                 eprintln!("corehbot: about {} left", HumanDuration(left));
             }
         }
+    }
+
+    /// The done part of all pieces, of 1.
+    #[cfg(test)]
+    pub(crate) fn done(&self) -> f64 {
+        self.state.lock().unwrap().done()
+    }
+
+    /// Does a piece. `work` gets a function that takes the done part, of 1, and returns whether to continue.
+    pub(crate) fn piece<T, E>(
+        &self,
+        piece: usize,
+        stop: &Stop,
+        work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E>,
+    ) -> Result<T, E> {
+        let result = work(&mut |part| {
+            self.set(piece, part);
+            !stop.is_set()
+        })?;
+        self.set(piece, 1.0);
+        Ok(result)
+    }
+}
+
+impl State {
+    /// The done part of all pieces, of 1.
+    fn done(&self) -> f64 {
+        let whole: f64 = self.pieces.iter().map(|(weight, _)| weight).sum();
+        self.pieces.iter().map(|(weight, done)| weight * done).sum::<f64>() / whole
+    }
+
+    /// The rest takes this long, if the done part took so long.
+    fn left(&self, elapsed: Duration) -> Duration {
+        let done = self.done();
+        elapsed.mul_f64((1.0 - done) / done)
     }
 }
 
@@ -128,5 +162,23 @@ impl Host for Watched<'_> {
 
     fn is_done(&self) -> bool {
         self.host.is_done() || self.stop.is_set()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_that_of_all_pieces() {
+        let progress = Progress::new([2.0, 1.0, 1.0]);
+        let left_s = |elapsed_s| progress.state.lock().unwrap().left(Duration::from_secs(elapsed_s)).as_secs_f64();
+        // A weight of 1 in 10 s: 30 s for the other 3.
+        progress.set(0, 0.5);
+        assert!((left_s(10) - 30.0).abs() < 1e-6, "{}", left_s(10));
+        // A weight of 2.5 in 25 s.
+        progress.set(0, 1.0);
+        progress.set(1, 0.5);
+        assert!((left_s(25) - 15.0).abs() < 1e-6, "{}", left_s(25));
     }
 }

@@ -94,7 +94,9 @@ impl Play {
             let start = self.start(machine, &params, source.begin);
             let meant = |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, &self.printer, &stop)?.steps);
             let meant = self.against.as_ref().map(meant).transpose()?;
-            play(machine, &params, start, self.model, (&source.steps, meant.as_ref()), &stop)
+            let steps = (&source.steps, meant.as_ref());
+            Progress::new([1.0])
+                .piece(0, &stop, |go_on| played(machine, &params, start, self.model, steps, go_on))
                 .with_context(|| self.file.display().to_string())
         });
         match (played, stop.status()) {
@@ -126,23 +128,8 @@ impl Play {
     }
 }
 
-/// Plays steps on a machine, with a bar. Errors are those from the line of other steps, if there are any.
-pub(super) fn play(
-    machine: Machine,
-    params: &Params,
-    start: Place,
-    model: RunModel,
-    (steps, meant): (&StepTrace, Option<&StepTrace>),
-    stop: &Stop,
-) -> Result<(Report, Watch)> {
-    let progress = Progress::new([1.0]);
-    Ok(played(machine, params, start, model, (steps, meant), |part| {
-        progress.set(0, part);
-        !stop.is_set()
-    })?)
-}
-
-/// The same with `go_on`, which gets the computed part, of 1, and returns whether to continue.
+/// Plays steps on a machine. Errors are those from the line of other steps, if there are any. `go_on` gets the computed
+/// part, of 1, and returns whether to continue.
 pub(super) fn played(
     machine: Machine,
     params: &Params,

@@ -71,11 +71,8 @@ impl Measured {
         ];
         let progress = Progress::new(jobs.map(|(_, _, weight)| weight));
         let error = |(index, (params, steps, _)): (usize, &(&Params, &StepTrace, f64))| -> Result<Error> {
-            let (report, _) = played(machine, params, start, model, (steps, Some(meant)), |part| {
-                progress.set(index, part);
-                !stop.is_set()
-            })?;
-            progress.set(index, 1.0);
+            let (report, _) = progress
+                .piece(index, stop, |go_on| played(machine, params, start, model, (steps, Some(meant)), go_on))?;
             Ok(Error { rms_um: 1000.0 * report.contour.rms_mm, max_um: 1000.0 * report.contour.max_mm })
         };
         // The longest first, so that no processor waits for it at the end.
