@@ -10,7 +10,7 @@ use corehbot::motors::prototype;
 use corehbot::settings::rows::{Kind, Legal, Text};
 use corehbot::settings::{SHEETS, Settings, ranges};
 use corehbot_twin::description::Routing;
-use corehbot_twin::params::{MOST_PARTS, Row as TwinRow};
+use corehbot_twin::params::{MOST_PARTS, Range, Row as TwinRow};
 use serde_json::{Map, Value, json};
 
 /// The schema, as JSON Schema draft 7: editors for TOML know no newer one (Taplo).
@@ -182,8 +182,9 @@ pub(crate) fn twin_meaning(row: &TwinRow) -> String {
 }
 
 fn of_twin(row: &TwinRow) -> Value {
-    let mut number = json!({ "type": "number", "minimum": 0, "maximum": TwinRow::MOST as u64 });
-    if !row.may_be_zero {
+    let (kind, least) = if row.range == Range::Count { ("integer", 1) } else { ("number", 0) };
+    let mut number = json!({ "type": kind, "minimum": least, "maximum": TwinRow::MOST as u64 });
+    if row.range == Range::Positive {
         insert(&mut number, "exclusiveMinimum", json!(0));
     }
     let mut schema = if row.is_list() {

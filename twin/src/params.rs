@@ -9,7 +9,7 @@ mod rows;
 mod serial;
 
 pub use each::{Each, MOST_PARTS};
-pub use row::{Field, Parts, Row};
+pub use row::{Field, Parts, Range, Row};
 pub use rows::ROWS;
 
 use crate::math::square;
@@ -313,6 +313,25 @@ mod tests {
         let bad = Params { belt_ea_n: f64::NAN.into(), ..Params::default() }.check().unwrap_err();
         assert_eq!(bad.key, "belt_EA_N");
         assert!(Params { preload_n: Each::all(-1.0), ..Params::default() }.check().is_err());
+    }
+
+    /// Reproducer: half a pole pair was one.
+    #[test]
+    fn motors_in_series_and_pole_pairs_are_whole() {
+        for key in ["motors_in_series", "pole_pairs"] {
+            let row = Row::of(key).unwrap();
+            let checked = |value: f64| {
+                let mut params = Params::default();
+                (row.field)(&mut params).set(Each::all(value));
+                params.check()
+            };
+            for legal in [1.0, 2.0, 100.0] {
+                assert_eq!(checked(legal), Ok(()), "{key} = {legal}");
+            }
+            for bad in [0.0, 0.5, 1.5, 50.000_001, -1.0, 1_000_001.0, f64::INFINITY] {
+                assert_eq!(checked(bad).unwrap_err().key, key, "{bad}");
+            }
+        }
     }
 
     #[test]

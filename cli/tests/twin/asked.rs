@@ -86,6 +86,8 @@ fn numbers_that_do_not_fit_the_machine_are_refused() {
             "belt_EA_N = [56000, 30000]",
             "twin.belt_EA_N has 2 numbers, and the CoreH-bot has 1 belts; one number is for all",
         ),
+        ("pole_pairs = 49.5", "twin.pole_pairs = 49.5"),
+        ("motors_in_series = 0", "the whole numbers 1 to 1000000"),
         ("motor_radius_mm = [6, 5]", "twin.motor_radius_mm has 2 numbers, and the CoreH-bot has 4 motors"),
         ("frame_stiffness_N_per_mm = [1, 2, 3]", "has 3 numbers, and the CoreH-bot has 2 axes"),
         ("outside_mm = [1, 2, 3]", "has 3 numbers, and the CoreH-bot has 4 spans"),

@@ -10,14 +10,25 @@ pub struct Row {
     pub unit: &'static str,
     /// Its nominal value; `None` where another one counts in its place, as `source` says.
     pub default: Option<f64>,
-    /// Whether it may be 0.
-    pub may_be_zero: bool,
+    /// Its legal values.
+    pub range: Range,
     /// Its meaning.
     pub meaning: &'static str,
     /// Where the nominal value comes from.
     pub source: &'static str,
     /// Its place among the numbers.
     pub field: fn(&mut Params) -> Field<'_>,
+}
+
+/// Legal values of a number, up to [`Row::MOST`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// Above 0.
+    Positive,
+    /// 0 or above.
+    NotNegative,
+    /// Whole numbers from 1.
+    Count,
 }
 
 /// The place of a number.
@@ -115,24 +126,34 @@ impl Row {
     /// Whether a number is legal.
     #[must_use]
     pub fn allows(&self, value: f64) -> bool {
-        value <= Self::MOST && (value > 0.0 || self.may_be_zero && value == 0.0)
+        value <= Self::MOST
+            && match self.range {
+                Range::Positive => value > 0.0,
+                Range::NotNegative => value >= 0.0,
+                Range::Count => value >= 1.0 && value.fract() == 0.0,
+            }
     }
 
     /// What another value must be.
     #[must_use]
     pub const fn wanted(&self, value: f64) -> &'static str {
         if value > Self::MOST {
-            "must be at most 1000000"
-        } else if self.may_be_zero {
-            "must not be below 0"
-        } else {
-            "must be above 0"
+            return "must be at most 1000000";
+        }
+        match self.range {
+            Range::Positive => "must be above 0",
+            Range::NotNegative => "must not be below 0",
+            Range::Count => "must be a whole number from 1 on",
         }
     }
 
     /// The legal values in words.
     #[must_use]
     pub const fn legal(&self) -> &'static str {
-        if self.may_be_zero { "0 to 1000000" } else { "above 0, to 1000000" }
+        match self.range {
+            Range::Positive => "above 0, to 1000000",
+            Range::NotNegative => "0 to 1000000",
+            Range::Count => "the whole numbers 1 to 1000000",
+        }
     }
 }
