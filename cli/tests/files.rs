@@ -281,3 +281,24 @@ fn a_bed_is_levelled_and_measured_without_a_violation_or_a_warning() {
     assert!(run.status.success(), "{said}{}", text(&run.stderr));
     assert!(!said.contains("warnings") && !said.contains("violations"), "{said}");
 }
+
+/// Reproducer: the answer to a sweep was in no output.
+#[test]
+fn answers_of_the_printer_are_in_the_summary_and_on_the_page() {
+    let place = scratch("answers");
+    let [json, page] = ["s.json", "r.html"].map(|name| place.join(name));
+    let gcode = b"G1 X150 Y150 F6000\nTEST_RESONANCES AXIS=X FREQ_START=40 FREQ_END=50 HZ_PER_SEC=2\nM119\nM122\n";
+    let run = print(gcode, &["--json", json.to_str().unwrap(), "--report", page.to_str().unwrap()]);
+    let said = text(&run.stdout);
+    assert!(run.status.success(), "{said}{}", text(&run.stderr));
+    assert!(said.contains("\nanswers: 3\n") && !said.contains("\nwarnings"), "{said}");
+    let swept = "FREQ_END=50 HZ_PER_SEC=2\n    echo:swept X; no accelerometer configured";
+    assert!(said.contains(swept), "{said}");
+    let summary: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    assert_eq!(summary["answers"][1]["command"], "M119", "{summary}");
+    assert_eq!(
+        (&summary["answers"][1]["line"], &summary["answers"][1]["replies"][1]),
+        (&3.into(), &"x_min: open".into())
+    );
+    assert!(std::fs::read_to_string(page).unwrap().contains("nothing was measured"));
+}

@@ -9,7 +9,7 @@ use corehbot::motors::{MOTORS, MotorName};
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::check::Findings;
-use corehbot_sim::host::FileHost;
+use corehbot_sim::host::{Answer, FileHost};
 use corehbot_sim::slicer::Notes;
 use corehbot_sim::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
 use corehbot_sim::world::Outcome;
@@ -85,6 +85,10 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// All of the printer's remarks.
     pub warnings_total: u32,
+    /// The printer's answers to the first commands that had one.
+    pub answers: Vec<Answer>,
+    /// How many commands had one.
+    pub answers_total: u32,
     /// Where the host went on instead of a user, the first few places.
     pub pauses: Vec<String>,
     /// How often it did.
@@ -178,6 +182,8 @@ impl Summary {
             resends: host.resends(),
             warnings: host.warnings().iter().map(|w| at(w)).collect(),
             warnings_total: host.warnings_total(),
+            answers: host.answers().to_vec(),
+            answers_total: host.answers_total(),
             pauses: host.pauses().iter().map(|pause| at(pause)).collect(),
             pauses_total: host.pauses_total(),
             failure,
@@ -259,6 +265,7 @@ impl fmt::Display for Summary {
         if let Some(mesh) = &self.mesh {
             write!(f, "\n{mesh}")?;
         }
+        self.write_answers(f)?;
         self.write_troubles(f)
     }
 }
@@ -296,6 +303,20 @@ impl Summary {
         let is_seen = |row: &&LimitSum| row.seconds >= LEAST_SHARE * whole;
         let limits: Vec<_> = self.by_limit.iter().filter(is_seen).map(part).collect();
         if limits.is_empty() { Ok(()) } else { writeln!(f, "limited by         {}", limits.join(", ")) }
+    }
+
+    fn write_answers(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.answers_total > 0 {
+            writeln!(f, "\nanswers: {}", self.answers_total)?;
+        }
+        for answer in &self.answers {
+            let place = if answer.line > 0 { format!("{}:{}", self.file, answer.line) } else { self.file.clone() };
+            writeln!(f, "  {}: {}", line(&place), line(&answer.command))?;
+            for reply in &answer.replies {
+                writeln!(f, "    {}", line(reply))?;
+            }
+        }
+        if self.answers_total as usize > self.answers.len() { writeln!(f, "  ...") } else { Ok(()) }
     }
 
     fn write_troubles(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -291,13 +291,15 @@ def remarks(browser):
     for number in (40, 3000):
         browser.run(fill, number)
         browser.wait("remarks", lambda: browser.run("return window.corehbotFilled"))
-        check(len(browser.find_all(".remarks li")) == number, f"{number} remarks are not all there")
+        check(len(browser.find_all("[aria-label^=Remarks] li")) == number, f"{number} remarks are not all there")
         heights.append(browser.run("return document.body.getBoundingClientRect().height"))
     check(abs(heights[1] - heights[0]) < 1, f"40 and 3000 remarks make the page {heights} px high")
-    items = browser.find(".remarks")
+    items = browser.find("[aria-label^=Remarks]")
     items.send_keys(Keys.END)
     browser.wait("end of the remarks", lambda: browser.run("return arguments[0].scrollTop > 1000", items), 10)
     check("3,000" in items.get_attribute("aria-label"), f"the list is called {items.get_attribute('aria-label')}")
+    answers = [answer.get_attribute("textContent") for answer in browser.find_all("[aria-label^=Answers] li")]
+    check(len(answers) == 1 and ": M115\nFIRMWARE_NAME:" in answers[0], f"the file asks for M115 alone: {answers}")
 
 
 main(run)

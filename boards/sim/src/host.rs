@@ -8,6 +8,10 @@
 //! Where the printer waits for a user (M0, M1, M600, M601), the host resumes it after [`USER_SECONDS`], as a user
 //! would. The file is read as it is sent; only the last commands are kept, in case the printer asks for them again.
 
+mod replies;
+
+pub use replies::Answer;
+
 use crate::file_line::{command_of, words};
 use crate::lines::{Lines, Survey, lines_of, survey};
 use crate::slicer::Notes;
@@ -15,6 +19,7 @@ use crate::world::Host;
 use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_machine_file::short::{short, shortened};
+use replies::{Answers, Kind, LONGEST_REPLY};
 use std::collections::VecDeque;
 use std::fmt;
 use std::io::BufRead;
@@ -61,10 +66,6 @@ pub struct Remark {
     /// The printer's words.
     pub reply: String,
 }
-
-/// A remark of this firmware is shown whole: it repeats at most 60 characters of a line (`protocol::reply`), and has
-/// about as many of its own.
-const LONGEST_REPLY: usize = 240;
 
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -138,6 +139,7 @@ pub struct FileHost {
     error: Option<String>,
     warnings: Vec<Remark>,
     warnings_total: u32,
+    answers: Answers,
     /// The time, in ticks.
     now: u64,
     /// Since when the printer has waited for an absent user.
@@ -182,6 +184,7 @@ impl FileHost {
             error: None,
             warnings: Vec::new(),
             warnings_total: 0,
+            answers: Answers::default(),
             now: 0,
             paused: None,
             pauses: Vec::new(),
@@ -270,6 +273,18 @@ impl FileHost {
     #[must_use]
     pub const fn warnings_total(&self) -> u32 {
         self.warnings_total
+    }
+
+    /// Answers of the printer: those to the first commands.
+    #[must_use]
+    pub fn answers(&self) -> &[Answer] {
+        &self.answers.first
+    }
+
+    /// How many commands had an answer.
+    #[must_use]
+    pub const fn answers_total(&self) -> u32 {
+        self.answers.total
     }
 
     /// Where it went on instead of a user: the first few places.
@@ -452,44 +467,20 @@ impl Host for FileHost {
             self.fail(why.as_deref().unwrap_or(line));
         } else if line.starts_with("Error:") {
             self.error = Some(line.to_owned());
-        } else if is_odd(line) && self.sent > 0 {
+        } else if self.sent > 0 {
             // Before the first command it can only be the greeting.
-            self.warn(line);
+            let Remark { line: number, command, .. } = self.current();
+            match Kind::of(line, &command) {
+                Kind::Warning => self.warn(line),
+                Kind::Answer => self.answers.note(self.next - 1, number, &command, line),
+                Kind::Plain => {}
+            }
         }
     }
 
     fn is_done(&self) -> bool {
         self.failure.is_some() || self.next >= self.total() && self.awaiting == 0
     }
-}
-
-/// First words of echoes that answer a question, show life or report no trouble.
-const EXPECTED: [&str; 20] = [
-    "  G",
-    "  M",
-    ";",
-    "busy:",
-    "M113 S",
-    "E0 Flow:",
-    "Cold extrudes",
-    "no heaters",
-    "Settings Stored",
-    "stored settings",
-    "Hardcoded Default",
-    "probe ",
-    "Bed Leveling ",
-    "Fade Height ",
-    "Mesh stored",
-    "Babystep",
-    "Z offset",
-    "swept ",
-    "it leaves ",
-    "one mode only",
-];
-
-/// Whether a reply is a warning for the author of the file.
-fn is_odd(reply: &str) -> bool {
-    reply.strip_prefix("echo:").is_some_and(|text| !EXPECTED.iter().any(|begin| text.starts_with(begin)))
 }
 
 /// Whether a command waits for a temperature: of the hotend, of any heater, of the bed or the chamber.

@@ -73,13 +73,15 @@ function timeCards(record, player) {
   return cards.length ? make("section", { className: cards.length > 1 ? "pair" : "" }, ...cards) : "";
 }
 
-/** Motors, remarks, and the hash of the trace. */
+/** Motors, remarks, answers, and the hash of the trace. */
 function endCards(record) {
   const { data } = record, S = data.summary;
   const motors = table(["Motor", "Drives", "Steps", "Net steps"], data.motors.map(m => [m.name, m.drives, count(m.steps), count(m.net)]), "figures");
   const remarks = [...S.violations, ...S.warnings, ...S.pauses, ...(data.belt?.accidents.map(accident => "accident " + accident.text) ?? []), ...(data.belt?.skips.map(skip => "skipped: " + skip.text) ?? [])];
   const list = remarks.length ? remarkList(remarks) : make("span", { className: "sub", textContent: S.ok ? "None: limits kept, no step strains the belt, end position exact." : "None." });
-  return make("section", { className: "pair" }, card("Motors", motors), make("section", { className: "card panel" }, make("h2", { textContent: "Remarks" }), list, make("h2", { textContent: "Trace SHA-256" }), make("div", { className: "hash", textContent: S.trace_sha256 })));
+  const answers = S.answers.map(answer => [(answer.line ? count(answer.line) + ": " : "") + answer.command, ...answer.replies].join("\n"));
+  const answered = answers.length ? [make("h2", { textContent: "Answers" }), remarkList(answers, "Answers")] : [];
+  return make("section", { className: "pair" }, card("Motors", motors), make("section", { className: "card panel" }, make("h2", { textContent: "Remarks" }), list, ...answered, make("h2", { textContent: "Trace SHA-256" }), make("div", { className: "hash", textContent: S.trace_sha256 })));
 }
 
 /** What the pointer says of a move. */

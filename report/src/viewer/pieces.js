@@ -10,8 +10,8 @@ const note = textContent => make("p", { className: "sub", textContent });
 const alertCard = (title, rows) => make("section", { className: "card panel fault", role: "alert", ariaLabel: "What went wrong" }, make("h2", { textContent: title }),
   make("dl", {}, ...rows.flatMap(([name, ...content]) => [make("dt", { textContent: name }), make("dd", {}, ...content)])));
 /** Texts in a list that scrolls if there are many, with the keyboard too: the keys of the page are not for it then. */
-function remarkList(texts) {
-  const list = make("ul", { className: "remarks", tabIndex: 0, ariaLabel: `Remarks: ${count(texts.length)}` }, ...texts.map(textContent => make("li", { textContent })));
+function remarkList(texts, name = "Remarks") {
+  const list = make("ul", { className: "remarks", tabIndex: 0, ariaLabel: `${name}: ${count(texts.length)}` }, ...texts.map(textContent => make("li", { textContent })));
   const KEYS = ["ArrowUp", "ArrowDown", "PageUp", "PageDown", "Home", "End", " "];
   list.addEventListener("keydown", e => { if (KEYS.includes(e.key) && list.scrollHeight > list.clientHeight) e.stopPropagation(); });
   return list;

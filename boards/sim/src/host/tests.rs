@@ -97,6 +97,28 @@ fn odd_replies_name_the_line_and_errors_end_the_print() {
     assert!(host.is_done());
 }
 
+/// Reproducer: what the printer said of a sweep was left out.
+#[test]
+fn answers_are_kept_by_the_command_that_asked() {
+    let mut host = FileHost::new("M119\nG28\nTEST_RESONANCES AXIS=X\n");
+    host.hear("start");
+    host.hear("echo:corehbot 0.1.0");
+    for replies in [
+        &[][..],
+        &["Reporting endstop status", "x_min: open"],
+        &["echo:busy: processing", " T:20.00 /0.00 B:20.00 /0.00 @:0 B@:0"],
+        &["echo:swept X", "resonance X 48.6 Hz"],
+    ] {
+        let _ = sent(&mut host);
+        replies.iter().for_each(|reply| host.hear(reply));
+        host.hear("ok");
+    }
+    let found: Vec<_> = host.answers().iter().map(|answer| (answer.line, answer.command.as_str())).collect();
+    assert_eq!(found, [(1, "M119"), (3, "TEST_RESONANCES AXIS=X")]);
+    assert_eq!(host.answers()[1].replies, ["echo:swept X", "resonance X 48.6 Hz"]);
+    assert_eq!((host.answers_total(), host.warnings_total()), (2, 0));
+}
+
 #[test]
 fn a_user_who_is_not_there_answers_after_a_while() {
     let mut host = FileHost::new("M600 ; change\nM0 S60\nG28\n");
