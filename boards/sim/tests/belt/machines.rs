@@ -14,7 +14,13 @@ fn machines() -> Vec<(String, Machine)> {
     machines.map(|path| (path.display().to_string(), machine_file::read(&path).unwrap())).collect()
 }
 
-fn plant_of(machine: &Machine, start: Option<[f64; 3]>, seed: Option<u64>) -> Option<Box<BeltPlant>> {
+/// An example by its name.
+pub fn read(name: &str) -> Machine {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/machines");
+    machine_file::read(&folder.join(name).with_extension("toml")).unwrap()
+}
+
+pub fn plant_of(machine: &Machine, start: Option<[f64; 3]>, seed: Option<u64>) -> Option<Box<BeltPlant>> {
     let setup = BeltSetup { twin: machine.twin.clone(), seed, ..BeltSetup::default() };
     let place = start.map(|start| start.map(Mm::from_num));
     Some(Box::new(BeltPlant::new(&machine.settings, place, start.is_some(), setup, 0).unwrap()))

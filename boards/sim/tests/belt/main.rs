@@ -13,5 +13,6 @@ mod phases;
 mod power;
 mod printer;
 mod quiet;
+mod routings;
 mod skips;
 mod trust;

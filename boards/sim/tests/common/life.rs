@@ -134,6 +134,11 @@ impl Life<'_> {
         self.world.wires()[host].put(format!("{line}\n").into_bytes());
     }
 
+    /// The time in ticks.
+    pub fn now(&self) -> u64 {
+        self.world.now()
+    }
+
     /// How many lines were answered.
     pub fn oks(&self) -> usize {
         self.answered[self.host]
