@@ -34,7 +34,7 @@ use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
 pub use desk::Desk;
-pub use runs::{WorldError, run, run_at, run_from, run_on, run_with};
+pub use runs::{WorldError, run, run_at, run_on, run_with};
 use std::collections::VecDeque;
 use std::pin::Pin;
 use std::sync::Arc;

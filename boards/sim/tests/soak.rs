@@ -10,7 +10,7 @@ use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::world::{Host, run_from};
+use corehbot_sim::world::{Desk, Host, run_at};
 use deaf::Deaf;
 
 /// Hours of motion, except in a soak.
@@ -108,7 +108,8 @@ fn no_step_is_lost_where_counters_wrap() {
         };
         let drivers = Drivers::new();
         let start = Some([Mm::ZERO; 3]);
-        let outcome = run_from(begin, &settings, start, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
+        let mut desk = Desk::at(1, begin);
+        let outcome = run_at(&mut desk, &settings, start, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
         let steps = host.filament * 4;
         assert_eq!(outcome.counts, per_motor(&[0, 0, 0, 0, 0, 0, steps], 0), "from 60 s before {wrap} ticks");
         println!("{:.1} h from 60 s before tick {wrap}: exact, {} moves", hours / 4.0, outcome.moves);

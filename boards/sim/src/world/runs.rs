@@ -68,23 +68,7 @@ pub fn run_on(
     hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
-    run_from(0, settings, start, storage, drivers, hosts, sink)
-}
-
-/// The same on a machine with its clock at `now`, in ticks.
-///
-/// # Errors
-/// If printer and host wait for each other.
-pub fn run_from(
-    now: u64,
-    settings: &Settings,
-    start: Option<[Mm; 3]>,
-    storage: impl Storage,
-    drivers: &Drivers,
-    hosts: &mut [&mut dyn Host],
-    sink: &mut dyn Sink,
-) -> Result<Outcome, WorldError> {
-    run_at(&mut Desk::at(hosts.len(), now), settings, start, storage, drivers, hosts, sink)
+    run_at(&mut Desk::new(hosts.len()), settings, start, storage, drivers, hosts, sink)
 }
 
 /// The same at that desk, which has a line for each host.
