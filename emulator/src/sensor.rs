@@ -8,7 +8,7 @@
 //! |---|---|
 //! | frames of eight bits | serial communications |
 //! | at least 150 ns between two selections | ADXL345, t_CS,DIS |
-//! | at least 5 us from the last byte of a sample to the next sample or to FIFO_STATUS | ADXL345, retrieving data from the FIFO |
+//! | at least 5 us from a sample's last byte to the next sample or FIFO_STATUS | ADXL345, retrieving data from FIFO |
 //! | registers that are read only, or are not there, are not written | register maps |
 //! | range, rate and FIFO are set at rest | ADXL345, register definitions |
 

@@ -6,12 +6,15 @@
 //!
 //! | rule | source |
 //! |---|---|
-//! | a sensor is selected only while the bus is on as its master, in mode 3, with frames of eight bits, the highest first | serial communications of both sensors |
+//! | a sensor is selected only while the bus is on as its master | serial communications of both sensors |
+//! | the bus is in mode 3 then, with frames of eight bits, the highest first | the same |
 //! | the clock is 5 MHz at most | ADXL345, f_SCLK; a LIS2DW12 takes 10 MHz |
-//! | the pins belong to the bus, the sensor's line is pulled up, the clock's edges are the steepest | errata: data corrupted by delayed SCK feedback |
+//! | the pins belong to the bus, and the sensor's line is pulled up | ports: MODER, PUPDR |
+//! | the clock's edges are the steepest | errata: data corrupted by delayed SCK feedback |
 //! | the sensor is let go when the bus is at rest | BSY flag |
-//! | nothing of the bus changes while it is on, and it is switched off while both streams are | communication using DMA |
-//! | a stream starts with cleared flags and a count; the input starts before the output | stream configuration procedure |
+//! | nothing of the bus changes while it is on | SPI_CR1 |
+//! | the bus is switched off while both streams are | communication using DMA |
+//! | a stream starts with cleared flags and a count; the input starts first | stream configuration procedure |
 //! | a stream keeps its configuration while it runs | DMA_SxCR |
 //! | no byte is lost | OVR flag |
 

@@ -1,8 +1,8 @@
 //! The drivers: TMC2209s are configured, the configuration is proved, and they are watched while they have power.
 //!
-//! The promise: **a motor with a reachable driver gets power only after the driver has proved its configuration, and
-//! loses power as soon as that is lost.** A driver that was reset is configured by its pins, makes other steps than the
-//! firmware counts, and would pull against the other three on the belt.
+//! The promise: **A motor with a reachable driver gets power only after the driver has proved its configuration. It
+//! loses power as soon as the configuration is lost.** A driver that was reset is configured by its pins. It makes
+//! other steps than the firmware counts, and would pull against the other three on the belt.
 //!
 //! The main loop steps [`Drivers`] (see room `machine`), which never waits: at most one exchange is under way, in the
 //! background. All switching of power goes through it.

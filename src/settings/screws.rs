@@ -24,7 +24,7 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// Two ball screws 25 mm beside the bed at half its depth, and two points of the bed; the others are not used.
+    /// Two ball screws 25 mm next to the bed at half its depth, and two points of the bed. The other two are not used.
     #[must_use]
     pub const fn prototype() -> [Self; SCREWS] {
         const fn at(x: i16, point_x: i16) -> Screw {

@@ -147,9 +147,9 @@ fn what_cannot_be_compensated_is_refused() {
     assert!(matches!(beyond, Err(CompensationError::OutOfReach { .. })), "{beyond:?}");
 }
 
-/// The bar's yaw at the left end of the reach, at 10 m/s^2 along y: what there is to compensate, what stiffness that is
-/// 20 % off leaves of it, and at which frequency the exact inverse would ring for ever, as the guides hardly damp it.
-/// With the tool held on its line y is -arm psi, so what is left of the equation of psi is
+/// The bar's yaw at the left end of the reach, at 10 m/s^2 along y: the whole of it, and the rest after a compensation
+/// by a stiffness that is 20 % off. The exact inverse would ring for ever at one frequency, as the guides hardly damp
+/// it. With the tool held on its line y is -arm psi, so the equation of psi becomes
 /// `(M_pp - arm M_py) psi'' + k psi = 0`.
 #[test]
 fn yaw_can_be_met_at_rest_but_not_faster_than_the_bar_yaws_by_itself() {

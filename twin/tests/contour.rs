@@ -97,7 +97,7 @@ fn played(steps: &Steps, meant: Option<&StepTrace>) -> Watch {
     run.play(|_| true).unwrap()
 }
 
-/// 2048 steps a side: what is looked at together ended next to each corner, and hid it.
+/// Sides of 2048 steps: the blocks of the search ended next to each corner, and hid it.
 #[test]
 fn a_square_of_25_6_mm_has_four_corners() {
     let side = 25.6;
@@ -115,7 +115,7 @@ fn a_square_of_25_6_mm_has_four_corners() {
     }
 }
 
-/// 900 corners of 30 random lines: each is found once where it is, and there are no others.
+/// Of 30 random lines, each of the 900 corners is found once where it is, and there are no others.
 #[test]
 fn random_lines_lose_no_corner() {
     let seed = &mut 0x25_6000;
@@ -174,9 +174,9 @@ fn ramps(a: f64) -> impl Fn(f64, f64) -> f64 {
     move |way, length| (2.0 * a * (way.min(length - way)).max(0.001)).sqrt().min(150.0)
 }
 
-/// Lines of 2 mm, 0.05 to 0.4 mm apart, at several accelerations, against the same line and against one that takes
-/// three times as long: the error is that which the tool has of the line by its own time, not half of what lies between
-/// lines.
+/// Lines of 2 mm, 0.05 to 0.4 mm apart, at several accelerations. They are played against the same line, and against
+/// one that takes three times as long. The error is the tool's distance from the line at the same time, not half of the
+/// distance between lines.
 #[test]
 fn a_dense_zigzag_is_matched_by_time() {
     for pitch in [0.05, 0.1, 0.4] {

@@ -182,9 +182,10 @@ fn motion_racks_with_three_motors_alone() {
     }
 }
 
-/// Off the middle the inertia has couples of its own: m_h a (W/2 - x) on the bar along y, as of a CoreH-bot; along z
-/// -(m_h + m_b) a (y - D/2) about x and m_h a (x - W/2) about y. Mass that goes from the head to the bar, or from both
-/// to the gantry, leaves the thrust, and so the belts' part: the difference is the couple. At x = 100, y = 300, 5 m/s2.
+/// Off the middle the inertia has couples of its own. Along y it is m_h a (W/2 - x) on the bar, as of a CoreH-bot.
+/// Along z it is -(m_h + m_b) a (y - D/2) about x, and m_h a (x - W/2) about y. Mass that goes from the head to the
+/// bar, or from both to the gantry, leaves the thrust, and so the belts' part. The difference is the couple. The
+/// head is at x = 100, y = 300, with 5 m/s2.
 #[test]
 fn inertia_off_the_middle_racks_and_tilts() {
     let with = |head_mass_kg, bar_mass_kg, gantry_mass_kg| {
@@ -237,7 +238,8 @@ fn springs_count_for_levelling_and_preload_alone() {
     }
 }
 
-/// A belt of a pair that is let out by 1 mm loses k (1 - 4 k D^2 / (k_t + 4 k D^2)) = 1.9 N of its 40 N, with k = EA / L.
+/// A belt of a pair that is let out by 1 mm loses k (1 - 4 k D^2 / (k_t + 4 k D^2)) = 1.9 N of its 40 N.
+/// Here k = EA / L.
 #[test]
 fn slack_belts_are_told() {
     let with = |taken_mm| {

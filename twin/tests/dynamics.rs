@@ -59,7 +59,7 @@ fn ramp(a: f64, v: f64) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// Plays a trace, and hands time in s and the tool's way since the start over after every event.
+/// Plays a trace. After every event `each` gets the time in s and the tool's way since the start.
 fn follow(detail: Detail, params: &Params, trace: &StepTrace, mut each: impl FnMut(f64, [f64; 2])) {
     let mut plant = Plant::new(Machine::CoreHBot, params, CENTRE, detail);
     let mut state = State::at_rest(&plant);
@@ -79,7 +79,7 @@ fn agree(found: f64, expected: f64, part: f64) -> bool {
     (found - expected).abs() <= part * expected.abs()
 }
 
-/// v over omega: an oscillator whose anchor starts to move.
+/// An oscillator with an anchor that starts to move rings by v over omega.
 #[test]
 fn a_step_of_speed_rings_with_speed_over_frequency() {
     for (detail, axis, expected) in [(REDUCED, 0, 0.14445), (REDUCED, 1, 0.25429), (FULL, 0, 0.1469), (FULL, 1, 0.2622)]
@@ -91,7 +91,7 @@ fn a_step_of_speed_rings_with_speed_over_frequency() {
     }
 }
 
-/// 2 a / omega^2 |sin(omega t_a / 2)|: a ramp of the time t_a is two steps of acceleration.
+/// A ramp of the time t_a is two steps of acceleration. It leaves 2 a / omega^2 |sin(omega t_a / 2)|.
 #[test]
 fn a_ramp_leaves_the_ripple_of_two_steps_of_acceleration() {
     for (axis, a, v, expected) in

@@ -74,8 +74,8 @@ fn the_detent_shakes_the_bar_by_the_closed_form() {
     }
 }
 
-/// Two phases whose torques are (1 + d) sin and (1 - d) cos of the rotor's electrical angle: where they cancel, the
-/// rotor is off by 2 % of a full step, twice an electrical turn, if they differ by 6.3 %.
+/// The torques of two phases are (1 + d) sin and (1 - d) cos of the rotor's electrical angle. Where they cancel, the
+/// rotor is off. If they differ by 6.3 %, it is off by 2 % of a full step, twice an electrical turn.
 #[test]
 fn phases_that_differ_by_six_percent_are_the_assumed_error_of_a_half_turn() {
     let d = 0.063 / 2.0;

@@ -20,11 +20,11 @@ use crate::wiring::Pin;
 const APB1_MHZ: u32 = APB1_HZ / 1_000_000;
 
 /// Clock periods of APB1 in a third of the bus's period: low for two of them, high for one (RM0390, 24.6.8). Rounded
-/// up it is 395 kHz, low 1.7 us and high 0.8 us, where 1.3 and 0.6 us are wanted (AT24C32E datasheet 8905F, 400 kHz
-/// from 1.7 V on).
+/// up they make 395 kHz, low for 1.7 us and high for 0.8 us. The chip wants 1.3 and 0.6 us (AT24C32E datasheet 8905F,
+/// 400 kHz from 1.7 V on).
 const THIRD: u32 = APB1_HZ.div_ceil(3 * 400_000);
 
-/// 300 ns, the slowest edge at 400 kHz, in clock periods and one more (RM0390, 24.6.9).
+/// The slowest edge at 400 kHz, 300 ns, in clock periods and one more (RM0390, 24.6.9).
 const RISE: u32 = APB1_MHZ * 300 / 1000 + 1;
 
 /// Polls of the status before a wait is given up. A poll takes 10 to 40 cycles of 180 MHz, so the wait is 0.6 to 2.2

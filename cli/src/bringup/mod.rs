@@ -13,7 +13,7 @@
 //! | | the firmware stopped | it is restarted, and the stop is a problem |
 //! | | the board restarted by itself | that is a problem |
 //! | | the port is gone | the board is left alone; the guide ends and says how to go on |
-//! | | Ctrl-C, `quit` at a question, or the input ends | heaters off, motors without power ([`board::Board::rest`]); the guide ends |
+//! | | Ctrl-C, `quit`, or the end of the input | heaters and motors off ([`board::Board::rest`]); the guide ends |
 //! | the owner decides | again | the same step runs, with the board's machine read again |
 //! | | skip | it is noted as skipped, the next one runs |
 //! | | quit | it is noted as failed; the guide ends |

@@ -96,16 +96,17 @@ pub(crate) enum Twin {
     Limits(limits::LimitsArgs),
     /// Compares CoreH-bot, H-bot and CoreXY of one size, over one area and, if given, on a file.
     ///
-    /// Ranges are lowest and highest over the area. frame_torque_x and frame_torque_y are the torque of all motors on
-    /// their rotors, counter-clockwise seen from above, for an acceleration to the right and away from the front; the
-    /// frame bears the opposite one. The runs have the keys of `twin run`.
+    /// Ranges are lowest and highest over the area. The torques frame_torque_x and frame_torque_y are those of all
+    /// motors on their rotors, counter-clockwise seen from above. They belong to an acceleration to the right and away
+    /// from the front. The frame bears the opposite ones. The runs have the keys of `twin run`.
     Compare(compare::Compare),
     /// Computes the motors' torque on the frame, and how a frame that is not rigid vibrates with the tool.
     ///
-    /// Torques are those of all motors on their rotors, counter-clockwise seen from above, for an acceleration to the
-    /// right (x) and away from the front (y); the frame bears the opposite ones. belts_ is what the belts take, rotors_
-    /// what the rotors take, and printed_ the paper's without a direction. The frame has one stiffness along x and y
-    /// after the other, and frequencies_Hz are those of tool and frame, ascending.
+    /// Torques are those of all motors on their rotors, counter-clockwise seen from above. They belong to an
+    /// acceleration to the right (x) and away from the front (y). The frame bears the opposite ones. Torques of belts_
+    /// go into the belts, those of rotors_ into the rotors. printed_ has the paper's torques, without a direction. The
+    /// frame has one stiffness along x and y after the other, and frequencies_Hz are those of tool and frame,
+    /// ascending.
     Frame(frame::Frame),
     /// Draws the schematics, table 1 and the workspaces of the CoreH-bot paper, and compares its numbers with the
     /// model.
@@ -154,11 +155,11 @@ pub(crate) enum Twin {
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     ///
     /// Errors are distances from the commanded line: rounding towards the inside of a corner, overshoot towards its
-    /// outside. bisector_mm is positive inside. end_off_x_um and end_off_y_um are the tool's place at rest after the
-    /// last step minus the end of its line: to the right and away from the front is positive. Places of corners count
-    /// from motor 1's axis; turn_deg is positive to the left. tension_N has the lowest and the highest tension, and a
-    /// margin is the part of a motor's torque that was left, of 1. Torques, residuals and slack are the largest,
-    /// without a sign; full_steps_off is positive counter-clockwise.
+    /// outside. A positive bisector_mm is inside. The errors end_off_x_um and end_off_y_um are the tool's place at rest
+    /// after the last step minus the end of its line. They are positive to the right and away from the front. Places of
+    /// corners count from motor 1's axis; turn_deg is positive to the left. tension_N has the lowest and the highest
+    /// tension, and a margin is the part of a motor's torque that was left, of 1. Torques, residuals and slack are the
+    /// largest, without a sign; full_steps_off is positive counter-clockwise.
     Run(play::Play),
 }
 

@@ -8,8 +8,9 @@ use crate::units::Celsius;
 /// A rise counts from the coldest reading of this time, in s: a sunny window takes longer.
 const MEMORY_S: u32 = 120;
 
-/// A neighbour may warm it up to its own temperature, but not that far in this time, in s. 0.05 W/K from a bed of 110 C
-/// warms a block of 6 J/K by 0.7 K/s; 8 K in 6 s is twice as much. 25 W in 10.8 J/K makes 2.3 K/s.
+/// A neighbour may warm it up to its own temperature, but not that far in this time, in s. A bed of 110 C that is
+/// coupled by 0.05 W/K warms a block of 6 J/K by 0.7 K/s, and 8 K in 6 s is twice as much. A heater of 25 W in
+/// 10.8 J/K makes 2.3 K/s.
 const QUICK_S: u32 = 6;
 
 /// The guard of a heater without power: an episode from the arrival of its last heat to its next power.

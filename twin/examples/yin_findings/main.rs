@@ -15,9 +15,9 @@ const RIGS: usize = 24;
 /// m/s, as in figure 5 of the paper.
 const SPEED: f64 = 0.079;
 
-/// Rigs with a soft belt as the paper's, in four ranges of damping, and printers. Ranges are assumed; that of GT2 belts
-/// is two thirds of 29 kN (6 mm wide, glass fibre) to 56 kN (9 mm, steel), as measured once at 9 mm in the thread "Belt
-/// stretch and stepper holding measured" on community.carbide3d.com.
+/// Rigs with a soft belt as the paper's, in four ranges of damping, and printers. Ranges are assumed. GT2 belts begin
+/// at two thirds of 29 kN (6 mm wide, glass fibre), as measured once at 9 mm in the thread "Belt stretch and stepper
+/// holding measured" on community.carbide3d.com. They end at 56 kN (9 mm, steel).
 const GROUPS: [Group; 5] = [
     soft("damping ratio 2 to 3.5", [2.0, 3.5]),
     soft("1.3 to 2", [1.3, 2.0]),

@@ -13,8 +13,8 @@
 //! stretched by `t . dP`, and the part that leaves by `-t . dP`. Teeth of idlers are left out: an idler turns freely,
 //! so they hardly pull.
 //!
-//! Phases of strengths 1 + d and 1 - d, with d small, turn a field that is sent to the electrical angle a to
-//! `a - d sin 2a`: 6.3 % between them are an error of 2 % of a full step.
+//! A field is sent to the electrical angle a. Phases of strengths 1 + d and 1 - d, with d small, turn it to
+//! `a - d sin 2a`. A difference of 6.3 % between them is an error of 2 % of a full step.
 
 use crate::geometry::layout;
 use crate::model::coordinate::Coordinate;

@@ -35,8 +35,8 @@ fn a_bad_line_costs_a_resend_and_nothing_else() {
     assert_eq!(outcome.counts[3], 1600);
 }
 
-/// Whether a print stops at a line, or waits there for the user or for the time in the line. (It would also wait for
-/// heaters, but there are none.)
+/// Whether a print stops at a line, or waits there for the user or for the time in the line. It would also wait for
+/// heaters, but there are none.
 fn stops(line: &str) -> bool {
     let stops = match parse(line.as_bytes()) {
         Command::Motion(command) => matches!(command, MotionCommand::Dwell { .. }),
