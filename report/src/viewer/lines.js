@@ -153,38 +153,36 @@ class Lines {
     const runs = [];
     for (let left = this.batch; left > 0 && this.queue.length;) {
       const run = this.queue[this.queue.length - 1], [body, first, end] = run;
-      const from = Math.max(first, end - Math.ceil(left));
-      runs.push([body, from, end]);
-      left -= end - from;
-      if (from > first) run[2] = from; else this.queue.pop();
+      const to = Math.min(end, first + Math.ceil(left));
+      runs.push([body, first, to]);
+      left -= to - first;
+      if (to < end) run[1] = to; else this.queue.pop();
     }
     if (runs.length) this.draw(runs);
   }
 }
 
-/** A part of runs with at most `most` lines: the end of them whole, and slices of the rest; and the parts left out. */
+/**
+ * A part of runs with at most `most` lines: the end of them whole, and slices of the rest; and a queue of all. Lines at one
+ * depth cover those before them, so all are drawn again in their order: body by body, the highest layer first.
+ */
 function thinned(runs, most) {
   // Many short slices show the shape better than few long ones.
   const SLICE = clamp(Math.round(most / 128), 12, 256), sum = runs.reduce((n, [, first, end]) => n + end - first, 0);
   if (sum <= most) return [runs, []];
-  const taken = [], left = [];
+  const taken = [];
   let top = most / 3;
   const every = Math.max(2, Math.ceil((sum - top) / (most - top)));
   let slice = 0;
   for (let k = runs.length - 1; k >= 0; k--) {
     let [body, first, end] = runs[k];
     while (end > first) {
-      const from = Math.max(first, end - SLICE), run = [body, from, end];
-      if (top > 0 || slice++ % every === 0) taken.push(run); else left.push(run);
+      const from = Math.max(first, end - SLICE);
+      if (top > 0 || slice++ % every === 0) taken.push([body, from, end]);
       top -= end - from;
       end = from;
     }
   }
-  // Neighbours are joined, so that there are few calls.
-  const joined = [];
-  for (const [body, first, end] of left) {
-    const last = joined[joined.length - 1];
-    if (last && last[0] === body && last[1] === end) last[1] = first; else joined.push([body, first, end]);
-  }
-  return [taken, joined.reverse()];
+  const bodies = [...new Set(runs.map(([body]) => body))].reverse();
+  return [taken, bodies.flatMap(body => runs.filter(run => run[0] === body).map(run => [...run]))];
 }
