@@ -26,6 +26,14 @@ const ROLES = {
   support: OKABE_ITO.green, skirt: mixed(OKABE_ITO.green, WHITE, 0.5), purge: mixed(OKABE_ITO.blue, WHITE, 0.35), bridge: OKABE_ITO.sky,
   other: OKABE_ITO.blue, travel: OKABE_ITO.grey,
 };
+/** A colour for each type of line: the second one of a role is darker and the third one lighter, as solid and top solid infill. */
+function typeColours(types) {
+  const before = {};
+  return types.map(({ role }) => {
+    const colour = ROLES[role] ?? ROLES.other, k = before[role] = (before[role] ?? -1) + 1;
+    return role === "travel" || !k ? colour : mixed(colour, k % 2 ? BLACK : WHITE, Math.min(0.35 * Math.ceil(k / 2), 0.7));
+  });
+}
 /** What limits a move, in the order of the record. */
 const LIMIT_COLOURS = {
   feed: OKABE_ITO.green, axis: OKABE_ITO.vermilion, motor: OKABE_ITO.purple, corner: OKABE_ITO.orange, "look-ahead": OKABE_ITO.yellow,

@@ -52,11 +52,11 @@ const metres = mm => (mm < 0 ? "\u2212" : "") + Math.abs(mm / 1000).toFixed(Math
 function timeCards(record, player) {
   const { data } = record, cards = [], types = (data.by_type ?? []).filter(row => row.seconds > 0 || row.moves > 0).sort((a, b) => b.seconds - a.seconds);
   const whole = types.reduce((sum, row) => sum + row.seconds, 0) || 1, F = data.filament;
-  const gram = mm => F && F.mm > 0 ? (F.g * mm / F.mm).toFixed(2) : "";
+  const colours = typeColours(data.types), gram = mm => F && F.mm > 0 ? (F.g * mm / F.mm).toFixed(2) : "";
   if (types.length) {
     const rows = types.map(row => {
-      const bar = make("i", { className: "share" }), type = data.types[row.type] ?? { name: "?", role: "other" };
-      bar.style.cssText = `width:${100 * row.seconds / whole}%;background:${rgb(ROLES[type.role] ?? ROLES.other)}`;
+      const bar = make("i", { className: "share" }), type = data.types[row.type] ?? { name: "?" };
+      bar.style.cssText = `width:${100 * row.seconds / whole}%;background:${rgb(colours[row.type] ?? ROLES.other)}`;
       return [type.name, clock(row.seconds), make("span", {}, (100 * row.seconds / whole).toFixed(1) + " %", bar), Math.abs(row.filament_mm) >= 0.5 ? metres(row.filament_mm) : "", row.filament_mm > 0 ? gram(row.filament_mm) : "", count(row.moves)];
     });
     cards.push(card("Time and filament by line type", table(["Line type", "Time", "Share of motion", "Filament, m", "g", "Moves"], rows, "figures shares")));

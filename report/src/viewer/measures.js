@@ -18,7 +18,7 @@ function fastestMotor(moves, i, motors, isSpeed) {
 }
 
 function measuresOf(record) {
-  const { data, moves, heat } = record;
+  const { data, moves, heat } = record, colours = typeColours(data.types);
   const motors = record.motors;
   const hotend = data.heat?.heaters.find(heater => heater.name === "hotend") ?? data.heat?.heaters[0];
   const fan = data.heat?.fans.find(f => !/hotend|controller/.test(f.name));
@@ -27,7 +27,7 @@ function measuresOf(record) {
   const layerHeights = layers.map((layer, i) => Math.round(100 * (layer.height_mm - (i ? layers[i - 1].height_mm : 0))) / 100);
   const mean = i => { const s = moves.duration(i); return s > 0 ? moves.length(i) / s : 0; };
   const all = [
-    { id: "type", name: "Line type", kinds: data.types.map(type => ({ name: type.name, colour: ROLES[type.role] ?? ROLES.other })), of: i => moves.type[i] },
+    { id: "type", name: "Line type", kinds: data.types.map((type, i) => ({ name: type.name, colour: colours[i] })), of: i => moves.type[i] },
     { id: "speed", name: "Speed, executed", unit: "mm/s", of: mean },
     { id: "feed", name: "Speed, commanded", unit: "mm/s", of: i => moves.feed[i] },
     { id: "acceleration", name: "Acceleration", unit: "mm/s\u00b2", of: i => moves.acceleration(i) },
