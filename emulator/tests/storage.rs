@@ -65,7 +65,7 @@ fn settings_are_kept_and_found_after_power_up() {
 /// The machine of `--settings`.
 #[test]
 fn a_machine_in_the_eeprom_prints_as_the_simulator_does() {
-    let gcode = "G28\nG1 X60 Y30 F18000\nG1 X20\nM400\n";
+    let gcode = "G92 X0 Y0 Z0\nG1 X60 Y30 F18000\nG1 X20\nM400\n";
     let (made, mut machine) = (Settings::prototype(), Settings::prototype());
     machine.axes.x.max_speed = MmPerSec::from_num(90);
     machine.travel_acceleration = MmPerSec2::from_num(1500);
