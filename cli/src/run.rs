@@ -25,14 +25,15 @@ use corehbot_report::summary::{Names, Summary};
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::belt::BeltPlant;
-use corehbot_sim::check::{Checker, Findings};
+use corehbot_sim::check::Findings;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::host::FileHost;
+use corehbot_sim::judge::Judge;
 use corehbot_sim::limits::{Limits, Widening};
 use corehbot_sim::mesh_log::MeshLog;
-use corehbot_sim::tally::{Figures, Tally};
+use corehbot_sim::tally::Figures;
 use corehbot_sim::trace::{Finished, TraceWriter};
 use corehbot_sim::vcd::VcdWriter;
 use corehbot_sim::world::{self, Desk, Outcome};
@@ -155,8 +156,7 @@ impl Prepared {
         let trace = TraceWriter::with_digest(trace, settings.into(), RingSha256::default());
         let writers = Writers { trace, vcd };
         let judges = Judges {
-            tally: Tally::new(settings, begin),
-            checker: Checker::new(settings, &limits),
+            judge: Judge::new(settings, &limits, begin),
             path: path.map(|file| ToolPath::new(settings, begin, file)),
         };
         let mut sinks = Relay::begin(writers, judges, Moves::new(Scratch(moves)))?;
@@ -250,13 +250,12 @@ struct Results {
 
 impl Results {
     fn new(done: Done<Out>, outcome: &Outcome) -> Result<Self> {
-        let Done { writers: Writers { trace, vcd }, judges: Judges { tally, checker, path }, moves, .. } = done;
+        let Done { writers: Writers { trace, vcd }, judges: Judges { judge, path }, moves, .. } = done;
         if let Some(vcd) = vcd {
             vcd.finish().context("cannot write the VCD file")?;
         }
         let trace = trace.finish().context("cannot write the trace")?;
-        let figures = tally.finish(outcome.ticks);
-        let findings = checker.finish(Some(outcome.counts));
+        let (figures, findings) = judge.finish(outcome.ticks, outcome.counts);
         let path = path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
         let moves = moves.finish().context("cannot keep the moves")?;
         Ok(Self { trace, figures, findings, path, moves })

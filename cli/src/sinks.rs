@@ -12,9 +12,8 @@ use corehbot::motors::MotorSet;
 use corehbot_report::heat_log::HeatLog;
 use corehbot_report::moves::Moves;
 use corehbot_report::path::ToolPath;
-use corehbot_sim::check::Checker;
+use corehbot_sim::judge::Judge;
 use corehbot_sim::moves::MadeMove;
-use corehbot_sim::tally::Tally;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
 use corehbot_sim::world::{HeatPeriod, Sink};
@@ -44,8 +43,8 @@ impl Write for Scratch {
 /// Events that are handed over together: half a second of an ordinary print, 64 KiB.
 const BATCH: usize = 4096;
 
-/// Batches that wait for a thread at most.
-const WAITING: usize = 8;
+/// Batches that wait for a thread at most, 2 MiB: where three threads share two processors, one is ahead for a while.
+const WAITING: usize = 32;
 
 /// An instant in which motors step.
 #[derive(Clone, Copy)]
@@ -92,26 +91,19 @@ impl<W: Write> Writers<W> {
 
 /// Sinks that measure and judge the steps.
 pub(crate) struct Judges {
-    pub tally: Tally,
-    pub checker: Checker,
+    pub judge: Judge,
     pub path: Option<ToolPath<File>>,
 }
 
 impl Judges {
     fn take(&mut self, batch: &Batch) {
-        self.count(batch);
-        self.check(batch);
+        self.judge(batch);
         self.follow(batch);
     }
 
     #[inline(never)]
-    fn count(&mut self, batch: &Batch) {
-        batch.events.iter().for_each(|event| self.tally.event(event.tick, event.steps, event.forward));
-    }
-
-    #[inline(never)]
-    fn check(&mut self, batch: &Batch) {
-        batch.events.iter().for_each(|event| self.checker.event(event.tick, event.steps, event.forward));
+    fn judge(&mut self, batch: &Batch) {
+        batch.events.iter().for_each(|event| self.judge.event(event.tick, event.steps, event.forward));
     }
 
     #[inline(never)]
@@ -162,8 +154,6 @@ impl<S: Send + 'static> Worker<S> {
 /// The way from the printer to the sinks.
 pub(crate) struct Relay<W: Write> {
     batch: Batch,
-    /// The program's z on a mesh, as it was told last.
-    z: Option<f64>,
     /// Moves and periods of heat are few, and are taken in here.
     moves: Moves<Scratch>,
     heat: HeatLog,
@@ -185,7 +175,7 @@ impl<W: Write + Send + 'static> Relay<W> {
     pub fn begin(writers: Writers<W>, judges: Judges, moves: Moves<Scratch>) -> Result<Self> {
         let writers = Some(Worker::begin("trace", writers, Writers::take)?);
         let judges = Some(Worker::begin("checker", judges, Judges::take)?);
-        Ok(Self { batch: Batch::new(), z: None, moves, heat: HeatLog::default(), writers, judges })
+        Ok(Self { batch: Batch::new(), moves, heat: HeatLog::default(), writers, judges })
     }
 
     fn hand_over(&mut self) {
@@ -219,10 +209,7 @@ impl<W: Write + Send + 'static> Sink for Relay<W> {
     }
 
     fn stand_on_mesh(&mut self, z: Option<f64>) {
-        if z != self.z {
-            self.z = z;
-            self.batch.mesh.push((self.batch.events.len(), z));
-        }
+        self.batch.mesh.push((self.batch.events.len(), z));
     }
 
     fn wants_moves(&self) -> bool {

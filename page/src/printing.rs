@@ -12,14 +12,13 @@ use corehbot_report::path::ToolPath;
 use corehbot_report::print;
 use corehbot_report::summary::Names;
 use corehbot_sim::belt::BeltPlant;
-use corehbot_sim::check::Checker;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::host::FileHost;
+use corehbot_sim::judge::Judge;
 use corehbot_sim::limits::Widening;
 use corehbot_sim::lines::{LONGEST_LINE, Lines, survey};
 use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::moves::MadeMove;
-use corehbot_sim::tally::Tally;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
 use std::io::{self, Cursor};
@@ -61,8 +60,7 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
     let begin = homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
     let mut sinks = Sinks {
         trace: TraceWriter::new(None, settings.into()),
-        tally: Tally::new(settings, begin),
-        checker: Checker::new(settings, &limits),
+        judge: Judge::new(settings, &limits, begin),
         path: ToolPath::new(settings, begin, Cursor::new(Vec::new())),
         moves: Moves::new(Cursor::new(Vec::new())),
         heat: HeatLog::default(),
@@ -75,10 +73,9 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
     let outcome = world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks);
     let host = host.host;
     let outcome = outcome.with_context(|| format!("{}: the simulation failed", job.file))?;
-    let Sinks { trace, tally, checker, path, moves, heat } = sinks;
+    let Sinks { trace, judge, path, moves, heat } = sinks;
     let trace = trace.finish()?;
-    let figures = tally.finish(outcome.ticks);
-    let findings = checker.finish(Some(outcome.counts));
+    let (figures, findings) = judge.finish(outcome.ticks, outcome.counts);
     let names = Names {
         file: &job.file,
         machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
@@ -148,8 +145,7 @@ impl Host for Watched<'_> {
 /// All that listen to the steps.
 struct Sinks {
     trace: TraceWriter<io::Sink>,
-    tally: Tally,
-    checker: Checker,
+    judge: Judge,
     path: ToolPath<Cursor<Vec<u8>>>,
     moves: Moves<Cursor<Vec<u8>>>,
     heat: HeatLog,
@@ -158,8 +154,7 @@ struct Sinks {
 impl Sink for Sinks {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.trace.event(tick, steps, forward);
-        self.tally.event(tick, steps, forward);
-        self.checker.event(tick, steps, forward);
+        self.judge.event(tick, steps, forward);
         self.path.event(tick, steps, forward);
     }
 

@@ -3,11 +3,12 @@
 //! They are the fractions of [`ForwardKinematics`], which are linear in the counts. Here each motor's weights are known
 //! beforehand, so a position takes a few products instead of the rows of the mechanism times the adjugate.
 
-use crate::sampler::{Counts, HALF, STEPS, places};
+use crate::counts::{Counts, HALF, STEPS, places};
 use corehbot::kinematics::{ForwardKinematics, Mechanism};
 use corehbot::motors::{MOTORS, MotorSet};
 
 /// The weights of a mechanism.
+#[derive(Clone)]
 pub struct AxisSums {
     /// Of each motor, for x, y, z and e.
     weights: [[i64; 4]; MOTORS],
@@ -68,7 +69,7 @@ fn add(sums: &mut [i64; 4], more: [i64; 4]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampler::count;
+    use crate::counts::count;
     use corehbot_machine_file as machine_file;
     use proptest::prelude::*;
     use std::path::Path;

@@ -31,7 +31,7 @@ use self::gauge::Gauge;
 use self::spacing::Spacing;
 use self::together::Together;
 use crate::limits::Limits;
-use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sampler};
+use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
 use corehbot::motors::{MOTORS, MotorName, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
@@ -84,7 +84,9 @@ pub struct Checker {
     changes: Changes,
     spacing: Spacing,
     together: Together,
+    /// The last event's tick, and the latest of all: where time falls, steps count as made then.
     last_tick: u64,
+    latest: u64,
     findings: Findings,
 }
 
@@ -93,45 +95,63 @@ impl Checker {
     #[must_use]
     pub fn new(s: &Settings, limits: &Limits) -> Self {
         Self {
-            sampler: Sampler::default(),
+            sampler: Sampler::new(&s.mechanism),
             names: s.motor_names,
             gauge: Gauge::new(s, limits),
             changes: Changes::new(s, limits),
             spacing: Spacing::default(),
             together: Together::new(s, limits),
             last_tick: 0,
+            latest: 0,
             findings: Findings::default(),
         }
     }
 
     /// One instant in which `steps` move, each forward or backward.
     pub fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        let Self { sampler, names, gauge, changes, spacing, together, last_tick, findings } = self;
+        self.event_between(tick, steps, forward, |_| {});
+    }
+
+    /// One instant like [`Checker::event`]; `each` sees the samples before it too.
+    #[inline]
+    pub fn event_between(&mut self, tick: u64, steps: MotorSet, forward: MotorSet, mut each: impl FnMut(&Sample)) {
+        let Self { sampler, names, gauge, changes, spacing, together, last_tick, latest, findings } = self;
         let before = std::mem::replace(last_tick, tick);
         if tick < before {
             findings.add(tick, || format!("time falls from tick {before}"));
         }
+        let tick = tick.max(*latest);
+        *latest = tick;
         spacing.event(findings, names, tick, steps);
         changes.event(findings, tick, steps, forward);
-        sampler.event(tick, steps, forward, |sample| gauge.measure(findings, sample));
+        sampler.event(tick, steps, forward, |sample| {
+            gauge.measure(findings, sample);
+            each(sample);
+        });
         together.event(findings, tick, steps, forward, sampler.counts());
+    }
+
+    /// The sampler, after the last event.
+    #[must_use]
+    pub const fn sampler(&self) -> &Sampler {
+        &self.sampler
     }
 
     /// Ends the run, which should have made `expected` steps.
     #[must_use]
     pub fn finish(mut self, expected: Option<[i32; MOTORS]>) -> Findings {
-        let Self { sampler, names, gauge, changes, together, findings, last_tick, .. } = &mut self;
+        let Self { sampler, names, gauge, changes, together, findings, latest, .. } = &mut self;
         let (strain, residual) = together.at_rest(sampler.counts());
         if residual != 0 {
-            findings.add(*last_tick, || format!("motors rest {residual} steps against each other"));
+            findings.add(*latest, || format!("motors rest {residual} steps against each other"));
         }
-        let rest = *last_tick + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
+        let rest = *latest + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
         changes.advance(findings, rest);
         sampler.advance(rest, |sample| gauge.measure(findings, sample));
         if let Some((sum, most)) = strain
             && sum.abs() >= most
         {
-            findings.add(*last_tick, || format!("motors rest {sum} steps against each other"));
+            findings.add(*latest, || format!("motors rest {sum} steps against each other"));
         }
         let expected = expected.map(|counts| counts.map(i64::from));
         for (i, name) in names.iter().enumerate() {
@@ -139,7 +159,7 @@ impl Checker {
             if let Some(due) = expected.map(|e| e[i])
                 && due != counted
             {
-                findings.add(*last_tick, || format!("{name} ends at step {counted} instead of {due}"));
+                findings.add(*latest, || format!("{name} ends at step {counted} instead of {due}"));
             }
         }
         self.findings

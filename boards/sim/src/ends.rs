@@ -9,7 +9,7 @@ use corehbot::units::Celsius;
 pub trait Sink {
     /// The motors of `steps` step at `tick`, each forward if it is in `forward`.
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
-    /// z follows a mesh, and the next event leads to this z of the program, in mm; or z follows none.
+    /// From the next event on z follows a mesh and leads to this z of the program, in mm; or it follows none.
     fn stand_on_mesh(&mut self, _z: Option<f64>) {}
     /// Whether moves are to be followed for [`moved`](Self::moved); asked once.
     fn wants_moves(&self) -> bool {

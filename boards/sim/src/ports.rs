@@ -182,11 +182,15 @@ pub(crate) struct Pins<'w> {
     /// What a mesh does, if that is asked for.
     pub mesh_log: Option<&'w mut MeshLog>,
     pub shared: &'w Shared,
+    /// Whether there is an accelerometer.
+    pub has_sensor: bool,
     pub drivers: &'w Drivers,
     /// What hangs on drivers and inputs, if it is not what belongs there.
     pub plugs: Option<&'w Plugs>,
     pub table: MotorTable,
     pub forward: MotorSet,
+    /// The program's z on a mesh, as the sink was told it last.
+    pub told_z: Option<f64>,
     pub sink: &'w mut dyn Sink,
 }
 
@@ -200,7 +204,14 @@ impl Pins<'_> {
     }
 
     /// The accelerometer takes its samples up to now.
+    #[inline]
     fn listen(&mut self) {
+        if self.has_sensor {
+            self.sample();
+        }
+    }
+
+    fn sample(&mut self) {
         let (now, mut sensor) = (self.shared.now.get(), self.shared.sensor.borrow_mut());
         while let Some(due) = sensor.due(now) {
             match &mut self.mechanics {
@@ -214,7 +225,7 @@ impl Pins<'_> {
                 }
             }
         }
-        // Where the nozzle is takes a few products for each event, and most machines have no sensor.
+        // Where the nozzle is takes a few products for each event.
         if let Mechanics::Rigid(rig) = &self.mechanics
             && sensor.vibrates()
         {
@@ -230,8 +241,24 @@ impl Pins<'_> {
         }
     }
 
+    /// The program's z is told where it has changed.
+    #[inline]
+    fn tell_z(&mut self, z: Option<f64>) {
+        if z != self.told_z {
+            self.told_z = z;
+            self.sink.stand_on_mesh(z);
+        }
+    }
+
     /// The bed meets the nozzle where it is now, and its probe hears the servo.
+    #[inline]
     fn attend_bed(&mut self) {
+        if self.bed.is_some() {
+            self.follow_bed();
+        }
+    }
+
+    fn follow_bed(&mut self) {
         let Some(bed) = &mut self.bed else { return };
         if let Some((at, micros)) = self.drivers.take_servo() {
             bed.servo(at, micros);
@@ -272,7 +299,8 @@ impl StepPort for Pins<'_> {
             if log.is_on() {
                 log.event(self.mechanics.nozzle(), &self.mechanics.counts(), self.bed.as_deref());
             }
-            self.sink.stand_on_mesh(log.z());
+            let z = log.z();
+            self.tell_z(z);
         }
         self.sink.event(tick, steps, self.forward);
     }

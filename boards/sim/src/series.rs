@@ -20,6 +20,12 @@ pub struct Bin {
 }
 
 impl Bin {
+    /// The tool goes on by `path` mm at `speed` mm/s.
+    pub fn go(&mut self, path: f32, speed: f32) {
+        self.path += path;
+        self.peak_speed = self.peak_speed.max(speed);
+    }
+
     fn join(self, other: Self) -> Self {
         Self {
             path: self.path + other.path,
@@ -53,6 +59,7 @@ pub struct Cursor {
 
 impl Cursor {
     /// The bin of a tick, where bins are so long.
+    #[inline]
     fn find(&mut self, tick: u64, bin_ticks: u64) -> usize {
         if self.bin_ticks == bin_ticks && tick >= self.begin && tick - self.begin < 2 * bin_ticks {
             if tick - self.begin >= bin_ticks {
@@ -80,8 +87,9 @@ impl Series {
         &self.bins
     }
 
-    /// Adds the values at `tick`. The caller keeps a cursor for each of the quantities that it adds in order of time.
-    pub fn add(&mut self, cursor: &mut Cursor, tick: u64, what: Bin) {
+    /// Adds to the bin at `tick`. The caller keeps a cursor for each of the quantities that it adds in order of time.
+    #[inline]
+    pub fn add(&mut self, cursor: &mut Cursor, tick: u64, add: impl FnOnce(&mut Bin)) {
         while tick >= MOST_BINS as u64 * self.bin_ticks {
             self.halve();
         }
@@ -89,7 +97,9 @@ impl Series {
         if index >= self.bins.len() {
             self.bins.resize(index + 1, Bin::default());
         }
-        self.bins[index] = self.bins[index].join(what);
+        if let Some(bin) = self.bins.get_mut(index) {
+            add(bin);
+        }
     }
 
     fn halve(&mut self) {
@@ -107,7 +117,10 @@ mod tests {
     fn a_day_fits_and_nothing_is_lost() {
         let (mut series, mut cursor) = (Series::default(), Cursor::default());
         for second in 0..86_400u64 {
-            series.add(&mut cursor, second * 10_000_000, Bin { path: 1.0, peak_speed: second as f32, events: 3 });
+            series.add(&mut cursor, second * 10_000_000, |bin| {
+                bin.go(1.0, second as f32);
+                bin.events += 3;
+            });
         }
         assert!(series.bins().len() <= MOST_BINS);
         assert_eq!(series.bins().iter().map(|b| b.events).sum::<u32>(), 3 * 86_400);

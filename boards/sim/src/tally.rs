@@ -5,9 +5,10 @@
 //! The event rate counts the events of the last [`RATE_WINDOW_MS`].
 
 use crate::axis_sums::AxisSums;
-use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler, count};
-use crate::series::{Bin, Cursor, Series};
-use corehbot::motors::{MOTORS, MotorSet};
+use crate::counts::Counts;
+use crate::sampler::{SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
+use crate::series::{Cursor, Series};
+use corehbot::motors::{MOTORS, Motor, MotorSet};
 use corehbot::settings::Settings;
 
 /// Window over which the tool's speed is measured.
@@ -21,16 +22,10 @@ const RATE_WINDOW: usize = (RATE_WINDOW_MS * SAMPLES_PER_SECOND / 1000) as usize
 
 /// Counts and measures the events of a run.
 pub struct Tally {
-    sampler: Sampler,
-    measure: Measure,
-    pulses: Counts,
+    /// Events so far, and how many of them each set of motors had.
     events: u64,
-}
-
-/// Measurements on samples.
-struct Measure {
-    /// Where motors bring the tool, and mm of a unit of x, y and z there.
-    sums: AxisSums,
+    sets: Box<[u64; 1 << MOTORS]>,
+    /// mm of a unit of the sums of x, y and z, and where they began.
     unit: [f64; 3],
     origin: [f64; 3],
     /// The last places, in a ring; `oldest` is the next to be replaced.
@@ -75,11 +70,12 @@ impl Tally {
     /// A tally for a tool that begins at `origin` (mm).
     #[must_use]
     pub fn new(s: &Settings, origin: [f64; 3]) -> Self {
-        let sums = AxisSums::new(&s.mechanism);
+        let over = AxisSums::new(&s.mechanism).over();
         let pitch = [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>());
-        let measure = Measure {
-            unit: std::array::from_fn(|i| pitch[i] / sums.over()[i] as f64),
-            sums,
+        Self {
+            events: 0,
+            sets: Box::new([0; 1 << MOTORS]),
+            unit: std::array::from_fn(|i| pitch[i] / over[i] as f64),
             origin,
             places: [Place { at: origin, ..Place::default() }; SPEED_WINDOW + 1],
             oldest: 0,
@@ -90,41 +86,38 @@ impl Tally {
             peak_rate: 0.0,
             series: Series::default(),
             cursors: [Cursor::default(); 2],
-        };
-        Self { sampler: Sampler::default(), measure, pulses: [0; MOTORS], events: 0 }
-    }
-
-    /// One instant in which `steps` move, each forward or backward.
-    pub fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        if steps.is_empty() {
-            return;
         }
-        let Self { sampler, measure, events, .. } = self;
-        sampler.event(tick, steps, forward, |sample| measure.sample(sample, *events));
-        self.events += 1;
-        count(&mut self.pulses, steps, MotorSet::ALL);
     }
 
-    /// The figures of a run that lasted `ticks`.
+    /// One instant in which `steps` move; all samples before it were shown.
+    #[inline]
+    pub fn event(&mut self, steps: MotorSet) {
+        self.events += u64::from(!steps.is_empty());
+        self.sets[usize::from(steps.0)] += 1;
+    }
+
+    /// The figures of a run that lasted `ticks`, with the run's sampler.
     #[must_use]
-    pub fn finish(mut self, ticks: u64) -> Figures {
-        let Self { sampler, measure, events, .. } = &mut self;
+    pub fn finish(mut self, mut sampler: Sampler, ticks: u64) -> Figures {
         // The windows lag, so the tool rests for one more.
-        let end = ticks + SPEED_WINDOW as u64 * crate::sampler::SAMPLE_TICKS + 1;
-        sampler.advance(end, |sample| measure.sample(sample, *events));
+        let end = ticks + SPEED_WINDOW as u64 * SAMPLE_TICKS + 1;
+        sampler.advance(end, |sample| self.sample(sample));
+        let pulses = |motor| {
+            let with = self.sets.iter().enumerate().filter(|(set, _)| MotorSet(*set as u8).has(motor));
+            with.map(|(_, events)| events).sum()
+        };
         Figures {
             events: self.events,
-            pulses: self.pulses.map(i64::unsigned_abs),
-            position: *self.sampler.counts(),
-            peak_speed: self.measure.peak_speed,
-            peak_rate: self.measure.peak_rate,
-            series: self.measure.series,
+            pulses: Motor::ALL.map(pulses),
+            position: *sampler.counts(),
+            peak_speed: self.peak_speed,
+            peak_rate: self.peak_rate,
+            series: self.series,
         }
     }
-}
 
-impl Measure {
-    fn sample(&mut self, sample: &Sample, events: u64) {
+    /// Measures what the next sample shows.
+    pub fn sample(&mut self, sample: &Sample) {
         let here = self.place(sample);
         let length = self.places.len();
         // The oldest place is one sample before the window.
@@ -133,24 +126,24 @@ impl Measure {
         let speed = way * 1000.0 / f64::from(SPEED_WINDOW_MS);
         self.peak_speed = self.peak_speed.max(speed);
 
-        let rate = (events - self.totals[self.oldest_total]) as f64 * 1000.0 / f64::from(RATE_WINDOW_MS);
+        let rate = (self.events - self.totals[self.oldest_total]) as f64 * 1000.0 / f64::from(RATE_WINDOW_MS);
         self.peak_rate = self.peak_rate.max(rate);
-        let fresh = events - self.last_total;
-        self.last_total = events;
-        self.totals[self.oldest_total] = events;
+        let fresh = self.events - self.last_total;
+        self.last_total = self.events;
+        self.totals[self.oldest_total] = self.events;
         self.oldest_total = (self.oldest_total + 1) % RATE_WINDOW;
 
         // A chord of the path over the whole window, shared among its samples, is free of the zig-zag of steps.
         let path = way / SPEED_WINDOW as f64;
         let [speeds, rates] = &mut self.cursors;
-        self.series.add(speeds, centre.tick, Bin { path: path as f32, peak_speed: speed as f32, events: 0 });
-        self.series.add(rates, sample.tick, Bin { events: fresh as u32, ..Bin::default() });
+        self.series.add(speeds, centre.tick, |bin| bin.go(path as f32, speed as f32));
+        self.series.add(rates, sample.tick, |bin| bin.events += fresh as u32);
         self.places[self.oldest] = here;
         self.oldest = (self.oldest + 1) % length;
     }
 
     fn place(&self, sample: &Sample) -> Place {
-        let [x, y, z, _] = self.sums.at(&sample.counts).map(|sum| sum as f64);
+        let [x, y, z, _] = sample.sums.map(|sum| sum as f64);
         let [along_x, along_y, along_z] = self.unit;
         let [from_x, from_y, from_z] = self.origin;
         Place { at: [from_x + x * along_x, from_y + y * along_y, from_z + z * along_z], tick: sample.tick }
@@ -170,10 +163,12 @@ mod tests {
     /// One second along +x at 100 mm/s from (10, 20, 0): all four motors step every 125 us.
     fn run() -> Figures {
         let mut tally = Tally::new(&Settings::prototype(), [10.0, 20.0, 0.0]);
+        let mut sampler = Sampler::new(&Settings::prototype().mechanism);
         for i in 1..=8000 {
-            tally.event(i * 1250, prototype::BELT, MotorSet(0x0C));
+            sampler.event(i * 1250, prototype::BELT, MotorSet(0x0C), |sample| tally.sample(sample));
+            tally.event(prototype::BELT);
         }
-        tally.finish(u64::from(TICKS_PER_SECOND))
+        tally.finish(sampler, u64::from(TICKS_PER_SECOND))
     }
 
     #[test]

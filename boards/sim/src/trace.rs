@@ -137,37 +137,45 @@ struct Piece {
 /// The digits of a tick before its last four.
 #[derive(Clone, Copy, Default)]
 struct High {
-    value: u64,
+    /// The first tick that has them.
+    from: u64,
     text: [u8; HIGH_DIGITS],
+    /// 0 for ticks of four digits and fewer.
     length: usize,
 }
 
 impl High {
-    fn new(value: u64) -> Self {
-        let mut digits = [0; 20];
-        let length = decimal(value, &mut digits);
+    fn new(tick: u64) -> Self {
+        let value = tick / LOW_TICKS;
+        let mut digits = [0; LONGEST_ROW];
+        let length = if value == 0 { 0 } else { decimal(value, &mut digits) };
         let mut text = [0; HIGH_DIGITS];
         text.copy_from_slice(&digits[..HIGH_DIGITS]);
-        Self { value, text, length }
+        Self { from: value * LOW_TICKS, text, length }
     }
 
     /// Writes `tick` to the begin of `out` and returns its length.
     #[inline]
-    fn write(&mut self, tick: u64, out: &mut [u8]) -> usize {
-        let value = tick / LOW_TICKS;
-        if value == 0 {
+    fn write(&mut self, tick: u64, out: &mut [u8; LONGEST_ROW]) -> usize {
+        if tick < self.from || tick - self.from >= LOW_TICKS {
+            *self = Self::new(tick);
+        }
+        if self.length == 0 {
             return decimal(tick, out);
         }
-        if value != self.value {
-            *self = Self::new(value);
-        }
-        let low = (tick - value * LOW_TICKS) as usize;
-        let length = self.length;
+        let low = (tick - self.from) as usize;
+        let [thousands, hundreds] = PAIRS[low / 100 % PAIRS.len()];
+        let [tens, ones] = PAIRS[low % 100];
         out[..HIGH_DIGITS].copy_from_slice(&self.text);
-        out[length..length + 2].copy_from_slice(&PAIRS[low / 100]);
-        out[length + 2..length + 4].copy_from_slice(&PAIRS[low % 100]);
-        length + 4
+        put(out, self.length, [thousands, hundreds, tens, ones]);
+        self.length + 4
     }
+}
+
+/// Puts bytes at a place of a row.
+#[inline]
+fn put<const N: usize>(row: &mut [u8; LONGEST_ROW], at: usize, bytes: [u8; N]) {
+    row[at..at + N].copy_from_slice(&bytes);
 }
 
 /// Writes a trace and computes its digest.
@@ -220,10 +228,11 @@ impl<W: Write, D: Digest> TraceWriter<W, D> {
         let (s, f) = (usize::from(steps.0), usize::from(forward.0));
         let first = &self.first[(s & 0xF) | (f & 0xF) << 4];
         let others = &self.others[(s >> 4 & 0xF) | (f >> 4 & 0xF) << 4];
-        let row = &mut self.buffer[self.filled..][..LONGEST_ROW];
+        // There is always room for a row.
+        let Some(row) = self.buffer[self.filled..].first_chunk_mut::<LONGEST_ROW>() else { return };
         let mut length = self.high.write(tick, row);
         for piece in [first, others] {
-            row[length..length + 16].copy_from_slice(&piece.text);
+            put(row, length, piece.text);
             length += usize::from(piece.length);
         }
         self.filled += length;
@@ -280,7 +289,7 @@ fn piece(steps: u8, forward: u8, motors: u8, end: &[u8]) -> Piece {
 }
 
 /// Writes `value` in decimal to the begin of `out` and returns its length.
-fn decimal(mut value: u64, out: &mut [u8]) -> usize {
+fn decimal(mut value: u64, out: &mut [u8; LONGEST_ROW]) -> usize {
     let mut digits = [0; 20];
     let mut at = digits.len();
     loop {

@@ -203,7 +203,9 @@ impl<'w> World<'w> {
         let mesh_log = mesh_log.as_deref_mut();
         let tap = sink.wants_moves().then(|| Box::new(Tap::new(settings, mechanics.nozzle())));
         shared.is_followed.set(tap.is_some());
-        let pins = Pins { mechanics, bed, mesh_log, shared, drivers, plugs, table, forward: MotorSet::NONE, sink };
+        let (has_sensor, told_z) = (settings.accelerometer.kind.is_some(), None);
+        let forward = MotorSet::NONE;
+        let pins = Pins { mechanics, bed, mesh_log, shared, has_sensor, drivers, plugs, table, forward, told_z, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),

@@ -1,6 +1,7 @@
 //! Tests of the threads: they change nothing, memory is bounded, and what goes wrong on a thread is told.
 
 use super::*;
+use corehbot::motors::MOTORS;
 use corehbot::settings::Settings;
 use corehbot_sim::check::Findings;
 use corehbot_sim::limits::Limits;
@@ -10,8 +11,8 @@ use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Several times as many events as fit into the queues.
-const EVENTS: u64 = (3 * WAITING * BATCH) as u64 + 7;
+/// Twice as many events as fit into the queues.
+const EVENTS: u64 = (2 * WAITING * BATCH) as u64 + 7;
 
 /// Steps of the belt and the extruder, with a motor left out now and then, and z told before some of them.
 fn tell(sink: &mut impl Sink, mut each: impl FnMut()) {
@@ -35,8 +36,7 @@ fn writers<W: Write>(out: W) -> Writers<W> {
 fn judges() -> Judges {
     let (s, begin) = (Settings::prototype(), [10.0, 20.0, 5.0]);
     Judges {
-        tally: Tally::new(&s, begin),
-        checker: Checker::new(&s, &Limits::new(&s, None, "")),
+        judge: Judge::new(&s, &Limits::new(&s, None, ""), begin),
         path: Some(ToolPath::new(&s, begin, tempfile::tempfile().unwrap())),
     }
 }
@@ -44,7 +44,8 @@ fn judges() -> Judges {
 fn results<W: Write>(writers: Writers<W>, judges: Judges) -> (Finished, Figures, Findings, String) {
     let path = judges.path.unwrap().finish().unwrap();
     let path = format!("{:?}", (path.chunks, path.heights, path.printed, path.travelled));
-    (writers.trace.finish().unwrap(), judges.tally.finish(EVENTS * 1250), judges.checker.finish(None), path)
+    let (figures, findings) = judges.judge.finish(EVENTS * 1250, [0; MOTORS]);
+    (writers.trace.finish().unwrap(), figures, findings, path)
 }
 
 /// The same sinks on the caller's thread.
@@ -53,8 +54,7 @@ struct Direct(Writers<Vec<u8>>, Judges);
 impl Sink for Direct {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.0.trace.event(tick, steps, forward);
-        self.1.tally.event(tick, steps, forward);
-        self.1.checker.event(tick, steps, forward);
+        self.1.judge.event(tick, steps, forward);
         self.1.path.as_mut().unwrap().event(tick, steps, forward);
     }
 
@@ -129,7 +129,7 @@ fn a_full_disk_is_reported_at_the_end_and_the_steps_are_judged_all_the_same() {
     tell(&mut relay, || {});
     let Done { writers, judges, .. } = relay.finish().unwrap();
     assert_eq!(writers.trace.finish().unwrap_err().kind(), io::ErrorKind::StorageFull);
-    assert_eq!(judges.tally.finish(EVENTS * 1250).events, EVENTS);
+    assert_eq!(judges.judge.finish(EVENTS * 1250, [0; MOTORS]).0.events, EVENTS);
 }
 
 struct Panics;

@@ -22,8 +22,7 @@ type Stage = (&'static str, &'static [&'static str]);
 /// digest, for 64 KiB of rows.
 const DIGEST: Stage = ("digest of the trace", &["TraceWriter", "flush"]);
 const ROWS: Stage = ("rows of the trace", &["Writers", "write_rows"]);
-const STAGES: [Stage; 3] =
-    [("figures", &["Judges", "count"]), ("checker", &["Judges", "check"]), ("tool path", &["Judges", "follow"])];
+const STAGES: [Stage; 2] = [("figures and checks", &["Judges", "judge"]), ("tool path", &["Judges", "follow"])];
 
 /// Measures.
 pub fn main(files: &[PathBuf]) -> Result<()> {
@@ -146,13 +145,13 @@ mod tests {
 
     #[test]
     fn costs_of_calls_are_added_by_the_callee() {
-        let text = "version: 1\nevents: Ir\n\nfn=(1) main\n10 5\ncfn=(2) <a::Judges>::check\ncalls=3 20\n11 300\n+1 7\n\
-                    cfn=(3) <a::Judges>::count\ncalls=1 30\n* 40\n\nfn=(2)\n20 300\n\nfn=(4) other\n1 1\ncfn=(2)\n\
+        let text = "version: 1\nevents: Ir\n\nfn=(1) main\n10 5\ncfn=(2) <a::Judges>::judge\ncalls=3 20\n11 300\n+1 7\n\
+                    cfn=(3) <a::Writers>::write_rows\ncalls=1 30\n* 40\n\nfn=(2)\n20 300\n\nfn=(4) other\n1 1\ncfn=(2)\n\
                     calls=1 20\n-1 50\n\ntotals: 703\n";
         let calls = Calls::read(text).unwrap();
         assert_eq!(calls.total, 703);
-        assert_eq!(calls.of(("checker", &["Judges", "check"])).unwrap(), 350);
-        assert_eq!(calls.of(("figures", &["Judges", "count"])).unwrap(), 40);
-        assert!(calls.of(("tool path", &["Judges", "follow"])).is_err());
+        assert_eq!(calls.of(STAGES[0]).unwrap(), 350);
+        assert_eq!(calls.of(ROWS).unwrap(), 40);
+        assert!(calls.of(STAGES[1]).is_err());
     }
 }

@@ -24,9 +24,10 @@ const fn bend(coordinate: usize) -> f64 {
 /// numbers and their products to an eighth of a part.
 const WIDEST: f64 = (1u64 << 48) as f64;
 
+const _: () = assert!(LONGEST_WINDOW > EPISODE as usize);
+
 /// The measurement of the coordinates.
 pub(super) struct Gauge {
-    sums: AxisSums,
     /// Motors with the coordinates of belts.
     belts: Vec<Motor>,
     /// In the order of [`Limits::of`]; empty if there is nothing to judge.
@@ -35,23 +36,23 @@ pub(super) struct Gauge {
 
 impl Gauge {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
-        let sums = AxisSums::new(&s.mechanism);
-        let parts = sums.over().into_iter().chain(std::iter::repeat(1));
+        let parts = AxisSums::new(&s.mechanism).over().into_iter().chain(std::iter::repeat(1));
         let judged = if limits.is_judged { &limits.of[..] } else { &[] };
         let both = judged.iter().zip(parts).enumerate();
         let coordinates = both.map(|(i, (limit, parts))| Coordinate::new(limit.clone(), bend(i), parts)).collect();
-        Self { sums, belts: belts(s).into_iter().map(|belt| belt.lead).collect(), coordinates }
+        Self { belts: belts(s).into_iter().map(|belt| belt.lead).collect(), coordinates }
     }
 
     /// Measures what the next sample shows.
+    #[inline]
     pub fn measure(&mut self, findings: &mut Findings, sample: &Sample) {
-        let axes = self.sums.at(&sample.counts);
-        for (place, coordinate) in self.coordinates.iter_mut().enumerate() {
-            let belt = || self.belts.get(place - axes.len()).map_or(0, |lead| sample.counts[lead.index()]);
-            let at = axes.get(place).copied().unwrap_or_else(belt);
-            if let Some(excess) = coordinate.measure(at) {
-                findings.add(sample.tick, || excess.to_string());
-            }
+        let axes = self.coordinates.len().min(sample.sums.len());
+        let (axes, belts) = self.coordinates.split_at_mut(axes);
+        for (axis, at) in axes.iter_mut().zip(sample.sums) {
+            axis.measure(findings, sample.tick, at);
+        }
+        for (belt, lead) in belts.iter_mut().zip(&self.belts) {
+            belt.measure(findings, sample.tick, sample.counts[lead.index()]);
         }
     }
 }
@@ -91,6 +92,12 @@ struct Harmless {
     /// The change of its way from one short window to the next, and from one long window.
     short: i64,
     long: i64,
+}
+
+/// Whether a difference is no greater in any direction, by one comparison.
+#[inline(always)]
+const fn is_within(difference: i64, most: i64) -> bool {
+    most >= 0 && difference.wrapping_add(most) as u64 <= most as u64 * 2
 }
 
 /// One coordinate, its recent positions and its measuring windows in samples.
@@ -133,16 +140,32 @@ impl Coordinate {
         coordinate
     }
 
-    /// Takes in the next position and returns a new excess of the recent ones.
-    fn measure(&mut self, at: i64) -> Option<Excess> {
+    /// Takes in the next position, and finds a new excess of the recent ones.
+    #[inline(always)]
+    fn measure(&mut self, findings: &mut Findings, tick: u64, at: i64) {
+        if self.resting >= LONGEST_WINDOW && at == self.past(0) {
+            // All positions are the same, and the last excess is long ago.
+            return;
+        }
         self.put(at);
-        let excess = if self.is_harmless() { None } else { self.excess() };
-        let is_new = self.quiet == 0;
+        if self.is_harmless() {
+            self.quiet = self.quiet.saturating_sub(1);
+        } else {
+            self.judge(findings, tick);
+        }
+    }
+
+    #[cold]
+    fn judge(&mut self, findings: &mut Findings, tick: u64) {
+        let (excess, is_new) = (self.excess(), self.quiet == 0);
         self.quiet = if excess.is_some() { EPISODE } else { self.quiet.saturating_sub(1) };
-        excess.filter(|_| is_new)
+        if let Some(excess) = excess.filter(|_| is_new) {
+            findings.add(tick, || excess.to_string());
+        }
     }
 
     /// Takes in the next position.
+    #[inline]
     pub fn put(&mut self, at: i64) {
         self.resting = if at == self.past(0) { self.resting + 1 } else { 0 };
         self.past[self.next] = at;
@@ -150,21 +173,22 @@ impl Coordinate {
     }
 
     /// Whether there can be no excess.
+    #[inline(always)]
     pub fn is_harmless(&self) -> bool {
         if self.resting > 2 * self.long {
             return true;
         }
-        let ago = [0, self.short, 2 * self.short, self.long, 2 * self.long];
-        let [now, short, second_short, long, second_long] = ago.map(|ago| self.past(ago));
-        let (short_way, long_way) = (now - short, now - long);
-        long_way.abs() <= self.harmless.way
-            && short_way.abs() <= WIDEST as i64
-            && (short_way - (short - second_short)).abs() <= self.harmless.short
-            && (long_way - (long - second_long)).abs() <= self.harmless.long
+        let Self { short, long, .. } = *self;
+        let now = self.past(0);
+        let (short_way, long_way) = (now - self.past(short), now - self.past(long));
+        let short_change = short_way - (self.past(short) - self.past(2 * short));
+        let long_change = long_way - (self.past(long) - self.past(2 * long));
+        is_within(long_way, self.harmless.way)
+            && is_within(short_change, self.harmless.short)
+            && is_within(long_change, self.harmless.long)
     }
 
     /// The excess of the recent positions.
-    #[cold]
     pub fn excess(&self) -> Option<Excess> {
         self.speed().or_else(|| self.acceleration(self.short)).or_else(|| self.acceleration(self.long))
     }

@@ -4,36 +4,33 @@ use super::Findings;
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::{MOTORS, Motor, MotorName, MotorSet};
 
-/// The last pulse of each motor.
+/// The last pulses.
 #[derive(Default)]
 pub(super) struct Spacing {
-    /// Its tick.
-    last: [u64; MOTORS],
-    /// The motors that had one.
-    pulsed: MotorSet,
-    /// The latest of all ticks. Where this one is far after it, no pulse is too near.
-    latest: u64,
+    /// Those that the next one may be too near, in their order: mostly one.
+    near: Vec<(u64, MotorSet)>,
+    /// The last of all.
+    last: u64,
 }
 
 impl Spacing {
-    /// These motors step.
+    /// These motors step; time does not fall.
+    #[inline]
     pub fn event(&mut self, findings: &mut Findings, names: &[MotorName; MOTORS], tick: u64, steps: MotorSet) {
-        if tick.saturating_sub(self.latest) < MIN_STEP_INTERVAL {
+        if tick - self.last < MIN_STEP_INTERVAL {
             self.check(findings, names, tick, steps);
+        } else {
+            self.near.clear();
         }
-        self.latest = self.latest.max(tick);
-        self.pulsed = self.pulsed.with(steps);
-        for (motor, last) in Motor::ALL.into_iter().zip(&mut self.last) {
-            if steps.has(motor) {
-                *last = tick;
-            }
-        }
+        self.last = tick;
+        self.near.push((tick, steps));
     }
 
-    fn check(&self, findings: &mut Findings, names: &[MotorName; MOTORS], tick: u64, steps: MotorSet) {
-        for ((motor, before), name) in Motor::ALL.into_iter().zip(self.last).zip(names) {
-            let gap = tick.saturating_sub(before);
-            if steps.has(motor) && self.pulsed.has(motor) && gap < MIN_STEP_INTERVAL {
+    fn check(&mut self, findings: &mut Findings, names: &[MotorName; MOTORS], tick: u64, steps: MotorSet) {
+        self.near.retain(|(before, _)| tick - *before < MIN_STEP_INTERVAL);
+        for (motor, name) in Motor::ALL.into_iter().zip(names).filter(|(motor, _)| steps.has(*motor)) {
+            if let Some((before, _)) = self.near.iter().rev().find(|(_, stepped)| stepped.has(motor)) {
+                let gap = tick - *before;
                 findings.add(tick, || {
                     format!("two pulses of {name} are {gap} ticks apart, {MIN_STEP_INTERVAL} is the least")
                 });

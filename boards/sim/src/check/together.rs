@@ -4,8 +4,8 @@
 //! are. So their counts are compared only after other events.
 
 use super::Findings;
+use crate::counts::Counts;
 use crate::limits::Limits;
-use crate::sampler::Counts;
 use corehbot::kinematics::{Group, Groups, Residual, Residuals};
 use corehbot::motors::{MOST_GROUPS, MOTORS, Motor, MotorName, MotorSet};
 use corehbot::settings::Settings;
@@ -31,16 +31,21 @@ pub(super) struct Together {
     trims: MotorSet,
     trimmed: [i64; MOTORS],
     is_consistent: bool,
+    /// Whether the mechanism demands no more than groups that step together.
+    has_groups_alone: bool,
 }
 
 impl Together {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
+        let groups = Groups::new(&s.mechanism);
+        let constraint = groups.constraint();
         Self {
             names: s.motor_names,
-            groups: Groups::new(&s.mechanism),
-            whole: Whole::new(&Groups::new(&s.mechanism)),
-            constraint: Groups::new(&s.mechanism).constraint(),
+            whole: Whole::new(&groups),
+            groups,
+            constraint,
             residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
+            has_groups_alone: constraint.is_none() && !limits.circulates,
             trims: trims(s, limits),
             trimmed: [0; MOTORS],
             is_consistent: true,
@@ -48,11 +53,12 @@ impl Together {
     }
 
     /// One instant in which `steps` have moved, and the counts after it.
+    #[inline]
     pub fn event(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, forward: MotorSet, counts: &Counts) {
         if steps.intersects(self.trims) {
             self.note_trim(steps, forward);
         }
-        let is_plain = self.is_consistent && self.residuals.is_none() && self.constraint.is_none();
+        let is_plain = self.is_consistent && self.has_groups_alone;
         if !is_plain || !self.whole.is_whole(steps, forward) {
             self.check(findings, tick, steps, counts);
         }
@@ -77,6 +83,7 @@ impl Together {
         std::array::from_fn(|motor| counts[motor] - self.trimmed[motor])
     }
 
+    #[cold]
     fn check(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, counts: &Counts) {
         let counts = self.untrimmed(counts);
         let is_consistent = match &self.residuals {
@@ -134,6 +141,7 @@ impl Whole {
     }
 
     /// Whether each group rests, or all of it steps and each motor in its own direction.
+    #[inline]
     fn is_whole(&self, steps: MotorSet, forward: MotorSet) -> bool {
         // Motors of groups that go back.
         let back = steps.0 & (forward.0 ^ self.with.0);

@@ -30,6 +30,7 @@ struct Plain {
     /// Each with its quiet samples.
     coordinates: Vec<(Coordinate, u32)>,
     last_tick: u64,
+    latest: u64,
     last_pulse: [Option<u64>; MOTORS],
     trimmed: [i64; MOTORS],
     is_consistent: bool,
@@ -51,10 +52,11 @@ impl Plain {
         Self {
             settings: *s,
             limits: limits.clone(),
-            sampler: Sampler::default(),
+            sampler: Sampler::new(&s.mechanism),
             back: s.mechanism.forward_kinematics().unwrap(),
             coordinates: Gauge::new(s, limits).coordinates.into_iter().map(|coordinate| (coordinate, 0)).collect(),
             last_tick: 0,
+            latest: 0,
             last_pulse: [None; MOTORS],
             trimmed: [0; MOTORS],
             is_consistent: true,
@@ -71,6 +73,8 @@ impl Plain {
             self.findings.add(tick, || text);
         }
         self.last_tick = tick;
+        let tick = tick.max(self.latest);
+        self.latest = tick;
         for (motor, name) in steps.iter().zip(steps.iter().map(|motor| self.settings.name_of(motor))) {
             let before = self.last_pulse[motor.index()].replace(tick);
             if let Some(gap) = before.map(|before| tick.saturating_sub(before)).filter(|gap| *gap < MIN_STEP_INTERVAL) {
@@ -166,11 +170,14 @@ impl Plain {
     /// Looks at the changes of speed in every sample that is known at `tick`.
     fn change(&mut self, tick: u64) {
         while self.next + SAMPLE_TICKS + REST < tick {
-            let ended = self.next.checked_sub(SAMPLE_TICKS);
+            let ended = self.next.checked_sub(10 * SAMPLE_TICKS);
             let rests = |pieces: &[Piece]| pieces.iter().all(|(_, to, _)| ended.is_some_and(|ended| *to <= ended));
             if self.lines.iter().all(|line| rests(&line.pieces)) {
                 let rest = (tick - REST - self.next) / SAMPLE_TICKS;
                 self.next += rest.saturating_sub(8) * SAMPLE_TICKS;
+                for (_, quiet) in &mut self.speeds {
+                    *quiet -= rest.saturating_sub(8).min(u64::from(*quiet)) as u32;
+                }
             }
             let (from, to) = (self.next, self.next + SAMPLE_TICKS);
             self.next = to;
@@ -213,7 +220,7 @@ impl Plain {
     }
 
     fn finish(mut self, expected: [i32; MOTORS]) -> Findings {
-        let (strain, residual, last_tick) = (self.strain(), self.residual(), self.last_tick);
+        let (strain, residual, last_tick) = (self.strain(), self.residual(), self.latest);
         if residual != 0 {
             self.findings.add(last_tick, || format!("motors rest {residual} steps against each other"));
         }
@@ -270,6 +277,22 @@ fn stretches() -> impl Strategy<Value = (Fault, Stretch)> {
     (faults(), (1..120usize, interval, 1..32u8, 0..32u8))
 }
 
+/// Whether both are the same findings. A speed that lies between two decimals may be rounded to either.
+fn are_alike(a: &Findings, b: &Findings) -> bool {
+    let is_same = |(a, b): (&str, &str)| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() < 0.11,
+        _ => a == b,
+    };
+    let words = |violation: &Violation| violation.text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    a.total == b.total
+        && a.first.len() == b.first.len()
+        && a.first.iter().zip(&b.first).all(|(a, b)| {
+            let (left, right) = (words(a), words(b));
+            let are_same = left.iter().zip(&right).all(|(left, right)| is_same((left, right)));
+            a.tick == b.tick && left.len() == right.len() && are_same
+        })
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
@@ -311,6 +334,7 @@ proptest! {
             }
         }
         let expected = if is_counted { counts } else { [3; MOTORS] };
-        prop_assert_eq!(checker.finish(Some(expected)), plain.finish(expected));
+        let (found, due) = (checker.finish(Some(expected)), plain.finish(expected));
+        prop_assert!(are_alike(&found, &due), "{found:?}\ninstead of {due:?}");
     }
 }
