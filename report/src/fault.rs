@@ -68,7 +68,8 @@ fn cause(code: &str) -> Option<String> {
     Some(text)
 }
 
-/// Number, text and cure in the printer's words: `Error:hotend: sensor shorted [E02]: mend the sensor's wire`.
+/// Number, text and cure in the printer's words: `Error:hotend: sensor shorted [E02]: mend the sensor's wire`. A text
+/// without a number has its cure in sentences of their own.
 fn parts(reply: &str) -> (Option<&str>, &str, Option<&str>) {
     let reply = WRAPPING.iter().fold(reply, |reply, begin| reply.strip_prefix(begin).unwrap_or(reply));
     let reply = reply.strip_suffix(END).unwrap_or(reply);
@@ -79,7 +80,10 @@ fn parts(reply: &str) -> (Option<&str>, &str, Option<&str>) {
     });
     match numbered {
         Some((code, text, cure)) => (Some(code), text, Some(cure)),
-        None => (None, reply, None),
+        None => match reply.split_once(". ") {
+            Some((text, cure)) => (None, text, Some(cure)),
+            None => (None, reply, None),
+        },
     }
 }
 
@@ -116,5 +120,8 @@ mod tests {
         let text = "the printer has ended the print";
         assert_eq!(parts(text), (None, text, None));
         assert_eq!(parts("Error:no [homing] here"), (None, "no [homing] here", None));
+        let homing = "print ended: homing failed: Y endstop was not met within 10.5 mm. Check its switch. Home again";
+        let text = "print ended: homing failed: Y endstop was not met within 10.5 mm";
+        assert_eq!(parts(homing), (None, text, Some("Check its switch. Home again")));
     }
 }

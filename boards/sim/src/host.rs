@@ -137,6 +137,8 @@ pub struct FileHost {
     repeats: u32,
     /// An `Error:` that may turn out to be the begin of a resend.
     error: Option<String>,
+    /// The last warning to the command under way: a print that ends says why before.
+    said: Option<String>,
     warnings: Vec<Remark>,
     warnings_total: u32,
     answers: Answers,
@@ -194,6 +196,7 @@ impl FileHost {
             heat_since: None,
             heat_ticks: 0,
             asked: Asked { heating: 0, filament: false, dry_run: false },
+            said: None,
             failure: None,
         }
     }
@@ -333,7 +336,15 @@ impl FileHost {
         Remark { line, command, reply: String::new() }
     }
 
+    /// It fails for what the printer said before, or, if it said nothing, for this.
+    fn fail_as_said(&mut self, otherwise: &str) {
+        let said = self.said.take();
+        let why = said.as_deref().map_or(otherwise, |said| said.strip_prefix("echo:").unwrap_or(said));
+        self.fail(why);
+    }
+
     fn warn(&mut self, reply: &str) {
+        self.said = Some(reply.to_owned());
         self.warnings_total += 1;
         if self.warnings.len() < KEPT {
             let remark = Remark { reply: reply.to_owned(), ..self.current() };
@@ -385,9 +396,8 @@ impl FileHost {
     /// The printer sends text that hosts show a user.
     fn hear_action(&mut self, action: &str) {
         match action {
-            // It said why before.
-            "pause action:pause" => self.fail("the printer holds this line until it is heated or homed"),
-            "cancel action:cancel" => self.fail("the printer has ended the print"),
+            "pause action:pause" => self.fail_as_said("the printer holds this line until it is heated or homed"),
+            "cancel action:cancel" => self.fail_as_said("the printer has ended the print"),
             // Waits that end by themselves need no user.
             "prompt_show" if !is_timed(&self.current().command) => self.paused = Some(self.now),
             "prompt_end" => self.paused = None,
@@ -451,6 +461,7 @@ impl Host for FileHost {
             if let Some(error) = self.error.take() {
                 self.fail(&error);
             }
+            self.said = None;
             self.awaiting = self.awaiting.saturating_sub(1);
             self.is_heat_awaited &= self.awaiting > 0;
             if self.awaiting == 0

@@ -185,3 +185,24 @@ fn waits_for_heat_last_from_the_command_to_its_answer() {
     let waits: Vec<_> = host.heat_waits().iter().map(|wait| (wait.command.as_str(), wait.time)).collect();
     assert_eq!(waits, [("M190 S60", [30, 37]), ("M109 S200", [50, 57])]);
 }
+
+#[test]
+fn a_print_that_the_printer_ends_failed_for_what_it_said_before() {
+    let end = |lines: &[&str]| {
+        let mut host = FileHost::new("G28\nG1 X5\n");
+        sent(&mut host);
+        host.hear("echo:no such servo");
+        host.hear("ok");
+        let line = sent(&mut host);
+        assert!(line.starts_with("N0 G28*"), "{line}");
+        lines.iter().for_each(|line| host.hear(line));
+        host.hear("ok");
+        assert!(host.is_done());
+        host.failure().unwrap().clone()
+    };
+    let why = "print ended, heaters are off: homing failed: Y endstop was not met within 10 mm. Check its switch";
+    let failure = end(&[&format!("echo:{why}"), "//action:cancel action:cancel"]);
+    assert_eq!((failure.line, failure.reply.as_str()), (1, why));
+    // The words to another command are not the reason.
+    assert_eq!(end(&["//action:cancel action:cancel"]).reply, "the printer has ended the print");
+}
