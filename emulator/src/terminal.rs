@@ -4,7 +4,7 @@
 //! | whose turn | emulated time |
 //! |---|---|
 //! | the host's | real time; at full speed it first stands for 0.25 s at most, as in `corehbot serve` |
-//! | the board's: a line has no answer | `--speed 1`: real time, or slower if the computer is; `max`: as fast as it can |
+//! | the board's: a line has no answer | `--speed 1`: real time, or slower if the computer is; `max`: the fastest |
 //!
 //! So a wait of the board (heating, homing) may take less than real time, and a time-out of a host never more emulated
 //! time than it has real time. What a slow computer cannot keep up with is not made good.

@@ -1,7 +1,7 @@
 //! Spectrogram: power over time and frequency, to see at which moment of a sweep what rings.
 //!
-//! Windows are those of the [spectrum](crate::spectrum). Levels are coarse, since they are only looked at: 64 over 50 dB,
-//! each a digit of base64 (RFC 4648), with a line of digits for each time.
+//! Windows are those of the [spectrum](crate::spectrum). Levels are coarse, since they are only looked at: 64 over
+//! 50 dB, each a digit of base64 (RFC 4648), with a line of digits for each time.
 
 use crate::recording::Recording;
 use crate::spectrum::{WINDOW_S, each_window, kaiser, size};

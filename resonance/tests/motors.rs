@@ -1,4 +1,4 @@
-//! Runs at one speed each, of a machine with known errors of its motors: the profile by motor frequency and the symmetry.
+//! Runs at one speed each, of a machine with known errors of its motors: the motors' profile and the symmetry.
 //!
 //! The tool is a mass on a spring and a damper, and the motors' fields are off their places by known amounts once, twice
 //! and four times an electrical turn. It is integrated in time, so nothing here knows a response.

@@ -61,8 +61,8 @@ pub(crate) struct Resonance {
     /// Speed at their corners, in mm/s.
     #[arg(long, value_name = "MM_S", allow_negative_numbers = true, value_parser = number(0.0, 100.0), default_value = "5")]
     corner_speed: f64,
-    /// The machine file of the machine that was recorded: its motors' steps are at frequencies of their own in runs at one
-    /// speed. Without it, the CoreH-bot prototype.
+    /// The machine file of the machine that was recorded: in runs at one speed its motors' steps have frequencies of
+    /// their own. Without it, the CoreH-bot prototype.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes a page with spectra, shapers, belts and the profile.

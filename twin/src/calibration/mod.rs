@@ -9,7 +9,7 @@
 //! | weight of a metre of belt | that mass alone |
 //! | weight of head, bar, gantry or bed | that mass alone |
 //! | force on a lever at which a motor slips | holding torque alone |
-//! | deflection of the tool under a force | belt stiffness, a little on holding torque; beside the middle also on the yaw's stiffness |
+//! | deflection of the tool under a force | belt stiffness, a little holding torque; beside the middle the yaw too |
 //! | the same along a diagonal | of crossed belts, the stiffness of one |
 //! | frequency at which an axis rings | stiffness and the moving mass |
 //! | frequency at which the bar yaws | the yaw's stiffness and inertia |

@@ -1,7 +1,7 @@
 //! Outside: actions on a machine other than the steps of its motors.
 //!
-//! Power, the phase of each motor at power-up, a force on the tool, and friction on a rotor or idler. By default all motors have
-//! power, and their magnetic zeros lie where the belt is free of strain.
+//! Power, the phase of each motor at power-up, a force on the tool, and friction on a rotor or idler. By default all
+//! motors have power, and their magnetic zeros lie where the belt is free of strain.
 
 /// Outside actions. Motors are numbered as in the plant; values that are not listed have the default.
 #[derive(Clone, Debug, Default, PartialEq)]

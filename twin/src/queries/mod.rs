@@ -2,9 +2,9 @@
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
 //! [`tension`], [`ripple`], [`misalignment`]. About the whole reach: [`resonance`], [`compare`], [`limits`],
-//! [`torque`]. [`frame`] has the torque on the frame, [`soft_frame`] its vibration. [`paper`] compares the CoreH-bot paper with the model, and
-//! [`shaper`] rates a shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with sentences of papers as
-//! [`claim`]s.
+//! [`torque`]. [`frame`] has the torque on the frame, [`soft_frame`] its vibration. [`paper`] compares the CoreH-bot
+//! paper with the model, and [`shaper`] rates a shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with
+//! sentences of papers as [`claim`]s.
 
 pub mod claim;
 pub mod compare;
