@@ -1,7 +1,7 @@
 //! Runs at one speed each, of a machine with known errors of its motors: the motors' profile and the symmetry.
 //!
-//! The tool is a mass on a spring and a damper, and the motors' fields are off their places by known amounts once, twice
-//! and four times an electrical turn. It is integrated in time, so nothing here knows a response.
+//! The tool is a mass on a spring and a damper, and the motors' fields are off their places by known amounts once,
+//! twice and four times an electrical turn. It is integrated in time, so nothing here knows a response.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod plant;
@@ -22,8 +22,8 @@ fn drives() -> [Drive; 2] {
     [drive("a", [5.0, 5.0]), drive("b", [5.0, -5.0])]
 }
 
-/// A side of the machine: frequency and damping of the tool, and errors of the field in mm once, twice and four times an
-/// electrical turn.
+/// A side of the machine: frequency and damping of the tool, and errors of the field in mm once, twice and four times
+/// an electrical turn.
 struct Side {
     hz: f64,
     damping: f64,

@@ -1,17 +1,15 @@
 //! Axis sums: x, y, z and e as weighted sums of motor counts, each to be divided by one number.
 //!
 //! They are the fractions of [`ForwardKinematics`], which are linear in the counts. Here each motor's weights are known
-//! beforehand, so a position takes a few products instead of the rows of the mechanism times the adjugate.
+//! beforehand, so an event adds what is looked up, instead of the rows of the mechanism times the adjugate.
 
 use crate::counts::{Counts, HALF, STEPS, places};
 use corehbot::kinematics::{ForwardKinematics, Mechanism};
 use corehbot::motors::{MOTORS, MotorSet};
 
-/// The weights of a mechanism.
+/// The sums of a mechanism.
 #[derive(Clone)]
 pub struct AxisSums {
-    /// Of each motor, for x, y, z and e.
-    weights: [[i64; 4]; MOTORS],
     /// What an event adds, for each half of the motors, by the places of [`STEPS`].
     events: Box<[[[i64; 4]; STEPS.len()]; 2]>,
     /// What each sum is divided by.
@@ -32,7 +30,7 @@ impl AxisSums {
                 steps.iter().zip(weights).for_each(|(step, weights)| add(sums, weights.map(|weight| weight * step)));
             }
         }
-        Self { weights, events, over: fractions(&[0; MOTORS]).map(|(_, over)| over) }
+        Self { events, over: fractions(&[0; MOTORS]).map(|(_, over)| over) }
     }
 
     /// Adds an event to the sums.
@@ -44,13 +42,14 @@ impl AxisSums {
         add(sums, high[high_place]);
     }
 
-    /// x, y, z and e at these counts, in parts of a step.
-    #[inline]
-    #[must_use]
-    pub fn at(&self, counts: &Counts) -> [i64; 4] {
+    /// x, y, z and e at these counts, in parts of a step: so many times what a step of each motor alone adds.
+    #[cfg(test)]
+    pub(crate) fn at(&self, counts: &Counts) -> [i64; 4] {
         let mut sums = [0; 4];
-        for (weights, count) in self.weights.iter().zip(counts) {
-            add(&mut sums, weights.map(|weight| weight * count));
+        for (motor, count) in corehbot::motors::Motor::ALL.into_iter().zip(counts) {
+            let mut one = [0; 4];
+            self.add_event(&mut one, MotorSet::of(motor), MotorSet::of(motor));
+            add(&mut sums, one.map(|weight| weight * count));
         }
         sums
     }

@@ -14,8 +14,8 @@ impl Plant {
         self.send(sent_mm);
     }
 
-    /// Elastic force of the belt on a motor's pulley in N, positive counter-clockwise, and by how much it falls in N for
-    /// a millimetre that the pulley gives way.
+    /// Elastic force of the belt on a motor's pulley in N, positive counter-clockwise, and by how much it falls in N
+    /// for a millimetre that the pulley gives way.
     #[must_use]
     pub fn pull_on_pulley(&self, motor: usize, at: &[f64]) -> (f64, f64) {
         let coordinate = self.first_motor() + motor;

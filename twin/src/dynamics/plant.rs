@@ -299,8 +299,8 @@ impl Plant {
         (spring.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
     }
 
-    /// Pull of a spring: its tension, and its damping unless it is slack. Stretch and rate are summed in one pass, since
-    /// this is the innermost loop.
+    /// Pull of a spring: its tension, and its damping unless it is slack. Stretch and rate are summed in one pass,
+    /// since this is the innermost loop.
     fn pull_of(&self, spring: &Spring, at: &[f64], speeds: &[f64]) -> f64 {
         let (mut stretch, mut rate) = (0.0, 0.0);
         for (i, c) in &spring.row {

@@ -58,13 +58,13 @@ impl Line {
     #[inline]
     fn event(&mut self, tick: u64, is_forward: bool, next: u64) {
         let direction = if is_forward { 1 } else { -1 };
-        let (before, time) = (self.direction, tick - self.tick);
+        let has_way = self.direction != 0 && (1..=REST).contains(&(tick - self.tick));
         // From the middle of a step to the middle of the next one, or back to the same.
-        let way = if before == 0 || time > REST || time == 0 { 0 } else { before + direction };
+        let way = if has_way { self.direction + direction } else { 0 };
         if tick >= self.ahead {
             self.pass(tick, way, next);
         }
-        if before != 0 && (1..=REST).contains(&time) {
+        if has_way {
             self.end = Some(tick);
         }
         self.place += way;
@@ -77,8 +77,7 @@ impl Line {
         let speed = if way == 0 { 0.0 } else { way as f64 / short(tick - from) };
         let mut end = self.ahead.max(next + SAMPLE_TICKS);
         while end <= tick {
-            let gone = if way == 0 { 0.0 } else { short(end - from) * speed };
-            self.passed[(end / SAMPLE_TICKS) as usize % KEPT] = place + gone;
+            self.passed[(end / SAMPLE_TICKS) as usize % KEPT] = place + short(end - from) * speed;
             end += SAMPLE_TICKS;
         }
         self.ahead = end;

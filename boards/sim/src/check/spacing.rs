@@ -7,22 +7,19 @@ use corehbot::motors::{MOTORS, Motor, MotorName, MotorSet};
 /// The last pulses.
 #[derive(Default)]
 pub(super) struct Spacing {
-    /// Those that the next one may be too near, in their order: mostly one.
+    /// Those that the next one may be too near, in their order, and the last of all: mostly one.
     near: Vec<(u64, MotorSet)>,
-    /// The last of all.
-    last: u64,
 }
 
 impl Spacing {
     /// These motors step; time does not fall.
     #[inline]
     pub fn event(&mut self, findings: &mut Findings, names: &[MotorName; MOTORS], tick: u64, steps: MotorSet) {
-        if tick - self.last < MIN_STEP_INTERVAL {
+        if self.near.last().is_some_and(|(last, _)| tick - last < MIN_STEP_INTERVAL) {
             self.check(findings, names, tick, steps);
         } else {
             self.near.clear();
         }
-        self.last = tick;
         self.near.push((tick, steps));
     }
 

@@ -31,21 +31,17 @@ pub(super) struct Together {
     trims: MotorSet,
     trimmed: [i64; MOTORS],
     is_consistent: bool,
-    /// Whether the mechanism demands no more than groups that step together.
-    has_groups_alone: bool,
 }
 
 impl Together {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
         let groups = Groups::new(&s.mechanism);
-        let constraint = groups.constraint();
         Self {
             names: s.motor_names,
             whole: Whole::new(&groups),
+            constraint: groups.constraint(),
             groups,
-            constraint,
             residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
-            has_groups_alone: constraint.is_none() && !limits.circulates,
             trims: trims(s, limits),
             trimmed: [0; MOTORS],
             is_consistent: true,
@@ -58,7 +54,7 @@ impl Together {
         if steps.intersects(self.trims) {
             self.note_trim(steps, forward);
         }
-        let is_plain = self.is_consistent && self.has_groups_alone;
+        let is_plain = self.is_consistent && self.residuals.is_none() && self.constraint.is_none();
         if !is_plain || !self.whole.is_whole(steps, forward) {
             self.check(findings, tick, steps, counts);
         }
