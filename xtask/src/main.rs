@@ -4,6 +4,7 @@ mod bench;
 mod bringup;
 mod browser;
 mod build;
+mod bundle;
 mod checkout;
 mod clients;
 mod cluster;
@@ -37,6 +38,8 @@ enum Task {
     Bringup(bringup::Args),
     /// Builds the image of a board that can be flashed, and weighs it.
     Build(build::Args),
+    /// Compares the committed files of uPlot with its release on npm, and makes its script again. Needs npm.
+    Bundle,
     /// Runs Printrun and OctoPrint against the firmware, on clean lines and bad ones.
     Clients,
     /// Builds a release: the command, the images of all boards, examples, licences and checksums, as one archive.
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
         Task::Bench(args) => bench::main(&args),
         Task::Bringup(args) => bringup::main(&args),
         Task::Build(args) => build::main(&args),
+        Task::Bundle => bundle::main(),
         Task::Clients => clients::main(),
         Task::Dist(args) => dist::main(&args),
         Task::Emulate(args) => emulate::main(&args),
