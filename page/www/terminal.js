@@ -19,32 +19,43 @@ function log(text, kind) {
   if (isAtEnd) log.scrollTop = log.scrollHeight;
 }
 
+// What is said to a printer that is switched off meanwhile is lost.
+function tell(...call) {
+  line.call(...call).catch(() => {});
+}
+
+// How often a printer was switched on; the last one counts.
+let opened = 0, isOpening = false;
+
 async function power() {
+  const mine = ++opened;
   isOpen = true;
   $('log').replaceChildren();
   history.length = 0;
-  if (busy) line.end();
-  busy = true;
+  if (isOpening) line.end();
+  isOpening = true;
   try {
-    frame = JSON.parse(await line.call('open', JSON.stringify({ ...machineJob(), homed: null })));
-    line.call('speed', Number($('speed').value));
+    const now = JSON.parse(await line.call('open', JSON.stringify({ ...machineJob(), homed: null })));
+    if (mine !== opened) return;
+    frame = now;
+    tell('speed', Number($('speed').value));
     $('picture-name').textContent = frame.name ?? 'Machine';
     picture.draw(frame);
-    line.call('run', isTerminalShown);
+    tell('run', isTerminalShown);
   } catch (error) {
+    if (mine !== opened) return;
     frame = null;
     $('state').textContent = 'off';
     log(`${error.message}\n`, 'bad');
   } finally {
-    busy = false;
+    if (mine === opened) isOpening = false;
   }
 }
-let busy = false;
 
 function terminalShown(isShown) {
   isTerminalShown = isShown;
   if (isShown && !isOpen) power();
-  else if (isOpen) line.call('run', isShown).catch(() => {});
+  else if (isOpen) tell('run', isShown);
 }
 
 listeners.push(() => {
@@ -52,7 +63,7 @@ listeners.push(() => {
   if (isTerminalShown) power();
 });
 $('power').onclick = power;
-$('speed').onchange = event => line.call('speed', Number(event.target.value));
+$('speed').onchange = event => tell('speed', Number(event.target.value));
 
 // --- the line
 

@@ -172,8 +172,8 @@ class Chromium:
 
         return sum(seconds for pid, seconds in times.items() if is_ours(pid))
 
-    def check_quiet(self):
-        """Nothing since the last call was a complaint in the console, and nothing asked a network."""
+    def check_quiet(self, *own):
+        """Nothing since the last call was a complaint in the console, and nothing asked a network, but for `own`."""
         said = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         # A computer without graphics is one of the cases.
         said = [line for line in said if "GPU stall" not in line and "swiftshader" not in line.lower()]
@@ -183,7 +183,7 @@ class Chromium:
             if event["method"] in ("Network.requestWillBeSent", "Network.webSocketCreated"):
                 params = event["params"]
                 url = params.get("request", params)["url"]
-                check(url.startswith(LOCAL), f"the page asks {url}")
+                check(url.startswith(LOCAL + own), f"the page asks {url}")
 
     def check_width(self):
         """Nothing of the page is beyond the right edge."""

@@ -1,10 +1,11 @@
 """Reports of three prints open from their files and look like the pictures in `golden`, on a desk and, in the dark, on a
-phone.
+phone. Every control of them is used.
 
 Arguments: corehbot. `BLESS=1` writes the pictures.
 """
 
 from chromium import DESK, PHONE, Chromium, check
+from every import use_all
 from trial import ROOT, main, print_report
 
 HEAT = ROOT / "xtask/clients"
@@ -16,9 +17,15 @@ PRINTS = {
     "belt": (ROOT / "examples/shaping.gcode", "--plant", "belt"),
 }
 
+# A report has at least as many controls as this: those of the picture, of the charts and of the comparison.
+LEAST_CONTROLS = 40
+
+# Goes to the end, as a chart's keys have gone to the begin, and counts the moves in the picture.
+MOVES = "const { stage, player } = document.querySelector('.viewer').corehbotView; player.setMove(1e9); return stage.drawn"
+
 
 def run(corehbot, folder):
-    worst, times, megabytes = 0, [], 0
+    worst, times, megabytes, used = 0, [], 0, 0
     with Chromium() as browser:
         for name, (file, *options) in PRINTS.items():
             report = print_report(corehbot, file, folder, *options, ends_well=name != "fault")
@@ -30,7 +37,10 @@ def run(corehbot, folder):
                 worst = max(worst, browser.picture(f"{name}-{place}"))
                 browser.check_width()
                 browser.check_quiet()
-    return f"loaded in {max(times):.2f} s, {megabytes:.1f} MB; {len(times)} pictures differ in {worst:.3%} of their area at most"
+                if place == "desk":
+                    used += use_all(browser, "body", LEAST_CONTROLS)
+                    browser.wait(f"picture of {name} after all controls were used", lambda: browser.run(MOVES) > 0, 10)
+    return f"loaded in {max(times):.2f} s, {megabytes:.1f} MB; {used} controls were used; {len(times)} pictures differ in {worst:.3%} of their area at most"
 
 
 main(run)

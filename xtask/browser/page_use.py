@@ -1,12 +1,18 @@
-"""The page as people use it, on a desk and on a phone: it prints, cancels and prints again, shows errors of a machine file in
-their lines, and has a printer at the end of a serial line.
+"""The page as people use it, from its file and from a static server, on a desk and on a phone: it prints, cancels and prints
+again, shows errors of a machine file in their lines, and has a printer at the end of a serial line.
 
 Arguments: corehbot. `PAGE` is the page's first file.
 """
 
+import functools
+import http.server
+import json
 import os
+import pathlib
+import threading
 
 from chromium import DESK, PHONE, Chromium, check
+from every import use_all
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
@@ -142,6 +148,46 @@ def check_editor(browser):
     Select(browser.find("#machine-to-edit")).select_by_value("prototype.toml")
 
 
+# Where each part of the picture is.
+MOVED = """const picture = document.querySelector('#picture'), place = (name, key) => picture.querySelector(name)?.getAttribute(key);
+    if (!place('.belt', 'd')) return null;
+    const motors = [...picture.querySelectorAll('.motor')].map(motor => [motor.textContent, motor.innerHTML]);
+    return { belt: place('.belt', 'd'), teeth: place('.teeth', 'stroke-dashoffset'), bar: place('.rail', 'y'), head: place('.head', 'x'),
+        ...Object.fromEntries(motors) };"""
+
+
+def numbered(line):
+    """The line with its checksum: the XOR of its bytes."""
+    return f"{line}*{functools.reduce(lambda sum, byte: sum ^ byte, line.encode())}"
+
+
+# Lines, and what the printer answers: the words of docs/reference/host-protocol.md and docs/reference/errors.md.
+CONVERSATION = (
+    ("M105", ("ok T:",)),
+    ("M114", ("X:0.00 Y:0.00 Z:0.00",)),
+    ("M119", ("x_min: open",)),
+    ("M20", ("ok",)),
+    ("M503", ("M92 X80", "M569", "ok")),
+    ("hello", ('Unknown command: "hello"', "ok")),
+    ("G1 XS", ("X needs a number", "ok")),
+    ("M110 N0", ("ok",)),
+    (numbered("N1 M114"), ("X:0.00", "ok")),
+    ("N2 M114*1", ("checksum mismatch, Last Line: 1", "Resend: 2")),
+    (numbered("N4 M114"), ("Last Line: 1", "Resend: 2")),
+    (numbered("N2 M105"), ("ok T:",)),
+)
+
+
+def check_conversation(browser):
+    """Each line gets its own answer: reports, wrong words, line numbers that are asked for again."""
+    command = browser.find("#command")
+    for line, answers in CONVERSATION:
+        begin = len(text(browser, "#log")) + len(line)
+        command.send_keys(line, Keys.ENTER)
+        said = lambda: text(browser, "#log")[begin:]
+        browser.wait(f"answer to {line}: {said()}", lambda: all(answer in said() for answer in answers) and said().endswith("\n"), 20)
+
+
 def check_terminal(browser):
     browser.find("#tab-terminal").click()
     said = lambda: text(browser, "#log")
@@ -153,10 +199,12 @@ def check_terminal(browser):
     check(command.get_attribute("value") == "M115", "there is no history")
     command.clear()
     Select(browser.find("#speed")).select_by_value("20")
-    path = lambda: browser.run("return document.querySelector('#picture .belt')?.getAttribute('d')")
-    before = browser.wait("picture", path)
+    check_conversation(browser)
+    before = browser.wait("picture", lambda: browser.run(MOVED))
     command.send_keys("G28", Keys.ENTER)
-    browser.wait("moving belt", lambda: path() != before)
+    # Belt, bar, head and at least one motor. All four turn, once the tool goes along X and then along Y.
+    still = lambda: [part for part, now in browser.run(MOVED).items() if now == before[part]]
+    browser.wait("motion of the picture", lambda: not still())
     command.send_keys("G1 X50 Y50 F6000", Keys.ENTER, "M400", Keys.ENTER)
     browser.wait("place", lambda: "X50.00 Y50.00" in text(browser, "#place"))
     command.send_keys("M112", Keys.ENTER)
@@ -182,7 +230,60 @@ def check_tabs(browser):
     check(browser.find("#tab-print").get_attribute("aria-selected") == "true", "arrow keys do not choose a tab")
 
 
-def run(_corehbot, _folder):
+def check_saved(browser, folder):
+    """Report, summary and machine file are saved whole."""
+    browser.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)})
+    check_print(browser)
+    browser.find("#tab-print").click()
+    hash = text(browser, "#sha256")
+    for control in ("save-report", "save-summary"):
+        browser.find(f"#{control}").click()
+    browser.find("#tab-machine").click()
+    browser.find("#save-machine").click()
+    saved = lambda end: next((path.read_text() for path in folder.glob(f"*{end}")), "")
+    browser.wait("saved report", lambda: hash in saved(".html") and saved(".html").rstrip().endswith("</html>"), 20)
+    browser.wait("saved summary", lambda: saved(".json").rstrip().endswith("}"), 20)
+    check(json.loads(saved(".json"))["trace_sha256"] == hash, "the saved summary is of another print")
+    browser.wait("saved machine file", lambda: saved(".toml") == value_of(browser, "#text"), 20)
+
+
+def check_every_control(browser):
+    """Nothing complains when every control is used in haste. Then a printer can be switched on, and the page prints."""
+    used = 0
+    for tab, least in (("print", 40), ("machine", 40), ("terminal", 25)):
+        browser.find(f"#tab-{tab}").click()
+        used += use_all(browser, f"#{tab}", least)
+    browser.find("#power").click()
+    browser.wait("printer", lambda: text(browser, "#state") == "ready" and "start" in text(browser, "#log"))
+    browser.find("#tab-print").click()
+    Select(browser.find("#example")).select_by_value("tiny.gcode")
+    browser.find("#start").click()
+    check(printed(browser) == "printed", f"after all controls were used: {text(browser, '#failure')}")
+    browser.check_quiet()
+    return used
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+def check_served(browser):
+    """From a static server as from the file: the page asks for nothing but its own files, and all of them are there."""
+    folder = pathlib.Path(os.environ["PAGE"]).parent
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        own = f"http://127.0.0.1:{server.server_port}/"
+        browser.driver.get(own)
+        browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
+        Select(browser.find("#example")).select_by_value("tiny.gcode")
+        browser.find("#start").click()
+        check(printed(browser) == "printed", f"from a server: {text(browser, '#failure')}")
+        browser.check_quiet(own)
+        server.shutdown()
+
+
+def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
@@ -200,7 +301,10 @@ def run(_corehbot, _folder):
             browser.wait("report", lambda: browser.run(TALL) > 0)
             check(browser.run(TALL) < size[1], f"the picture of the report is {browser.run(TALL)} px high")
             browser.check_quiet()
-    return f"loaded in {seconds:.2f} s; prints, is cancelled, prints again, explains keys, answers M-codes"
+        check_saved(browser, folder)
+        check_served(browser)
+        used = check_every_control(browser)
+    return f"loaded in {seconds:.2f} s; {used} controls were used; prints, is cancelled, prints again, explains keys, answers M-codes"
 
 
 main(run)
