@@ -24,6 +24,7 @@ async function takeFile(file) {
   if (!file) return;
   if (/\.toml$/i.test(file.name)) return openMachine(file);
   take(file.name, new Uint8Array(await file.arrayBuffer()));
+  show($('tab-print'));
 }
 
 $('file').onchange = event => takeFile(event.target.files[0]);
@@ -226,6 +227,7 @@ async function start() {
 function fail(words) {
   $('failure').textContent = words;
   $('failure').hidden = false;
+  $('failure').scrollIntoView({ block: 'nearest' });
 }
 
 function done({ summary, words, report, seconds }) {
@@ -238,9 +240,10 @@ function done({ summary, words, report, seconds }) {
   $('badge').className = `badge ${figures.ok ? 'good' : 'bad'}`;
   $('sha256').textContent = figures.trace_sha256;
   $('words').textContent = words;
-  if (figures.failure) fail(figures.failure);
   $('report').srcdoc = new TextDecoder().decode(report);
   for (const id of ['result', 'report']) $(id).hidden = false;
+  if (figures.failure) fail(figures.failure);
+  $(figures.failure ? 'failure' : 'result').scrollIntoView({ block: 'start' });
 }
 
 // The report is as high as its content, so that there is one scroll bar.

@@ -21,6 +21,11 @@ from trial import main
 # So long that nobody waits for its end: a circle is printed again and again.
 ENDLESS = "const lines = ['G28', 'G1 F3000']; for (let i = 0; i < 40000; i++) lines.push(`G1 X${100 + i % 7} Y${100 + i % 5}`); take('endless.gcode', lines.join('\\n'));"
 
+# A file that is dropped, as a file manager does it.
+DROP = """const data = new DataTransfer();
+    data.items.add(new File(['G28\\nG1 X10 F6000\\n'], arguments[0]));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
+
 # How high the picture in the report is.
 TALL = "return document.querySelector('#report').contentDocument?.querySelector('.stage')?.clientHeight ?? 0"
 
@@ -52,6 +57,8 @@ def check_print(browser):
     Select(browser.find("#example")).select_by_value("circle.gcode")
     browser.find("#start").click()
     check(printed(browser) == "printed", f"the circle: {text(browser, '#failure')}")
+    top = browser.run("return document.querySelector('#result').getBoundingClientRect().top / innerHeight")
+    check(0 <= top < 0.9, f"the result begins at {top:.2f} of the window")
     first = text(browser, "#sha256")
     check(len(first) == 64, f"its SHA-256 is {first}")
     browser.wait("report", lambda: browser.run("return document.querySelector('#report').contentDocument?.querySelector('canvas') != null"))
@@ -65,6 +72,18 @@ def check_print(browser):
     Select(browser.find("#example")).select_by_value("circle.gcode")
     browser.find("#start").click()
     check(printed(browser) == "printed" and text(browser, "#sha256") == first, "the second print is another one")
+
+
+def check_drop(browser):
+    """A file that is dropped on any tab is shown where it is used."""
+    for name, tab in (("dropped.gcode", "print"), ("dropped.toml", "machine"), ("again.gcode", "print")):
+        browser.find("#tab-terminal").click()
+        browser.run(DROP, name)
+        browser.wait(f"place of {name}", lambda: browser.find(f"#{tab}").is_displayed(), 20)
+    check(text(browser, "#file-name") == "again.gcode", f"the file is {text(browser, '#file-name')}")
+    Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
+    browser.find("#start").click()
+    check(printed(browser) == "printed", f"the dropped file: {text(browser, '#failure')}")
 
 
 def check_accident(browser):
@@ -287,7 +306,7 @@ def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_print, check_accident, check_parts, check_editor, check_terminal):
+        for part in (check_tabs, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal):
             part(browser)
             browser.check_quiet()
         for size, is_dark in ((PHONE, False), (DESK, True)):
