@@ -19,7 +19,8 @@ const PICTURES: [(&str, &str, &str); 2] = [
         const list = document.querySelector('label select');
         list.value = 'speed';
         list.onchange();
-        document.querySelector('[aria-label=Marks] label:last-child input').click();",
+        const marks = [...document.querySelectorAll('[aria-label=Marks] label')];
+        marks.find(label => label.textContent.trim().startsWith('seams')).querySelector('input').click();",
     ),
 ];
 
