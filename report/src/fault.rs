@@ -3,12 +3,27 @@
 use corehbot_sim::host::Remark;
 use serde::Serialize;
 
-/// The document about faults, and its part about numbered ones.
-const PAGE: &str = "docs/reference/errors.md";
-const NUMBERED: &str = "docs/reference/errors.md#faults";
+/// The parts of [`DOCUMENT`] about numbered faults, and about all others.
+const NUMBERED: Part = Part { page: "docs/reference/errors.md#faults", heading: "## Faults\n" };
+const OTHERS: Part = Part { page: "docs/reference/errors.md#jobs-that-end", heading: "## Jobs that end\n" };
 
 /// That document: it knows the cause of each numbered fault, which the firmware does not say.
 const DOCUMENT: &str = include_str!("../../docs/reference/errors.md");
+
+/// A part of the document: its address, and its first line.
+struct Part {
+    page: &'static str,
+    heading: &'static str,
+}
+
+impl Part {
+    /// Its text, from the heading up to the next one of its rank.
+    fn text(&self) -> &'static str {
+        let rest = DOCUMENT.find(self.heading).and_then(|at| DOCUMENT.get(at..)).unwrap_or_default();
+        let end = rest.find("\n## ").map_or(rest.len(), |at| at + 1);
+        rest.get(..end).unwrap_or_default()
+    }
+}
 
 /// What the firmware says around a fault (`Replies::killed_by`, `killed_after`).
 const WRAPPING: [&str; 2] = ["Error:", "Printer halted. kill() called! ("];
@@ -43,7 +58,7 @@ impl Fault {
     pub fn new(remark: &Remark, time_s: f64, motion_s: f64) -> Self {
         let (code, text, cure) = parts(&remark.reply);
         Self {
-            page: if code.is_some() { NUMBERED } else { PAGE },
+            page: part(code).page,
             cause: code.and_then(cause),
             code: code.map(str::to_owned),
             text: text.to_owned(),
@@ -54,6 +69,17 @@ impl Fault {
             command: remark.command.clone(),
         }
     }
+
+    /// The part of the document at [`Self::page`], in Markdown.
+    #[must_use]
+    pub fn text_of_page(&self) -> &'static str {
+        part(self.code.as_deref()).text()
+    }
+}
+
+/// The part about faults with a number, or about those without.
+const fn part(code: Option<&str>) -> Part {
+    if code.is_some() { NUMBERED } else { OTHERS }
 }
 
 /// The cause of a fault: the third column of its row, without addresses of links.
@@ -113,6 +139,19 @@ mod tests {
         assert_eq!(cause("E02").as_deref(), Some("the wire of a sensor is shorted"));
         assert_eq!(cause("E18").as_deref(), Some("a bug; the values are calls"));
         assert_eq!(cause("E99"), None);
+    }
+
+    #[test]
+    fn the_page_about_a_fault_is_all_of_its_part() {
+        let numbered = NUMBERED.text();
+        for cause in Cause::all() {
+            assert_eq!(numbered.matches(&format!("\n| E{:02} |", cause as u8)).count(), 1);
+        }
+        for (part, end) in [(NUMBERED, "\n## Jobs that end\n"), (OTHERS, "\n## At the start\n")] {
+            let (before, after) = DOCUMENT.split_once(part.text()).unwrap();
+            assert!(before.ends_with('\n') && format!("\n{after}").starts_with(end), "{}", part.page);
+            assert_eq!(part.text().matches("\n## ").count(), 0);
+        }
     }
 
     #[test]

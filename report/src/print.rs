@@ -118,6 +118,8 @@ struct Data<'a> {
     by_limit: Vec<LimitSum>,
     /// Why the print failed, if it did.
     fault: Option<&'a Fault>,
+    /// The part of the documents about that, in Markdown.
+    fault_page: Option<&'static str>,
     time: TimeData,
     filament: Filament,
     machine: MachineData,
@@ -272,6 +274,7 @@ impl Page<'_> {
             after_layers: OutsideSum::new(&moves.outside[1]),
             by_limit: by_limit(&moves.by_limit),
             fault: summary.fault.as_ref(),
+            fault_page: summary.fault.as_ref().map(Fault::text_of_page),
             time: TimeData {
                 total: summary.print_time_s,
                 motion: summary.motion_time_s,

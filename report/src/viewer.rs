@@ -7,7 +7,7 @@
 //!
 //! | call | job |
 //! |---|---|
-//! | `openRecord(root, data, streams, { docs })` | shows a record in an element, in place of what was there |
+//! | `openRecord(root, data, streams)` | shows a record in an element, in place of what was there |
 //! | `openPreview(root, data, blobs)` | shows a first picture of a large record there, before the rest is read |
 //! | `streamsOfPage()`, `streamOfPage(name)` | the streams that are in the page's own scripts |
 //! | `recordOfText(text)` | data and streams in the text of a report |
@@ -19,7 +19,7 @@ pub(crate) const TEMPLATE: &str = include_str!("viewer/page.html");
 const UPLOT: &str = include_str!("viewer/uplot/uPlot.iife.min.js");
 
 /// The files of the script; each uses only names of those before it, or inside of functions.
-const PARTS: [&str; 24] = [
+const PARTS: [&str; 25] = [
     include_str!("viewer/words.js"),
     include_str!("viewer/colours.js"),
     include_str!("viewer/pieces.js"),
@@ -40,6 +40,7 @@ const PARTS: [&str; 24] = [
     include_str!("viewer/charts.js"),
     include_str!("viewer/motion.js"),
     include_str!("viewer/heat.js"),
+    include_str!("viewer/document.js"),
     include_str!("viewer/facts.js"),
     include_str!("viewer/mesh.js"),
     include_str!("viewer/compare.js"),

@@ -21,10 +21,20 @@ function faultCard(record, player) {
   }
   if (fault?.cause) row("Cause", fault.cause);
   if (fault?.cure) row("What to do", fault.cure);
-  if (fault?.page) row("More", make("code", { textContent: fault.page }));
   const some = S.violations.slice(0, 5);
   if (some.length) row("Violations", remarkList(some), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));
-  return alertCard(title, lines);
+  const alert = alertCard(title, lines);
+  if (fault && data.fault_page) alert.append(aboutFault(fault, data.fault_page));
+  return alert;
+}
+
+/** The part of the documents about a fault, which a click opens at its row. */
+function aboutFault(fault, text) {
+  const [page] = fault.page.split("#");
+  const isOwn = ([first]) => first === fault.code || !fault.code && first.startsWith("`") && fault.text.includes(first.slice(1, -1));
+  const about = make("details", {}, make("summary", {}, "More: ", make("code", { textContent: fault.page })), documentPart(text, page, isOwn));
+  about.ontoggle = () => { if (about.open) about.querySelector(".taken")?.scrollIntoView({ block: "nearest" }); };
+  return about;
 }
 
 function tiles(record) {
