@@ -12,6 +12,14 @@ from trial import ROOT, main, print_report
 
 FILE = "examples/first-print.gcode"
 
+HEAT = ROOT / "xtask/clients"
+
+# The number of pixels in `data` that have the colour of what went wrong.
+RED = """const [r, g, b] = document.querySelector('.fault h2').computedStyleMap().get('color').toString().match(/\\d+/g).map(Number);
+    let red = 0;
+    for (let i = 0; i < data.length; i += 4) red += Math.hypot(data[i] - r, data[i + 1] - g, data[i + 2] - b) < 24 && data[i + 3] > 200;
+    return red;"""
+
 # What is shown; the page keeps its parts where a trial finds them.
 STATE = """const { player, stage } = document.querySelector('.viewer').corehbotView;
     return { done: player.done, low: player.low, high: player.high, layers: player.layers, moves: player.moves.n,
@@ -32,19 +40,31 @@ PIXELS = """const { stage } = document.querySelector('.viewer').corehbotView, gl
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     return pixels.reduce((sum, value, i) => (sum * 31 + value + i) % 1000003, 0);"""
 
+# How fast real time is played, after two pauses within one frame.
+PLAYED = """const done = arguments[0], { player } = document.querySelector('.viewer').corehbotView, { speed } = player;
+    player.setMove(100); player.speed = 1;
+    for (let i = 0; i < 5; i++) player.play();
+    const begin = performance.now(), from = player.now;
+    setTimeout(() => {
+        const times = (player.now - from) / (performance.now() - begin) * 1000;
+        player.stop(); player.speed = speed; done(times);
+    }, 1000);"""
+
 # Whether all is drawn, exactly.
 WHOLE = """const view = document.querySelector('.viewer')?.corehbotView;
     return view && !view.stage.dirty && !view.stage.lines.queue.length && view.stage.drawn === view.player.done;"""
 
 
 def run(corehbot, folder):
-    report = print_report(corehbot, ROOT / FILE, folder)
+    report = print_report(corehbot, ROOT / FILE, folder).rename(folder / "first.html")
     with Chromium() as browser:
         seconds = browser.open(report)
         whole(browser)
         desk(browser, report)
         frames = browser.frames_per_second()
         told_marks(browser, corehbot, folder)
+        other_file(browser, report)
+        fault(browser, corehbot, folder)
         browser.resize(PHONE, True)
         browser.open(report)
         whole(browser)
@@ -96,6 +116,48 @@ def told_marks(browser, corehbot, folder):
     browser.check_quiet()
 
 
+def other_file(browser, report):
+    """A report of another file is compared, with a warning that says where the files differ first."""
+    browser.find("input[type=file]").send_keys(str(report))
+    told = lambda: browser.find("section[aria-label^=Compare]").text
+    browser.wait("comparison", lambda: "Both take the same time" in told() or "The second run takes" in told())
+    first = min(TOLD) + 2
+    expected = ("told.gcode", "first-print.gcode", f"They differ from line {first} on")
+    check(all(word in told() for word in expected), f"no warning of another file: {told()[:400]}")
+    browser.check_quiet()
+
+
+def fault(browser, corehbot, folder):
+    """The card of a fault opens the part of the documents about it; its place is marked in the path and in the charts."""
+    options = ("--settings", HEAT / "heat.toml", "--break", "open:hotend@60s")
+    browser.open(print_report(corehbot, HEAT / "heat.gcode", folder, *options, ends_well=False))
+    whole(browser)
+    document = (ROOT / "docs/reference/errors.md").read_text()
+    row = re.search(r"^\| E01 \| .* \|$", document, re.MULTILINE)[0]
+    check("E01" in browser.find(".fault h2").text, browser.find(".fault").text)
+    check(not browser.find(".document").is_displayed(), "the document is open before it is asked for")
+    browser.find(".fault summary").send_keys(Keys.ENTER)
+    cells = [cell.text for cell in browser.find_all(".document .taken td")]
+    check(cells == row.replace("`", "").strip("| ").split(" | "), f"the row of the document is {row}, not {cells}")
+    section = document.split("\n## Faults\n")[1].split("\n## ")[0]
+    rows = browser.find_all(".document tbody tr")
+    check(len(rows) == section.count("\n| E"), f"{len(rows)} rows of {section.count('| E')}")
+    check("llvm-addr2line" in browser.find(".document").text, "the rest of the part is not there")
+
+    # The cross at the place of the fault, and the line in a chart of each clock.
+    cross = """const { stage, record } = document.querySelector('.viewer').corehbotView, { moves, marks: [mark] } = record;
+        const i = moves.indexAt(mark.time_s), [x, y] = stage.camera.toScreen(moves.place(i, moves.share(i, mark.time_s)));
+        const { data } = stage.over.getContext('2d').getImageData(x - 12, y - 12, 24, 24);"""
+    check(browser.run(cross + RED) > 20, "no cross in the picture")
+    for name in ("Motion", "Heat"):
+        place = f"section[aria-label={name}] .chart"
+        browser.run("document.querySelector(arguments[0]).scrollIntoView()", place)
+        chart = """const canvas = document.querySelector(arguments[0] + ' canvas'); if (!canvas) return 0;
+            const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);"""
+        browser.wait(f"a red line in the chart of {name}", lambda: browser.run(chart + RED, place) > 60, 20)
+    browser.check_quiet()
+
+
 def whole(browser):
     browser.wait("whole picture", lambda: browser.run(WHOLE))
 
@@ -131,6 +193,21 @@ def desk(browser, report):
     row.click()
     chosen = state(browser)
     check(chosen["line"] == line and chosen["done"] < begin["moves"], f"line {line} chose {chosen}")
+    check(row.get_attribute("data-line") == str(line), "the row that was clicked is no longer the row of its line")
+    ActionChains(browser.driver).send_keys(Keys.ARROW_DOWN).perform()
+    check(state(browser)["line"] == line + 1, "the text has lost the keyboard's focus to a click")
+
+    # After a move that one is the last, not the one that begins then: a click on a move chooses its line.
+    others = browser.run(
+        """const { player } = document.querySelector('.viewer').corehbotView, { moves, done, now } = player, others = [];
+        for (let i = 0; i < moves.n; i++) {
+            Object.assign(player, { done: i + 1, now: moves.end(i) });
+            if (player.current !== i) others.push(i);
+        }
+        Object.assign(player, { done, now });
+        return others;"""
+    )
+    check(not others, f"{len(others)} moves are not the current ones at their end, such as {others[:5]}")
 
     # Every colour has a legend.
     for value in browser.run("return [...document.querySelector('label select').options].map(option => option.value)"):
@@ -193,6 +270,8 @@ def desk(browser, report):
     browser.wait("motion", lambda: browser.run(STATE)["playing"])
     stage.send_keys(" ")
     check(not state(browser)["playing"], "play does not pause")
+    speed = browser.driver.execute_async_script(PLAYED)
+    check(speed < 1.5, f"paused and played again at once, real time is {speed:.2f} times as fast")
 
     # The same report once more: nothing differs.
     browser.find("input[type=file]").send_keys(str(report))

@@ -30,6 +30,29 @@ function layersOfBoth(a, b) {
   return rows;
 }
 
+/** The first line in which two texts of whole lines differ, from 1; 0 if none does. */
+async function firstOtherLine(...texts) {
+  const parts = texts.map(blobs => inOrder(blobs)), rest = ["", ""], decoder = new TextDecoder();
+  for (let line = 1; ;) {
+    for (const k of [0, 1]) if (rest[k] === "") { const { value, done } = await parts[k].next(); rest[k] = done ? null : decoder.decode(value); }
+    const [a, b] = rest;
+    if (a === null || b === null) return a === b ? 0 : line;
+    const n = Math.min(a.length, b.length), isSame = a.slice(0, n) === b.slice(0, n);
+    for (let i = 0; i < n && (isSame || a[i] === b[i]); i++) line += a[i] === "\n";
+    if (!isSame) return line;
+    for (const k of [0, 1]) rest[k] = rest[k].slice(n);
+    await breathe();
+  }
+}
+/** What is said if two records are not of one file, whatever its name is; null if they are, as far as is known. */
+async function otherFile(first, second) {
+  const name = ({ data }) => data.summary.file.split("/").pop(), lines = ({ data }) => (data.gcode_chunks ?? []).reduce((sum, [, n]) => sum + n, 0);
+  const isKnown = first.gcode.length > 0 && second.gcode.length > 0, from = isKnown ? await firstOtherLine(first.gcode, second.gcode) : 0;
+  if (isKnown ? !from : name(first) === name(second)) return null;
+  const of = one => name(one) + (isKnown ? ` (${count(lines(one))} lines)` : "");
+  return `Two files: this report shows ${of(first)}, the second one ${of(second)}.` + (from ? ` They differ from line ${count(from)} on.` : "") + " So a difference may come from the files.";
+}
+
 function compareCard(record, stage, player) {
   const result = make("div", { className: "panel flat" }), file = make("input", { type: "file", accept: ".html,.htm", ariaLabel: "Second report" });
   const status = make("output", { role: "status" });
@@ -42,11 +65,13 @@ function compareCard(record, stage, player) {
     if (!found) { status.textContent = name + " is no report of a print, or one of an older version"; return; }
     try {
       const second = await loadRecord(found.data, found.streams, share => { status.textContent = `reading ${name}: ${(100 * share).toFixed(0)} %`; });
+      second.gcode = found.streams.gcode;
+      const warning = await otherFile(record, second);
       status.textContent = "";
-      show(second, name);
+      show(second, name, warning);
     } catch (error) { status.textContent = `${name} cannot be read: ${error.message}`; }
   }
-  function show(second, name) {
+  function show(second, name, warning) {
     if (stage.second) stage.lines.remove(stage.second.body);
     stage.second = { record: second, body: stage.lines.add(second.moves, OKABE_ITO.vermilion) };
     stage.redraw();
@@ -71,6 +96,7 @@ function compareCard(record, stage, player) {
     end.onclick = () => { stage.lines.remove(stage.second.body); stage.second = null; stage.sides = "both"; result.replaceChildren(); stage.redraw(); };
     const keys = otherKeys(A.machine ?? {}, B.machine ?? {});
     result.replaceChildren(
+      ...(warning ? [make("p", { className: "warning", role: "alert", textContent: warning })] : []),
       make("div", { className: "bar" }, make("span", { className: "legend" }, dot(OKABE_ITO.vermilion), name), sides, end),
       make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${Math.abs(saved) < 60 ? clock(Math.abs(saved)) : Math.abs(saved).toFixed(1) + " s"} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
       table(["", "this report", "second report"], rows, "figures"),

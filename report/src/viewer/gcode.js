@@ -4,7 +4,7 @@ const ROW = 19, TALLEST = 6e6;
 class Text {
   constructor(record, player, blobs) {
     const chunks = record.data.gcode_chunks ?? [];
-    Object.assign(this, { record, player, blobs, chunks, open: new Map(), top: 0, chosen: 0 });
+    Object.assign(this, { record, player, blobs, chunks, open: new Map(), top: 0, chosen: 0, name: "corehbot-line-" });
     const last = chunks[chunks.length - 1];
     this.lines = last ? last[0] + last[1] - 1 : 0;
     this.sheet = make("div", { className: "sheet" });
@@ -60,17 +60,25 @@ class Text {
     }));
     return null;
   }
+  /** Rows stay the elements that they are, so that a press and its release, or a reader's cursor, find the same one. */
   draw() {
-    const first = Math.floor(this.top), n = Math.min(this.fits() + 2, this.lines - first), rows = [];
+    const first = Math.floor(this.top), n = Math.max(0, Math.min(this.fits() + 2, this.lines - first)), { rows } = this;
     const digits = String(this.lines).length;
-    for (let line = first + 1; line <= first + n; line++) {
-      const c = after(this.chunks.length, k => this.chunks[k][0], line) - 1, text = c >= 0 ? this.linesOf(c)?.[line - this.chunks[c][0]] : "";
-      const row = make("div", { role: "option", className: line === this.chosen ? "chosen" : line === this.record.fault?.line ? "failed" : "" }, make("i", { textContent: String(line).padStart(digits) }), make("span", { textContent: text ?? "\u2026" }));
+    while (rows.children.length > n) rows.lastChild.remove();
+    while (rows.children.length < n) rows.append(make("div", { role: "option" }, make("i"), make("span")));
+    let active = "";
+    for (let k = 0; k < n; k++) {
+      const line = first + 1 + k, row = rows.children[k], isChosen = line === this.chosen;
+      const c = after(this.chunks.length, j => this.chunks[j][0], line) - 1, text = c >= 0 ? this.linesOf(c)?.[line - this.chunks[c][0]] : "";
+      row.className = isChosen ? "chosen" : line === this.record.fault?.line ? "failed" : "";
+      row.id = this.name + line;
       row.dataset.line = line;
-      row.ariaSelected = String(line === this.chosen);
-      rows.push(row);
+      row.ariaSelected = String(isChosen);
+      row.firstChild.textContent = String(line).padStart(digits);
+      row.lastChild.textContent = text ?? "\u2026";
+      if (isChosen) active = row.id;
     }
-    this.rows.style.transform = `translateY(${this.element.scrollTop - (this.top - first) * ROW}px)`;
-    this.rows.replaceChildren(...rows);
+    if (active) this.element.setAttribute("aria-activedescendant", active); else this.element.removeAttribute("aria-activedescendant");
+    rows.style.transform = `translateY(${this.element.scrollTop - (this.top - first) * ROW}px)`;
   }
 }

@@ -130,7 +130,8 @@ async function readMoves(data, blobs, each) {
       v0 += signed(); v1 += signed(); v2 += signed(); f += signed();
       entry[i] = v0 / 100; top[i] = v1 / 100; exit[i] = v2 / 100; feed[i] = f / 100;
       const dx = signed(), dy = signed(), dz = signed(), de = signed(), kind = unsigned();
-      e[i] = de / 1000; type[i] = kind >> 4; limit[i] = kind & 15; layer[i] = own;
+      // More types than the shader has bits for count as one.
+      e[i] = de / 1000; type[i] = Math.min(kind >> 4, WAY - 1); limit[i] = kind & 15; layer[i] = own;
       const q = 4 * i, way = Math.sqrt(dx * dx + dy * dy + dz * dz);
       p[q] = x / 1000; p[q + 1] = y / 1000; p[q + 2] = z / 1000;
       // A line of height h and round sides.

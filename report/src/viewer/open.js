@@ -42,11 +42,8 @@ function openPreview(root, data, blobs) {
   return stage;
 }
 
-/**
- * Shows a record in `root`, in place of what was there. Streams are lists of Uint8Array, or of functions that make them.
- * `docs` is the address that paths of the documents begin with, if there is one.
- */
-async function openRecord(root, data, streams, { docs = null } = {}) {
+/** Shows a record in `root`, in place of what was there. Streams are lists of Uint8Array, or of functions that make them. */
+async function openRecord(root, data, streams) {
   const round = root.corehbotRound = (root.corehbotRound ?? 0) + 1;
   // Graphics memory of a record that was here before.
   root.corehbotView?.player.stop();
@@ -60,17 +57,17 @@ async function openRecord(root, data, streams, { docs = null } = {}) {
   const wait = root.querySelector("[role=status]") ?? waitIn(root);
   const record = await loadRecord(data, streams, share => { wait.textContent = reading(share); });
   if (root.corehbotRound !== round) return;
-  record.docs = docs;
+  record.gcode = streams.gcode ?? [];
   const { heights } = layersOf(data), player = new Player(record.moves, heights.length);
   const parts = [header(record), faultCard(record, player)];
   let stage = null;
   try { stage = new Stage(record, player); } catch (error) { parts.push(card("Tool path", make("p", { textContent: `The path cannot be drawn: ${error.message}.` }))); }
   if (stage) {
-    const colours = colourBar(record, stage, player), layers = layerSlider(player, heights), text = new Text(record, player, streams.gcode ?? []);
+    const colours = colourBar(record, stage, player), layers = layerSlider(player, heights), text = new Text(record, player, record.gcode);
     const hasText = text.lines > 0;
     const view = make("section", { className: "card panel view", ariaLabel: "Tool path" },
       make("div", { className: "bar" }, make("h2", { textContent: "Tool path" }), ...viewButtons(stage, player, record, streams.path), make("span", { className: "grow" }), colours.travel, colours.choice),
-      colours.legend, markBoxes(stage, record, streams.gcode ?? []),
+      colours.legend, markBoxes(stage, record, record.gcode),
       make("div", { className: "beside" }, stage.element, layers.slider, ...(hasText ? [text.element] : [])),
       moveSlider(player, record), layers.line, help());
     parts.push(view);

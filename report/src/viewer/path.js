@@ -1,6 +1,6 @@
 // Path: the real way of the tool, exact to a step, as lines between two times.
 
-/** The type of its printed lines, which no record has: 15 is the last that a record can name. */
+/** The type of its printed lines, which no move of a record has: the shader has a bit for each type up to 31. */
 const WAY = 30;
 
 /** Reads the stream of a record as moves that have places and times alone. */

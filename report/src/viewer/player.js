@@ -21,8 +21,11 @@ class Player {
     const own = this.moves.runs.filter(run => run.layer >= this.low && run.layer <= this.high);
     return own.length ? [own[0].first, own[own.length - 1].end] : [0, this.moves.n];
   }
-  /** The move that is under way, or was the last. */
-  get current() { return clamp(this.now < this.moves.whole && this.done < this.moves.n && this.now > this.moves.begin[this.done] ? this.done : this.done - 1, 0, Math.max(this.moves.n - 1, 0)); }
+  /** The move that is under way, or was the last. Times are whole 10 us, and the end of a move is a sum of rounded ones. */
+  get current() {
+    const { moves, done, now } = this, isUnderWay = now < moves.whole && done < moves.n && now > moves.begin[done] + TEN_US / 2;
+    return clamp(isUnderWay ? done : done - 1, 0, Math.max(moves.n - 1, 0));
+  }
   setMove(done) {
     this.done = clamp(done, 0, this.moves.n);
     this.now = this.done ? this.moves.end(this.done - 1) : 0;
@@ -78,8 +81,10 @@ class Player {
     let [first, end] = this.span();
     if (this.done >= end) this.setMove(first);
     let last = performance.now();
+    // A pause and another begin may come within one frame.
+    const round = this.round = (this.round ?? 0) + 1;
     const step = time => {
-      if (!this.playing) return;
+      if (!this.playing || this.round !== round) return;
       [first, end] = this.span();
       // At speed 0 the shown layers take 20 s.
       const from = moves.begin[first] ?? 0, to = end ? moves.end(end - 1) : 0;
