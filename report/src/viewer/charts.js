@@ -3,6 +3,9 @@
 /** Steps of a time axis in s. */
 const TIMES = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1800, 3600, 7200, 21600];
 
+/** The shortest window. */
+const SHORTEST_S = 0.01;
+
 /** A chart: its curves and values at the cursor above it. `data(from, to, n)` gives time and for each curve [low, high]. */
 class Chart {
   constructor(group, { title, unit, names, colours, dashes = [], data, low, height = 170, isTall, longest = Infinity }) {
@@ -106,7 +109,7 @@ class Charts {
   constructor(title, whole, { toTime, fromTime, marks, waits, player, note }) {
     Object.assign(this, { charts: [], key: "corehbot-" + (Charts.keys = (Charts.keys ?? 0) + 1), whole, window: [...whole], marks, waits, toTime, fromTime, player, round: 0 });
     this.out = make("output");
-    const zoom = times => { const [a, b] = this.window, half = Math.max((b - a) * times, 0.02) / 2, middle = this.now >= a && this.now <= b ? this.now : (a + b) / 2; this.show(middle - half, middle + half); };
+    const zoom = times => { const [a, b] = this.window, half = Math.max((b - a) * times, SHORTEST_S) / 2, middle = this.now >= a && this.now <= b ? this.now : (a + b) / 2; this.show(middle - half, middle + half); };
     const move = share => { const [a, b] = this.window; this.show(a + (b - a) * share, b + (b - a) * share); };
     this.grid = make("div", { className: "charts" });
     this.element = make("section", { className: "card panel", ariaLabel: title }, make("div", { className: "bar" }, make("h2", { textContent: title }), make("span", { className: "sub", textContent: note }), make("span", { className: "grow" }), this.out,
@@ -127,7 +130,7 @@ class Charts {
     this.say(t);
   }
   show(a, b) {
-    const [least, most] = this.whole, span = Math.min(Math.max(b - a, 0.02), most - least);
+    const [least, most] = this.whole, span = Math.min(Math.max(b - a, SHORTEST_S), most - least);
     const from = clamp(a, least, Math.max(most - span, least));
     this.window = [from, from + span];
     this.ask();

@@ -23,24 +23,30 @@ const mixed = (c, other, share) => c.map((v, i) => Math.round(v + (other[i] - v)
 const WHITE = [255, 255, 255], BLACK = [0, 0, 0];
 const ROLES = {
   "outer wall": OKABE_ITO.orange, "inner wall": OKABE_ITO.yellow, infill: OKABE_ITO.vermilion, skin: OKABE_ITO.purple,
-  support: OKABE_ITO.green, skirt: mixed(OKABE_ITO.green, WHITE, 0.5), purge: mixed(OKABE_ITO.blue, WHITE, 0.35), bridge: OKABE_ITO.sky,
-  other: OKABE_ITO.blue, travel: OKABE_ITO.grey,
+  support: OKABE_ITO.green, skirt: [110, 225, 180], purge: [80, 60, 250], bridge: OKABE_ITO.sky, other: OKABE_ITO.blue,
+};
+/** How much of black the second one of a role has, and of white the third one. Searched, with the colours above and below, for
+ * the greatest least difference of PrusaSlicer's types to people with each kind of colour vision: xtask/browser/colours.py. */
+const DARKER = 0.45, LIGHTER = 0.65;
+/** What lays nothing: greys, as lines above have colours; a prime stands, so its colour is never that of a line. */
+const travelColour = () => darkScheme.matches ? [121, 127, 139] : [120, 126, 138];
+const EMPTY = {
+  Wipe: () => darkScheme.matches ? [178, 184, 196] : [46, 52, 64], Retract: () => darkScheme.matches ? [245, 251, 255] : [20, 26, 38], Prime: () => [130, 190, 100],
 };
 /** A colour for each type of line: the second one of a role is darker and the third one lighter, as solid and top solid infill. */
 function typeColours(types) {
   const before = {};
-  return types.map(({ role }) => {
+  return types.map(({ name, role }) => {
+    if (role === "travel") return (EMPTY[name] ?? travelColour)();
     const colour = ROLES[role] ?? ROLES.other, k = before[role] = (before[role] ?? -1) + 1;
-    return role === "travel" || !k ? colour : mixed(colour, k % 2 ? BLACK : WHITE, Math.min(0.35 * Math.ceil(k / 2), 0.7));
+    return k ? mixed(colour, k % 2 ? BLACK : WHITE, k % 2 ? Math.min(DARKER * (k + 1) / 2, 0.7) : Math.min(LIGHTER * k / 2, 0.8)) : colour;
   });
 }
 /** What limits a move, in the order of the record. */
 const LIMIT_COLOURS = {
   feed: OKABE_ITO.green, axis: OKABE_ITO.vermilion, motor: OKABE_ITO.purple, corner: OKABE_ITO.orange, "look-ahead": OKABE_ITO.yellow,
-  "cruise ratio": OKABE_ITO.sky, extruder: OKABE_ITO.blue, mesh: mixed(OKABE_ITO.purple, BLACK, 0.45), "slow host": mixed(OKABE_ITO.vermilion, BLACK, 0.5), firmware: mixed(OKABE_ITO.blue, WHITE, 0.5),
+  "cruise ratio": OKABE_ITO.sky, extruder: OKABE_ITO.blue, mesh: mixed(OKABE_ITO.purple, BLACK, 0.45), "slow host": mixed(OKABE_ITO.vermilion, BLACK, 0.5), firmware: [210, 210, 210],
 };
-/** What lays nothing, where colours say something of printed lines. */
-const travelColour = () => darkScheme.matches ? [96, 106, 122] : [150, 158, 172];
 /** Lines of a chart, by number. */
 const curveColour = i => {
   const set = darkScheme.matches ? ["sky", "orange", "green", "purple", "yellow", "vermilion", "blue", "grey"] : ["blue", "vermilion", "green", "purple", "orange", "sky", "grey", "yellow"];

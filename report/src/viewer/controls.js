@@ -106,7 +106,7 @@ function colourBar(record, stage, player) {
       const ends = v => make("span", { textContent: v });
       const travel = make("span", { hidden: isHidden(travels) }, dot(travelColour()), "travel");
       if (range.isConstant) { legend.replaceChildren(make("span", {}, dot(viridis(0)), short(back(range.least)) + " " + measure.unit + " everywhere"), travel); return; }
-      legend.replaceChildren(make("div", { className: "ramped" }, scale, make("div", {}, ...[0, 0.25, 0.5, 0.75, 1].map((share, k) => ends((k === 0 && range.least < range.low - 1e-9 ? "\u2264 " : k === 4 && range.most > range.high + 1e-9 ? "\u2265 " : "") + short(at(share)))))), ends(measure.unit), travel);
+      legend.replaceChildren(make("div", { className: "ramped" }, scale, make("div", {}, ...apart([0, 0.25, 0.5, 0.75, 1].map(at)).map((text, k) => ends((k === 0 && range.least < range.low - 1e-9 ? "\u2264 " : k === 4 && range.most > range.high + 1e-9 ? "\u2265 " : "") + text)))), ends(measure.unit), travel);
       return;
     }
     const seconds = new Map(data.by_type?.map(row => [row.type, row.seconds]) ?? []);
@@ -117,7 +117,7 @@ function colourBar(record, stage, player) {
     // Travel comes last.
     const isGrey = label => label.isTravel ? 1 : 0;
     legend.replaceChildren(...measure.kinds.map((kind, k) => {
-      const swatch = dot(measure.id === "type" && moves.isTravel[k] ? OKABE_ITO.grey : kind.colour);
+      const swatch = dot(kind.colour);
       if (measure.id !== "type") return shares[k] > 0 ? make("span", {}, swatch, kind.name + " " + (100 * shares[k] / whole).toFixed(shares[k] < 0.1 * whole ? 1 : 0) + " %") : "";
       if (!used.has(k)) return "";
       const label = check(kind.name + (seconds.has(k) ? ", " + clock(seconds.get(k)) : ""), !(player.hidden >>> k & 1), isOn => hide(1 << k, !isOn));

@@ -4,6 +4,8 @@
 const SCALE = 240, UNKNOWN = 254, TRAVEL = 255;
 /** A scale spans all but this share of the printed way at either end, so that one short move does not take it. */
 const OUTSIDE = 0.002;
+/** Values that differ by less than this share are one: times of moves are whole 10 us, so a speed is rounded by as much. */
+const SAME = 0.002;
 
 /** The greatest step rate of any motor in a move, steps/s, or with `isSpeed` the greatest speed of any, in mm/s of its axes. */
 function fastestMotor(moves, i, motors, isSpeed) {
@@ -18,7 +20,7 @@ function fastestMotor(moves, i, motors, isSpeed) {
 }
 
 function measuresOf(record) {
-  const { data, moves, heat } = record, colours = typeColours(data.types);
+  const { data, moves, heat } = record;
   const motors = record.motors;
   const hotend = data.heat?.heaters.find(heater => heater.name === "hotend") ?? data.heat?.heaters[0];
   const fan = data.heat?.fans.find(f => !/hotend|controller/.test(f.name));
@@ -27,7 +29,7 @@ function measuresOf(record) {
   const layerHeights = layers.map((layer, i) => Math.round(100 * (layer.height_mm - (i ? layers[i - 1].height_mm : 0))) / 100);
   const mean = i => { const s = moves.duration(i); return s > 0 ? moves.length(i) / s : 0; };
   const all = [
-    { id: "type", name: "Line type", kinds: data.types.map((type, i) => ({ name: type.name, colour: colours[i] })), of: i => moves.type[i] },
+    { id: "type", name: "Line type", get kinds() { const colours = typeColours(data.types); return data.types.map(({ name }, i) => ({ name, colour: colours[i] })); }, of: i => moves.type[i] },
     { id: "speed", name: "Speed, executed", unit: "mm/s", of: mean },
     { id: "feed", name: "Speed, commanded", unit: "mm/s", of: i => moves.feed[i] },
     { id: "acceleration", name: "Acceleration", unit: "mm/s\u00b2", of: i => moves.acceleration(i) },
@@ -59,13 +61,14 @@ function rangeOf(measure, moves, isShown) {
     least = Math.min(least, v); most = Math.max(most, v);
   }
   if (!values.length) return { low: 0, high: 1, least: 0, most: 1 };
+  if (most - least <= SAME * Math.max(Math.abs(least), Math.abs(most))) return { low: least, high: Infinity, least, most, isConstant: true };
   // Ways in bins of values: the scale begins and ends where enough of the way has been.
   const BINS = 2048, bins = new Float64Array(BINS), span = most - least || 1;
   let whole = 0;
   values.forEach((v, k) => { bins[Math.min(BINS - 1, Math.floor((v - least) / span * BINS))] += ways[k]; whole += ways[k]; });
   const edge = (from, step) => { let sum = 0, k = from; while (k >= 0 && k < BINS && (sum += bins[k]) <= OUTSIDE * whole) k += step; return k; };
   const low = least + edge(0, 1) / BINS * span, high = least + (edge(BINS - 1, -1) + 1) / BINS * span;
-  return whole > 0 && high > low ? { low, high, least, most } : { low: least, high: most > least ? most : least + 1, least, most, isConstant: !(most > least) };
+  return whole > 0 && high > low ? { low, high, least, most } : { low: least, high: most, least, most };
 }
 
 /** Codes of all moves, and the palette for them. */
@@ -85,8 +88,8 @@ function paint(measure, moves, range) {
   }
   put(UNKNOWN, OKABE_ITO.grey);
   put(TRAVEL, travelColour());
-  // Travel is grey, but where its own measure counts.
-  const isGrey = measure.id !== "limit";
+  // What lays nothing is grey, but where its own kind or limit counts.
+  const isGrey = !measure.kinds;
   if (isGrey) for (let i = 0; i < moves.n; i++) if (moves.isTravel[moves.type[i]]) codes[i] = TRAVEL;
   return { codes, palette };
 }

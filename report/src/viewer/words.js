@@ -19,6 +19,13 @@ const short = v => {
   if (size >= 10000) return (v / 1000).toFixed(size >= 100000 ? 0 : 1) + "k";
   return String(+v.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3));
 };
+/** Numbers in equal steps, with as many digits as it takes to tell them apart. */
+function apart(values) {
+  const texts = values.map(short);
+  if (new Set(texts).size === values.length) return texts;
+  const step = Math.abs(values[1] - values[0]), digits = clamp(Math.ceil(-Math.log10(step)), 0, 6);
+  return values.map(v => v.toFixed(digits));
+}
 /** The next of 1, 2, 5, 10, 20, 50 ... that is not below `span`. */
 const nice = span => {
   const power = 10 ** Math.floor(Math.log10(span));

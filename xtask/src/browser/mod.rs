@@ -23,7 +23,7 @@ const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.5
 const FOLDER: &str = "xtask/browser";
 
 /// The trials, in this order.
-const TRIALS: [&str; 5] = ["golden.py", "viewer.py", "twin_pages.py", "page_use.py", "page_hashes.py"];
+const TRIALS: [&str; 6] = ["golden.py", "colours.py", "viewer.py", "twin_pages.py", "page_use.py", "page_hashes.py"];
 
 /// Runs all trials.
 pub fn check() -> Result<Verdict> {
