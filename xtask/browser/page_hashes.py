@@ -43,12 +43,14 @@ def cases(folder):
     """A file, a machine file and a job's options."""
     belts = {"has_belt_plant": True}
     for file in sorted((ROOT / "examples").glob("*.gcode")):
-        yield file, None, {}
+        for options in ({}, belts):
+            yield file, None, options
+    yield ROOT / "examples/belt/skip-and-repair.gcode", None, belts
     for machine in sorted((ROOT / "examples/machines").glob("*.toml")):
         for options in ({}, belts):
             yield ROOT / ON_ALL_MACHINES, machine, options
-    yield ROOT / "xtask/clients/heat.gcode", ROOT / "xtask/clients/heat.toml", {}
-    yield ROOT / TIMED, None, belts
+    for options in ({}, belts):
+        yield ROOT / "xtask/clients/heat.gcode", ROOT / "xtask/clients/heat.toml", options
     yield ROOT / "examples/circle.gcode", None, TROUBLED
     file, machine = folder / "probing.gcode", folder / "probed.toml"
     file.write_text(PROBING)
