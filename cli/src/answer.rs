@@ -20,6 +20,19 @@ pub(crate) struct Json {
 }
 
 impl Json {
+    /// Whether the figures and other outputs can be written. A command that computes for long asks first.
+    ///
+    /// # Errors
+    /// One cannot be written, or is an input or another output.
+    pub(crate) fn check<'p>(
+        &'p self,
+        inputs: impl IntoIterator<Item = &'p Path>,
+        others: impl IntoIterator<Item = &'p PathBuf>,
+    ) -> Result<()> {
+        let paths = self.json.iter().chain(others);
+        Outputs::new(inputs, Stop::default()).check(paths.map(PathBuf::as_path))
+    }
+
     /// Gives the answer to a question about these files.
     ///
     /// # Errors

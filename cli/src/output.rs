@@ -149,6 +149,21 @@ impl Outputs {
         Ok(BufWriter::new(Stream::File(file)))
     }
 
+    /// Whether these outputs can be written; leaves nothing of them. A long computation asks before it begins.
+    ///
+    /// # Errors
+    /// One cannot be written, or is an input or another output.
+    pub fn check<'p>(mut self, paths: impl IntoIterator<Item = &'p Path>) -> Result<()> {
+        for path in paths {
+            // Opening a pipe waits for its reader, and closing it ends the reader.
+            let is_special = fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
+            if !is_special {
+                self.open(path)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Whether one of them goes to standard output, so that text for people must not.
     #[must_use]
     pub const fn is_standard_taken(&self) -> bool {

@@ -154,9 +154,10 @@ impl Prepared {
         if let Some(part) = &args.part {
             return part.run();
         }
+        let inputs = || args.files.iter().chain(&args.settings).map(PathBuf::as_path);
+        args.json.check(inputs(), &args.report)?;
         let answer = self.answer(&args.question())?;
-        let inputs = args.files.iter().chain(&args.settings).map(PathBuf::as_path);
-        args.json.give_with(&answer, inputs, |outputs| {
+        args.json.give_with(&answer, inputs(), |outputs| {
             let Some(path) = &args.report else { return Ok(()) };
             let belts = answer.belts.as_ref().map(|belts| (&belts.comparison, &belts.recordings));
             page::write(&mut outputs.open(path)?, &answer.axes, belts, answer.profile.as_ref())

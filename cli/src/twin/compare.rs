@@ -69,6 +69,8 @@ struct Answer {
 impl Compare {
     pub(super) fn answer(&self) -> Result<u8> {
         let params = self.params()?;
+        let files = || self.printer.files().chain(self.file.as_deref());
+        self.json.check(files(), &self.report)?;
         let stop = Stop::at_signals()?;
         let area = Area::new(&params, self.model.freedom(), None, self.grid, self.force)?;
         let runs = self.runs(&Progress::new(WEIGHTS), &stop);
@@ -76,9 +78,8 @@ impl Compare {
             eprintln!("corehbot: interrupted");
             return Ok(status);
         }
-        let files = self.printer.files().chain(self.file.as_deref());
         let answer = Answer { area, runs: runs? };
-        self.json.give_with(&answer, files, |outputs| {
+        self.json.give_with(&answer, files(), |outputs| {
             let Some(path) = &self.report else { return Ok(()) };
             let file = self.file.as_ref().map_or(String::new(), |file| file.display().to_string());
             let data = Data { file, names: COMPARED.map(Machine::name), answer: &answer };

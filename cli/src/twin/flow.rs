@@ -28,7 +28,7 @@ use corehbot_sim::world::{self, Sink};
 use corehbot_twin::math::{exp, square};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A print that is at hand everywhere.
 const EXAMPLE: &str = include_str!("../../../examples/first-print.gcode");
@@ -147,6 +147,8 @@ impl Display for Answer {
 
 impl Flow {
     pub(super) fn answer(&self) -> Result<u8> {
+        let files = || self.files.iter().map(PathBuf::as_path);
+        self.json.check(files(), [])?;
         let mut prints = vec![("straight lines".to_owned(), lines()), ("first-print".to_owned(), motion(EXAMPLE))];
         for file in &self.files {
             let text = std::fs::read_to_string(file).with_context(|| format!("cannot open {}", file.display()))?;
@@ -159,7 +161,7 @@ impl Flow {
         }
         let (nozzle_s, frequency_hz, acceleration_mm_s2) = (self.nozzle, self.frequency, self.acceleration);
         let answer = Answer { nozzle_s, frequency_hz, acceleration_mm_s2, figures };
-        self.json.give(&answer, self.files.iter().map(PathBuf::as_path).collect::<Vec<&Path>>())
+        self.json.give(&answer, files())
     }
 
     /// The machine without shaper and advance: the CoreH-bot, quick enough for the acceleration.

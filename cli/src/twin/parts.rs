@@ -49,6 +49,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     pub(super) fn answer(&self) -> Result<u8> {
+        self.json.check(self.file.files(), &self.svg)?;
         let stop = Stop::at_signals()?;
         let figures = self.figures(&stop);
         if let Some(status) = stop.status() {

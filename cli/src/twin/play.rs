@@ -6,7 +6,7 @@ use super::source::Source;
 use crate::printer::Printer;
 use crate::stop::Stop;
 use crate::watched::Progress;
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use corehbot_report::twin as page;
 use corehbot_twin::dynamics::plant::Detail;
@@ -84,13 +84,11 @@ pub(crate) struct Play {
 impl Play {
     pub(super) fn answer(&self) -> Result<u8> {
         let (machine, params) = self.machine.read(&self.printer.machine()?)?;
+        let files: Vec<&Path> =
+            self.printer.files().chain([self.file.as_path()]).chain(self.against.as_deref()).collect();
+        self.json.check(files.iter().copied(), &self.report)?;
         let stop = Stop::at_signals()?;
         let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
-            ensure!(
-                !source.steps.events.is_empty() || stop.is_set(),
-                "{}: no motor steps in it; expected G-code that moves, or a step trace (corehbot run --trace)",
-                self.file.display()
-            );
             let start = self.start(machine, &params, source.begin);
             let meant = |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, &self.printer, &stop)?.steps);
             let meant = self.against.as_ref().map(meant).transpose()?;
@@ -106,8 +104,6 @@ impl Play {
             }
             (played, None) => {
                 let (report, watch) = played?;
-                let files: Vec<&Path> =
-                    self.printer.files().chain([self.file.as_path()]).chain(self.against.as_deref()).collect();
                 self.json.give_with(&report, files, |outputs| {
                     let Some(path) = &self.report else { return Ok(()) };
                     let file = self.file.display().to_string();

@@ -44,6 +44,7 @@ pub(crate) struct Resonance {
 impl Resonance {
     pub(super) fn answer(&self) -> Result<u8> {
         let (machine, params) = self.machine.read(&self.file.read()?)?;
+        self.json.check(self.file.files(), &self.report)?;
         let tool = workspace(machine, &params).centre();
         let freedom = self.model.freedom();
         let [columns, rows] = self.grid;

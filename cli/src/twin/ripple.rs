@@ -46,6 +46,7 @@ pub(crate) struct Ripple {
 impl Ripple {
     pub(super) fn answer(&self) -> Result<u8> {
         let (machine, params, tool) = self.place.read(&self.file.read()?)?;
+        self.json.check(self.file.files(), &self.svg)?;
         let freedom = Freedom { yaw: self.yaw, ..Freedom::default() };
         let question = Question {
             speeds_mm_s: self.speeds,

@@ -29,13 +29,18 @@ impl Source {
     /// Reads a trace, or runs a G-code file.
     ///
     /// # Errors
-    /// The file is neither, or the print failed.
+    /// The file is neither, no motor steps in it, or the print failed.
     pub(super) fn read(file: &Path, printer: &Printer, stop: &Stop) -> Result<Self> {
         let begin = printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP);
         let steps = match Self::trace(file)? {
             Some(trace) => trace,
             None => print(file, printer, stop)?,
         };
+        ensure!(
+            !steps.events.is_empty(),
+            "{}: no motor steps in it; expected G-code that moves, or a step trace (corehbot run --trace)",
+            file.display()
+        );
         Ok(Self { steps, begin: begin.map(|mm| mm.to_num()) })
     }
 

@@ -103,6 +103,8 @@ impl Sweep {
         for value in values {
             varied(&setup.params, std::slice::from_ref(key), &[*value])?;
         }
+        let files = || self.printer.files().chain(file);
+        self.json.check(files(), self.study.page())?;
         let stop = Stop::at_signals()?;
         let begin = self.begin.map(|[x, y]| Place::flat(x, y));
         let played = |file: &Path| Played::new(file.to_owned(), self.printer.clone());
@@ -118,9 +120,7 @@ impl Sweep {
             samples.iter().zip(values).map(|(sample, value)| row(&study, *value, sample)).collect::<Result<_>>()?;
         let answer = Answer { key: key.clone(), rows };
         let name = file.map_or_else(|| key.clone(), |file| file.display().to_string());
-        self.json.give_with(&answer, self.printer.files().chain(file), |outputs| {
-            self.study.report(outputs, &name, &study, &samples)
-        })
+        self.json.give_with(&answer, files(), |outputs| self.study.report(outputs, &name, &study, &samples))
     }
 }
 

@@ -111,6 +111,7 @@ impl Yin {
     pub(super) fn answer(&self) -> Result<u8> {
         let is_dc = matches!(self.drive, Motors::Dc);
         ensure!(is_dc || self.gain.is_none(), "--gain is of DC motors: it needs --drive dc");
+        self.json.check(self.files(), &self.svg)?;
         let rig = self.rig()?;
         let case = self.case();
         if self.state_space {

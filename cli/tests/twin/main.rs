@@ -95,3 +95,45 @@ fn what_is_not_there_is_told_in_one_line() {
     }
     assert!(complaint("stiffness --settings nowhere.toml").contains("cannot open"));
 }
+
+/// Reproducer: a page's folder that does not exist was told after the computation. The file to compute is missing too, so
+/// what comes first is seen.
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_computation() {
+    let page = "--report nofolder/r.html";
+    for words in [
+        format!("run nothing.gcode {page}"),
+        format!("compare nothing.gcode {page}"),
+        format!("sweep --vary belt_EA_N=20000:56000:2 nothing.gcode {page}"),
+        format!("resonance --grid 200x200 {page}"),
+        "compensate nothing.gcode -o nofolder/c.gcode".to_owned(),
+        "flow nothing.gcode --json nofolder/f.json".to_owned(),
+        "ripple --step 0.2 --angle-step 1 --svg nofolder/r.svg".to_owned(),
+        "yin --figure 5 --svg nofolder/y.svg".to_owned(),
+        "parts --svg nofolder/p.svg".to_owned(),
+    ] {
+        let told = complaint(&words);
+        assert!(told.contains("cannot create nofolder/") && !told.contains("nothing.gcode"), "{words}: {told}");
+    }
+    let taken = complaint("run nothing.gcode --json same.html --report same.html");
+    assert!(taken.contains("same.html is another output already"), "{taken}");
+    assert!(!Path::new("same.html.partial").exists());
+    // What was there stays, and nothing else is left.
+    let kept = file("kept.html", "an older one");
+    assert!(complaint(&format!("run nothing.gcode --report {}", kept.display())).contains("nothing.gcode"));
+    assert_eq!(std::fs::read(&kept).unwrap(), b"an older one");
+    assert!(!kept.with_extension("html.partial").exists());
+}
+
+/// Its reader would be lost if the pipe was opened twice.
+#[cfg(unix)]
+#[test]
+fn a_page_may_go_into_a_pipe() {
+    let pipe = file("pipe.html", "");
+    std::fs::remove_file(&pipe).unwrap();
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let path = pipe.clone();
+    let reader = std::thread::spawn(move || std::fs::read_to_string(path).unwrap());
+    assert!(twin(&format!("resonance --grid 2x2 --report {}", pipe.display())).status.success());
+    assert!(reader.join().unwrap().ends_with("</html>\n"));
+}

@@ -105,6 +105,8 @@ impl Compensate {
     pub(super) fn answer(&self) -> Result<u8> {
         let (machine, params) = self.machine.read(&self.printer.machine()?)?;
         ensure!(!machine.lifts(), "the tool's lag is known in x and y only: belts that lift it are not compensated");
+        let inputs = || self.printer.files().chain([self.file.as_path()]);
+        self.json.check(inputs(), [&self.output])?;
         let stop = Stop::at_signals()?;
         let told = self.told(machine, &params, &stop).with_context(|| self.file.display().to_string());
         if let Some(status) = stop.status() {
@@ -112,8 +114,7 @@ impl Compensate {
             return Ok(status);
         }
         let (answer, text) = told?;
-        let inputs = self.printer.files().chain([self.file.as_path()]);
-        self.json.give_with(&answer, inputs, |outputs| {
+        self.json.give_with(&answer, inputs(), |outputs| {
             let mut out = outputs.open(&self.output)?;
             out.write_all(&text).and_then(|()| out.flush()).context("cannot write what was compensated")
         })

@@ -74,6 +74,11 @@ impl Options {
         self.jobs.map(usize::from)
     }
 
+    /// Where the page goes.
+    pub(super) const fn page(&self) -> Option<&PathBuf> {
+        self.report.as_ref()
+    }
+
     /// Writes the page of samples that are no study's, if it is asked for.
     ///
     /// # Errors
