@@ -38,6 +38,12 @@ READ = """const place = document.querySelectorAll('.plot')[arguments[0]], over =
     over.dispatchEvent(arguments[2] == 'touch' ? new PointerEvent('pointermove', at) : new MouseEvent('mousemove', at));
     return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(place.closest('.chart').querySelector('output').textContent.trim()))));"""
 
+# What is said of the first part of a picture when a finger or the mouse is there.
+SAYS = """const part = document.querySelector(arguments[0]), box = part.getBoundingClientRect();
+    const at = { clientX: box.left + box.width / 2, clientY: box.top + box.height / 2, bubbles: true, pointerType: arguments[1] };
+    part.dispatchEvent(new PointerEvent(arguments[1] == 'touch' ? 'pointerdown' : 'pointermove', at));
+    return part.closest('section').querySelector('.says').textContent;"""
+
 
 def recording():
     """The lines of an accelerometer: a square wave of 40 mm/s^2 per Hz, through a mode of the tool."""
@@ -144,12 +150,18 @@ def use_study(browser, kind):
         counts[value] = browser.run("return document.querySelectorAll('.plot').length")
     check(counts["all"] == 2 * counts["0"] == 2 * counts["1"], f"plots: {counts}")
     browser.wait("plots", lambda: browser.run(DRAWN))
-    check("sample" in read(browser, 0, 0.5, kind), "a sample has no number")
+    said = read(browser, 0, 0.5, kind)
+    check("sample" in said and " N, " in said and said.endswith("N/mm"), f"a sample has a number and units: {said}")
     check("The same in all samples: Kxy_N_per_mm 0" in browser.find("main").text, "noise is drawn as a result")
 
 
 def use_measured(browser, kind):
-    check("Hz" in read(browser, 0, 0.2, kind), "a frequency has no unit")
+    spectrum = read(browser, 0, 0.2, kind)
+    check(" Hz: x " in spectrum and "(mm/s²)²/Hz, suggested" in spectrum, f"values have no units: {spectrum}")
+    check(" y 0, z 0, " in spectrum, f"nothing moves along y and z, and noise is read: {spectrum}")
+    for part in (".polar path", ".heatmap [data-says]"):
+        said = browser.run(SAYS, part, kind)
+        check("°, " in said and " mm/s²" in said and said.count(" Hz") == 1, f"{part} says {said} under a {kind}")
     check(f"{MODE_HZ}.0" in browser.find("main").text, "the mode of the plant is not told")
     check(browser.find_all("button[aria-label='Copy this line']"), "no line to copy")
     said = browser.find("main").text

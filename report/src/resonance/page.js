@@ -72,9 +72,9 @@ if (D.profile) {
     card("By speed", graph({ title: "Vibration by speed", unit: "mm/s\u00b2 RMS", x: { name: "speed", unit: "mm/s", from: speeds.length > 1 ? Math.min(...speeds) : 0 }, curves: [by("loudest angle", "max_mm_s2", 1), by("mean of all angles", "mean_mm_s2", 0)] })),
     ...(P.angles_deg.length > 1 ? [card("By angle", graph({ title: "Vibration by angle", unit: "mm/s\u00b2 RMS", x: { name: "angle", unit: "\u00b0" }, curves: [
       { name: "loudest speed", x: P.angles_deg, y: angles.map(v => Math.max(...v)), colour: () => curveColour(1) }, { name: "mean of all speeds", x: P.angles_deg, y: angles.map(v => v.reduce((a, b) => a + b, 0) / v.length), colour: () => curveColour(0) }] }))] : [])));
-  parts.push(make("section", { className: "pair" }, card("Vibration by direction, with the speed from the middle outwards, mm/s", scaleOf("0", top.toFixed(0) + " mm/s\u00b2"), polar(P, speeds, fastest, top), note("Both ways along an angle are one run. Hold a part for its numbers.")),
+  parts.push(make("section", { className: "pair" }, card("Vibration by direction, with the speed from the middle outwards, mm/s", scaleOf("0", top.toFixed(0) + " mm/s\u00b2"), ...polar(P, speeds, fastest, top), note("Both ways along an angle are one run. Point at a part, or touch it, for its numbers.")),
     card("Vibration in mm/s\u00b2 RMS, by speed and angle", ...heatmap({ label: "Vibration by speed and angle", unit: "mm/s\u00b2", rows: speeds.map(v => v.toFixed(0)), columns: P.angles_deg.map(v => v.toFixed(0) + "\u00b0"), corner: "mm/s", digits: 0, range: [0, top],
-      value: (i, j) => runAt(P, speeds[j], P.angles_deg[i])?.vibration_mm_s2, hint: (i, j) => { const run = runAt(P, speeds[j], P.angles_deg[i]); return `${run.loudest_Hz.toFixed(0)} Hz, ${run.file}`; } }), note("10 to 500 Hz. Hold a cell for its loudest frequency."))));
+      value: (i, j) => runAt(P, speeds[j], P.angles_deg[i])?.vibration_mm_s2, hint: (i, j) => { const run = runAt(P, speeds[j], P.angles_deg[i]); return told(run) + ", " + run.file; } }), note("10 to 500 Hz. Point at a cell, or touch it, for its loudest frequency."))));
   if (P.symmetry) mirrored(P.symmetry);
   if (P.motors.length) motors(P.motors);
 }
@@ -134,6 +134,8 @@ function spectrogram({ levels, step_s, first_s, step_Hz, range_dB }, { file }) {
   new ResizeObserver(draw).observe(canvas);
   return make("div", { className: "chart" }, make("div", { className: "bar" }, scaleOf(`\u2212${range_dB} dB`, "0 dB"), out), make("div", { className: "spectrogram" }, canvas));
 }
+/** What is known of a run. */
+function told(run) { return `${run.angle_deg.toFixed(0)}\u00b0, ${run.speed_mm_s.toFixed(0)} mm/s: ${run.vibration_mm_s2.toFixed(0)} mm/s\u00b2, loudest at ${run.loudest_Hz.toFixed(0)} Hz`; }
 function runAt(P, speed, angle) { return P.runs.find(run => run.angle_deg === angle && run.speed_mm_s === speed); }
 /** Each run is a part of a ring, and both ways along an angle are one. */
 function polar(P, speeds, fastest, top) {
@@ -152,14 +154,13 @@ function polar(P, speeds, fastest, top) {
       const r0 = radius(Math.max(inner ?? speeds[j] - w, 0)), r1 = radius(Math.min(outer ?? speeds[j] + w, fastest * 1.05));
       for (const turn of [0, 180]) {
         const a = run.angle_deg + turn - Math.min(before, 22.5), b = run.angle_deg + turn + Math.min(behind, 22.5);
-        picture.append(svg("path", { d: `M${at(r0, a)}L${at(r1, a)}A${r1.toFixed(1)} ${r1.toFixed(1)} 0 0 0 ${at(r1, b)}L${at(r0, b)}A${r0.toFixed(1)} ${r0.toFixed(1)} 0 0 1 ${at(r0, a)}z`, fill: rgb(viridis(run.vibration_mm_s2 / top)) },
-          svg("title", {}, `${run.angle_deg.toFixed(0)}\u00b0, ${run.speed_mm_s.toFixed(0)} mm/s: ${run.vibration_mm_s2.toFixed(0)} mm/s\u00b2, ${run.loudest_Hz.toFixed(0)} Hz`)));
+        picture.append(svg("path", { d: `M${at(r0, a)}L${at(r1, a)}A${r1.toFixed(1)} ${r1.toFixed(1)} 0 0 0 ${at(r1, b)}L${at(r0, b)}A${r0.toFixed(1)} ${r0.toFixed(1)} 0 0 1 ${at(r0, a)}z`, fill: rgb(viridis(run.vibration_mm_s2 / top)), "data-says": told(run) }));
       }
     }
     for (const v of [fastest / 3, 2 * fastest / 3, fastest]) picture.append(svg("circle", { r: radius(v).toFixed(1) }), svg("text", { x: 2, y: -radius(v) - 2 }, v.toFixed(0)));
     picture.append(svg("text", { x: 160, y: 4 }, "x"), svg("text", { x: -8, y: -160, "text-anchor": "end" }, "y"));
   };
   draw(); onScheme(picture, draw);
-  return picture;
+  return [sayer(picture), picture];
 }
 show("Resonance", heading("Resonance", files.join(", ")), ...parts);

@@ -54,7 +54,7 @@ const words = [
 ];
 const slipped = runs.map((run, i) => [names[i], slips(run)]).filter(([, n]) => n);
 show("Three mechanisms of one size",
-  heading("Three mechanisms of one size", "one belt, the same masses and pulleys; \u2713 marks the better one"),
+  heading("Three mechanisms of one size", "one belt, the same masses and pulleys; \u2713 marks the best one"),
   slipped.length > 0 && alertCard("Motors slipped", [["Which", slipped.map(([name, n]) => `${name}: ${n}`).join(", ")], ["What to do", "compare at a lower acceleration: what is measured after a slip is that of a lost position"]]),
   card(`Over x ${A.x_mm.map(v => v.toFixed(1)).join(" to ")}, y ${A.y_mm.map(v => v.toFixed(1)).join(" to ")} mm, which all of them reach`, area),
   runs.length > 0 && card(`On ${fileName(D.file)}, ${runs[0].duration_s.toFixed(1)} s, ${runs[0].model} model`, played()),

@@ -11,6 +11,14 @@ function show(title, ...parts) {
 }
 const bounds = values => { let a = Infinity, b = -Infinity; for (const v of values) if (v !== null) { a = Math.min(a, v); b = Math.max(b, v); } return [a, b]; };
 
+/** A line that says what is known of the part of an element that a finger or the mouse is on: its `data-says`. */
+function sayer(element) {
+  const out = make("output", { className: "says", textContent: "\u00a0" }), say = e => { out.textContent = e.target.closest?.("[data-says]")?.getAttribute("data-says") ?? "\u00a0"; };
+  for (const name of ["pointerdown", "pointermove"]) element.addEventListener(name, say);
+  element.addEventListener("pointerleave", e => { if (e.pointerType === "mouse") out.textContent = "\u00a0"; });
+  return out;
+}
+
 /** A map of a quantity over rows and columns, as a table of coloured cells; `corner` says what the rows and columns are. */
 function heatmap({ label, unit, rows, columns, corner, value, range: [low, high], digits = 1, hint }) {
   const table = make("table", { className: "heatmap", ariaLabel: label });
@@ -25,13 +33,13 @@ function heatmap({ label, unit, rows, columns, corner, value, range: [low, high]
         const v = value(i, j), cell = line.insertCell();
         if (v === null || v === undefined) return;
         cell.textContent = v.toFixed(digits);
-        if (hint) cell.title = hint(i, j);
+        if (hint) cell.dataset.says = hint(i, j);
         shade(cell, high > low ? (v - low) / (high - low) : 0.5);
       });
     });
   };
   paint(); onScheme(table, paint);
-  return [scaleOf(low.toFixed(digits), high.toFixed(digits) + " " + unit), make("div", { className: "wide", tabIndex: 0, role: "region", ariaLabel: label }, table)];
+  return [scaleOf(low.toFixed(digits), high.toFixed(digits) + " " + unit), ...(hint ? [sayer(table)] : []), make("div", { className: "wide", tabIndex: 0, role: "region", ariaLabel: label }, table)];
 }
 
 /** Cards of each axis: its frequency over the reach, and its shapers; then frame and yaw. */

@@ -8,6 +8,13 @@ for (const f of S.figures) for (const key of ["least", "median", "greatest"]) f[
 /** Whether values span more than rounding: a billionth of themselves. */
 const varies = (least, greatest) => greatest - least > 1e-9 * Math.max(Math.abs(least), Math.abs(greatest));
 
+/** A key's name and its unit, as `belt_EA_N` has them. */
+const UNITS = { kg: "kg", N: "N", s: "s", A: "A", V: "V", Hz: "Hz", mm: "mm", um: "\u00b5m", mH: "mH", ohm: "\u03a9", percent: "%", Nm: "N m", mNm: "mN m", Nm_s: "N m s", kg_m2: "kg m\u00b2", mm_s: "mm/s", mm_s2: "mm/s\u00b2", kg_per_m: "kg/m", N_per_mm: "N/mm", N_s_per_m: "N s/m", Nm_per_rad: "N m/rad", um_per_m_s2: "\u00b5m per m/s\u00b2" };
+function named(key) {
+  // The longest unit that the key ends with: a shorter one may be its end.
+  const units = Object.keys(UNITS).filter(unit => key.endsWith("_" + unit)).sort((a, b) => b.length - a.length);
+  return units.length ? [key.slice(0, -units[0].length - 1), UNITS[units[0]]] : [key, undefined];
+}
 const several = new Set(S.figures.map(f => f.machine)).size > 1;
 const rows = S.figures.map(f => [f.name + (several ? ", " + f.machine : ""), ...[f.least, f.median, f.greatest].map(valueText), ...D.keys.map(key => {
   const rho = varies(f.least, f.greatest) ? f.rank_correlation[key] : undefined;
@@ -22,10 +29,10 @@ const rows = S.figures.map(f => [f.name + (several ? ", " + f.machine : ""), ...
 const drawn = D.figures.map((name, f) => ({ name, f, range: bounds(D.points.map(p => p.figures[f])) })).filter(({ range: [a, b] }) => a <= b);
 const same = drawn.filter(({ range }) => !varies(...range)), shown = drawn.filter(({ range }) => varies(...range));
 const list = make("div", { className: "charts" });
-const plot = ({ name, f }, k) => new Graph({
-  title: name, x: { name: D.keys[k] },
+const plot = ({ name, f }, k) => { const [title, unit] = named(name), [key, keyUnit] = named(D.keys[k]); return new Graph({
+  title, unit, x: { name: key, unit: keyUnit },
   curves: D.machines.map((machine, m) => { const points = D.points.filter(p => p.machine === m && p.figures[f] !== null); return { name: machine, x: points.map(p => p.values[k]), y: points.map(p => p.figures[f]), labels: points.map(p => "sample " + p.sample) }; }).filter(({ x }) => x.length),
-}).element;
+}).element; };
 const draw = which => list.replaceChildren(...shown.flatMap(figure => D.keys.map((_, k) => k).filter(k => which === "all" || +which === k).map(k => plot(figure, k))));
 // A phone shows one number at a time, as a study of many numbers does.
 const first = D.keys.length > MOST_KEYS || matchMedia("(max-width: 700px)").matches ? "0" : "all";

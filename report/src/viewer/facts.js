@@ -17,7 +17,10 @@ function faultCard(record, player) {
   if (fault) {
     const go = make("button", { type: "button", textContent: "Show the place" });
     go.onclick = () => { player.stop(); player.setTime(fault.motion_s); };
-    row("When", `${clock(fault.time_s)} after the start, at ${clock(fault.motion_s)} of motion` + (fault.line ? `, line ${count(fault.line)}: ` : " "), ...(fault.command ? [make("code", { textContent: fault.command }), " "] : []), go);
+    // Moves are taken in advance: the answer is to a later line than the one that the tool is in.
+    const { moves } = record, line = moves.n && /^G[0-3]\b/.test(fault.command) ? moves.line[moves.indexAt(fault.motion_s)] : 0;
+    const own = line && line !== fault.line ? `; the tool was in line ${count(line)} ` : "";
+    row("When", `${clock(fault.time_s)} after the start, at ${clock(fault.motion_s)} of motion` + (fault.line ? `, line ${count(fault.line)}: ` : " "), ...(fault.command ? [make("code", { textContent: fault.command }), own || " "] : []), go);
   }
   if (fault?.cause) row("Cause", fault.cause);
   if (fault?.cure) row("What to do", fault.cure);

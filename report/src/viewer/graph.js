@@ -51,6 +51,8 @@ class Graph {
   /** All curves on the same places. */
   align() {
     const { curves } = this;
+    // What is less than a billionth of the greatest value is what rounding left.
+    this.least = 1e-9 * curves.filter(({ isRight }) => !isRight).flatMap(({ y }) => y).reduce((most, v) => Math.max(most, Math.abs(v ?? 0)), 0);
     if (curves.some(({ labels }) => labels)) {
       const all = curves.flatMap((curve, k) => curve.y.map((y, i) => ({ x: curve.x[i], y, k, label: curve.labels[i] }))).filter(({ y }) => y !== null).sort((a, b) => a.x - b.x);
       this.points = all;
@@ -127,19 +129,20 @@ class Graph {
   tell(i) {
     if (i === null || i === undefined) { this.read = null; this.out.textContent = this.idle ?? "\u00a0"; return; }
     this.read = i;
-    const place = v => (this.x.say ?? valueText)(v) + (this.x.unit ? " " + this.x.unit : "");
+    const place = v => (this.x.say ?? valueText)(v) + (this.x.unit ? " " + this.x.unit : ""), text = v => valueText(Math.abs(v) < this.least ? 0 : v), unit = this.unit ? " " + this.unit : "";
     if (this.points) {
       const { left, top } = this.plot.cursor, far = point => this.hidden.has(point.k) ? Infinity : (this.plot.valToPos(point.x, "x") - left) ** 2 + (this.plot.valToPos(point.y, "y") - top) ** 2;
       const best = this.points.reduce((a, b) => far(b) < far(a) ? b : a, this.points[0]);
-      this.out.textContent = best ? `${best.label}: ${place(best.x)}, ${valueText(best.y)}` : "";
+      this.out.textContent = best ? `${best.label}: ${place(best.x)}, ${text(best.y)}${unit}` : "";
       return;
     }
-    const values = this.curves.map(({ name, isRight }, k) => {
-      if (this.hidden.has(k)) return null;
-      const { at, isBand } = this.series[k], high = this.near(this.data[at], i), low = isBand ? this.near(this.data[at - 1], i) : high;
-      return (this.curves.length > 1 ? name + " " : "") + (isRight ? (100 * high).toFixed(1) + " %" : high - low > 0.005 * Math.max(Math.abs(high), Math.abs(low)) ? valueText(low) + " to " + valueText(high) : valueText(high));
-    });
-    this.out.textContent = place(this.data[0][i]) + ": " + values.filter(Boolean).join(", ") + (this.unit && !this.right ? " " + this.unit : "");
+    const shown = this.curves.map((_, k) => k).filter(k => !this.hidden.has(k));
+    const said = k => {
+      const { name, isRight } = this.curves[k], { at, isBand } = this.series[k], high = this.near(this.data[at], i), low = isBand ? this.near(this.data[at - 1], i) : high;
+      return (this.curves.length > 1 ? name + " " : "") + (isRight ? (100 * high).toFixed(1) + " %" : high - low > 0.005 * Math.max(Math.abs(high), Math.abs(low)) ? text(low) + " to " + text(high) : text(high));
+    };
+    const [left, right] = [false, true].map(isRight => shown.filter(k => Boolean(this.curves[k].isRight) === isRight).map(said).join(", "));
+    this.out.textContent = place(this.data[0][i]) + ": " + [left && left + unit, right].filter(Boolean).join(", ");
   }
   /** Marks at places of the x axis, with their names. */
   mark(u) {
