@@ -346,8 +346,25 @@ def only(browser):
         check(boxes() == expected, f"a double click shows {boxes()}")
 
 
+def tap(browser):
+    """A tap on a wall says what is known of it, until the next tap beside the print."""
+    at = """const { stage, record } = document.querySelector('.viewer').corehbotView, { moves } = record;
+        stage.element.scrollIntoView({ block: 'center' });
+        let i = moves.n - 1;
+        while (record.data.types[moves.type[i]].role !== 'outer wall') i--;
+        const box = stage.element.getBoundingClientRect(), [x, y] = stage.camera.toScreen(moves.place(i, 0.5));
+        return [[box.x + x, box.y + y], [box.x + 3, box.y + 3]];"""
+    for (x, y), is_told in zip(browser.run(at), (True, False)):
+        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchEnd", [])):
+            browser.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        browser.drawn()
+        told = lambda: browser.find(".tip").is_displayed() and "Commanded" in browser.find(".tip").text
+        browser.wait(f"words at {x}, {y}: {is_told}", lambda: told() == is_told, 10)
+
+
 def phone(browser):
     browser.check_width()
+    tap(browser)
     remarks(browser)
     browser.run("document.querySelector('.charts').scrollIntoView()")
     browser.wait("a chart", lambda: browser.find_all(".charts .u-over"))

@@ -198,7 +198,8 @@ class Stage {
       }
     };
     for (const name of ["pointerup", "pointercancel"]) element.addEventListener(name, up);
-    element.addEventListener("pointerleave", () => this.show(-1));
+    // A finger leaves when it is lifted, and what it asked stays.
+    element.addEventListener("pointerleave", e => { if (e.pointerType === "mouse") this.show(-1); });
   }
   find(x, y) {
     if (this.sides === "second") return -1;
