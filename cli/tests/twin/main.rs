@@ -96,8 +96,8 @@ fn what_is_not_there_is_told_in_one_line() {
     assert!(complaint("stiffness --settings nowhere.toml").contains("cannot open"));
 }
 
-/// Reproducer: a page's folder that does not exist was told after the computation. The file to compute is missing too, so
-/// what comes first is seen.
+/// Reproducer: a page's folder that does not exist was told after the computation. The file to compute is missing
+/// too, so the first complaint shows the order.
 #[test]
 fn an_output_that_cannot_be_written_is_refused_before_the_computation() {
     let page = "--report nofolder/r.html";
