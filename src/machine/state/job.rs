@@ -385,3 +385,6 @@ impl Job {
         core::mem::replace(&mut self.is_cancelled, false)
     }
 }
+
+#[cfg(test)]
+mod tests;
