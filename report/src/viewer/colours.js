@@ -25,8 +25,9 @@ const ROLES = {
   "outer wall": OKABE_ITO.orange, "inner wall": OKABE_ITO.yellow, infill: OKABE_ITO.vermilion, skin: OKABE_ITO.purple,
   support: OKABE_ITO.green, skirt: [110, 225, 180], purge: [80, 60, 250], bridge: OKABE_ITO.sky, other: OKABE_ITO.blue,
 };
-/** How much of black the second one of a role has, and of white the third one. Searched, with the colours above and below, for
- * the greatest least difference of PrusaSlicer's types to people with each kind of colour vision: xtask/browser/colours.py. */
+/** How much of black the second one of a role has, and of white the third one. They were searched, with the colours above
+ * and below: the least difference of two of PrusaSlicer's types is the greatest, for each kind of colour vision
+ * (xtask/browser/colours.py). */
 const DARKER = 0.45, LIGHTER = 0.65;
 /** What lays nothing: greys, as lines above have colours; a prime stands, so its colour is never that of a line. */
 const travelColour = () => darkScheme.matches ? [121, 127, 139] : [120, 126, 138];

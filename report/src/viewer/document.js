@@ -1,4 +1,5 @@
-// Document: a part of the project's documents as elements. It is Markdown with headings, paragraphs, tables, code and links.
+// Document: a part of the project's documents as elements. It is Markdown with headings, paragraphs, tables, code and
+// links.
 
 /** Text with `code`, and links: what they lead to is not in this file, so its path stands behind the words. */
 function inlineText(text, page) {

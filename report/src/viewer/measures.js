@@ -4,7 +4,7 @@
 const SCALE = 240, UNKNOWN = 254, TRAVEL = 255;
 /** A scale spans all but this share of the printed way at either end, so that one short move does not take it. */
 const OUTSIDE = 0.002;
-/** Values that differ by less than this share are one: times of moves are whole 10 us, so a speed is rounded by as much. */
+/** Values that differ by less than this share are one: times of moves are whole 10 us, so speeds are rounded too. */
 const SAME = 0.002;
 
 /** The greatest step rate of any motor in a move, steps/s, or with `isSpeed` the greatest speed of any, in mm/s of its axes. */
