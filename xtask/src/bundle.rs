@@ -1,9 +1,9 @@
 //! `cargo xtask bundle`: uPlot's committed files against its release on npm, and its script made again.
 //!
 //! npm fetches the versions of `xtask/bundle/package-lock.json` and checks their SHA-512. The release has its script
-//! twice: as a text to read, and shortened. The committed script must be the shortened one, and the same bytes must come
-//! from the text to read, by the tool and the options that uPlot's own build has. The tool's version matters: terser
-//! 5.31.6 makes the released bytes, and 5.34.1 and later make 11 less, with a short constant in place of its name.
+//! twice: as a text to read, and shortened. The committed script must be the shortened one, and the same bytes must
+//! come from the text to read, by the tool and the options that uPlot's own build has. The tool's version matters:
+//! terser 5.31.6 makes the released bytes. Versions 5.34.1 to 5.39.0 make 11 less: they write a constant, not its name.
 //!
 //! The text to read is what rollup puts together from uPlot's sources, which are not on npm. The style is not made
 //! again: its source is not there either.

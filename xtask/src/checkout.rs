@@ -112,8 +112,8 @@ pub fn compiler() -> Result<String> {
 /// Cargo in the root, as the user called it.
 ///
 /// Cargo tells this program of its own package by variables. A build script that reads them (ring's) would run again at
-/// each change from a user's cargo to this one, and all that needs it would be built anew, this program too. So they are
-/// not handed on.
+/// each change from a user's cargo to this one, and all that needs it would be built again, this program too. So they
+/// are not handed on.
 pub fn cargo<I: IntoIterator<Item = S>, S: AsRef<OsStr>>(args: I) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(args).current_dir(root());

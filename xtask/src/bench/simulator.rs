@@ -104,8 +104,8 @@ struct Calls {
 }
 
 impl Calls {
-    /// Format: <https://valgrind.org/docs/manual/cl-format.html>. A name is written once, with a number in brackets that
-    /// stands for it later. The line after `calls=` has the cost of these calls.
+    /// Format: <https://valgrind.org/docs/manual/cl-format.html>. A name is written once, with a number in brackets
+    /// that stands for it later. The line after `calls=` has the cost of these calls.
     fn read(text: &str) -> Result<Self> {
         let (mut calls, mut names) = (Self::default(), BTreeMap::new());
         let (mut callee, mut is_call) = ("", false);
