@@ -51,17 +51,34 @@ fn finish(body: &[u8]) -> Frame {
     frame
 }
 
-/// CRC-8 with the polynomial x^8 + x^2 + x + 1, fed with the lowest bit of each byte first.
+/// CRC-8 with the polynomial x^8 + x^2 + x + 1, fed with the lowest bit of each byte first. Four bits are looked up at
+/// once.
 fn checksum(bytes: &[u8]) -> u8 {
-    let mut sum = 0u8;
-    for byte in bytes {
-        for bit in 0..8 {
-            let carry = sum >> 7 != (byte >> bit) & 1;
-            sum = (sum << 1) ^ if carry { 0x07 } else { 0 };
+    let mut sum = 0;
+    for byte in bytes.iter().map(|byte| byte.reverse_bits()) {
+        for bits in [byte >> 4, byte & 0xF] {
+            sum = (sum << 4) ^ CARRIES[usize::from((sum >> 4) ^ bits)];
         }
     }
     sum
 }
+
+/// What four bits that leave the checksum add to it.
+const CARRIES: [u8; 16] = {
+    let mut carries = [0; 16];
+    let mut bits = 0;
+    while bits < carries.len() {
+        let mut sum = (bits as u8) << 4;
+        let mut bit = 0;
+        while bit < 4 {
+            sum = sum << 1 ^ if sum >> 7 == 0 { 0 } else { 0x07 };
+            bit += 1;
+        }
+        carries[bits] = sum;
+        bits += 1;
+    }
+    carries
+};
 
 #[cfg(test)]
 mod tests {

@@ -50,8 +50,12 @@ pub struct Wire {
 impl Wire {
     /// Hands complete lines to the host.
     pub(crate) fn deliver(&self, host: &mut dyn Host) {
+        let mut bytes = self.to_host.borrow_mut();
+        if bytes.is_empty() {
+            return;
+        }
         let mut spoken = self.spoken.borrow_mut();
-        for byte in self.to_host.borrow_mut().drain(..) {
+        for byte in bytes.drain(..) {
             if byte == b'\n' {
                 host.hear(&spoken);
                 spoken.clear();
@@ -65,7 +69,9 @@ impl Wire {
     pub(crate) fn take(&self, speak: impl FnOnce(&mut Vec<u8>)) -> usize {
         let mut bytes = Vec::new();
         speak(&mut bytes);
-        self.put(bytes.iter().copied());
+        if !bytes.is_empty() {
+            self.put(bytes.iter().copied());
+        }
         bytes.len()
     }
 
@@ -295,7 +301,9 @@ impl StepPort for Pins<'_> {
             Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
         }
         self.attend_bed();
-        if let Some(log) = &mut self.mesh_log {
+        if let Some(log) = &mut self.mesh_log
+            && (log.is_on() || self.told_z.is_some())
+        {
             if log.is_on() {
                 log.event(self.mechanics.nozzle(), &self.mechanics.counts(), self.bed.as_deref());
             }

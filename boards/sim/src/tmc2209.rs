@@ -6,7 +6,7 @@
 
 mod registers;
 
-use registers::{Access, TABLE};
+use registers::{Access, TABLE, place};
 pub use registers::{
     DRV_STATUS, GSTAT, IFCNT, IHOLD_IRUN, IOIN, MSCNT, PWMCONF, SG_RESULT, SGTHRS, TCOOLTHRS, TPWMTHRS, VACTUAL,
     chopconf, gconf,
@@ -107,6 +107,9 @@ impl Tmc2209 {
         if self.heard.len() == length {
             let datagram = std::mem::take(&mut self.heard);
             self.obey(&datagram);
+            // The memory is kept for the next datagram.
+            self.heard = datagram;
+            self.heard.clear();
         }
     }
 
@@ -125,7 +128,7 @@ impl Tmc2209 {
         self.rest();
         self.saying.clear();
         request.iter().for_each(|byte| self.hear(*byte));
-        std::iter::from_fn(|| self.say()).collect()
+        self.saying.drain(..).collect()
     }
 
     fn obey(&mut self, datagram: &[u8]) {
@@ -146,7 +149,7 @@ impl Tmc2209 {
         }
         // Section 5.1: IFCNT counts every successful write access, and wraps.
         self.set(IFCNT, (self.register(IFCNT) + 1) & 0xFF);
-        let Some((_, access, bits, _)) = TABLE.iter().find(|(at, ..)| *at == address) else { return };
+        let Some((_, access, bits, _)) = place(address).map(|place| &TABLE[place]) else { return };
         if self.is_deaf {
             return;
         }
@@ -162,10 +165,8 @@ impl Tmc2209 {
         if self.is_silent {
             return;
         }
-        let value = self.readable(address);
-        let [a, b, c, d] = value.to_be_bytes();
-        let mut reply = vec![SYNC, MASTER, address, a, b, c, d];
-        reply.push(crc(&reply));
+        let mut reply = reply(address, self.readable(address));
+        let mut length = reply.len();
         let number = self.replies;
         self.replies += 1;
         self.has_spoken |= !self.corrupt.iter().any(|(at, _)| *at == number);
@@ -176,14 +177,11 @@ impl Tmc2209 {
                         *byte ^= mask;
                     }
                 }
-                Corruption::Cut(length) => reply.truncate(length),
-                Corruption::Zero => {
-                    reply = vec![SYNC, MASTER, address, 0, 0, 0, 0];
-                    reply.push(crc(&reply));
-                }
+                Corruption::Cut(bytes) => length = length.min(bytes),
+                Corruption::Zero => (reply, length) = (self::reply(address, 0), reply.len()),
             }
         }
-        self.saying.extend(reply);
+        self.saying.extend(&reply[..length]);
     }
 
     /// The result of a read; write-only and missing registers give 0.
@@ -191,21 +189,20 @@ impl Tmc2209 {
         if let Some((_, value)) = self.stubborn.iter().find(|(at, _)| *at == address) {
             return *value;
         }
-        match TABLE.iter().find(|(at, ..)| *at == address) {
-            None | Some((_, Access::Write, ..)) => 0,
+        match place(address).map(|place| (&TABLE[place], self.registers[place])) {
+            None | Some(((_, Access::Write, ..), _)) => 0,
             Some(_) if address == IOIN => {
                 let (ms1, ms2) = (u32::from(self.address & 1), u32::from(self.address >> 1));
                 VERSION << 24 | ms2 << 3 | ms1 << 2
             }
-            Some(_) => self.register(address),
+            Some((_, value)) => value,
         }
     }
 
     /// The true content of a register, readable or not.
     #[must_use]
     pub fn register(&self, address: u8) -> u32 {
-        let places = TABLE.iter().zip(&self.registers);
-        places.filter(|((at, ..), _)| *at == address).map(|(_, value)| *value).next().unwrap_or(0)
+        place(address).map_or(0, |place| self.registers[place])
     }
 
     /// Puts something into a register as the chip itself would: a status, or the trace of a fault. A short circuit or
@@ -214,10 +211,8 @@ impl Tmc2209 {
         if address == DRV_STATUS && value & SHUT_DOWN != 0 {
             self.set(GSTAT, self.register(GSTAT) | DRV_ERR);
         }
-        for ((at, ..), register) in TABLE.iter().zip(&mut self.registers) {
-            if *at == address {
-                *register = value;
-            }
+        if let Some(place) = place(address) {
+            self.registers[place] = value;
         }
     }
 
@@ -314,20 +309,32 @@ impl Tmc2209 {
     }
 }
 
+/// A reply with the value of a register (section 4.1.2).
+fn reply(address: u8, value: u32) -> [u8; 8] {
+    let [a, b, c, d] = value.to_be_bytes();
+    let body = [SYNC, MASTER, address, a, b, c, d];
+    [SYNC, MASTER, address, a, b, c, d, crc(&body)]
+}
+
 /// CRC-8 with polynomial x^8 + x^2 + x + 1, each byte from its least significant bit on (section 4.2).
 #[must_use]
 pub fn crc(bytes: &[u8]) -> u8 {
-    let mut crc = 0u8;
-    for byte in bytes {
-        let mut byte = *byte;
-        for _ in 0..8 {
-            let differs = (crc >> 7) ^ (byte & 1) != 0;
-            crc <<= 1;
-            if differs {
-                crc ^= 0x07;
-            }
-            byte >>= 1;
-        }
-    }
-    crc
+    bytes.iter().fold(0, |crc, byte| CRC[usize::from(crc ^ byte.reverse_bits())])
 }
+
+/// The CRC of a byte, its bits reversed: looked up, because drivers are asked all the time.
+const CRC: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut byte = 0;
+    while byte < table.len() {
+        let mut crc = byte as u8;
+        let mut bit = 0;
+        while bit < 8 {
+            crc = crc << 1 ^ if crc & 0x80 == 0 { 0 } else { 0x07 };
+            bit += 1;
+        }
+        table[byte] = crc;
+        byte += 1;
+    }
+    table
+};

@@ -73,6 +73,13 @@ const TURN: u64 = TICKS_PER_MS as u64;
 #[derive(Default)]
 struct Wakes(AtomicBool);
 
+impl Wakes {
+    /// Whether it does, once.
+    fn take(&self) -> bool {
+        self.0.load(Ordering::Relaxed) && self.0.swap(false, Ordering::Relaxed)
+    }
+}
+
 impl Wake for Wakes {
     fn wake(self: Arc<Self>) {
         self.0.store(true, Ordering::Relaxed);
@@ -126,6 +133,7 @@ pub struct World<'w> {
     /// The switches that had ended a motion when the pins were last updated.
     met: EndstopSet,
     wakes: Arc<Wakes>,
+    waker: Waker,
     odometer: Odometer,
     /// Follows the moves, if the sink wants them.
     tap: Option<Box<Tap>>,
@@ -223,6 +231,7 @@ impl<'w> World<'w> {
         }
         let console = Box::pin(async move { console.run().await });
         z_shifts.restart();
+        let wakes = Arc::<Wakes>::default();
         Self {
             shared,
             drivers,
@@ -239,7 +248,8 @@ impl<'w> World<'w> {
             next_period: shared.now.get(),
             console: Some(console),
             met: EndstopSet::NONE,
-            wakes: Arc::default(),
+            waker: Waker::from(Arc::clone(&wakes)),
+            wakes,
             odometer: Odometer::default(),
             tap,
             z_shifts,
@@ -249,16 +259,14 @@ impl<'w> World<'w> {
 
     /// The Console has its turn, and another one as long as it wants one at once.
     pub fn poll(&mut self) {
-        let waker = Waker::from(self.wakes.clone());
         while let Some(console) = &mut self.console {
-            if console.as_mut().poll(&mut Context::from_waker(&waker)).is_ready() {
+            if console.as_mut().poll(&mut Context::from_waker(&self.waker)).is_ready() {
                 self.console = None;
             }
             if let Some(tap) = &mut self.tap {
-                let dry = self.status.overload().underruns;
-                tap.after_console(self.status.planned().0, dry, self.shared.queued.take());
+                tap.after_console(self.status, &self.shared.queued);
             }
-            if !self.wakes.0.swap(false, Ordering::Relaxed) {
+            if !self.wakes.take() {
                 break;
             }
         }
@@ -277,11 +285,8 @@ impl<'w> World<'w> {
         self.stepper.port().attend();
         let end_of_turn = shared.now.get() + TURN;
         for _ in 0..EVENTS_A_TURN {
-            while shared.generator.replace(false) {
-                self.generator.run(&Pends(shared));
-                self.follow_moves();
-                self.note_surface();
-                self.z_shifts.attend(self.status, self.stepper.tick());
+            if shared.generator.get() {
+                self.generate();
             }
             if !shared.stepper.replace(false) {
                 let Some(alarm) = shared.alarm.get() else {
@@ -307,8 +312,7 @@ impl<'w> World<'w> {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
             self.befall();
             self.thermal.period();
-            let counts = self.turned.motors(self.counts.read());
-            let extruded = self.extruder.map_or(0, |motor| counts[motor.index()]);
+            let extruded = self.extruded();
             self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
             if self.thermal.port().plant().is_some() {
                 let period = self.heat_period();
@@ -316,6 +320,17 @@ impl<'w> World<'w> {
             }
         }
         moved
+    }
+
+    /// The generator has its turns, and what they mean is followed. A function of its own, because most events need none.
+    #[inline(never)]
+    fn generate(&mut self) {
+        while self.shared.generator.replace(false) {
+            self.generator.run(&Pends(self.shared));
+            self.follow_moves();
+            self.note_surface();
+            self.z_shifts.attend(self.status, self.stepper.tick());
+        }
     }
 
     /// The host has sent a line.
@@ -387,6 +402,16 @@ impl<'w> World<'w> {
             self.met = met;
             self.stepper.port().meet(fresh);
         }
+    }
+
+    /// The extruder's steps, for the plant of the heaters. Without one nothing is warm, and all events in the queue need
+    /// not be looked at.
+    fn extruded(&mut self) -> i32 {
+        if self.thermal.port().plant().is_none() {
+            return 0;
+        }
+        let counts = self.turned.motors(self.counts.read());
+        self.extruder.map_or(0, |motor| counts[motor.index()])
     }
 
     fn heat_period(&mut self) -> HeatPeriod {

@@ -9,8 +9,10 @@ use crate::slicer;
 use corehbot::kinematics::Grouping;
 use corehbot::motion::{Entry, Move, WHOLE, Work};
 use corehbot::settings::{Axes, HomedAxis, Settings};
+use corehbot::status::Status;
 use corehbot::units::{Mm, Steps, TICKS_PER_SECOND};
 use corehbot_twin::math::powi;
+use std::cell::RefCell;
 use std::collections::VecDeque;
 
 /// A new name of a place that is no further from the place in mm is what a stop has left open; a greater difference is
@@ -108,8 +110,17 @@ impl Tap {
         self.program.read(line, kind, command);
     }
 
-    /// The Console has had a turn: so many moves are planned, the stream was dry so often, and this is queued.
-    pub fn after_console(&mut self, planned: u32, underruns: u32, entries: Vec<Entry>) {
+    /// The Console has had a turn, and this is queued since the last one. Mostly nothing has happened.
+    #[inline]
+    pub fn after_console(&mut self, status: &Status, queued: &RefCell<Vec<Entry>>) {
+        let (planned, underruns) = (status.planned().0, status.overload().underruns);
+        if planned != self.planned || underruns != self.underruns || !queued.borrow().is_empty() {
+            self.note_turn(planned, underruns, queued.take());
+        }
+    }
+
+    /// So many moves are planned, the stream was dry so often, and this is queued.
+    fn note_turn(&mut self, planned: u32, underruns: u32, entries: Vec<Entry>) {
         if std::mem::replace(&mut self.underruns, underruns) != underruns {
             self.note_dry();
         }

@@ -38,6 +38,22 @@ pub(super) const TABLE: [(u8, Access, u32, u32); 24] = [
     (0x72, Access::Read, 24, 0),
 ];
 
+/// The place of a register in [`TABLE`]: looked up, because drivers are asked all the time.
+pub(super) fn place(address: u8) -> Option<usize> {
+    PLACES.get(usize::from(address)).copied().flatten().map(usize::from)
+}
+
+/// Places by address, which has seven bits.
+const PLACES: [Option<u8>; 1 << 7] = {
+    let mut places = [None; 1 << 7];
+    let mut place = 0;
+    while place < TABLE.len() {
+        places[TABLE[place].0 as usize] = Some(place as u8);
+        place += 1;
+    }
+    places
+};
+
 /// GCONF.
 pub mod gconf {
     /// Address.
