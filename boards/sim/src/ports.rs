@@ -217,6 +217,7 @@ impl Pins<'_> {
         }
     }
 
+    #[inline(never)]
     fn sample(&mut self) {
         let (now, mut sensor) = (self.shared.now.get(), self.shared.sensor.borrow_mut());
         while let Some(due) = sensor.due(now) {
@@ -247,9 +248,23 @@ impl Pins<'_> {
         }
     }
 
-    /// The program's z is told where it has changed.
-    #[inline]
-    fn tell_z(&mut self, z: Option<f64>) {
+    /// Motors step on belts. Like the other rare parts of a step it is a function of its own, which makes an ordinary
+    /// step a short one.
+    #[inline(never)]
+    fn step_belt(&mut self, tick: u64, steps: MotorSet) {
+        if let Mechanics::Belt(plant) = &mut self.mechanics {
+            plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers);
+        }
+    }
+
+    /// The log follows the nozzle over the mesh, and the program's z is told where it has changed.
+    #[inline(never)]
+    fn follow_mesh(&mut self) {
+        let Some(log) = &mut self.mesh_log else { return };
+        if log.is_on() {
+            log.event(self.mechanics.nozzle(), &self.mechanics.counts(), self.bed.as_deref());
+        }
+        let z = log.z();
         if z != self.told_z {
             self.told_z = z;
             self.sink.stand_on_mesh(z);
@@ -264,6 +279,7 @@ impl Pins<'_> {
         }
     }
 
+    #[inline(never)]
     fn follow_bed(&mut self) {
         let Some(bed) = &mut self.bed else { return };
         if let Some((at, micros)) = self.drivers.take_servo() {
@@ -298,17 +314,11 @@ impl StepPort for Pins<'_> {
         self.listen();
         match &mut self.mechanics {
             Mechanics::Rigid(rig) => rig.step(turned, forward),
-            Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
+            Mechanics::Belt(_) => self.step_belt(tick, steps),
         }
         self.attend_bed();
-        if let Some(log) = &mut self.mesh_log
-            && (log.is_on() || self.told_z.is_some())
-        {
-            if log.is_on() {
-                log.event(self.mechanics.nozzle(), &self.mechanics.counts(), self.bed.as_deref());
-            }
-            let z = log.z();
-            self.tell_z(z);
+        if self.told_z.is_some() || self.mesh_log.as_ref().is_some_and(|log| log.is_on()) {
+            self.follow_mesh();
         }
         self.sink.event(tick, steps, self.forward);
     }

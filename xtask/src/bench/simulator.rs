@@ -13,7 +13,7 @@ use std::process::Command;
 const COUNTED: &str = "examples/first-print.gcode";
 
 /// Each print is timed so often, and the best time counts: others disturb a run, and none makes it faster.
-const RUNS: usize = 3;
+const RUNS: usize = 10;
 
 /// A stage: its name, and parts of the names of its functions.
 type Stage = (&'static str, &'static [&'static str]);

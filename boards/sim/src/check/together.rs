@@ -1,10 +1,11 @@
 //! Together: motors that hold one coordinate have made the same steps, and no belt is strained.
 //!
 //! After an event in which whole groups step, each of its motors in its own direction, groups that were together still
-//! are. So their counts are compared only after other events.
+//! are. So their counts are compared only after other events. On a closed belt the same holds for the residuals of the
+//! belt, and for events that change none of them.
 
 use super::Findings;
-use crate::counts::Counts;
+use crate::counts::{Counts, HALF, STEPS, places};
 use crate::limits::Limits;
 use corehbot::kinematics::{Group, Groups, Residual, Residuals};
 use corehbot::motors::{MOST_GROUPS, MOTORS, Motor, MotorName, MotorSet};
@@ -26,7 +27,7 @@ pub(super) struct Together {
     /// The constraint from [`Groups::constraint`].
     constraint: Option<[i32; MOST_GROUPS]>,
     /// The strain of a closed belt.
-    residuals: Option<Residuals>,
+    residuals: Option<BeltResiduals>,
     /// Motors that may be trimmed, and how far each was trimmed: a motor that steps alone in an instant.
     trims: MotorSet,
     trimmed: [i64; MOTORS],
@@ -41,7 +42,7 @@ impl Together {
             whole: Whole::new(&groups),
             constraint: groups.constraint(),
             groups,
-            residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
+            residuals: limits.circulates.then(|| BeltResiduals::new(Residuals::new(&s.mechanism, true))),
             trims: trims(s, limits),
             trimmed: [0; MOTORS],
             is_consistent: true,
@@ -51,11 +52,15 @@ impl Together {
     /// One instant in which `steps` have moved, and the counts after it.
     #[inline]
     pub fn event(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, forward: MotorSet, counts: &Counts) {
-        if steps.intersects(self.trims) {
+        let may_trim = steps.intersects(self.trims);
+        if may_trim {
             self.note_trim(steps, forward);
         }
-        let is_plain = self.is_consistent && self.residuals.is_none() && self.constraint.is_none();
-        if !is_plain || !self.whole.is_whole(steps, forward) {
+        let is_plain = match &self.residuals {
+            Some(belt) => !may_trim && belt.keeps(steps, forward),
+            None => self.constraint.is_none() && self.whole.is_whole(steps, forward),
+        };
+        if !self.is_consistent || !is_plain {
             self.check(findings, tick, steps, counts);
         }
     }
@@ -105,9 +110,8 @@ impl Together {
 
     /// The greatest residual of a belt that may run round, in steps.
     fn residual(&self, counts: &Counts) -> i64 {
-        let sum =
-            |residual: &Residual| residual.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum();
-        self.residuals.iter().flat_map(Residuals::iter).map(sum).map(i64::abs).max().unwrap_or_default()
+        let residuals = self.residuals.iter().flat_map(|belt| belt.residuals.iter());
+        residuals.map(|residual| total(residual, counts).abs()).max().unwrap_or_default()
     }
 
     /// The sum of counts that no position changes, if the mechanism has one, and its bound by rounding.
@@ -117,6 +121,33 @@ impl Together {
             self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead.index()]);
         let most = constraint.iter().map(|times| i64::from(times.abs())).sum::<i64>() / 2;
         Some((parts.sum(), most))
+    }
+}
+
+/// The sum of a residual at these counts.
+fn total(residual: &[i32], counts: &[i64]) -> i64 {
+    residual.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum()
+}
+
+/// The residuals of a closed belt.
+struct BeltResiduals {
+    residuals: Residuals,
+    /// What an event adds to each of them, for each half of the motors, by the places of [`STEPS`].
+    events: Vec<[[i64; STEPS.len()]; 2]>,
+}
+
+impl BeltResiduals {
+    fn new(residuals: Residuals) -> Self {
+        let half = |residual: &Residual, half: usize| STEPS.map(|steps| total(&residual[half * HALF..], &steps));
+        let events = residuals.iter().map(|residual| [half(residual, 0), half(residual, 1)]).collect();
+        Self { residuals, events }
+    }
+
+    /// Whether an event changes none of them.
+    #[inline]
+    fn keeps(&self, steps: MotorSet, forward: MotorSet) -> bool {
+        let [low, high] = places(steps, forward);
+        self.events.iter().all(|halves| halves[0][low] + halves[1][high] == 0)
     }
 }
 
