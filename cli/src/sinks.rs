@@ -13,7 +13,7 @@ use corehbot_report::heat_log::HeatLog;
 use corehbot_report::moves::Moves;
 use corehbot_report::path::ToolPath;
 use corehbot_sim::judge::Judge;
-use corehbot_sim::moves::MadeMove;
+use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
 use corehbot_sim::world::{HeatPeriod, Sink};
@@ -218,6 +218,10 @@ impl<W: Write + Send + 'static> Sink for Relay<W> {
 
     fn moved(&mut self, made: &MadeMove) {
         self.moves.add(made);
+    }
+
+    fn reshaped(&mut self, change: &ShaperChange) {
+        self.moves.reshape(change);
     }
 
     fn heat(&mut self, period: &HeatPeriod) {

@@ -18,7 +18,7 @@ use corehbot_sim::judge::Judge;
 use corehbot_sim::limits::Widening;
 use corehbot_sim::lines::{LONGEST_LINE, Lines, survey};
 use corehbot_sim::mesh_log::MeshLog;
-use corehbot_sim::moves::MadeMove;
+use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
 use std::io::{self, Cursor};
@@ -168,6 +168,10 @@ impl Sink for Sinks {
 
     fn moved(&mut self, made: &MadeMove) {
         self.moves.add(made);
+    }
+
+    fn reshaped(&mut self, change: &ShaperChange) {
+        self.moves.reshape(change);
     }
 
     fn heat(&mut self, period: &HeatPeriod) {

@@ -17,7 +17,7 @@
 use crate::layers::Layers;
 use crate::varint::{put, put_signed};
 use corehbot::units::TICKS_PER_SECOND;
-use corehbot_sim::moves::{Limit, MadeMove};
+use corehbot_sim::moves::{Limit, MadeMove, ShaperChange};
 use corehbot_sim::slicer::PURGE;
 use corehbot_twin::math::hypot;
 use std::collections::BTreeMap;
@@ -25,6 +25,9 @@ use std::io::{self, BufWriter, Write};
 
 /// Most moves of a chunk.
 pub const CHUNK: usize = 4096;
+
+/// Changes of shapers that are kept. A tower of shapers has one a layer.
+const MOST_SHAPER_CHANGES: usize = 2000;
 
 /// Ticks in 10 us.
 const TICKS: u64 = TICKS_PER_SECOND as u64 / 100_000;
@@ -93,13 +96,15 @@ pub struct StoredMoves<F> {
     pub outside: [Sum; 2],
     /// Seconds by the number of the limit.
     pub by_limit: [f64; Limit::ALL.len()],
+    /// The shapers of x and y, by time.
+    pub shapers: Vec<ShaperChange>,
 }
 
 impl<F> StoredMoves<F> {
     /// The same moves in another file.
     pub fn in_file<G>(self, file: G) -> StoredMoves<G> {
-        let Self { chunks, by_type, by_layer, outside, by_limit, .. } = self;
-        StoredMoves { file, chunks, by_type, by_layer, outside, by_limit }
+        let Self { chunks, by_type, by_layer, outside, by_limit, shapers, .. } = self;
+        StoredMoves { file, chunks, by_type, by_layer, outside, by_limit, shapers }
     }
 }
 
@@ -127,6 +132,7 @@ pub struct Moves<F: Write> {
     /// What comes before the first layer, and after the last printed move so far.
     first: Sum,
     rest: Sum,
+    shapers: Vec<ShaperChange>,
 }
 
 fn um(mm: f64) -> i64 {
@@ -156,6 +162,7 @@ impl<F: Write> Moves<F> {
             by_limit: [0.0; Limit::ALL.len()],
             first: Sum::default(),
             rest: Sum::default(),
+            shapers: Vec::new(),
         }
     }
 
@@ -176,6 +183,16 @@ impl<F: Write> Moves<F> {
         self.count(made, laid);
         self.chunk.height = height;
         self.pack(made);
+    }
+
+    /// An axis has another shaper from now on. Of several at one instant the last counts.
+    pub fn reshape(&mut self, change: &ShaperChange) {
+        let is_same = |known: &&mut ShaperChange| (known.axis, known.tick) == (change.axis, change.tick);
+        if let Some(known) = self.shapers.iter_mut().rev().take(2).find(is_same) {
+            known.clone_from(change);
+        } else if self.shapers.len() < MOST_SHAPER_CHANGES {
+            self.shapers.push(change.clone());
+        }
     }
 
     /// Adds a move to the sums; `laid` is the layer that it is printed in.
@@ -266,6 +283,7 @@ impl<F: Write> Moves<F> {
             by_layer: self.by_layer,
             outside: [self.first, self.rest],
             by_limit: self.by_limit,
+            shapers: self.shapers,
         })
     }
 }

@@ -32,7 +32,7 @@ use corehbot_sim::tally::Figures;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use heat::HeatData;
-use machine::MachineData;
+use machine::{MachineData, ShaperSince};
 use serde::Serialize;
 use std::io::{self, Read, Seek, Write};
 
@@ -123,6 +123,8 @@ struct Data<'a> {
     time: TimeData,
     filament: Filament,
     machine: MachineData,
+    /// What x and y follow, by time.
+    shapers: Vec<ShaperSince>,
     move_chunks: Vec<[i64; 7]>,
     /// Those for a first picture, by their indices.
     preview: Vec<usize>,
@@ -284,6 +286,7 @@ impl Page<'_> {
             },
             filament: Filament::new(filament_mm, notes),
             machine: MachineData::new(settings),
+            shapers: moves.shapers.iter().map(ShaperSince::new).collect(),
             move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &heights)).collect(),
             preview: preview(moves.chunks.len()),
             gcode_chunks: Vec::new(),

@@ -10,7 +10,8 @@ from trial import ROOT, main, print_report
 
 HEAT = ROOT / "xtask/clients"
 
-# A print with each type of line; one that fails at a broken thermistor; one with belts that stretch and a shaper.
+# A print with each type of line; one that fails at a broken thermistor; one with belts that stretch, with shapers that its M593
+# set.
 PRINTS = {
     "lines": (ROOT / "examples/first-print.gcode",),
     "fault": (HEAT / "heat.gcode", "--settings", HEAT / "heat.toml", "--break", "open:hotend@60s"),

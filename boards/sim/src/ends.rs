@@ -1,6 +1,6 @@
 //! Ends: the two ends of a print. A host talks to the printer; a sink records motors and heaters.
 
-use crate::moves::MadeMove;
+use crate::moves::{MadeMove, ShaperChange};
 use corehbot::connectors::{FANS, HEATERS};
 use corehbot::motors::MotorSet;
 use corehbot::units::Celsius;
@@ -11,12 +11,14 @@ pub trait Sink {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
     /// From the next event on z follows a mesh and leads to this z of the program, in mm; or it follows none.
     fn stand_on_mesh(&mut self, _z: Option<f64>) {}
-    /// Whether moves are to be followed for [`moved`](Self::moved); asked once.
+    /// Whether moves are to be followed for [`moved`](Self::moved) and [`reshaped`](Self::reshaped); asked once.
     fn wants_moves(&self) -> bool {
         false
     }
     /// A move has been made to its end.
     fn moved(&mut self, _made: &MadeMove) {}
+    /// An axis has another shaper from now on, or its first one.
+    fn reshaped(&mut self, _change: &ShaperChange) {}
     /// A control period has passed on a machine with heaters.
     fn heat(&mut self, _period: &HeatPeriod) {}
 }

@@ -346,6 +346,9 @@ impl<'w> World<'w> {
         let (now, is_met) = (self.stepper.tick(), !self.status.triggered().is_empty());
         tap.after_generator(self.generator.under_way(), now, self.status.epoch(), is_met);
         tap.end(now);
+        while let Some(change) = tap.reshaped() {
+            self.stepper.port().sink.reshaped(&change);
+        }
         while let Some(made) = tap.judged() {
             self.stepper.port().sink.moved(&made);
         }

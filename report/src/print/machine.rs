@@ -1,10 +1,11 @@
-//! The machine as a chart needs it: rows of motors, limits, taps of shapers.
+//! The machine as a chart needs it: rows of motors, limits, shapers at the start, and the taps of shapers over time.
 
 use corehbot::motion::{Taps, advance_window, taps};
 use corehbot::motors::MotorName;
 use corehbot::settings::rows::Choice;
 use corehbot::settings::{AxisSettings, HomedAxis, Settings, Shaper, ShaperKind};
 use corehbot::units::{Mm, Seconds, TICKS_PER_SECOND};
+use corehbot_sim::moves::ShaperChange;
 use serde::Serialize;
 
 /// Everything that makes motors' speeds and the tool's path of moves.
@@ -12,7 +13,7 @@ use serde::Serialize;
 pub struct MachineData {
     axes: [AxisData; 4],
     motors: Vec<MotorRow>,
-    /// For x and y.
+    /// Of x and y, at the start.
     shaper: [ShaperData; 2],
     pressure_advance: AdvanceData,
     /// The path of the tool is late by this after the planned moves.
@@ -47,8 +48,24 @@ struct ShaperData {
     kind: &'static str,
     hz: f64,
     damping: f64,
+}
+
+/// What an axis follows from a time on.
+#[derive(Serialize)]
+pub struct ShaperSince {
+    time_s: f64,
+    /// 0 is x, 1 is y.
+    axis: usize,
     /// Delay in s and weight of each copy of the motion.
     taps: Vec<[f64; 2]>,
+}
+
+impl ShaperSince {
+    /// A change of a shaper.
+    pub fn new(change: &ShaperChange) -> Self {
+        let time_s = change.tick as f64 / f64::from(TICKS_PER_SECOND);
+        Self { time_s, axis: change.axis, taps: pairs(&change.taps) }
+    }
 }
 
 #[derive(Serialize)]
@@ -76,7 +93,7 @@ impl MachineData {
                     steps_per_mm: std::array::from_fn(|i| f64::from(row[i]) * steps[i]),
                 })
                 .collect(),
-            shaper: [ShaperData::new(&s.shapers.x, &taps[0]), ShaperData::new(&s.shapers.y, &taps[1])],
+            shaper: [ShaperData::new(&s.shapers.x), ShaperData::new(&s.shapers.y)],
             pressure_advance: AdvanceData {
                 time_s: s.advance.time.to_num(),
                 window_s: window.unwrap_or_default().to_num(),
@@ -106,12 +123,11 @@ impl AxisData {
 }
 
 impl ShaperData {
-    fn new(shaper: &Shaper, taps: &Taps) -> Self {
+    fn new(shaper: &Shaper) -> Self {
         Self {
             kind: ShaperKind::ALL.iter().find(|(kind, _)| *kind == shaper.kind).map_or("", |(_, name)| name),
             hz: shaper.frequency.to_num(),
             damping: shaper.damping.to_num(),
-            taps: pairs(taps),
         }
     }
 }

@@ -77,13 +77,18 @@ function placeAt(moves, axis, t) {
   const i = moves.indexAt(t), p = moves.points[4 * i + axis], q = moves.points[4 * i + 4 + axis];
   return p + (q - p) * moves.share(i, t);
 }
-/** Acceleration of an axis before and after its shaper, in mm/s^2 at `n` times; the shaped one is late by the taps. */
-function shapedOf(moves, axis, taps, from, to, n) {
+/** Acceleration of an axis before and after its shapers, in mm/s^2 at `n` times; the shaped one is late by the taps, `since` each time in force. */
+function shapedOf(moves, axis, since, from, to, n) {
   const width = (to - from) / n, h = Math.max(width / 2, 0.001), shaped = new Float64Array(n), plain = new Float64Array(n), time = new Float64Array(n);
+  let taps = [[0, 1]], next = 0;
   const place = t => placeAt(moves, axis, Math.max(t, 0)), late = t => taps.reduce((sum, [s, share]) => sum + share * place(t - s), 0);
   const bend = (f, t) => (f(t + h) - 2 * f(t) + f(t - h)) / (h * h);
   // Places near 100 mm have 14 digits, and h is 1 ms at least: below 1e-7 mm/s^2 is only their rounding.
   const told = v => Math.round(v * 1000) / 1000;
-  for (let b = 0; b < n; b++) { const t = time[b] = from + (b + 0.5) * width; plain[b] = told(bend(place, t)); shaped[b] = told(bend(late, t)); }
+  for (let b = 0; b < n; b++) {
+    const t = time[b] = from + (b + 0.5) * width;
+    while (next < since.length && since[next].time_s <= t) taps = since[next++].taps;
+    plain[b] = told(bend(place, t)); shaped[b] = told(bend(late, t));
+  }
   return { time, plain, shaped };
 }

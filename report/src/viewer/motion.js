@@ -44,10 +44,12 @@ function motionCharts(record, player) {
   charts.add({ title: "Position", unit: "mm", names: ["x", "y", "z"], data: of("x", "y", "z") });
   charts.add({ title: "Flow", unit: "mm\u00b3/s", names: ["flow"], data: of("flow") });
   data.machine.shaper.forEach((shaper, axis) => {
-    if (shaper.taps.length < 2) return;
-    charts.add({ title: `Acceleration of ${"xy"[axis]}, ${shaper.type.toUpperCase()} at ${short(shaper.hz)} Hz`, unit: "mm/s\u00b2", names: ["planned", "shaped"], colours: [() => rgb(OKABE_ITO.grey)], longest: 12,
+    const since = data.shapers.filter(change => change.axis === axis);
+    if (!since.some(change => change.taps.length > 1)) return;
+    const which = since.length === 1 ? `${shaper.type.toUpperCase()} at ${short(shaper.hz)} Hz` : "its shaper changes";
+    charts.add({ title: `Acceleration of ${"xy"[axis]}, ${which}`, unit: "mm/s\u00b2", names: ["planned", "shaped"], colours: [() => rgb(OKABE_ITO.grey)], longest: 12,
       data: async (from, to, n) => {
-        const { time, plain, shaped } = shapedOf(moves, axis, shaper.taps, from, to, n);
+        const { time, plain, shaped } = shapedOf(moves, axis, since, from, to, n);
         return [time, plain, plain, shaped, shaped];
       } });
   });

@@ -20,6 +20,7 @@ mod trapezoid;
 pub use limit::Limit;
 pub(crate) use tap::Tap;
 
+use corehbot::motion::Taps;
 use corehbot_twin::math::hypot;
 
 /// Why a move was planned.
@@ -68,6 +69,18 @@ pub struct MadeMove {
     pub is_dry: bool,
     /// What keeps it from being faster.
     pub limit: Limit,
+}
+
+/// From now on an axis follows its moves through another shaper. It rests, and has rested since its last motion has
+/// left the shaper before.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ShaperChange {
+    /// When, in ticks of motion time.
+    pub tick: u64,
+    /// 0 is x, 1 is y.
+    pub axis: usize,
+    /// The copies of the motion of which the axis makes the sum.
+    pub taps: Taps,
 }
 
 impl MadeMove {

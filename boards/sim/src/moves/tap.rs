@@ -4,10 +4,10 @@ use super::observer::Observer;
 use super::program::Program;
 use super::rules::Motors;
 use super::trapezoid::Trapezoid;
-use super::{Limit, MadeMove, Source};
+use super::{Limit, MadeMove, ShaperChange, Source};
 use crate::slicer;
 use corehbot::kinematics::Grouping;
-use corehbot::motion::{Entry, Move, WHOLE, Work};
+use corehbot::motion::{Entry, Move, Taps, WHOLE, Work};
 use corehbot::settings::{Axes, HomedAxis, Settings};
 use corehbot::status::Status;
 use corehbot::units::{Mm, Steps, TICKS_PER_SECOND};
@@ -31,6 +31,8 @@ enum What {
     /// Whether the third coordinate is z.
     Regroup(bool),
     Pause(u64),
+    /// The taps of x (0) or y (1).
+    Follow(usize, Taps),
     /// Whether z follows a mesh.
     Surface(bool),
     Nothing,
@@ -74,6 +76,9 @@ pub(crate) struct Tap {
     end: u64,
     /// Filament was laid away from the edge, or under a slicer's name.
     has_printed: bool,
+    /// What x and y follow, and the changes of it that nobody has taken.
+    taps: [Taps; 2],
+    shaper_changes: VecDeque<ShaperChange>,
 }
 
 impl Tap {
@@ -102,6 +107,8 @@ impl Tap {
             underruns: 0,
             end: 0,
             has_printed: false,
+            taps: [const { Taps::new() }; 2],
+            shaper_changes: VecDeque::new(),
         }
     }
 
@@ -146,6 +153,7 @@ impl Tap {
                 Work::Regroup(grouping) => What::Regroup(grouping == Grouping::Tool),
                 Work::Surface(frame) => What::Surface(!frame.is_none()),
                 Work::Dwell(time) => What::Pause(time.whole_ticks()),
+                Work::Follow(axis @ 0..=1, taps) => What::Follow(axis.into(), taps),
                 _ => What::Nothing,
             };
             self.queued.push_back(Queued { epoch, what });
@@ -188,19 +196,19 @@ impl Tap {
         while self.first != done {
             let Some(next) = self.queued.pop_front() else { break };
             self.first = self.first.wrapping_add(1);
-            self.take(next, None, is_met);
+            self.take(next, now, None, is_met);
         }
         // The present move stays queued until it is done, but it has begun.
         if let (Some(begin), Some(Queued { what, .. })) = (begin, self.queued.front_mut())
             && let What::Move(..) = what
         {
             let what = std::mem::replace(what, What::Nothing);
-            self.take(Queued { epoch, what }, Some(begin), is_met);
+            self.take(Queued { epoch, what }, now, Some(begin), is_met);
         }
     }
 
     /// The generator has begun what was queued.
-    fn take(&mut self, Queued { epoch, what }: Queued, begin: Option<u64>, is_met: bool) {
+    fn take(&mut self, Queued { epoch, what }: Queued, now: u64, begin: Option<u64>, is_met: bool) {
         let is_dropped = epoch != self.epoch || is_met;
         match what {
             _ if is_dropped => {}
@@ -214,7 +222,16 @@ impl Tap {
             What::Regroup(has_z) => self.has_z = has_z,
             What::Surface(is_on_mesh) => self.is_on_mesh = is_on_mesh,
             What::Pause(ticks) => self.end += ticks,
+            What::Follow(axis, taps) => self.reshape(now, axis, taps),
             What::Nothing => {}
+        }
+    }
+
+    /// An axis follows these taps. The Console says so whenever a setting changes, and mostly they are the same.
+    fn reshape(&mut self, tick: u64, axis: usize, taps: Taps) {
+        if self.taps[axis] != taps {
+            self.taps[axis].clone_from(&taps);
+            self.shaper_changes.push_back(ShaperChange { tick, axis, taps });
         }
     }
 
@@ -322,6 +339,11 @@ impl Tap {
         self.break_off(now);
         self.end(now);
         self.observer.finish();
+    }
+
+    /// The next change of a shaper.
+    pub fn reshaped(&mut self) -> Option<ShaperChange> {
+        self.shaper_changes.pop_front()
     }
 
     /// The next move that is judged.
