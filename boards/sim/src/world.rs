@@ -322,7 +322,8 @@ impl<'w> World<'w> {
         moved
     }
 
-    /// The generator has its turns, and what they mean is followed. A function of its own, because most events need none.
+    /// The generator has its turns, and their moves are followed. A function of its own, because most events need no
+    /// turn.
     #[inline(never)]
     fn generate(&mut self) {
         while self.shared.generator.replace(false) {
@@ -407,8 +408,8 @@ impl<'w> World<'w> {
         }
     }
 
-    /// The extruder's steps, for the plant of the heaters. Without one nothing is warm, and all events in the queue need
-    /// not be looked at.
+    /// The extruder's steps, for the plant of the heaters. Without a plant nothing asks for them, and counting takes a look
+    /// at each event in the queue.
     fn extruded(&mut self) -> i32 {
         if self.thermal.port().plant().is_none() {
             return 0;

@@ -77,7 +77,10 @@ function placeAt(moves, axis, t) {
   const i = moves.indexAt(t), p = moves.points[4 * i + axis], q = moves.points[4 * i + 4 + axis];
   return p + (q - p) * moves.share(i, t);
 }
-/** Acceleration of an axis before and after its shapers, in mm/s^2 at `n` times; the shaped one is late by the taps, `since` each time in force. */
+/**
+ * Acceleration of an axis before and after its shapers, in mm/s^2 at `n` times. The shaped one is late by the taps;
+ * `since` has the taps by the time from which they count.
+ */
 function shapedOf(moves, axis, since, from, to, n) {
   const width = (to - from) / n, h = Math.max(width / 2, 0.001), shaped = new Float64Array(n), plain = new Float64Array(n), time = new Float64Array(n);
   let taps = [[0, 1]], next = 0;

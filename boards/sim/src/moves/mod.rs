@@ -71,8 +71,8 @@ pub struct MadeMove {
     pub limit: Limit,
 }
 
-/// From now on an axis follows its moves through another shaper. It rests, and has rested since its last motion has
-/// left the shaper before.
+/// From now on an axis follows its moves through another shaper. It rests, and no copy of an earlier move is still to
+/// come.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ShaperChange {
     /// When, in ticks of motion time.
