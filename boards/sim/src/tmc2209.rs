@@ -312,8 +312,9 @@ impl Tmc2209 {
 /// A reply with the value of a register (section 4.1.2).
 fn reply(address: u8, value: u32) -> [u8; 8] {
     let [a, b, c, d] = value.to_be_bytes();
-    let body = [SYNC, MASTER, address, a, b, c, d];
-    [SYNC, MASTER, address, a, b, c, d, crc(&body)]
+    let mut reply = [SYNC, MASTER, address, a, b, c, d, 0];
+    reply[7] = crc(&reply[..7]);
+    reply
 }
 
 /// CRC-8 with polynomial x^8 + x^2 + x + 1, each byte from its least significant bit on (section 4.2).

@@ -5,6 +5,7 @@
 //! waits for a line.
 
 mod desk;
+mod heat;
 mod runs;
 mod z_shifts;
 
@@ -18,7 +19,6 @@ use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
 use corehbot::app::{Parts, StepPorts, assemble};
-use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
@@ -26,13 +26,12 @@ use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSe
 use corehbot::port::Storage;
 use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::thermal::{PERIOD_MS, ThermalControl};
-use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
+use corehbot::thermal::ThermalControl;
+use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::heat::Heat;
-use corehbot_rig::plant::Plant;
 pub use desk::Desk;
 pub use runs::{WorldError, run, run_at, run_on, run_with};
 use std::collections::VecDeque;
@@ -308,17 +307,7 @@ impl<'w> World<'w> {
         if !moved {
             shared.now.set(end_of_turn);
         }
-        if shared.now.get() >= self.next_period {
-            self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
-            self.befall();
-            self.thermal.period();
-            let extruded = self.extruded();
-            self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
-            if self.thermal.port().plant().is_some() {
-                let period = self.heat_period();
-                self.stepper.port().sink.heat(&period);
-            }
-        }
+        self.keep_heat();
         moved
     }
 
@@ -365,23 +354,6 @@ impl<'w> World<'w> {
         }
     }
 
-    /// Applies the accidents that are due by now.
-    fn befall(&mut self) {
-        let seconds = self.shared.now.get() as f64 / f64::from(TICKS_PER_SECOND);
-        while let Some((_, fault)) = self.probe_accidents.pop_front_if(|(at_s, _)| *at_s <= seconds) {
-            self.stepper.port().fail(fault);
-        }
-        while let [first, later @ ..] = self.accidents {
-            if first.at_s * f64::from(TICKS_PER_SECOND) > self.shared.now.get() as f64 {
-                return;
-            }
-            self.accidents = later;
-            if let Some(plant) = self.thermal.port().plant() {
-                first.happen(plant.faults());
-            }
-        }
-    }
-
     /// Tells the log of a mesh, if there is one, that z follows another surface, or that the firmware has given another
     /// name to a place.
     fn note_surface(&mut self) {
@@ -406,26 +378,6 @@ impl<'w> World<'w> {
             self.met = met;
             self.stepper.port().meet(fresh);
         }
-    }
-
-    /// The extruder's steps, for the plant of the heaters. Without a plant nothing asks for them, and counting takes a look
-    /// at each event in the queue.
-    fn extruded(&mut self) -> i32 {
-        if self.thermal.port().plant().is_none() {
-            return 0;
-        }
-        let counts = self.turned.motors(self.counts.read());
-        self.extruder.map_or(0, |motor| counts[motor.index()])
-    }
-
-    fn heat_period(&mut self) -> HeatPeriod {
-        let (now, tick, known) = (self.shared.now.get(), self.stepper.tick(), self.status.heat());
-        let heat = self.thermal.port();
-        let heaters = Heater::ALL.map(|heater| {
-            let duty = heat.duty(heater)?;
-            Some(HeaterPeriod { measured: known.measured(heater), target: known.target(heater), duty })
-        });
-        HeatPeriod { now, tick, heaters, fans: heat.fan_duties() }
     }
 
     /// Whether the Console has no work before a host sends more.
@@ -465,22 +417,6 @@ impl<'w> World<'w> {
     /// The bed, if it has a probe.
     pub fn bed(&mut self) -> Option<&mut BedPlant> {
         self.stepper.port().bed.as_deref_mut()
-    }
-
-    /// Its heat.
-    pub const fn heat(&mut self) -> &mut Heat {
-        self.thermal.port()
-    }
-
-    /// Its heat, for the next world: a restart of the firmware cools nothing.
-    pub fn take_plant(&mut self) -> Option<Box<Plant>> {
-        self.thermal.port().take_plant().map(Box::new)
-    }
-
-    /// Whether anything is to be warm, which takes its time.
-    #[must_use]
-    pub fn is_heating(&self) -> bool {
-        Heater::ALL.into_iter().any(|heater| self.status.heat().target(heater) > Celsius::ZERO)
     }
 
     /// The status shared by its contexts.
