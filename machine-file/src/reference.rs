@@ -48,7 +48,7 @@ fn twin(text: &mut String) {
     let routings = routings().join(", ");
     let _ = writeln!(text, "| `{ROUTING}` | {ROUTING_MEANING} |  | {routings} | {} |  |", Routing::AUTO);
     for row in &ROWS {
-        let TwinRow { key, unit, meaning, source, .. } = row;
+        let (TwinRow { key, meaning, source, .. }, unit) = (row, row.unit());
         let list = if row.is_list() { ", or a list" } else { "" };
         let default = row.default.map_or_else(|| "none".to_owned(), |value| float_toml(value).to_string());
         let _ =

@@ -176,7 +176,7 @@ fn number(name: &str, kind: Kind, legal: Legal) -> Value {
 
 /// The meaning of a number of the twin in one line, with unit and source.
 pub(crate) fn twin_meaning(row: &TwinRow) -> String {
-    let unit = if row.unit.is_empty() { String::new() } else { format!(" Unit: {}.", row.unit) };
+    let unit = if row.unit().is_empty() { String::new() } else { format!(" Unit: {}.", row.unit()) };
     let source = if row.default.is_some() { "Source" } else { "Default" };
     format!("{}.{unit} {source}: {}.", row.meaning, row.source)
 }

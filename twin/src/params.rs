@@ -1,16 +1,18 @@
 //! The machine in numbers: dimensions, masses and stiffnesses.
 //!
-//! [`ROWS`] has a row for each: key, unit, nominal value, meaning and source. A machine file has them in its table
+//! [`ROWS`] has a row for each: key, nominal value, meaning and source. A machine file has them in its table
 //! `[twin]`. Frequencies are proportional to the root of stiffness over mass.
 
 mod each;
 mod row;
 mod rows;
 mod serial;
+mod unit;
 
 pub use each::{Each, MOST_PARTS};
 pub use row::{Field, Parts, Range, Row};
 pub use rows::ROWS;
+pub use unit::split_unit;
 
 use crate::math::square;
 

@@ -8,7 +8,7 @@ use corehbot_twin::calibration::{
 };
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::math::{exp, log10};
-use corehbot_twin::params::{Each, Params, ROWS, Row};
+use corehbot_twin::params::{Each, Params, ROWS, Row, split_unit};
 use corehbot_twin::routing::{Machine, Place};
 use serde::Serialize;
 use std::path::Path;
@@ -93,7 +93,7 @@ impl Calibrated {
         let Found { params, estimates, not_told, unasked, misfits, spread, further } = found;
         let sourced = |estimate: Estimate| {
             let from = estimate.from.iter().filter_map(|i| names.get(*i)).cloned().collect();
-            let unit = Row::of(estimate.parameter.key()).map_or("", |row| row.unit);
+            let (_, unit) = split_unit(estimate.parameter.key());
             Sourced { estimate, unit, from }
         };
         let [estimates, not_told] = [estimates, not_told].map(|all| all.into_iter().map(sourced).collect());

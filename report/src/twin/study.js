@@ -8,12 +8,10 @@ for (const f of S.figures) for (const key of ["least", "median", "greatest"]) f[
 /** Whether values span more than rounding: a billionth of themselves. */
 const varies = (least, greatest) => greatest - least > 1e-9 * Math.max(Math.abs(least), Math.abs(greatest));
 
-/** A key's name and its unit, as `belt_EA_N` has them. */
-const UNITS = { kg: "kg", N: "N", s: "s", A: "A", V: "V", Hz: "Hz", mm: "mm", um: "\u00b5m", mH: "mH", ohm: "\u03a9", percent: "%", Nm: "N m", mNm: "mN m", Nm_s: "N m s", kg_m2: "kg m\u00b2", mm_s: "mm/s", mm_s2: "mm/s\u00b2", kg_per_m: "kg/m", N_per_mm: "N/mm", N_s_per_m: "N s/m", Nm_per_rad: "N m/rad", um_per_m_s2: "\u00b5m per m/s\u00b2" };
-function named(key) {
-  // The longest unit that the key ends with: a shorter one may be its end.
-  const units = Object.keys(UNITS).filter(unit => key.endsWith("_" + unit)).sort((a, b) => b.length - a.length);
-  return units.length ? [key.slice(0, -units[0].length - 1), UNITS[units[0]]] : [key, undefined];
+/** The title and the unit of a key or a figure. */
+function named(name) {
+  const [title, unit] = D.titles[name];
+  return [title, unit.replace(/([ms])2/g, "$1\u00b2").replace(/^um/, "\u00b5m").replace("ohm", "\u03a9") || undefined];
 }
 const several = new Set(S.figures.map(f => f.machine)).size > 1;
 const rows = S.figures.map(f => [f.name + (several ? ", " + f.machine : ""), ...[f.least, f.median, f.greatest].map(valueText), ...D.keys.map(key => {

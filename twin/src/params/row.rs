@@ -1,13 +1,11 @@
 //! Row: what there is to know about a number of a machine.
 
-use super::{Each, Params};
+use super::{Each, Params, split_unit};
 
 /// A number of the machine.
 pub struct Row {
-    /// Its key in the table `[twin]` of a machine file.
+    /// Its key in the table `[twin]` of a machine file, which ends with its unit.
     pub key: &'static str,
-    /// Its unit; empty for a count.
-    pub unit: &'static str,
     /// Its nominal value; `None` where another one counts in its place, as `source` says.
     pub default: Option<f64>,
     /// Its legal values.
@@ -110,6 +108,12 @@ impl std::fmt::Debug for Row {
 impl Row {
     /// The greatest legal value of any number.
     pub const MOST: f64 = 1e6;
+
+    /// Its unit; empty for a count or a ratio.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        split_unit(self.key).1
+    }
 
     /// Its numbers on a machine.
     #[must_use]

@@ -1,4 +1,4 @@
-//! Rows: every number of a machine, with its key, unit, nominal value, legal values, meaning and source.
+//! Rows: every number of a machine, with its key, nominal value, legal values, meaning and source.
 //!
 //! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). The prototype's masses, guides, friction and
 //! damping are not published, so those values are *assumed*.
@@ -17,7 +17,6 @@ impl Row {
 pub static ROWS: [Row; 44] = [
     Row {
         key: "width_mm",
-        unit: "mm",
         default: Some(470.0),
         range: Range::Positive,
         meaning: "Width W between the axes of motors 1 and 4",
@@ -26,7 +25,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "depth_mm",
-        unit: "mm",
         default: Some(470.0),
         range: Range::Positive,
         meaning: "Depth D between the axes of motors 1 and 11",
@@ -35,7 +33,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "height_mm",
-        unit: "mm",
         default: Some(470.0),
         range: Range::Positive,
         meaning: "Height over which belts lift the tool, on a machine where belts do",
@@ -44,7 +41,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "pulley_radius_mm",
-        unit: "mm",
         default: Some(6.35),
         range: Range::Positive,
         meaning: "Radius r of the belt's pitch line on every pulley",
@@ -53,7 +49,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "motor_radius_mm",
-        unit: "mm",
         default: None,
         range: Range::Positive,
         meaning: "The same on each motor, in the order of the motors' numbers, where pulleys differ ([H] equation \
@@ -63,7 +58,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "bar_pulleys_mm",
-        unit: "mm",
         default: Some(52.4),
         range: Range::NotNegative,
         meaning: "Distance d of the bar's front and back pulleys",
@@ -72,7 +66,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "head_pulleys_mm",
-        unit: "mm",
         default: Some(80.0),
         range: Range::NotNegative,
         meaning: "Distance e of the head's pulleys, or of the belt's clamps on it",
@@ -81,7 +74,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "outside_mm",
-        unit: "mm",
         default: Some(0.0),
         range: Range::NotNegative,
         meaning: "Free belt of each span outside the rectangle of W and D, in the order of the spans of `twin \
@@ -91,7 +83,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "belt_EA_N",
-        unit: "N",
         default: Some(30000.0),
         range: Range::Positive,
         meaning: "Tensile stiffness of each belt (modulus times section), N per unit of strain",
@@ -101,7 +92,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "preload_N",
-        unit: "N",
         default: Some(40.0),
         range: Range::NotNegative,
         meaning: "Tension of each belt at rest",
@@ -110,7 +100,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "belt_kg_per_m",
-        unit: "kg/m",
         default: Some(0.0125),
         range: Range::Positive,
         meaning: "Mass of a metre of each belt, used for plucked parts",
@@ -119,7 +108,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "belt_damping_s",
-        unit: "s",
         default: Some(0.0002),
         range: Range::NotNegative,
         meaning: "Damping of the belt over its stiffness",
@@ -128,7 +116,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "head_mass_kg",
-        unit: "kg",
         default: Some(0.6),
         range: Range::Positive,
         meaning: "Mass of the head, which moves in x",
@@ -137,7 +124,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "bar_mass_kg",
-        unit: "kg",
         default: Some(1.2),
         range: Range::NotNegative,
         meaning: "Mass of the bar that carries the head, with carriages and pulleys",
@@ -146,7 +132,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "gantry_mass_kg",
-        unit: "kg",
         default: Some(2.0),
         range: Range::NotNegative,
         meaning: "Mass of the gantry that carries the bar, where belts lift all three",
@@ -155,7 +140,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "bed_mass_kg",
-        unit: "kg",
         default: Some(1.0),
         range: Range::Positive,
         meaning: "Mass of the bed, where a belt moves the bed in y",
@@ -164,7 +148,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "bar_yaw_inertia_kg_m2",
-        unit: "kg m2",
         default: None,
         range: Range::Positive,
         meaning: "Inertia of the bar about its middle, without the head",
@@ -173,7 +156,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "bar_yaw_stiffness_Nm_per_rad",
-        unit: "N m/rad",
         default: Some(2000.0),
         range: Range::NotNegative,
         meaning: "Stiffness with which the guides hold the bar square",
@@ -182,7 +164,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "gantry_tilt_stiffness_Nm_per_rad",
-        unit: "N m/rad",
         default: Some(2000.0),
         range: Range::NotNegative,
         meaning: "Stiffness with which the guides in z hold the gantry level, where belts lift it",
@@ -191,7 +172,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "frame_mass_kg",
-        unit: "kg",
         default: Some(10.0),
         range: Range::Positive,
         meaning: "Mass of the frame, where it has a stiffness",
@@ -200,7 +180,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "frame_stiffness_N_per_mm",
-        unit: "N/mm",
         default: None,
         range: Range::Positive,
         meaning: "Stiffness with which the ground holds the frame in x and in y; the frame then vibrates too",
@@ -209,7 +188,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "frame_damping_ratio",
-        unit: "",
         default: Some(0.03),
         range: Range::NotNegative,
         meaning: "Damping ratio of the frame on the ground with all that it carries, where it has a stiffness",
@@ -218,7 +196,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "idler_inertia_kg_m2",
-        unit: "kg m2",
         default: Some(2.5e-07),
         range: Range::Positive,
         meaning: "Inertia of an idler",
@@ -227,7 +204,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "rotor_inertia_kg_m2",
-        unit: "kg m2",
         default: Some(5.4e-06),
         range: Range::Positive,
         meaning: "Inertia of a motor's rotor with its pulley",
@@ -236,7 +212,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "holding_torque_Nm",
-        unit: "N m",
         default: Some(0.4),
         range: Range::Positive,
         meaning: "Holding torque of a motor at its run current",
@@ -245,7 +220,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "run_current_A",
-        unit: "A",
         default: Some(1.2),
         range: Range::Positive,
         meaning: "Run current of a motor, RMS of a phase, that gives the holding torque. With resistance, \
@@ -255,7 +229,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "phase_resistance_ohm",
-        unit: "ohm",
         default: Some(2.9),
         range: Range::Positive,
         meaning: "Resistance of a phase",
@@ -264,7 +237,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "phase_inductance_mH",
-        unit: "mH",
         default: Some(6.0),
         range: Range::Positive,
         meaning: "Inductance of a phase",
@@ -273,7 +245,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "supply_V",
-        unit: "V",
         default: Some(24.0),
         range: Range::Positive,
         meaning: "Supply of the motor drivers",
@@ -282,7 +253,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "motors_in_series",
-        unit: "",
         default: Some(1.0),
         range: Range::Count,
         meaning: "Motors in series on a driver of the belts, which share its supply",
@@ -291,7 +261,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "pole_pairs",
-        unit: "",
         default: Some(50.0),
         range: Range::Count,
         meaning: "Pole pairs of a motor: 50 for steps of 1.8 degrees",
@@ -300,7 +269,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "detent_torque_Nm",
-        unit: "N m",
         default: None,
         range: Range::NotNegative,
         meaning: "Detent torque of a motor; 0 leaves it out",
@@ -310,7 +278,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "full_step_error_percent",
-        unit: "%",
         default: Some(2.0),
         range: Range::NotNegative,
         meaning: "Amplitude of the error of a motor's field once a full step, of a full step, for `twin ripple`",
@@ -319,7 +286,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "half_turn_error_percent",
-        unit: "%",
         default: Some(2.0),
         range: Range::NotNegative,
         meaning: "The same twice an electrical turn, by phases of unlike strength",
@@ -328,7 +294,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "electrical_turn_error_percent",
-        unit: "%",
         default: Some(2.0),
         range: Range::NotNegative,
         meaning: "The same once an electrical turn, by an offset of a phase's current",
@@ -337,7 +302,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "tooth_error_um",
-        unit: "um",
         default: Some(2.0),
         range: Range::NotNegative,
         meaning: "Amplitude of the error of belt and motor pulley from tooth to tooth, for `twin ripple`",
@@ -346,7 +310,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "pulley_eccentricity_um",
-        unit: "um",
         default: Some(15.0),
         range: Range::NotNegative,
         meaning: "Distance of a pulley's circle from its axis, for `twin ripple`",
@@ -355,7 +318,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "rotor_damping_Nm_s",
-        unit: "N m s",
         default: Some(0.0002),
         range: Range::NotNegative,
         meaning: "Viscous friction of a rotor",
@@ -364,7 +326,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "guide_x_N_s_per_m",
-        unit: "N s/m",
         default: Some(2.0),
         range: Range::NotNegative,
         meaning: "Viscous friction of the guide in x",
@@ -373,7 +334,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "guide_y_N_s_per_m",
-        unit: "N s/m",
         default: Some(4.0),
         range: Range::NotNegative,
         meaning: "Viscous friction of the guides in y",
@@ -382,7 +342,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "guide_z_N_s_per_m",
-        unit: "N s/m",
         default: Some(4.0),
         range: Range::NotNegative,
         meaning: "Viscous friction of the guides in z, where belts lift the tool",
@@ -391,7 +350,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "dry_friction_x_N",
-        unit: "N",
         default: Some(0.5),
         range: Range::NotNegative,
         meaning: "Dry friction of the guide in x",
@@ -400,7 +358,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "dry_friction_y_N",
-        unit: "N",
         default: Some(1.0),
         range: Range::NotNegative,
         meaning: "Dry friction of the guides in y",
@@ -409,7 +366,6 @@ pub static ROWS: [Row; 44] = [
     },
     Row {
         key: "dry_friction_z_N",
-        unit: "N",
         default: Some(1.0),
         range: Range::NotNegative,
         meaning: "Dry friction of the guides in z, where belts lift the tool",

@@ -5,9 +5,10 @@ use super::plan::{Sample, Study};
 use super::summary::Summary;
 use anyhow::{Context as _, Result};
 use corehbot_report::twin::{STUDY, fill};
+use corehbot_twin::params::split_unit;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 
 /// Most samples that are drawn; of more, the samples of points chosen by chance.
@@ -18,7 +19,9 @@ struct Data<'a> {
     file: &'a str,
     summary: &'a Summary,
     keys: &'a [String],
-    figures: Vec<&'static str>,
+    figures: &'a [&'a str],
+    /// The title and the unit of each key and each figure.
+    titles: BTreeMap<&'a str, (&'a str, &'static str)>,
     machines: Vec<&'static str>,
     points: Vec<Drawn>,
 }
@@ -51,11 +54,14 @@ pub(super) fn write(
     };
     let machines = study.machines.len().max(1);
     let points = chosen(study.samples / machines, MOST_DRAWN / machines);
+    let figures: Vec<&str> = study.figures().collect();
+    let names = study.keys.iter().map(String::as_str).chain(figures.iter().copied());
     let data = Data {
         file,
         summary,
         keys: &study.keys,
-        figures: study.figures().collect(),
+        figures: &figures,
+        titles: names.map(|name| (name, split_unit(name))).collect(),
         machines: study.machines.iter().map(|machine| machine.name()).collect(),
         points: samples
             .iter()
@@ -83,7 +89,6 @@ mod tests {
     use super::*;
     use crate::twin::study::read;
     use serde_json::Value;
-    use std::collections::BTreeMap;
 
     /// Two machines, and 10 * 6 * 60 points; a page draws 2,500 of them.
     const STUDY: &str = "\
