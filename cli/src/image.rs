@@ -13,6 +13,7 @@ use corehbot::settings::Settings;
 use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, clear_machine, put_machine};
 use corehbot_boards as boards;
 use corehbot_machine_file::{self as machine_file, Machine};
+use memchr::memmem;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -121,7 +122,7 @@ fn board_in(image: &mut [u8]) -> Result<&'static BoardConnectors> {
 
 /// The machine block of an image.
 fn block_in(image: &mut [u8]) -> Result<&mut [u8; BLOCK]> {
-    let mut places = image.windows(MARK.len()).enumerate().filter(|(_, bytes)| *bytes == MARK).map(|(at, _)| at);
+    let mut places = memmem::find_iter(image, &MARK);
     let (first, second) = (places.next(), places.next());
     let place = first.filter(|_| second.is_none());
     let block = place.and_then(|at| image.get_mut(at..at + BLOCK)).and_then(|block| block.try_into().ok());
