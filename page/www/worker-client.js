@@ -71,6 +71,9 @@ class Firmware {
   }
 }
 
+// A file that is chosen again is read again: browsers tell of another name only.
+for (const input of document.querySelectorAll('input[type=file]')) input.onclick = () => { input.value = ''; };
+
 function save(name, content, type) {
   const link = make('a', { href: URL.createObjectURL(new Blob([content], { type })), download: name });
   link.click();

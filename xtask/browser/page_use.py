@@ -26,6 +26,15 @@ DROP = """const data = new DataTransfer();
     data.items.add(new File(['G28\\nG1 X10 F6000\\n'], arguments[0]));
     document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
 
+# What file inputs hold when they are about to be used again. The event opens no window of the system.
+CLEARED = """return [...document.querySelectorAll('input[type=file]')].map(input => {
+    const data = new DataTransfer();
+    data.items.add(new File(['G28'], 'old.gcode'));
+    input.files = data.files;
+    input.dispatchEvent(new Event('click'));
+    return input.value;
+});"""
+
 # How high the picture in the report is.
 TALL = "return document.querySelector('#report').contentDocument?.querySelector('.stage')?.clientHeight ?? 0"
 
@@ -81,6 +90,7 @@ def check_drop(browser):
         browser.run(DROP, name)
         browser.wait(f"place of {name}", lambda: browser.find(f"#{tab}").is_displayed(), 20)
     check(text(browser, "#file-name") == "again.gcode", f"the file is {text(browser, '#file-name')}")
+    check(browser.run(CLEARED) == ["", ""], "a file that is chosen again is not read again")
     Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
     browser.find("#start").click()
     check(printed(browser) == "printed", f"the dropped file: {text(browser, '#failure')}")
