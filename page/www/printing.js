@@ -87,14 +87,15 @@ $('presets').append(...PRESETS.map(([name, accident]) =>
 
 // --- any other accident: its kind from a list, its place from the list or from the picture
 
+// By group and name: belts and heat have kinds of one name.
 const kinds = new Map();
 
 answers.call('accidents').then(text => {
   const groups = new Map(['Belts', 'Heat', 'Probe'].map(label => [label, make('optgroup', { label })]));
   for (const kind of JSON.parse(text)) {
-    kinds.set(kind.name, kind);
-    const group = kind.option === 'accidents' ? 'Belts' : kind.is_of_probe ? 'Probe' : 'Heat';
-    groups.get(group).append(make('option', { value: kind.name }, kind.name));
+    const group = kind.option === 'accidents' ? 'Belts' : kind.is_of_probe ? 'Probe' : 'Heat', value = `${group} ${kind.name}`;
+    kinds.set(value, kind);
+    groups.get(group).append(make('option', { value }, kind.name));
   }
   $('accident').append(...groups.values());
   showKind();
@@ -120,8 +121,8 @@ $('accident').onchange = $('accident-place').oninput = showKind;
 // A click on a belt breaks its cords; one on a motor or a pulley keeps the kind, if it can be of one.
 const partsPicture = new MachinePicture($('parts'), (role, name) => {
   const [kind, place] = [$('accident'), $('accident-place')];
-  if (role === 'belt') kind.value = 'cord';
-  else if (chosenKind()?.option !== 'accidents' || role === 'idler') kind.value = 'seized';
+  if (role === 'belt') kind.value = 'Belts cord';
+  else if (chosenKind()?.option !== 'accidents' || role === 'idler') kind.value = 'Belts seized';
   place.value = name;
   showKind();
 });
@@ -141,8 +142,8 @@ async function showParts() {
 }
 
 $('add-accident').onclick = () => {
-  const [name, place, how, time] = ['accident', 'accident-place', 'accident-how', 'accident-time'].map(id => $(id).value.trim());
-  const { option, how: takes } = chosenKind();
+  const [place, how, time] = ['accident-place', 'accident-how', 'accident-time'].map(id => $(id).value.trim());
+  const { option, name, how: takes } = chosenKind();
   addAccident({ [option]: [name, place, takes && how].filter(Boolean).join(':') + `@${time}` });
 };
 
