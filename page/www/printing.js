@@ -215,8 +215,8 @@ async function start() {
   $('how-far').textContent = 'reads the file';
   begun = performance.now();
   try {
-    const bytes = gcode.bytes.slice().buffer;
-    done(await printer.call('print', JSON.stringify(job()), bytes));
+    const { name, bytes } = gcode;
+    done(name, await printer.call('print', JSON.stringify(job()), bytes.slice().buffer));
   } catch (error) {
     $('how-far').textContent = error.message === 'cancelled' ? 'cancelled' : '';
     if (error.message !== 'cancelled') fail(error.message);
@@ -231,9 +231,9 @@ function fail(words) {
   $('failure').scrollIntoView({ block: 'nearest' });
 }
 
-function done({ summary, words, report, seconds }) {
+function done(file, { summary, words, report, seconds }) {
   const figures = JSON.parse(summary);
-  printed = { summary, report, name: gcode.name.replace(/\.[^.]*$/, ''), seconds };
+  printed = { summary, report, name: file.replace(/\.[^.]*$/, ''), seconds };
   const ratio = figures.print_time_s / seconds;
   $('how-far').textContent = `printed in ${seconds.toFixed(2)} s, ${ratio.toFixed(0)} times real time`;
   $('result-name').textContent = `${figures.file} on ${figures.machine}, ${time(figures.print_time_s)}`;

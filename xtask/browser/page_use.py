@@ -269,14 +269,16 @@ def check_saved(browser, folder):
     browser.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)})
     check_print(browser)
     browser.find("#tab-print").click()
+    # Another file is chosen meanwhile.
+    Select(browser.find("#example")).select_by_value("tiny.gcode")
     hash = text(browser, "#sha256")
     for control in ("save-report", "save-summary"):
         browser.find(f"#{control}").click()
     browser.find("#tab-machine").click()
     browser.find("#save-machine").click()
     saved = lambda end: next((path.read_text() for path in folder.glob(f"*{end}")), "")
-    browser.wait("saved report", lambda: hash in saved(".html") and saved(".html").rstrip().endswith("</html>"), 20)
-    browser.wait("saved summary", lambda: saved(".json").rstrip().endswith("}"), 20)
+    browser.wait("saved report", lambda: hash in saved("circle.html") and saved("circle.html").rstrip().endswith("</html>"), 20)
+    browser.wait("saved summary", lambda: saved("circle.json").rstrip().endswith("}"), 20)
     check(json.loads(saved(".json"))["trace_sha256"] == hash, "the saved summary is of another print")
     browser.wait("saved machine file", lambda: saved(".toml") == value_of(browser, "#text"), 20)
 
