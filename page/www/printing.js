@@ -253,7 +253,11 @@ const BORDERS_PX = 2;
 $('report').onload = () => {
   const content = $('report').contentDocument?.documentElement;
   if (!content || !printed) return;
-  const fit = () => { $('report').style.height = `${content.querySelector('body').scrollHeight + BORDERS_PX}px`; };
+  const fit = () => {
+    // A frame that is hidden has no height; it keeps its own, so that the page can scroll to the next result.
+    const height = content.querySelector('body').scrollHeight;
+    if (height) $('report').style.height = `${height + BORDERS_PX}px`;
+  };
   new ResizeObserver(fit).observe(content.querySelector('body'));
   fit();
 };
