@@ -63,6 +63,10 @@ struct State {
     is_halted: bool,
     is_for_user: bool,
     is_ready: bool,
+    is_moving: bool,
+    /// When motors were last seen to have stepped, in s.
+    #[serde(skip)]
+    stepped_s: Option<f64>,
     moves_ahead: u32,
     heaters: Vec<Warmth>,
 }
@@ -222,7 +226,8 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
             for wire in world.wires() {
                 line.to_page.borrow_mut().extend(wire.heard());
             }
-            *line.state.borrow_mut() = state(&mut world, &settings);
+            let seen = state(&mut world, &settings, &line.state.borrow());
+            line.state.replace(seen);
             until_asked().await;
         }
         if is_off {
@@ -264,7 +269,10 @@ fn moved(settings: &Settings, place: [Mm; 3], counts: [i32; MOTORS]) -> [Mm; 3] 
     std::array::from_fn(|axis| Mm::from_num(place[axis].to_num::<f64>() + way[axis] / pitch[axis]))
 }
 
-fn state(world: &mut World<'_>, settings: &Settings) -> State {
+/// Motors that have not stepped for so long stand still, in s of the printer's time.
+const STILL_S: f64 = 0.2;
+
+fn state(world: &mut World<'_>, settings: &Settings, before: &State) -> State {
     let status = world.status();
     let known = status.heat();
     let heaters = Heater::ALL.into_iter().filter(|heater| settings.thermal.heater(*heater).is_fitted);
@@ -274,9 +282,13 @@ fn state(world: &mut World<'_>, settings: &Settings) -> State {
         target_c: known.target(heater).to_num(),
         duty: f64::from(known.duty(heater)) / f64::from(u16::MAX),
     });
+    let (now_s, counts) = (world.now() as f64 / f64::from(TICKS_PER_SECOND), world.outcome().counts);
+    let stepped_s = if counts == before.counts { before.stepped_s } else { Some(now_s) };
     State {
-        now_s: world.now() as f64 / f64::from(TICKS_PER_SECOND),
-        counts: world.outcome().counts,
+        now_s,
+        counts,
+        stepped_s,
+        is_moving: stepped_s.is_some_and(|stepped_s| now_s - stepped_s < STILL_S),
         is_off: false,
         is_halted: status.is_halted(),
         is_for_user: status.is_awaiting_user(),
@@ -309,6 +321,23 @@ mod tests {
         let seen: serde_json::Value = serde_json::from_str(&terminal.state()).unwrap();
         assert_eq!(seen["tool_mm"][0].as_f64().unwrap().round(), 110.0);
         assert!(seen["picture"]["belts"][0]["path"].as_str().unwrap().starts_with('M'));
+    }
+
+    #[test]
+    fn it_moves_until_the_last_move_has_ended() {
+        let mut terminal = at_home();
+        let moves = |terminal: &Terminal| terminal.state().contains("\"is_moving\":true");
+        // Motors get their power.
+        asked(&mut terminal, "G1 X110 F6000\nM400\n", 9_000.0);
+        terminal.turn(1000.0);
+        assert!(!moves(&terminal));
+        // A move of 1 s, which the host does not wait for.
+        assert!(asked(&mut terminal, "G1 X120 F600\n", 500.0).contains("ok"));
+        assert!(moves(&terminal) && terminal.state().contains("\"moves_ahead\":0"));
+        for _ in 0..20 {
+            terminal.turn(100.0);
+        }
+        assert!(!moves(&terminal));
     }
 
     #[test]

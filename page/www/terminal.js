@@ -105,8 +105,8 @@ answers.call('hands').then(hands => {
 
 function heard({ terminal: { said, state } }) {
   if (said) log(said);
-  const { tool_mm: tool, is_off: isOff, is_halted: isHalted, is_for_user: isForUser, is_ready: isReady, moves_ahead: ahead, heaters, turns, picture: moved, now_s: now } = JSON.parse(state);
-  const word = isOff ? 'off' : isHalted ? 'halted' : isForUser ? 'waits for the user' : isReady && !ahead ? 'ready' : 'busy';
+  const { tool_mm: tool, is_off: isOff, is_halted: isHalted, is_for_user: isForUser, is_ready: isReady, is_moving: isMoving, moves_ahead: ahead, heaters, turns, picture: moved, now_s: now } = JSON.parse(state);
+  const word = isOff ? 'off' : isHalted ? 'halted' : isForUser ? 'waits for the user' : isMoving ? 'moving' : isReady && !ahead ? 'ready' : 'busy';
   if ($('state').textContent !== word) {
     $('state').textContent = word;
     $('state').className = `badge ${isOff ? '' : isHalted ? 'bad' : 'good'}`;

@@ -239,6 +239,7 @@ def check_terminal(browser):
     # Belt, bar, head and at least one motor. All four turn, once the tool goes along X and then along Y.
     still = lambda: [part for part, now in browser.run(MOVED).items() if now == before[part]]
     browser.wait("motion of the picture", lambda: not still())
+    browser.wait("motion", lambda: text(browser, "#state") == "moving")
     command.send_keys("G1 X50 Y50 F6000", Keys.ENTER, "M400", Keys.ENTER)
     browser.wait("place", lambda: "X50.00 Y50.00" in text(browser, "#place"))
     command.send_keys("M112", Keys.ENTER)
