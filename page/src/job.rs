@@ -85,24 +85,45 @@ impl Job {
         })
     }
 
-    /// The first refusal of each plant, as JSON; none if the machine file is wrong.
+    /// The refusals of each field and of each accident, as JSON; none if the machine file is wrong.
     #[must_use]
     pub fn refusals(&self) -> String {
         let Ok(machine) = self.machine() else { return "[]".to_owned() };
         let settings = &machine.settings;
         let homed = self.homed();
         let place = homed.as_ref().ok().copied().flatten();
-        let found: Vec<Refusal> = [
-            homed.err(),
-            self.belt(&machine, place).err(),
-            asked::heat_accidents(&self.breaks, settings).err(),
-            asked::probe_accidents(&self.breaks, settings).err(),
-            self.bed(settings).err(),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
+        let mut found: Vec<Refusal> = homed.err().into_iter().chain(self.bed(settings).err()).collect();
+        for job in self.parted() {
+            let refusals = [
+                job.belt(&machine, place).err(),
+                asked::heat_accidents(&job.breaks, settings).err(),
+                asked::probe_accidents(&job.breaks, settings).err(),
+            ];
+            for refusal in refusals.into_iter().flatten() {
+                if !found.contains(&refusal) {
+                    found.push(refusal);
+                }
+            }
+        }
         serde_json::to_string(&found).unwrap_or_default()
+    }
+
+    /// The job without its accidents, and each of them alone: the first wrong one hides no other one.
+    fn parted(&self) -> Vec<Self> {
+        let mut bare = self.clone();
+        let lists: [fn(&mut Self) -> &mut Vec<String>; 4] =
+            [|job| &mut job.hits, |job| &mut job.brakes, |job| &mut job.accidents, |job| &mut job.breaks];
+        let texts = lists.map(|list| std::mem::take(list(&mut bare)));
+        let seedless = Self { seed: None, ..bare.clone() };
+        let mut jobs = vec![bare];
+        for (list, texts) in lists.into_iter().zip(texts) {
+            for text in texts {
+                let mut job = seedless.clone();
+                list(&mut job).push(text);
+                jobs.push(job);
+            }
+        }
+        jobs
     }
 
     /// The machine.
@@ -139,7 +160,10 @@ impl Job {
                 None => Ok(None),
             };
         }
-        let whole = |text: &str| text.parse().map_err(|_| Refusal::new("seed", text, &"expected a whole number"));
+        let whole = |text: &str| {
+            let why = format!("expected a whole number, 0 to {}", u64::MAX);
+            text.parse::<u64>().map_err(|_| Refusal::new("seed", text, &why))
+        };
         let seed = seed.as_deref().map(whole).transpose()?;
         Belts { seed, hits, brakes, accidents }.plant(machine, homed).map(Some)
     }
@@ -197,10 +221,12 @@ mod tests {
         assert!(refusal(&Job { hits: vec!["1,2,3".into()], ..belts.clone() }).contains("X,Y,N,MS"));
         assert!(refusal(&Job { seed: Some("-1".into()), ..belts.clone() }).starts_with("--seed -1: expected a whole"));
         assert!(refusal(&Job { bed: Some("bowl=1".into()), ..job.clone() }).contains("no probe"));
-        let wrong = Job { accidents: vec!["seized:m9@1s".into()], breaks: vec!["kick@1s".into()], ..belts };
-        let refusals: serde_json::Value = serde_json::from_str(&wrong.refusals()).unwrap();
-        let named = |index: usize| (refusals[index]["option"].as_str(), refusals[index]["text"].as_str());
-        assert_eq!((named(0), named(1)), ((Some("accident"), Some("seized:m9@1s")), (Some("break"), Some("kick@1s"))));
+        let [accidents, breaks] = [["seized:m9@1s", "seized:99@1s"], ["kick@1s", "open:hotend@1s"]]
+            .map(|two| two.map(str::to_owned).to_vec());
+        let wrong = Job { seed: Some("-1".into()), accidents, breaks, ..belts };
+        let refusals: Vec<serde_json::Value> = serde_json::from_str(&wrong.refusals()).unwrap();
+        let texts: Vec<_> = refusals.iter().filter_map(|refusal| refusal["text"].as_str()).collect();
+        assert_eq!(texts, ["-1", "seized:m9@1s", "seized:99@1s", "kick@1s", "open:hotend@1s"]);
         let (machine, machine_file) = (Some("[axes.x]\nlength = 0\n".to_owned()), "mine.toml".to_owned());
         assert!(refusal(&Job { machine, machine_file, ..job }).starts_with("mine.toml:2:"));
         assert!(Job::read("{\"colour\":1}").is_err());
