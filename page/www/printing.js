@@ -28,12 +28,21 @@ async function takeFile(file) {
 }
 
 $('file').onchange = event => takeFile(event.target.files[0]);
-for (const name of ['dragover', 'dragleave', 'drop'])
-  document.addEventListener(name, event => {
-    event.preventDefault();
-    $('drop').classList.toggle('over', name === 'dragover');
-    if (name === 'drop') takeFile(event.dataTransfer.files[0]);
-  });
+
+// Takes files that are dropped in a document, unless a part of it has taken them.
+function takeDrops(where) {
+  for (const name of ['dragover', 'dragleave', 'drop'])
+    where.addEventListener(name, async event => {
+      const isTaken = event.defaultPrevented;
+      event.preventDefault();
+      $('drop').classList.toggle('over', name === 'dragover' && !isTaken);
+      const [file] = event.dataTransfer.files;
+      if (name !== 'drop' || isTaken || !file) return;
+      await takeFile(file);
+      $('drop').scrollIntoView({ block: 'nearest' });
+    });
+}
+takeDrops(document);
 
 $('example').append(make('option', { value: '' }, 'choose an example'),
   ...Object.keys(EXAMPLES.gcode).map(name => make('option', { value: name }, name.replace(/\.gcode$/, ''))));
@@ -260,6 +269,7 @@ $('report').onload = () => {
   };
   new ResizeObserver(fit).observe(content.querySelector('body'));
   fit();
+  takeDrops($('report').contentDocument);
 };
 
 $('start').onclick = start;

@@ -24,7 +24,7 @@ ENDLESS = "const lines = ['G28', 'G1 F3000']; for (let i = 0; i < 40000; i++) li
 # A file that is dropped, as a file manager does it.
 DROP = """const data = new DataTransfer();
     data.items.add(new File(['G28\\nG1 X10 F6000\\n'], arguments[0]));
-    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
+    (arguments[1] ? document.querySelector(arguments[1]).contentDocument : document).body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
 
 # What file inputs hold when they are about to be used again. The event opens no window of the system.
 CLEARED = """return [...document.querySelectorAll('input[type=file]')].map(input => {
@@ -94,6 +94,10 @@ def check_drop(browser):
     Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
     browser.find("#start").click()
     check(printed(browser) == "printed", f"the dropped file: {text(browser, '#failure')}")
+    # On the report too, but for the place that takes a second report.
+    browser.wait("report", lambda: browser.run(TALL) > 0)
+    browser.run(DROP, "on-report.gcode", "#report")
+    browser.wait("file", lambda: text(browser, "#file-name") == "on-report.gcode", 20)
 
 
 def check_accident(browser):
