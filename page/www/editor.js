@@ -21,7 +21,7 @@ listeners.push(load);
 
 text.oninput = () => {
   shown = text.value;
-  edit(shown, chosenMachine === MINE ? mine.name : chosenMachine);
+  edit(shown);
   drawEditor();
   check();
 };
@@ -177,6 +177,6 @@ function insert(path, key) {
   go({ line: at + 1, column: 1 });
 }
 
-$('save-machine').onclick = () => save(chosenMachine === MINE ? mine.name : chosenMachine, text.value, 'application/toml');
+$('save-machine').onclick = () => save(machineName(), text.value, 'application/toml');
 
 load();

@@ -1,13 +1,14 @@
-// The machines to choose from: the prototype, the files of examples/machines, new files for a board, and the file of
-// the editor. All lists show the same choice.
+// The machines to choose from: the prototype, the files of examples/machines, new files for a board, and the user's own
+// files. All lists show the same choice.
 'use strict';
 
-const PROTOTYPE = 'prototype.toml', MINE = 'mine';
+// Files that were opened, made for a board or edited, with their names and texts; none is lost by another choice.
+const own = [];
 
-// The text of the editor, once it differs from a chosen file.
-const mine = { name: 'machine.toml', text: null };
+// An example's name, or `own` and a number.
+let chosenMachine = 'prototype.toml';
 
-let chosenMachine = PROTOTYPE;
+const ownMachine = () => own.find((_, index) => chosenMachine === `own ${index}`);
 
 // One worker for short questions.
 const answers = new Firmware();
@@ -21,7 +22,12 @@ function fill() {
     const groups = [make('optgroup', { label: 'Examples' }, ...files)];
     if (boardNames.length)
       groups.push(make('optgroup', { label: 'A new file for a board' }, ...boardNames.map(name => make('option', { value: `board ${name}` }, name))));
-    if (mine.text !== null) groups.unshift(make('option', { value: MINE }, 'the edited file'));
+    const label = ({ name }, index) => {
+      const earlier = own.slice(0, index).filter(other => other.name === name).length;
+      return name.replace(/\.toml$/, '') + (earlier ? ` (${earlier + 1})` : '');
+    };
+    if (own.length)
+      groups.unshift(make('optgroup', { label: 'Your files' }, ...own.map((file, index) => make('option', { value: `own ${index}` }, label(file, index)))));
     list.replaceChildren(...groups);
     list.value = chosenMachine;
   }
@@ -30,11 +36,11 @@ function fill() {
 let boardNames = [];
 answers.call('boards').then(names => { boardNames = JSON.parse(names); fill(); }, () => {});
 
-// Chooses a machine everywhere. A new file for a board is made once, and is then the edited file.
+// Chooses a machine everywhere. A new file for a board is then one of the user's.
 async function choose(name) {
   if (name.startsWith('board ')) {
     try {
-      edit(await answers.call('template', name.slice(6)), `${name.slice(6)}.toml`);
+      add(`${name.slice(6)}.toml`, await answers.call('template', name.slice(6)));
     } catch (error) {
       $('machine-trouble').textContent = error.message;
       fill();
@@ -46,29 +52,31 @@ async function choose(name) {
   listeners.forEach(listen => listen());
 }
 
-// The text has been edited.
-function edit(text, name = mine.name) {
-  Object.assign(mine, { text, name });
-  chosenMachine = MINE;
-  fill();
-  listeners.forEach(listen => listen());
+// One more file of the user's is chosen, if it is not there yet.
+function add(name, text) {
+  const known = own.findIndex(file => file.name === name && file.text === text);
+  return choose(`own ${known < 0 ? own.push({ name, text }) - 1 : known}`);
+}
+
+// The text has been edited: an example stays as it is, and its copy is the user's.
+function edit(text) {
+  const file = ownMachine();
+  if (!file) return add(machineName(), text);
+  file.text = text;
+  return choose(chosenMachine);
 }
 
 // A file of the user's: it is edited where its errors are shown in their lines.
 async function openMachine(file) {
   if (!file) return;
-  edit(await file.text(), file.name);
+  add(file.name, await file.text());
   show($('tab-machine'));
 }
 $('open-machine').onchange = event => openMachine(event.target.files[0]);
 
-function machineText() {
-  return chosenMachine === MINE ? mine.text : EXAMPLES.machines[chosenMachine];
-}
-
-function machineJob() {
-  return { machine_file: chosenMachine === MINE ? mine.name : chosenMachine, machine: machineText() };
-}
+const machineText = () => ownMachine()?.text ?? EXAMPLES.machines[chosenMachine];
+const machineName = () => ownMachine()?.name ?? chosenMachine;
+const machineJob = () => ({ machine_file: machineName(), machine: machineText() });
 
 for (const list of lists) list.onchange = () => choose(list.value);
 fill();

@@ -183,6 +183,9 @@ def check_editor(browser):
     board = next(name for name in names if name.startswith("board octopus"))
     Select(browser.find("#machine-to-edit")).select_by_value(board)
     browser.wait("new file", lambda: "octopus" in browser.run("return document.querySelector('#text').value"))
+    # What was edited can be chosen again.
+    Select(browser.find("#machine-to-edit")).select_by_visible_text("prototype")
+    check(value_of(browser, "#text") == "[axes.x]\nmax_speed = 200", f"the edited file is lost: {value_of(browser, '#text')[:40]}")
     Select(browser.find("#machine-to-edit")).select_by_value("prototype.toml")
 
 
