@@ -29,12 +29,16 @@ class MachinePicture {
     this.frame = this.parts = null;
   }
 
+  clear() {
+    this.element.replaceChildren();
+    this.frame = this.parts = null;
+  }
+
   // Draws what does not move; whether there is a picture.
   draw(frame) {
     const picture = this.element;
-    picture.replaceChildren();
+    this.clear();
     this.frame = frame;
-    this.parts = null;
     if (frame.why) {
       picture.setAttribute('viewBox', '0 0 400 60');
       picture.append(svg('text', { x: 200, y: 34, 'text-anchor': 'middle', class: 'note' }, 'no picture: no belts of this machine are known'));

@@ -30,6 +30,7 @@ let opened = 0, isOpening = false;
 async function power() {
   const mine = ++opened;
   isOpen = true;
+  frame = null;
   $('log').replaceChildren();
   history.length = 0;
   if (isOpening) line.end();
@@ -44,8 +45,11 @@ async function power() {
     tell('run', isTerminalShown);
   } catch (error) {
     if (mine !== opened) return;
-    frame = null;
-    $('state').textContent = 'off';
+    say('off');
+    picture.clear();
+    for (const id of ['place', 'heat', 'dials']) $(id).replaceChildren();
+    dialNames = '';
+    $('picture-name').textContent = 'No machine';
     log(`${error.message}\n`, 'bad');
   } finally {
     if (mine === opened) isOpening = false;
@@ -70,12 +74,19 @@ $('speed').onchange = event => tell('speed', Number(event.target.value));
 const history = [];
 let back = 0;
 
+// Whether the printer hears; a printer that a hand has switched off does not, and the log says so.
+function isHeard() {
+  const isHeard = !frame || $('state').textContent !== 'off';
+  if (!isHeard) log(`the printer is off: “${$('power').textContent}” starts it again\n`, 'bad');
+  return isHeard;
+}
+
 function send(command) {
   if (!command.trim()) return;
   log(`${command}\n`, 'typed');
   history.push(command);
   back = history.length;
-  line.call('send', `${command}\n`).catch(error => log(`${error.message}\n`, 'bad'));
+  if (isHeard()) line.call('send', `${command}\n`).catch(error => log(`${error.message}\n`, 'bad'));
 }
 
 $('line').onsubmit = event => {
@@ -94,7 +105,7 @@ $('commands').append(...COMMANDS.map(command => make('button', { type: 'button',
 
 function act(what) {
   log(`(${what})\n`, 'typed');
-  line.call('act', what).catch(error => log(`${error.message}\n`, 'bad'));
+  if (isHeard()) line.call('act', what).catch(error => log(`${error.message}\n`, 'bad'));
 }
 answers.call('hands').then(hands => {
   for (const what of [...JSON.parse(hands), ...ACCIDENTS])
@@ -103,14 +114,17 @@ answers.call('hands').then(hands => {
 
 // --- what comes from the printer
 
+function say(state, kind = '') {
+  if ($('state').textContent === state) return;
+  $('state').textContent = state;
+  $('state').className = `badge ${kind}`;
+}
+
 function heard({ terminal: { said, state } }) {
   if (said) log(said);
   const { tool_mm: tool, is_off: isOff, is_halted: isHalted, is_for_user: isForUser, is_ready: isReady, is_moving: isMoving, moves_ahead: ahead, heaters, turns, picture: moved, now_s: now } = JSON.parse(state);
   const word = isOff ? 'off' : isHalted ? 'halted' : isForUser ? 'waits for the user' : isMoving ? 'moving' : isReady && !ahead ? 'ready' : 'busy';
-  if ($('state').textContent !== word) {
-    $('state').textContent = word;
-    $('state').className = `badge ${isOff ? '' : isHalted ? 'bad' : 'good'}`;
-  }
+  say(word, isOff ? '' : isHalted ? 'bad' : 'good');
   $('place').textContent = `tool at X${tool[0].toFixed(2)} Y${tool[1].toFixed(2)} Z${tool[2].toFixed(2)} mm, ${ahead} moves ahead, ${time(now)} since power-up`;
   $('heat').textContent = heaters.map(heater => `${heater.name} ${heater.measured_c === null ? '?' : heater.measured_c.toFixed(1)} of ${heater.target_c.toFixed(0)} °C, ${(100 * heater.duty).toFixed(0)} %`).join('   ') || 'no heaters fitted';
   dials(turns);

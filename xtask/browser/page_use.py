@@ -258,8 +258,18 @@ def check_terminal(browser):
     browser.wait("refusal", lambda: "hotend" in said().rsplit("(open:hotend)", 1)[-1])
     act("off")
     browser.wait("printer without power", lambda: text(browser, "#state") == "off")
+    command.send_keys("M105", Keys.ENTER)
+    browser.wait("word of a printer that is off", lambda: "the printer is off" in said())
     browser.find("#power").click()
     browser.wait("printer with power", lambda: text(browser, "#state") == "ready" and "start" in said())
+    # A machine that cannot be has no picture.
+    browser.run("add('wrong.toml', '[axes.x]\\nlength = 0\\n')")
+    browser.wait("printer that cannot be", lambda: text(browser, "#state") == "off" and "wrong.toml:2:" in said())
+    check(browser.run("return ['picture', 'dials'].every(id => !document.getElementById(id).children.length)"), "it has a picture")
+    command.send_keys("M105", Keys.ENTER)
+    browser.wait("word of no printer", lambda: "no printer" in said())
+    Select(browser.find("#machine-of-terminal")).select_by_value("prototype.toml")
+    browser.wait("printer", lambda: text(browser, "#state") == "ready")
 
 
 def check_tabs(browser):
