@@ -21,12 +21,16 @@ const PITCH_MM = 12;
 const FINGER_PX = 44;
 const MOUSE_PX = 24;
 
+// Places that differ by less are one to a pointer.
+const SAME_MM = 1;
+
 class MachinePicture {
   // `choose` gets a part that is clicked: its role (motor, idler, belt) and its name.
   constructor(element, choose = null) {
     this.element = element;
     this.choose = choose;
     this.frame = this.parts = null;
+    this.marked = '';
   }
 
   clear() {
@@ -98,13 +102,16 @@ class MachinePicture {
     for (const target of this.element.querySelectorAll('.target')) target.setAttribute('r', Math.max(wanted, 1.7 * frame.radius_mm).toFixed(2));
   }
 
-  // Role and name of the pulley that is nearest to a click; none for a key.
+  // Role and name of the pulley that is nearest to a click; none for a key. Where several have one place, the motor is
+  // meant first, and each further click means the next one.
   nearest(event) {
     const matrix = this.element.getScreenCTM();
     if (!matrix || event.type !== 'click' || !event.detail) return null;
     const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
     const far = ({ at }) => Math.hypot(at[0] - x, at[1] + y);
-    const { role, name } = this.parts.places.reduce((best, other) => far(other) < far(best) ? other : best);
+    const { places } = this.parts, least = Math.min(...places.map(far));
+    const here = places.filter(place => far(place) < least + SAME_MM).sort((a, b) => (b.role === 'motor') - (a.role === 'motor'));
+    const { role, name } = here[(here.findIndex(({ name }) => name === this.marked) + 1) % here.length];
     return [role, name];
   }
 
@@ -131,6 +138,7 @@ class MachinePicture {
 
   // Marks the part of this name.
   mark(name) {
+    this.marked = name;
     for (const part of this.element.querySelectorAll('[data-part]')) part.classList.toggle('marked', part.dataset.part === name);
   }
 }
