@@ -119,11 +119,15 @@ function kind(key) {
   return parts.join(', ');
 }
 
+function showMeaning(path, key) {
+  $('key-name').textContent = path.join('.') || 'Keys';
+  $('key-meaning').textContent = key ? [key.description, kind(key)].filter(Boolean).join(' ') : 'There is no such key.';
+}
+
 function explain() {
   if (!schema) return;
   const path = keyAt(text.selectionStart), key = of(path);
-  $('key-name').textContent = path.join('.') || 'Keys';
-  $('key-meaning').textContent = key ? [key.description, kind(key)].filter(Boolean).join(' ') : 'There is no such key.';
+  showMeaning(path, key);
   if (!$('find-key').value) showKeys(path);
 }
 for (const name of ['keyup', 'click', 'focus', 'input']) text.addEventListener(name, explain);
@@ -146,18 +150,35 @@ function showKeys(path = []) {
     while (path.length && !of(path)?.properties) path = path.slice(0, -1);
     keys = Object.entries(of(path)?.properties ?? {}).map(([name, key]) => [[...path, name], key]);
   }
-  $('keys').replaceChildren(...keys.slice(0, 120).flatMap(([path, key]) => [
-    make('dt', {}, make('button', { type: 'button', onclick: () => insert(path, key) }, path.join('.'))),
+  // A table leads back to the one around it.
+  const above = path.slice(0, -1), back = word || !path.length ? [] : [
+    make('dt', {}, make('button', { type: 'button', onclick: () => openTable(above, of(above)) }, `‹ ${above.join('.') || 'all tables'}`))];
+  $('keys').replaceChildren(...back, ...keys.slice(0, 120).flatMap(([path, key]) => [
+    make('dt', {}, make('button', { type: 'button', onclick: () => key.properties ? openTable(path, key) : insert(path, key) }, path.join('.'))),
     make('dd', {}, [key.description, kind(key)].filter(Boolean).join(' ')),
   ]));
 }
 $('find-key').oninput = () => showKeys();
 
+// Shows the keys of a table.
+function openTable(path, key) {
+  showMeaning(path, key);
+  showKeys(path);
+}
+
+// A value that a key can have, for keys that have none if they are left out.
+function exampleOf(key) {
+  const { anyOf, type, minimum, exclusiveMinimum, minItems = 0, items } = key;
+  if (anyOf) return exampleOf(anyOf[0]);
+  const least = exclusiveMinimum === undefined ? minimum ?? 0 : exclusiveMinimum + 1;
+  const examples = { boolean: false, array: Array(minItems).fill(0), integer: least, number: least, string: '' };
+  return key.default ?? key.enum?.[0] ?? examples[type];
+}
+
 // Writes a key at the end of its table, or goes to it.
 function insert(path, key) {
   const lines = text.value.split('\n'), table = path.slice(0, -1).join('.'), name = path.at(-1);
   const isHeader = line => /^\s*\[/.test(line);
-  if (key.properties) return;
   let begin = table ? lines.findIndex(line => line.replace(/\s/g, '').startsWith(`[${table}]`)) : -1;
   if (table && begin < 0) {
     lines.push('', `[${table}]`);
@@ -166,15 +187,19 @@ function insert(path, key) {
   let end = begin + 1;
   while (end < lines.length && !isHeader(lines[end])) end++;
   const known = lines.findIndex((line, index) => index > begin && index < end && new RegExp(`^\\s*${name}\\s*=`).test(line));
+  const value = JSON.stringify(exampleOf(key));
   let at = known;
   if (known < 0) {
     at = end;
     while (at > begin + 1 && !lines[at - 1].trim()) at--;
-    lines.splice(at, 0, `${name} = ${JSON.stringify(key.default ?? key.minimum ?? key.enum?.[0] ?? '')}`);
+    lines.splice(at, 0, `${name} = ${value}`);
     text.value = lines.join('\n');
     text.oninput();
   }
   go({ line: at + 1, column: 1 });
+  // A new value is there to be typed over.
+  const last = text.selectionStart + lines[at].length;
+  if (known < 0) text.setSelectionRange(last - value.length, last);
 }
 
 $('save-machine').onclick = () => save(machineName(), text.value, 'application/toml');
