@@ -62,7 +62,14 @@ def printed(browser):
     return text(browser, "#badge") if browser.find("#result").is_displayed() else text(browser, "#failure")
 
 
+# Whether the way to print is in the window.
+SEEN = "const { top, bottom } = document.querySelector('#start').getBoundingClientRect(); return top >= 0 && bottom <= innerHeight"
+
+
 def check_print(browser):
+    browser.find("#tab-print").click()
+    browser.run("scrollTo(0, 0)")
+    check(browser.run(SEEN), "the way to print is out of the window")
     Select(browser.find("#example")).select_by_value("circle.gcode")
     browser.find("#start").click()
     check(printed(browser) == "printed", f"the circle: {text(browser, '#failure')}")
