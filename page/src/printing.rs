@@ -1,7 +1,7 @@
 //! Printing: a file to its end, judged and recorded as `corehbot run --report` does.
 
 use crate::job::{Job, Prepared};
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
@@ -16,9 +16,10 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::judge::Judge;
 use corehbot_sim::limits::Widening;
-use corehbot_sim::lines::{LONGEST_LINE, Lines, survey};
+use corehbot_sim::lines::{Lines, survey};
 use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::moves::{MadeMove, ShaperChange};
+use corehbot_sim::not_gcode::{HEAD, check_head, check_line};
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
 use std::io::{self, Cursor};
@@ -47,9 +48,9 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
     let gcode: Arc<[u8]> = gcode.into();
     let lines = || Lines::new(Box::new(Cursor::new(gcode.clone())) as Box<_>);
     let mut limits = Widening::new(settings, None);
+    check_head(&gcode[..gcode.len().min(HEAD)]).with_context(|| job.file.clone())?;
     let known = survey(&mut lines(), |number, line, command| {
-        ensure!(!line.contains('\0'), "line {number} contains a zero byte: this is not text");
-        ensure!(command.len() < LONGEST_LINE, "line {number} is longer than a MiB: this is not G-code");
+        check_line(number, line, command)?;
         if !command.is_empty() {
             limits.command(command);
         }

@@ -27,6 +27,7 @@ pub mod limits;
 pub mod lines;
 pub mod mesh_log;
 pub mod moves;
+pub mod not_gcode;
 mod odometer;
 pub mod plugs;
 mod ports;

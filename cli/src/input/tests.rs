@@ -26,7 +26,7 @@ fn what_is_no_text_is_refused_with_the_way_out() {
     let cases: [(&[u8], &str); 10] = [
         (b"GCDE\x01\0\0\0", "PrusaSlicer"),
         (b"PK\x03\x04\x14\0", "plate_1.gcode"),
-        (b"\x1f\x8b\x08\0", "gunzip -c"),
+        (b"\x1f\x8b\x08\0", "gunzip"),
         (&marked, "iconv -f UTF-16"),
         (&utf16(u16::to_le_bytes), "iconv -f UTF-16"),
         (&utf16(u16::to_be_bytes), "iconv -f UTF-16"),
@@ -39,6 +39,9 @@ fn what_is_no_text_is_refused_with_the_way_out() {
         let error = format!("{:#}", opened(bytes).unwrap_err());
         assert!(error.contains(way_out) && !error.contains('\n'), "{error}");
     }
+    let old = opened(b"G28\rG1 X5\rG1 X6\r").unwrap_err();
+    assert!(format!("{old:#}").contains("carriage return"), "{old:#}");
+    assert_eq!(opened(b"G28 \r\nG1 X5\r\r\n").unwrap(), Survey { lines: 2, commands: 2 });
     let late = [b"; text\n".repeat(200), b"G1 X\0\n".to_vec()].concat();
     assert!(format!("{:#}", opened(&late).unwrap_err()).contains("line 201"));
     assert_eq!(opened(b"").unwrap(), Survey::default());
