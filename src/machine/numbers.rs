@@ -49,7 +49,7 @@ pub(in crate::machine) fn exact(value: impl Into<I32F32>) -> Number {
 /// The value to three decimals.
 pub(in crate::machine) fn to_thousandth(value: I32F32) -> I32F32 {
     let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
-    I32F32::from_bits((doubled + 1) >> 1)
+    I32F32::from_bits((doubled + doubled.signum()) / 2)
 }
 
 /// A length with three decimals.

@@ -28,4 +28,4 @@ pub use mesh::{
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
-pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, survey};
+pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, survey, survey_on};

@@ -81,20 +81,6 @@ pub struct Survey {
     pub rejected: [(Slot, Option<Rejected>); 2],
 }
 
-impl Survey {
-    /// The same for a machine with this mechanism. If the newest settings are for another one, there are none, because
-    /// its resolutions and lengths would be wrong too.
-    #[must_use]
-    pub fn on(mut self, mechanism: &Mechanism) -> Self {
-        if let Some(other) = self.newest.take_if(|newest| newest.settings.mechanism != *mechanism) {
-            for (_, why) in self.rejected.iter_mut().filter(|(slot, _)| *slot == other.slot) {
-                *why = Some(Rejected::Mechanism);
-            }
-        }
-        self
-    }
-}
-
 /// Why settings were not saved. The stored settings from before are still there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SaveError {
@@ -132,17 +118,25 @@ pub fn is_present(storage: &impl Storage) -> bool {
     storage.capacity() >= NEEDED
 }
 
-/// Reads both slots.
+/// Reads both slots, for any machine.
 ///
 /// # Errors
 /// The storage's, and [`StorageError::Absent`] if it is too small.
 pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> {
+    survey_on(storage, None).await
+}
+
+/// Reads both slots. With a mechanism only its settings count: the resolutions and lengths of others would be wrong.
+///
+/// # Errors
+/// The storage's, and [`StorageError::Absent`] if it is too small.
+pub async fn survey_on(storage: &mut impl Storage, own: Option<Mechanism>) -> Result<Survey, StorageError> {
     if !is_present(storage) {
         return Err(StorageError::Absent);
     }
     let mut survey = Survey { newest: None, rejected: [(Slot::A, None), (Slot::B, None)] };
     for (slot, rejected) in &mut survey.rejected {
-        *rejected = look_at(storage, *slot, &mut survey.newest).await?.err();
+        *rejected = look_at(storage, *slot, own.as_ref(), &mut survey.newest).await?.err();
     }
     Ok(survey)
 }
@@ -151,18 +145,22 @@ pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> 
 async fn look_at(
     storage: &mut impl Storage,
     slot: Slot,
+    own: Option<&Mechanism>,
     newest: &mut Option<Stored>,
 ) -> Result<Result<(), Rejected>, StorageError> {
     let mut record = [0; LONGEST];
     let length = read_record(storage, slot.address(), &mut record).await?;
-    Ok(length.and_then(|()| take_newer(newest, slot, &record)))
+    Ok(length.and_then(|()| take_newer(newest, slot, own, &record)))
 }
 
 /// Takes a slot's content as the newest, if it is. A separate function, because settings are large. Otherwise their
 /// copies would be on the stack during the wait for the storage, below all other work.
 #[inline(never)]
-fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
+fn take_newer(newest: &mut Option<Stored>, slot: Slot, own: Option<&Mechanism>, record: &[u8]) -> Result<(), Rejected> {
     let Decoded { settings, unknown, sequence, receipt } = decode(record)?;
+    if own.is_some_and(|own| settings.mechanism != *own) {
+        return Err(Rejected::Mechanism);
+    }
     let found = Stored { settings, unknown, receipt, slot, sequence };
     if newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) {
         *newest = Some(found);
@@ -236,21 +234,6 @@ mod tests {
         assert!(at(2).is_newer_than(&at(1)) && !at(1).is_newer_than(&at(2)));
         assert!(at(0).is_newer_than(&at(u32::MAX)) && !at(u32::MAX).is_newer_than(&at(0)));
         assert!(!at(5).is_newer_than(&at(5)));
-    }
-
-    #[test]
-    fn settings_of_another_mechanism_are_none_and_their_slot_says_why() {
-        let mut settings = Settings::prototype();
-        let own = settings.mechanism;
-        settings.mechanism.rows.swap(0, 1);
-        let receipt = Receipt { bytes: 0, crc: 0 };
-        let stored = Stored { settings, unknown: Unknown::NONE, receipt, slot: Slot::B, sequence: 1 };
-        let survey = Survey { newest: Some(stored), rejected: [(Slot::A, Some(Rejected::Blank)), (Slot::B, None)] };
-        assert_ne!(settings.mechanism, own);
-        assert_eq!(survey.on(&settings.mechanism), survey);
-        let found = survey.on(&own);
-        assert_eq!(found.newest, None);
-        assert_eq!(found.rejected, [(Slot::A, Some(Rejected::Blank)), (Slot::B, Some(Rejected::Mechanism))]);
     }
 
     #[test]

@@ -14,15 +14,20 @@
 
 use super::MainLoop;
 use crate::kinematics::Residuals;
+use crate::machine::numbers::to_thousandth;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
 use crate::settings::{Advance, Belt, DriverGroups, Kept, Settings, ThermalSettings};
 use crate::units::{Instant, Mm};
 use core::ops::Deref;
+use fixed::types::I32F32;
 
 /// Interval of the scrub in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
 const SCRUB_MS: u32 = 500;
+
+/// What sums of decimals leave over at most, in bits of 2^-32 mm: one nm, a hundredth of the finest step.
+const REST_BITS: u64 = 1 << 12;
 
 /// The settings, and those that the machine was made with.
 pub(in crate::machine) struct SettingsInUse {
@@ -93,9 +98,15 @@ impl SettingsInUse {
         (homing.x.offset, homing.y.offset, homing.z.offset) = (x, y, z);
     }
 
-    /// Takes another offset of z. The open line goes on: no plan depends on it.
-    pub(super) fn replace_z_offset(&mut self, offset: Mm) {
-        self.now.set_z_offset(offset);
+    /// Changes the offset of z by so much. The open line goes on: no plan depends on it.
+    ///
+    /// A thousandth of a mm is no fraction of two, so 0.05 three times is not quite 0.15. A sum of thousandths is made
+    /// one again, and the host reads no `0.1500000001`.
+    pub(super) fn shift_z_offset(&mut self, by: Mm) {
+        let sum = self.now.z_offset().saturating_add(by);
+        let round = Mm::from_bits(to_thousandth(I32F32::from_bits(sum.to_bits())).to_bits());
+        let is_rest = round.to_bits().abs_diff(sum.to_bits()) <= REST_BITS;
+        self.now.set_z_offset(if is_rest { round } else { sum });
     }
 
     /// Takes others for the drivers. The caller gives them to the drivers.

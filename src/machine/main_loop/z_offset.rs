@@ -14,7 +14,7 @@ pub(in crate::machine) fn z_reach<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, 
 /// Z moves by so much from where its moves lead it, at once. The change is `kept` over homing, or is not.
 pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm, kept: bool) {
     if kept {
-        main_loop.settings.replace_z_offset(main_loop.settings.z_offset().saturating_add(by));
+        main_loop.settings.shift_z_offset(by);
     }
     if !kept || main_loop.settings.keeps_by_probe() {
         main_loop.first_layer.shift(by);
@@ -24,7 +24,7 @@ pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<
 
 /// The kept offset changes by so much, and z stands until its next move: the program's zero is there now.
 pub(in crate::machine) fn let_z_stand<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) {
-    main_loop.settings.replace_z_offset(main_loop.settings.z_offset().saturating_add(by));
+    main_loop.settings.shift_z_offset(by);
     if !main_loop.settings.keeps_by_probe() {
         main_loop.first_layer.shift(-by);
     }

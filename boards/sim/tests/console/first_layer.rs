@@ -8,6 +8,15 @@ fn said<'h>(heard: &'h [String], begin: &str) -> Vec<&'h str> {
     heard.iter().filter(|line| line.starts_with(begin)).map(String::as_str).collect()
 }
 
+#[test]
+fn shifts_add_up_to_decimals() {
+    let lines = ["G28", "M290 Z0.05", "M290 Z0.05", "M290 Z0.05", "M290", "M290 Z-0.025", "M290 Z0.0125", "M290"];
+    let (heard, ..) = talk(&lines);
+    let news = ", not saved: M500 keeps it";
+    let expected = [format!("echo:Z offset 0.15{news}"), format!("echo:Z offset 0.1375{news}")];
+    assert_eq!(said(&heard, "echo:Z offset"), expected);
+}
+
 /// Steps of z from its switch, where it stood at the start.
 const fn z_of(outcome: &corehbot_sim::world::Outcome) -> i32 {
     outcome.counts[4]

@@ -35,7 +35,8 @@ fn positions_are_said_with_the_coordinates_of_the_machine() {
     assert_eq!(counted("cartesian"), format!("{at} Y:2000 X:880 Z:4000"));
 }
 
-/// Settings that were stored on another machine are left where they are, and that is said.
+/// Settings that were stored on another machine are left where they are, and that is said. Older settings of this one
+/// count then.
 #[test]
 fn stored_settings_of_another_mechanism_are_not_used() {
     let mut eeprom = corehbot_sim::eeprom::Eeprom::blank();
@@ -55,4 +56,11 @@ fn stored_settings_of_another_mechanism_are_not_used() {
     assert!(heard.iter().any(|said| said == why), "{heard:?}");
     assert!(heard.iter().any(|said| said.starts_with("  M203 X300")), "{heard:?}");
     assert!(ask(&here, &["M203"]).iter().any(|said| said.starts_with("  M203 X123")));
+    ask(&there, &["M203 X222", "M500"]);
+    for (machine, slot, speed) in [(&here, "B", "  M203 X123"), (&there, "A", "  M203 X222")] {
+        let heard = ask(machine, &["M501", "M203"]);
+        let why = format!("echo:storage slot {slot} not used: for a machine with another mechanism");
+        assert!(heard.contains(&why), "{heard:?}");
+        assert!(heard.iter().any(|said| said.starts_with(speed)), "{heard:?}");
+    }
 }

@@ -68,14 +68,15 @@ impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
     }
 }
 
-/// Looks into the storage.
+/// Looks into the storage for settings of this mechanism.
 pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Result<Survey, StorageError>, Interrupt> {
+    let own = main_loop.settings.defaults().mechanism;
     let mut paced = Paced::new(main_loop);
-    let survey = storage::survey(&mut paced).await;
+    let survey = storage::survey_on(&mut paced, Some(own)).await;
     paced.into_result()?;
-    Ok(survey.map(|survey| survey.on(&main_loop.settings.defaults().mechanism)))
+    Ok(survey)
 }
 
 /// Loads the stored settings, before the first `start`, and returns the news to send after it: a host listens only
