@@ -244,10 +244,11 @@ function done(file, { summary, words, report, seconds }) {
   const figures = JSON.parse(summary);
   printed = { summary, report, name: file.replace(/\.[^.]*$/, ''), seconds };
   const ratio = figures.print_time_s / seconds;
-  $('how-far').textContent = `printed in ${seconds.toFixed(2)} s, ${ratio.toFixed(0)} times real time`;
+  $('how-far').textContent = `${figures.ok ? 'printed' : 'ended'} in ${seconds.toFixed(2)} s, ${ratio.toFixed(0)} times real time`;
   $('result-name').textContent = `${figures.file} on ${figures.machine}, ${time(figures.print_time_s)}`;
-  $('badge').textContent = figures.ok ? 'printed' : 'failed';
-  $('badge').className = `badge ${figures.ok ? 'good' : 'bad'}`;
+  const skips = figures.belt?.skips.length ?? 0, isGood = figures.ok && !skips;
+  $('badge').textContent = !figures.ok ? 'failed' : skips ? `printed, motors skipped: ${skips}` : 'printed';
+  $('badge').className = `badge ${isGood ? 'good' : 'bad'}`;
   $('sha256').textContent = figures.trace_sha256;
   $('words').textContent = words;
   $('report').srcdoc = new TextDecoder().decode(report);

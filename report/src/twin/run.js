@@ -82,7 +82,7 @@ function showCorner(c) {
 }
 const zoom = by => () => { camera.zoom(by); drawPath(); };
 const path = make("section", { className: "card panel view", ariaLabel: "Error of the tool along its path" },
-  make("div", { className: "bar" }, make("h2", { textContent: "Error of the tool along its path" }), buttonGroup("Zoom", pushButton("\u2212", "Zoom out", zoom(0.7)), pushButton("+", "Zoom in", zoom(1 / 0.7)), pushButton("Fit", "Show the whole path", fit)), scaleOf("0", topE.toFixed(0) + " \u00b5m"), out),
+  make("div", { className: "bar" }, make("h2", { textContent: "Error of the tool along its path" }), buttonGroup("Zoom", pushButton("\u2212", "Zoom out", zoom(0.7)), pushButton("+", "Zoom in", zoom(1 / 0.7)), pushButton("Fit", "Show the whole path", fit)), scaleOf("0", (E.some(e => e > topE) ? "\u2265 " : "") + topE.toFixed(0) + " \u00b5m"), out),
   stage, make("div", { className: "bar" }, make("label", { style: "flex: 1 1 260px" }, "Error exaggerated, in orange", times), timesNow));
 times.oninput = drawPath;
 hands();

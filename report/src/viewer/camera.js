@@ -36,6 +36,8 @@ class Camera {
     this.azimuth = (this.azimuth - dx * 0.4 + 360) % 360;
     this.elevation = clamp(this.elevation + dy * 0.4, 0, 90);
   }
+  /** The view in one word: another one shows something else, or from elsewhere. */
+  get view() { return [...this.centre, this.scale, this.azimuth, this.elevation].join(" "); }
   get isAbove() { return this.elevation === 90 && this.azimuth === 0; }
   /** Shows a box: least and greatest x, y, z. */
   fit([least, most]) {

@@ -65,12 +65,17 @@ class Chart {
       g.fillStyle = faint("rgb(128,128,128)", 0.2); g.fillRect(a, top, b - a, height); g.fillRect(a, top, devicePixelRatio, height);
       if (this.isTall && b - a > g.measureText(text).width + 8) { g.fillStyle = css("--soft"); g.fillText(text, a + 4, top + 13 * devicePixelRatio); }
     }
+    const taken = [];
     for (const mark of this.group.marks) {
       const x = px(mark.time_s);
       g.strokeStyle = css("--bad"); g.fillStyle = css("--bad"); g.lineWidth = 2 * devicePixelRatio;
       g.beginPath(); g.moveTo(x, top); g.lineTo(x, top + height); g.stroke();
       g.font = "bold " + 11 * devicePixelRatio + "px system-ui"; g.textAlign = x > left + width - 90 * devicePixelRatio ? "right" : "left";
-      g.fillText(mark.code, x + (g.textAlign === "right" ? -4 : 4), top + 12 * devicePixelRatio);
+      // A name is left out where another one stands.
+      const long = g.measureText(mark.code).width, isRight = g.textAlign === "right", from = isRight ? x - 4 - long : x + 4;
+      if (taken.some(other => from < other.to && from + long > other.from)) continue;
+      taken.push({ from, to: from + long });
+      g.fillText(mark.code, isRight ? x - 4 : x + 4, top + 12 * devicePixelRatio);
     }
     g.restore();
   }

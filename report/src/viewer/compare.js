@@ -8,11 +8,14 @@ function firstDifference(a, b, isSame) {
 }
 const differs = (u, v, by) => Math.abs(u - v) > by;
 
+/** A value of a key as text, without the digits that its rounding left. */
+const valueOfKey = v => typeof v === "number" ? String(+v.toPrecision(9)) : typeof v === "string" ? v : JSON.stringify(v ?? undefined) ?? "\u2013";
+
 /** Places and keys that two records have with other values. */
 function otherKeys(a, b, path = "", found = []) {
   if (found.length > 40) return found;
   if (a && b && typeof a === "object" && typeof b === "object") for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) otherKeys(a[key], b[key], path ? path + "." + key : key, found);
-  else if (a !== b) found.push([path, JSON.stringify(a) ?? "\u2013", JSON.stringify(b) ?? "\u2013"]);
+  else if (a !== b) found.push([path, ...[a, b].map(valueOfKey)]);
   return found;
 }
 
@@ -53,6 +56,13 @@ async function otherFile(first, second) {
   return `Two files: this report shows ${of(first)}, the second one ${of(second)}.` + (from ? ` They differ from line ${count(from)} on.` : "") + " So a difference may come from the files.";
 }
 
+/** Which run takes longer, and by how much of the first one's `time`. */
+function timeSaved(time, saved) {
+  if (saved === 0) return "Both take the same time. ";
+  const by = Math.abs(saved), share = time > 0 ? ` (${(100 * by / time).toFixed(1)} %)` : "";
+  return `The second run takes ${by < 60 ? clock(by) : by.toFixed(1) + " s"} ${saved > 0 ? "less" : "more"}${share}. `;
+}
+
 function compareCard(record, stage, player) {
   const result = make("div", { className: "panel flat" }), file = make("input", { type: "file", accept: ".html,.htm", ariaLabel: "Second report" });
   const status = make("output", { role: "status" });
@@ -80,13 +90,15 @@ function compareCard(record, stage, player) {
     const path = firstDifference(a, b, isPlace), speed = firstDifference(a, b, i => isPlace(i) && !differs(a.top[i], b.top[i], 0.05) && !differs(a.entry[i], b.entry[i], 0.05) && !differs(a.exit[i], b.exit[i], 0.05));
     const jump = i => {
       if (i < 0) return "none";
+      if (!a.n) return "this report has no moves";
       const at = Math.min(i, a.n - 1), go = make("button", { type: "button", textContent: `line ${count(a.line[at])}, move ${count(a.made(i + 1))}` });
       go.onclick = () => { player.stop(); player.setMove(at + 1); stage.element.scrollIntoView({ block: "nearest" }); };
       return go;
     };
-    const A = record.data, B = second.data, time = data => data.time?.total ?? data.summary.print_time_s, saved = time(A) - time(B);
+    const A = record.data, B = second.data, time = data => data.time.total, saved = time(A) - time(B), whole = [record, second].every(({ data, fault }) => !data.summary.failure && !fault), ends = [record, second].map(ending);
+    const part = of => [A, B].map(data => clock(of(data)));
     const rows = [
-      ["File", A.summary.file, B.summary.file], ["Machine", A.summary.machine, B.summary.machine], ["Time", clock(time(A)), clock(time(B))], ["Motion", clock(A.summary.motion_time_s), clock(B.summary.motion_time_s)],
+      ["File", A.summary.file, B.summary.file], ["Machine", A.summary.machine, B.summary.machine], ["Ended", ...ends.map(({ words }) => words)], ["Time", ...part(time)], ["Motion", ...part(data => data.summary.motion_time_s)], ["Heat", ...part(data => data.time.heat)], ["Waits", ...part(data => data.time.waits)],
       ["Before the first layer", clock(A.before_layers.seconds), clock(B.before_layers.seconds)], ["After the last one", clock(A.after_layers.seconds), clock(B.after_layers.seconds)],
       ["Moves", count(a.made(a.n)), count(b.made(b.n))], ["Greatest speed, mm/s", A.summary.peak_speed_mm_s.toFixed(1), B.summary.peak_speed_mm_s.toFixed(1)], ["Filament, m", ((A.filament?.mm ?? 0) / 1000).toFixed(2), ((B.filament?.mm ?? 0) / 1000).toFixed(2)], ["Trace SHA-256", A.summary.trace_sha256.slice(0, 12) + "\u2026", B.summary.trace_sha256.slice(0, 12) + "\u2026"],
     ];
@@ -98,9 +110,10 @@ function compareCard(record, stage, player) {
     result.replaceChildren(
       ...(warning ? [make("p", { className: "warning", role: "alert", textContent: warning })] : []),
       make("div", { className: "bar" }, make("span", { className: "legend" }, dot(OKABE_ITO.vermilion), name), sides, end),
-      make("p", {}, saved === 0 ? "Both take the same time. " : `The second run takes ${Math.abs(saved) < 60 ? clock(Math.abs(saved)) : Math.abs(saved).toFixed(1) + " s"} ${saved > 0 ? "less" : "more"} (${(100 * Math.abs(saved) / Math.max(time(A), 1e-9)).toFixed(1)} %). `, "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
+      make("p", {}, whole ? timeSaved(time(A), saved) : "Times are not compared, because a run ended early. ", "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
       table(["", "this report", "second report"], rows, "figures"),
       ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []));
+    if (!whole) return;
     const both = layersOfBoth(A.by_layer ?? [], B.by_layer ?? []), layers = both.length, gain = both.map(({ first, second }) => first - second);
     if (!layers) return;
     const say = n => `layer ${n}, Z ${both[n - 1].height.toFixed(2)} mm`;

@@ -50,6 +50,7 @@ function moveSlider(player, record) {
   const { filament: F } = record.data;
   const used = t => { if (!(F?.mm > 0)) return ""; const mm = moves.filament(t); return `${metres(mm)} m, ${(F.g * mm / F.mm).toFixed(2)} g \u00b7 `; };
   const show = () => {
+    if (!moves.n) { out.textContent = "no moves"; slider.disabled = true; return; }
     slider.value = player.done;
     const i = player.current, s = player.now - moves.begin[i], [x, y, z] = moves.place(i, moves.share(i, player.now));
     const v = player.now >= moves.whole ? 0 : moves.along(i, s)[1];
@@ -142,12 +143,12 @@ function viewButtons(stage, player, record, path) {
   const show = () => { above.ariaPressed = String(stage.camera.isAbove); space.ariaPressed = String(!stage.camera.isAbove); };
   player.on("camera", show);
   show();
-  const hasSkirt = record.data.types.some(type => type.role === "skirt" || type.role === "purge");
+  const hasSkirt = (record.data.by_type ?? []).some(({ role, moves }) => moves > 0 && (role === "skirt" || role === "purge"));
   const skirt = check("fit skirt and purge", false, isOn => { stage.withSkirt = isOn; stage.refit(); });
   skirt.hidden = !hasSkirt;
   const way = check("real way", false, isOn => stage.setWay(isOn, path));
   way.title = "The way of the tool by its steps, exact to a step, above the planned moves";
-  way.hidden = !path?.length;
+  way.hidden = !path?.length || !record.moves.n;
   return [buttonGroup("View", above, space),
     buttonGroup("Zoom", pushButton("\u2212", "Zoom out", () => { stage.camera.zoom(0.7); stage.redraw(); }), pushButton("+", "Zoom in", () => { stage.camera.zoom(1 / 0.7); stage.redraw(); }), pushButton("Fit", "Show the whole print", () => stage.fit())), skirt, way];
 }

@@ -1,22 +1,39 @@
 // Facts: what the print was, in numbers and tables; a failure comes first.
 
+/** How a print ended: in a few words, and whether nothing was wrong. */
+function ending({ data, fault }) {
+  const { summary: S } = data, skips = S.belt?.skips.length ?? 0;
+  if (!S.ok) return { words: S.failure || fault ? "failed" : S.violations_total + " violations", isGood: false };
+  return skips ? { words: `${count(skips)} ${skips === 1 ? "skip" : "skips"} of motors`, isGood: false } : { words: "done, every step sound", isGood: true };
+}
+
+/** What skips have done to the tool; nothing if no motor skipped. */
+function skipRows({ data }) {
+  const { belt } = data.summary;
+  if (!belt?.skips.length) return [];
+  const where = belt.off_mm === null ? "not known, as it was not homed" : `${belt.off_mm.toFixed(3)} mm off in the end, ${belt.largest_off_mm.toFixed(3)} mm at most`;
+  return [["The tool", where], ["First skip", data.belt.skips[0].text],
+    ["What to do", "The firmware made every step, but motors did not follow. The torque margin below shows where it was used up: print with less acceleration or speed there, or give the motors more current. Remarks list all skips."]];
+}
+
 function header(record) {
-  const { summary: S } = record.data, name = S.file.split("/").pop();
-  const badge = S.ok ? "done, every step sound" : S.failure || record.fault ? "failed" : S.violations_total + " violations";
+  const { summary: S } = record.data, name = S.file.split("/").pop(), { words: badge, isGood } = ending(record);
   const F = record.data.filament, filament = F.mm > 0 ? `, ${(F.mm / 1000).toFixed(2)} m of filament, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g` : "";
-  return heading(name, `on ${S.machine}: ${clock(record.data.time.total)}${filament}`, badge, { isGood: S.ok, title: S.file });
+  return heading(name, `on ${S.machine}: ${clock(record.data.time.total)}${filament}`, badge, { isGood, title: S.file });
 }
 
 /** What happened, when, what to do, and where more of it is written. */
 function faultCard(record, player) {
   const { data, fault } = record, S = data.summary;
-  if (S.ok && !fault) return "";
+  const skips = skipRows(record);
+  if (S.ok && !fault && !skips.length) return "";
   const lines = [];
   const row = (...line) => lines.push(line);
-  const title = fault ? (fault.code ? fault.code + ": " : "") + fault.text : S.failure ?? S.violations_total + " violations of the machine's limits";
+  const title = fault ? (fault.code ? fault.code + ": " : "") + fault.text : S.failure ?? (S.ok ? ending(record).words : S.violations_total + " violations of the machine's limits");
   if (fault) {
     const go = make("button", { type: "button", textContent: "Show the place" });
     go.onclick = () => { player.stop(); player.setTime(fault.motion_s); };
+    go.hidden = !record.moves.n;
     // Moves are taken in advance: the answer is to a later line than the one that the tool is in.
     const { moves } = record, line = moves.n && /^G[0-3]\b/.test(fault.command) ? moves.line[moves.indexAt(fault.motion_s)] : 0;
     const own = line && line !== fault.line ? `; the tool was in line ${count(line)} ` : "";
@@ -26,6 +43,7 @@ function faultCard(record, player) {
   if (fault?.cure) row("What to do", fault.cure);
   const some = S.violations.slice(0, 5);
   if (some.length) row("Violations", remarkList(some), ...(S.violations_total > some.length ? [`and ${count(S.violations_total - some.length)} more`] : []));
+  lines.push(...skips);
   const alert = alertCard(title, lines);
   if (fault && data.fault_page) alert.append(aboutFault(fault, data.fault_page));
   return alert;

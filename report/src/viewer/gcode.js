@@ -23,7 +23,7 @@ class Text {
       this.choose(clamp(this.chosen + by, 1, this.lines));
     });
     player.on("time", () => { const line = this.lineNow(); if (line && line !== this.chosen) { this.chosen = line; this.reveal(); } });
-    this.chosen = this.lineNow();
+    this.chosen = record.moves.n ? this.lineNow() : record.fault?.line ?? 1;
     new ResizeObserver(() => this.reveal()).observe(this.element);
   }
   fits() { return Math.max(1, Math.floor(this.element.clientHeight / ROW)); }

@@ -81,7 +81,7 @@ async function openRecord(root, data, streams) {
   // Curves come after the first picture.
   await new Promise(go => requestAnimationFrame(() => setTimeout(go)));
   if (root.corehbotRound !== round) return;
-  const more = [timeCards(record, player), motionCharts(record, player).element, heatCharts(record, player)?.element ?? "", meshCards(record), ...(stage ? [compareCard(record, stage, player)] : []), endCards(record)];
+  const more = [timeCards(record, player), record.moves.n ? motionCharts(record, player).element : "", heatCharts(record, player)?.element ?? "", meshCards(record), ...(stage ? [compareCard(record, stage, player)] : []), endCards(record)];
   root.append(...more);
   return (root.corehbotView = { record, player, stage });
 }

@@ -38,7 +38,7 @@ class Stage {
     return find(i => moves.isPrinted(i) && moves.points[4 * i + 3] > 0 && !out[moves.type[i]]) ?? find(i => moves.isPrinted(i) && moves.length(i) > 0)
       ?? find(i => moves.type[i] !== HIDDEN && moves.length(i) > 0) ?? [[left, front, 0], [right, back, 0]];
   }
-  fit() { this.camera.fit(this.bounds ??= this.box()); this.redraw(); }
+  fit() { this.camera.fit(this.bounds ??= this.box()); this.fitted = this.camera.view; this.redraw(); }
   refit() { this.bounds = null; this.fit(); }
   setAbove(isAbove) {
     Object.assign(this.camera, isAbove ? { azimuth: 0, elevation: 90 } : { azimuth: 30, elevation: 35 });
@@ -51,9 +51,10 @@ class Stage {
     for (const [canvas, ratio] of [[this.under, devicePixelRatio || 1], [this.middle, this.ratio], [this.over, devicePixelRatio || 1]]) {
       canvas.width = Math.round(w * ratio); canvas.height = Math.round(h * ratio);
     }
-    const before = Math.min(this.camera.width, this.camera.height);
+    // A view that was fitted and not turned since stays fitted.
+    const before = Math.min(this.camera.width, this.camera.height), isFitted = this.camera.view === this.fitted;
     Object.assign(this.camera, { width: w, height: h });
-    if (first) this.fit(); else { if (Math.min(w, h) !== before) this.camera.scale *= Math.min(w, h) / before; this.redraw(); }
+    if (first || isFitted) this.fit(); else { if (Math.min(w, h) !== before) this.camera.scale *= Math.min(w, h) / before; this.redraw(); }
   }
   /** Everything is drawn again; in motion only a part, until the view stands still. */
   redraw(isMoving = false) {

@@ -7,12 +7,12 @@ const make = (tag, props = {}, ...children) => {
 const count = n => Math.round(n).toLocaleString("en-US");
 /** `1:02:03`, or seconds with their fractions below a minute. */
 const clock = s => {
-  if (s < 60) return s === 0 ? "0 s" : s.toFixed(s < 1 ? 3 : s < 10 ? 2 : 1) + " s";
-  const whole = Math.floor(s), two = n => String(n).padStart(2, "0");
+  if (s < 59.95) return s === 0 ? "0 s" : s.toFixed(s < 1 ? 3 : s < 10 ? 2 : 1) + " s";
+  const whole = Math.round(s), two = n => String(n).padStart(2, "0");
   return (whole >= 3600 ? Math.floor(whole / 3600) + ":" + two(Math.floor(whole / 60) % 60) : Math.floor(whole / 60)) + ":" + two(whole % 60);
 };
 /** `1:02`, also below a minute. */
-const minutes = s => s < 60 ? "0:" + String(Math.floor(s)).padStart(2, "0") : clock(s);
+const minutes = s => Math.round(s) < 60 ? "0:" + String(Math.round(s)).padStart(2, "0") : clock(s);
 /** A number with as many digits as its size needs. */
 const short = v => {
   const size = Math.abs(v);
