@@ -6,9 +6,10 @@ use crate::belt::accident::Accidents;
 use crate::belt::layout::LayoutError;
 use crate::belt::{BeltPlant, BeltSetup};
 use crate::heat_plant::Accident;
-use corehbot::settings::Settings;
+use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
+use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::bed::{BedPlant, has_probe};
 use corehbot_twin::description::Description;
 use serde::Serialize;
@@ -118,6 +119,8 @@ pub fn heat_accidents(breaks: &[String], settings: &Settings) -> Result<Vec<Acci
 /// Why a machine without a probe has no bed of its own, and no accidents of a probe.
 const NO_PROBE: &str = "the machine has no probe; its file plugs one in (endstops.probe)";
 
+const NO_BLTOUCH: &str = "the machine has no BLTouch, and no other probe is ever in alarm (probe.kind)";
+
 /// Accidents of the probe among those of `break`, by time.
 ///
 /// # Errors
@@ -125,10 +128,14 @@ const NO_PROBE: &str = "the machine has no probe; its file plugs one in (endstop
 pub fn probe_accidents(breaks: &[String], settings: &Settings) -> Result<Vec<ProbeAccident>, Refusal> {
     let mut accidents = Vec::new();
     for text in breaks.iter().filter(|text| ProbeAccident::is_one(text)) {
-        accidents.push(read::<ProbeAccident>("break", text)?);
+        let accident = read::<ProbeAccident>("break", text)?;
         if !has_probe(settings) {
             return Err(Refusal::new("break", text, &NO_PROBE));
         }
+        if accident.fault(settings) == ProbeFault::Alarm && settings.probe.kind != ProbeKind::BlTouch {
+            return Err(Refusal::new("break", text, &NO_BLTOUCH));
+        }
+        accidents.push(accident);
     }
     accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
     Ok(accidents)
@@ -153,7 +160,7 @@ pub fn bed(text: &str, settings: &Settings) -> Result<Box<BedPlant>, Refusal> {
 pub fn place(text: &str) -> Result<[Mm; 3], String> {
     let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
         Ok(v) if v.abs() <= FARTHEST_MM => Ok(Mm::from_num(v)),
-        _ => Err(format!("`{part}` is not a position in mm")),
+        _ => Err(format!("`{part}` is not a position of -{FARTHEST_MM} to {FARTHEST_MM} mm")),
     });
     let mut next = || numbers.next().unwrap_or_else(|| Err("expected three numbers: X,Y,Z".to_owned()));
     let place = [next()?, next()?, next()?];
@@ -189,6 +196,12 @@ mod tests {
         let (breaks, settings) = (["open:hotend@1s".to_owned(), "early:probe@1s".to_owned()], Settings::prototype());
         assert_eq!(heat_accidents(&breaks, &settings).unwrap_err().text, breaks[0]);
         assert_eq!(probe_accidents(&breaks, &settings).unwrap_err().text, breaks[1]);
+        let mut probed = settings;
+        probed.probe.kind = ProbeKind::Switch;
+        let alarm = ["alarm:probe@1s".to_owned()];
+        assert!(probe_accidents(&alarm, &probed).is_err_and(|refusal| refusal.to_string().contains("no BLTouch")));
+        probed.probe.kind = ProbeKind::BlTouch;
+        assert_eq!(probe_accidents(&alarm, &probed).unwrap().len(), 1);
         assert!(bed("bowl=1", &settings).is_err_and(|refusal| refusal.to_string().starts_with("--bed: the machine")));
     }
 }
