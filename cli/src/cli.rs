@@ -10,6 +10,7 @@ use crate::image::{self, Image};
 use crate::resonance::{self, Resonance};
 use crate::run::{self, Run};
 #[cfg(unix)]
+use crate::say::note;
 use crate::serve::{self, Serve};
 use crate::status::{FAILED, UNUSABLE};
 use crate::twin::{self, Twin};
@@ -78,6 +79,6 @@ fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<u8>) -> ExitCode {
 }
 
 fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
-    eprintln!("corehbot: {}", printable::lines(&format!("{error:#}")));
+    note(format_args!("corehbot: {}", printable::lines(&format!("{error:#}"))));
     ExitCode::from(status)
 }

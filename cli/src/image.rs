@@ -4,6 +4,7 @@
 //! machine needs no compiler. Boards that differ in pins alone share an image, and its block names the board.
 
 use crate::output::Outputs;
+use crate::say::say;
 use crate::status::DONE;
 use crate::stop::Stop;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -86,7 +87,8 @@ impl Prepared {
             Some((machine, receipt)) => format!("{} {receipt}", machine.name.as_deref().unwrap_or("a machine")),
             None => "without a machine: it moves nothing before it gets one".to_owned(),
         };
-        println!("{}: {} bytes for the board {}, {machine}", args.output.display(), self.bytes.len(), self.board.key);
+        let (output, bytes, board) = (args.output.display(), self.bytes.len(), self.board.key);
+        say(format_args!("{output}: {bytes} bytes for the board {board}, {machine}"))?;
         Ok(DONE)
     }
 }

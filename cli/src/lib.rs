@@ -29,6 +29,7 @@ pub mod plant_args;
 mod printer;
 mod resonance;
 mod run;
+mod say;
 #[cfg(unix)]
 pub mod serve;
 mod sinks;

@@ -7,6 +7,7 @@ use crate::input::GcodeFile;
 use crate::output::Outputs;
 use crate::plant_args::PlantArgs;
 use crate::printer::Printer;
+use crate::say::note;
 use crate::sinks::{Done, Judges, Out, Relay, Scratch, Writers};
 use crate::status::{DONE, FAILED};
 use crate::stop::Stop;
@@ -214,7 +215,10 @@ impl Prepared {
         say(&summary, outputs.is_standard_taken())?;
         if let Some(status) = interrupted {
             for partial in outputs.leave() {
-                eprintln!("corehbot: what there is of it is in {}", printable::line(&partial.to_string_lossy()));
+                note(format_args!(
+                    "corehbot: what there is of it is in {}",
+                    printable::line(&partial.to_string_lossy())
+                ));
             }
             return Ok(status);
         }

@@ -1,5 +1,6 @@
 //! Watched: progress of long work, and a host that shows it and can be stopped.
 
+use crate::say::note;
 use crate::stop::Stop;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
@@ -66,7 +67,7 @@ impl Progress {
             state.is_told = true;
             let left = state.left(elapsed);
             if left > WORTH {
-                eprintln!("corehbot: about {} left", HumanDuration(left));
+                note(format_args!("corehbot: about {} left", HumanDuration(left)));
             }
         }
     }

@@ -49,6 +49,7 @@ mod tuning;
 mod ways;
 mod wiring;
 
+use crate::say::say;
 use crate::status::{DONE, FAILED};
 use crate::stop::Stop;
 use anyhow::{Context as _, Result};
@@ -125,7 +126,7 @@ impl Prepared {
     pub fn run(self, args: &Bringup) -> Result<u8> {
         let Self { guide, mut record, stop } = self;
         let Some(mut guide) = guide else {
-            list();
+            list()?;
             return Ok(DONE);
         };
         if !guide.owner.is_absent() {
@@ -236,13 +237,15 @@ fn decide(guide: &Guide, step: &Step) -> Result<Decision, Trouble> {
 }
 
 /// Says every step with what may be wrong.
-fn list() {
+fn list() -> Result<()> {
     for (number, step) in STEPS.iter().enumerate() {
-        println!("{}. {} ({})\n   {}\n   Asks: {}", number + 1, step.title, step.name, step.does, step.asks);
+        let Step { title, name, does, asks, .. } = step;
+        say(format_args!("{}. {title} ({name})\n   {does}\n   Asks: {asks}", number + 1))?;
         for Failure { what, cure } in step.failures {
-            println!("   - {what} Cure: {cure}");
+            say(format_args!("   - {what} Cure: {cure}"))?;
         }
     }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A machine to a board and back, over its serial line.
 
 use super::line::SerialLine;
+use crate::say::say;
 use crate::status::DONE;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
@@ -63,7 +64,7 @@ pub(super) fn send(args: &Send) -> Result<u8> {
     }
     let stored = heard.iter().find_map(|line| line.strip_prefix(STORED));
     let stored = stored.context("the board did not confirm that it stored it: does it run this firmware?")?;
-    println!("{}: stored {}", args.file.display(), printable::line(stored));
+    say(format_args!("{}: stored {}", args.file.display(), printable::line(stored)))?;
     Ok(DONE)
 }
 

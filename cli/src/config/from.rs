@@ -73,7 +73,7 @@ pub(super) fn from(args: &From) -> Result<u8> {
         }
         None => {
             super::say(&done.text)?;
-            eprint!("{report}");
+            let _ = std::io::Write::write_all(&mut std::io::stderr().lock(), report.as_bytes());
         }
     }
     Ok(if done.is_whole() { DONE } else { FAILED })

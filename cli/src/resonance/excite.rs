@@ -2,6 +2,7 @@
 
 use super::{along, parse_axis, parse_range};
 use crate::output::Outputs;
+use crate::say::note;
 use crate::status::DONE;
 use crate::stop::Stop;
 use crate::values::number;
@@ -68,13 +69,13 @@ impl Part {
         drop(out);
         outputs.keep()?;
         let (moves, seconds) = (sweep.halves().count(), sweep.lasts_s());
-        eprintln!(
+        note(format_args!(
             "{moves} moves in {seconds:.0} s, up to {:.2} mm from the place, up to {:.0} mm/s2: M201 must allow that. The \
              last ones need {:.0} lines a second: send by USB or from a card, not by a slow serial line.",
             reach_mm(&sweep),
             greatest_acceleration(&sweep),
             2.0 * to_hz
-        );
+        ));
         Ok(DONE)
     }
 }

@@ -4,6 +4,7 @@
 //! `reset in 2 s` does so two seconds of the printer's time later. So an act falls into the middle of a wait, however
 //! fast the computer is.
 
+use crate::say::note;
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::hand::{ACTS, Act};
 use std::io::BufRead as _;
@@ -46,7 +47,9 @@ impl Hand {
                 None => {
                     let known: Vec<_> = ACTS.iter().map(|(known, _)| *known).collect();
                     let (line, known) = (line.trim(), known.join(", "));
-                    eprintln!("corehbot: `{line}` is not what a hand does; expected {known}, or one of them `in 2 s`");
+                    note(format_args!(
+                        "corehbot: `{line}` is not what a hand does; expected {known}, or one of them `in 2 s`"
+                    ));
                 }
             }
         }

@@ -6,6 +6,7 @@ use super::resonance::parse_grid;
 use super::setup::{ModelArg, has_room};
 use super::source::Source;
 use crate::printer::Printer;
+use crate::say::note;
 use crate::stop::Stop;
 use crate::watched::Progress;
 use anyhow::{Context as _, Result};
@@ -75,7 +76,7 @@ impl Compare {
         let area = Area::new(&params, self.model.freedom(), None, self.grid, self.force)?;
         let runs = self.runs(&Progress::new(WEIGHTS), &stop);
         if let Some(status) = stop.status() {
-            eprintln!("corehbot: interrupted");
+            note(format_args!("corehbot: interrupted"));
             return Ok(status);
         }
         let answer = Answer { area, runs: runs? };

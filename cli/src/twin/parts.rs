@@ -5,6 +5,7 @@ use super::drawn;
 use super::play::{RunModel, played};
 use super::setup::{FileArgs, MachineArg, MachineArgs, has_room, parse_pair};
 use super::source::steps_of;
+use crate::say::note;
 use crate::stop::Stop;
 use crate::watched::progress_bar;
 use anyhow::{Result, ensure};
@@ -53,7 +54,7 @@ impl Parts {
         let stop = Stop::at_signals()?;
         let figures = self.figures(&stop);
         if let Some(status) = stop.status() {
-            eprintln!("corehbot: interrupted");
+            note(format_args!("corehbot: interrupted"));
             return Ok(status);
         }
         let answer = Answer::new(figures?);

@@ -4,6 +4,7 @@ use super::answer::Json;
 use super::setup::{MachineArgs, parse_pair};
 use super::source::Source;
 use crate::printer::Printer;
+use crate::say::note;
 use crate::stop::Stop;
 use crate::watched::Progress;
 use anyhow::{Context as _, Result};
@@ -99,7 +100,7 @@ impl Play {
         });
         match (played, stop.status()) {
             (_, Some(status)) => {
-                eprintln!("corehbot: interrupted");
+                note(format_args!("corehbot: interrupted"));
                 Ok(status)
             }
             (played, None) => {

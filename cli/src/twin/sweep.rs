@@ -5,6 +5,7 @@ use super::play::RunModel;
 use super::setup::{SetupArgs, parse_pair};
 use super::study::{Options, Played, Query, Sample, Study, compute, varied};
 use crate::printer::Printer;
+use crate::say::note;
 use crate::stop::Stop;
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -112,7 +113,7 @@ impl Sweep {
         let study = Study::of_one(setup, key.clone(), values.clone(), run);
         let computed = compute(&study, None, Vec::new(), self.study.jobs(), &stop);
         if let Some(status) = stop.status() {
-            eprintln!("corehbot: interrupted");
+            note(format_args!("corehbot: interrupted"));
             return Ok(status);
         }
         let samples = computed?;

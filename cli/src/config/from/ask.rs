@@ -4,6 +4,7 @@
 //! is asked, and it is asked again. M115, M503, M211, M119 and M122 change nothing.
 
 use super::super::line::SerialLine;
+use crate::say::note;
 use anyhow::{Result, bail};
 use clap::Args;
 use corehbot_machine_file::marlin::{Firmware, is_report};
@@ -62,10 +63,10 @@ impl Printer {
         let mut talk = Talk { line: SerialLine::open(path, first)?, text: String::new(), garbage: 0, bytes: 0 };
         let (mut has_garbage, mut said) = (false, String::new());
         for baud in &bauds {
-            eprintln!("{}: asking at {baud} baud", path.display());
+            note(format_args!("{}: asking at {baud} baud", path.display()));
             talk.tune(*baud)?;
             if let Some((firmware, name)) = talk.greet()? {
-                eprintln!("{}: {}", path.display(), short(&name));
+                note(format_args!("{}: {}", path.display(), short(&name)));
                 let is_not = || format!("the printer on {} is {}, not Marlin", path.display(), short(&name));
                 return match firmware {
                     Firmware::Marlin => talk.interview(&["M211", "M119", "M122"]),
@@ -204,7 +205,7 @@ impl Talk {
         // What they would have said is to be filled in then.
         for code in more {
             if let Err(error) = self.answer(code) {
-                eprintln!("{error:#}");
+                note(format_args!("{error:#}"));
             }
         }
         self.hear_out(REST, LONGEST_START)?;

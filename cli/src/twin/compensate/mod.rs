@@ -10,6 +10,7 @@ use super::setup::MachineArgs;
 use super::source::Source;
 use crate::input;
 use crate::printer::Printer;
+use crate::say::note;
 use crate::stop::Stop;
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
@@ -110,7 +111,7 @@ impl Compensate {
         let stop = Stop::at_signals()?;
         let told = self.told(machine, &params, &stop).with_context(|| self.file.display().to_string());
         if let Some(status) = stop.status() {
-            eprintln!("corehbot: interrupted");
+            note(format_args!("corehbot: interrupted"));
             return Ok(status);
         }
         let (answer, text) = told?;

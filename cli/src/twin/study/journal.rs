@@ -7,6 +7,7 @@
 
 use super::line;
 use super::plan::{Sample, Study};
+use crate::say::note;
 use anyhow::{Context as _, Result, bail};
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -38,10 +39,10 @@ impl Journal {
         let file = OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(cannot)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => bail!("{}: another process computes these samples", path.display()),
-            Err(TryLockError::Error(error)) => eprintln!(
+            Err(TryLockError::Error(error)) => note(format_args!(
                 "corehbot: {} cannot be locked ({error}); make sure that no other process computes these samples",
                 path.display()
-            ),
+            )),
             Ok(()) => {}
         }
         let mut journal = Self { file, path, is_empty: true };

@@ -37,6 +37,7 @@ pub(super) use query::Query;
 
 use super::answer::{Json, say};
 use crate::output::{Outputs, STANDARD};
+use crate::say::note;
 use crate::status::{DONE, FAILED};
 use crate::stop::Stop;
 use anyhow::{Result, bail, ensure};
@@ -124,9 +125,9 @@ impl Options {
             let (done, of) = (samples.len(), study.samples);
             match &journal {
                 Some(Journal { path, .. }) => {
-                    eprintln!("corehbot: interrupted; {} keeps {done} of {of} samples", path.display());
+                    note(format_args!("corehbot: interrupted; {} keeps {done} of {of} samples", path.display()));
                 }
-                None => eprintln!("corehbot: interrupted"),
+                None => note(format_args!("corehbot: interrupted")),
             }
             return Ok(status);
         }
@@ -141,7 +142,7 @@ fn one(study: &Study, number: usize, stop: &Stop) -> Result<u8> {
     ensure!(number < study.samples, "there is no sample {number}; the study has 0 to {}", study.samples - 1);
     let loaded = study.load(stop);
     if let Some(status) = stop.status() {
-        eprintln!("corehbot: interrupted");
+        note(format_args!("corehbot: interrupted"));
         return Ok(status);
     }
     loaded?;
