@@ -298,8 +298,8 @@ def used(browser):
         # Arcs and lines may be several moves; the text has three digits of m.
         check(abs(1000 * metres - mm) < 1, f"line {line}: {mm} mm in the file, {told}")
         check(abs(grams * whole_mm - mm * browser.run("return D.filament.g")) < 0.02 * whole_mm, f"line {line}: {told}")
-        left = whole_s - now_s
-        check(left < 60 or f"{int(left // 60)}:{int(left % 60):02} left" in told, f"{left} s left: {told}")
+        left = round(whole_s - now_s)
+        check(left < 60 or f"{left // 60}:{left % 60:02} left" in told, f"{left} s left: {told}")
 
 
 def log_scale(browser, stage):
