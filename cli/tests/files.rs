@@ -149,7 +149,7 @@ fn what_is_no_gcode_is_refused_in_one_line_and_leaves_nothing() {
     for (bytes, way_out) in [
         (&b"GCDE\x01\0\0\0\x01\0"[..], "File > Convert"),
         (b"PK\x03\x04\x14\0\0\0", "Metadata/plate_1.gcode"),
-        (b"\x1f\x8b\x08\0\0\0\0\0", "gunzip -c"),
+        (b"\x1f\x8b\x08\0\0\0\0\0", "gunzip FILE"),
         (b"\xff\xfeG\x002\x008\x00", "iconv -f UTF-16"),
         (b"G28\nG1 \0\n", "binary data"),
     ] {

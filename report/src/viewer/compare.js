@@ -122,6 +122,7 @@ function compareCard(record, stage, player) {
     result.append(chart.element);
   }
   const open = async f => { if (f) await take(await f.text(), f.name); };
+  file.onclick = () => { file.value = ""; };
   file.onchange = () => open(file.files[0]);
   section.addEventListener("dragover", e => { e.preventDefault(); section.classList.add("dropping"); });
   section.addEventListener("dragleave", () => section.classList.remove("dropping"));

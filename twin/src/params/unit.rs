@@ -26,8 +26,8 @@ const ENDS: [(&str, &str); 22] = [
     ("um_per_m_s2", "um per m/s2"),
 ];
 
-/// A key or a figure's name in two: `belt_EA_N` is `belt_EA` in N. A name without a unit is a count or a ratio; its unit
-/// is empty.
+/// A key or a figure's name in two: `belt_EA_N` is `belt_EA` in N. A name without a unit is a count or a ratio, and its
+/// unit is empty.
 #[must_use]
 pub fn split_unit(name: &str) -> (&str, &'static str) {
     let ends = ENDS.iter().filter_map(|(end, unit)| Some((name.strip_suffix(end)?.strip_suffix('_')?, *unit)));
