@@ -40,6 +40,8 @@ fn file(test: &str, text: &str) -> PathBuf {
     let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("twin");
     std::fs::create_dir_all(&place).unwrap();
     let path = place.join(test);
+    // A pipe of an earlier run would wait for a reader.
+    let _ = std::fs::remove_file(&path);
     std::fs::write(&path, text).unwrap();
     path
 }
