@@ -223,21 +223,22 @@ async function start() {
   $('progress').value = 0;
   $('how-far').textContent = 'reads the file';
   begun = performance.now();
-  try {
-    const { name, bytes } = gcode;
-    done(name, await printer.call('print', JSON.stringify(job()), bytes.slice().buffer));
-  } catch (error) {
-    $('how-far').textContent = error.message === 'cancelled' ? 'cancelled' : '';
-    if (error.message !== 'cancelled') fail(error.message);
-  } finally {
-    printing(false);
+  const { name, bytes } = gcode;
+  const answer = await printer.call('print', JSON.stringify(job()), bytes.slice().buffer).catch(error => error);
+  // The row of progress goes first: what is shown then is scrolled to, and nothing above it may move afterwards.
+  printing(false);
+  if (!(answer instanceof Error)) return done(name, answer);
+  const isCancelled = answer.message === 'cancelled';
+  $('how-far').textContent = isCancelled ? 'cancelled' : '';
+  if (!isCancelled) {
+    fail(answer.message);
+    $('failure').scrollIntoView({ block: 'nearest' });
   }
 }
 
 function fail(words) {
   $('failure').textContent = words;
   $('failure').hidden = false;
-  $('failure').scrollIntoView({ block: 'nearest' });
 }
 
 function done(file, { summary, words, report, seconds }) {

@@ -54,6 +54,28 @@ SETTLED = """const view = document.querySelector('.viewer')?.corehbotView;
     return [innerWidth, innerHeight, Math.ceil(document.body.getBoundingClientRect().height), isDrawn];"""
 
 
+# Before a page's own scripts, in its frames too. A page that scrolls to an element does so after the last change of its
+# layout. So the element of a task's last scroll is where it was scrolled to when the task is over; browsers differ in
+# whether they follow an element that moves. A smooth scroll takes longer and is left out.
+WATCH_SCROLLS = """const native = Element.prototype.scrollIntoView;
+    Object.assign(window, { scrolls: 0, wrongScrolls: [] });
+    Element.prototype.scrollIntoView = function (how) {
+        native.call(this, how);
+        const own = ++window.scrolls;
+        if (how?.behavior === 'smooth') return;
+        const { top } = this.getBoundingClientRect(), at = scrollY, channel = new MessageChannel();
+        channel.port1.onmessage = () => {
+            const moved = this.getBoundingClientRect().top - top;
+            if (own === window.scrolls && (moved || scrollY !== at)) window.wrongScrolls.push(`${this.id || this.className}: ${moved} px`);
+        };
+        channel.port2.postMessage(0);
+    };"""
+
+# Of a page and its frames.
+SCROLLS = """const frames = [window, ...[...document.querySelectorAll('iframe')].map(frame => frame.contentWindow)];
+    return frames.flatMap(({ wrongScrolls }) => wrongScrolls?.splice(0) ?? []);"""
+
+
 class Failure(Exception):
     """What does not hold."""
 
@@ -89,6 +111,7 @@ class Chromium:
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service(os.environ["CHROMEDRIVER"]))
         self.driver.set_script_timeout(PATIENCE_S)
+        self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WATCH_SCROLLS})
         self.resize(size, is_dark=False)
 
     def __enter__(self):
@@ -130,14 +153,14 @@ class Chromium:
     def find_all(self, selector):
         return self.driver.find_elements(By.CSS_SELECTOR, selector)
 
-    def wait(self, what, holds, patience_s=PATIENCE_S):
-        """Waits until something holds, and returns it."""
-        end = time.monotonic() + patience_s
+    def wait(self, what, holds):
+        """Waits until something holds, and returns it. Each wait has the same patience: a short one fails on a slow computer."""
+        end = time.monotonic() + PATIENCE_S
         while True:
             value = holds()
             if value:
                 return value
-            check(time.monotonic() < end, f"no {what} within {patience_s} s")
+            check(time.monotonic() < end, f"no {what} within {PATIENCE_S} s")
             time.sleep(0.02)
 
     def frames_per_second(self, seconds=1.0):
@@ -173,7 +196,10 @@ class Chromium:
         return sum(seconds for pid, seconds in times.items() if is_ours(pid))
 
     def check_quiet(self, *own):
-        """Nothing since the last call was a complaint in the console, and nothing asked a network, but for `own`."""
+        """Nothing since the last call was a complaint in the console, nothing asked a network, but for `own`, and nothing
+        that was scrolled to moved away."""
+        wrong = self.run(SCROLLS)
+        check(not wrong, f"the page scrolled before its layout was done: {wrong}")
         said = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         # A computer without graphics is one of the cases.
         said = [line for line in said if "GPU stall" not in line and "swiftshader" not in line.lower()]

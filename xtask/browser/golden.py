@@ -40,7 +40,7 @@ def run(corehbot, folder):
                 browser.check_quiet()
                 if place == "desk":
                     used += use_all(browser, "body", LEAST_CONTROLS)
-                    browser.wait(f"picture of {name} after all controls were used", lambda: browser.run(MOVES) > 0, 10)
+                    browser.wait(f"picture of {name} after all controls were used", lambda: browser.run(MOVES) > 0)
     return f"loaded in {max(times):.2f} s, {megabytes:.1f} MB; {used} controls were used; {len(times)} pictures differ in {worst:.3%} of their area at most"
 
 

@@ -107,12 +107,12 @@ def told_marks(browser, corehbot, folder):
         box = next(box for box in browser.find_all("[aria-label=Marks] label") if name in box.text)
         control = box.find_element("css selector", "input")
         control.send_keys(" ")
-        browser.wait(f"{number} {name}, not {box.text}", lambda: box.text.strip() == f"{name}: {number}", 10)
+        browser.wait(f"{number} {name}, not {box.text}", lambda: box.text.strip() == f"{name}: {number}")
         whole(browser)
         check(box.get_attribute("title") and browser.run(PIXELS) != begin, f"{name} are not in the picture")
         control.send_keys(" ")
         whole(browser)
-        browser.wait(f"picture without {name}", lambda: browser.run(PIXELS) == begin, 10)
+        browser.wait(f"picture without {name}", lambda: browser.run(PIXELS) == begin)
     browser.check_quiet()
 
 
@@ -154,7 +154,7 @@ def fault(browser, corehbot, folder):
         browser.run("document.querySelector(arguments[0]).scrollIntoView()", place)
         chart = """const canvas = document.querySelector(arguments[0] + ' canvas'); if (!canvas) return 0;
             const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);"""
-        browser.wait(f"a red line in the chart of {name}", lambda: browser.run(chart + RED, place) > 60, 20)
+        browser.wait(f"a red line in the chart of {name}", lambda: browser.run(chart + RED, place) > 60)
     browser.check_quiet()
 
 
@@ -234,7 +234,7 @@ def desk(browser, report):
         box.click()
         said = lambda: box.text.strip() == f"{name}: {number}"
         check(box.get_attribute("title"), f"{name} has no words")
-        browser.wait(f"{number} {name} as in the file, not {box.text}", said, 10)
+        browser.wait(f"{number} {name} as in the file, not {box.text}", said)
         whole(browser)
         box.click()
     browser.run("const list = document.querySelector('label select'); list.value = 'type'; list.onchange();")
@@ -359,7 +359,7 @@ def tap(browser):
             browser.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
         browser.drawn()
         told = lambda: browser.find(".tip").is_displayed() and "Commanded" in browser.find(".tip").text
-        browser.wait(f"words at {x}, {y}: {is_told}", lambda: told() == is_told, 10)
+        browser.wait(f"words at {x}, {y}: {is_told}", lambda: told() == is_told)
 
 
 def phone(browser):
@@ -392,7 +392,7 @@ def remarks(browser):
     check(abs(heights[1] - heights[0]) < 1, f"40 and 3000 remarks make the page {heights} px high")
     items = browser.find("[aria-label^=Remarks]")
     items.send_keys(Keys.END)
-    browser.wait("end of the remarks", lambda: browser.run("return arguments[0].scrollTop > 1000", items), 10)
+    browser.wait("end of the remarks", lambda: browser.run("return arguments[0].scrollTop > 1000", items))
     check("3,000" in items.get_attribute("aria-label"), f"the list is called {items.get_attribute('aria-label')}")
     answers = [answer.get_attribute("textContent") for answer in browser.find_all("[aria-label^=Answers] li")]
     check(len(answers) == 1 and ": M115\nFIRMWARE_NAME:" in answers[0], f"the file asks for M115 alone: {answers}")

@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 /// Which steps to run.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Runs only the step of this name.
+    /// Runs only the step of this name, after the tools that it may need.
     #[arg(long, value_name = "NAME", value_parser = STEPS.map(|step| step.name))]
     only: Option<String>,
     /// Runs only the steps of this lane, and leaves their results in a file.
@@ -84,9 +84,12 @@ pub enum Verdict {
     Skipped(String),
 }
 
+/// The step that brings missing tools, which the others need.
+const TOOLS: &str = "tools";
+
 /// In each lane in this order, as quick steps should fail first.
 const STEPS: [Step; 19] = [
-    Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
+    Step { name: TOOLS, lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
@@ -129,7 +132,7 @@ const STEPS: [Step; 19] = [
 pub fn main(args: &Args) -> Result<()> {
     let mut report = Report::default();
     if let Some(only) = &args.only {
-        report.run(|step| step.name == only);
+        report.run(|step| step.name == only || step.name == TOOLS);
     } else if let (Some(lane), Some(results)) = (args.lane, &args.results) {
         report.run(|step| step.lane == lane);
         if lane == Images {
