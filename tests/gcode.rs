@@ -271,7 +271,7 @@ fn a_word_that_is_none_makes_the_line_do_nothing() {
             assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line:?}");
         }
     }
-    for line in ["G1X1Y2 S3,", "G92 X1,5", "G28 X,", "M203 X1,5", "M204 P", "G4 P-1", "M84 S-1", "M593 F-5", "G92 C0"] {
+    for line in ["G1X1Y2 F3,", "G92 X1,5", "G28 X,", "M203 X1,5", "M204 P", "G4 P-1", "M84 S-1", "M593 F-5", "G92 C0"] {
         assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line:?}");
     }
 }
@@ -339,7 +339,7 @@ const ANY_TEXT: [&[&str]; 5] = [
     &["M622", "M623"],
     // The machine has nothing to do for them (`gcode::commands::silent`).
     &[
-        "M2", "M20", "M21", "M74", "M76", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355", "M403",
+        "G12", "M2", "M20", "M21", "M74", "M76", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355", "M403",
         "M425", "M530", "M532", "M870", "M907",
     ],
 ];
@@ -371,7 +371,7 @@ fn a_name_that_goes_on_is_another_name() {
 /// A line with a mistake does nothing, unless its command is listed here.
 #[test]
 fn a_code_without_a_row_in_the_grammar_takes_any_text_for_a_reason() {
-    let is_obeyed = |code: &String| !matches!(parse(format!("{code} X?!").as_bytes()), Command::Malformed(_));
+    let is_obeyed = |code: &String| !matches!(parse(format!("{code} ?!").as_bytes()), Command::Malformed(_));
     let [.., answered, silent] = ANY_TEXT;
     for code in answered {
         let command = parse(code.as_bytes());
@@ -389,4 +389,82 @@ fn a_code_without_a_row_in_the_grammar_takes_any_text_for_a_reason() {
     let any_text: BTreeSet<_> = ANY_TEXT.concat().into_iter().map(str::to_owned).collect();
     let different: Vec<_> = obeyed.symmetric_difference(&any_text).collect();
     assert!(different.is_empty(), "{different:?}: a grammar in its row (src/gcode/commands), or a place in ANY_TEXT");
+}
+
+/// Forms of a word that people and slicers write: lists, fractions, signs, texts, expressions of other firmwares.
+const ODD_FORMS: [&str; 13] =
+    ["0:1", "1:2:3", "0,1", "-3", "-0.5:+1", "0.03", "1.2.3", "--5", "\"a b\"", "=5", "=[1,2]", "{x}", "#1"];
+
+/// Letters that no command with words of its own may ignore: axes that machines may have, G and M, which begin another
+/// command, and the words for parts (docs/reference/host-protocol.md).
+const NEVER_IGNORED: &str = "ABCUVWGMTPDEHISLN";
+
+/// *Reproducer*: `M900 K0.02 T0.03` and `M572 D0:1 S0.026` set no pressure advance, in presets that many people print
+/// with. The document says which letters a command has; all others are ignored, whatever stands behind them.
+#[test]
+fn a_letter_that_the_reference_does_not_name_is_ignored_in_every_form() {
+    let reference = include_str!("../docs/reference/gcode.md");
+    let (mut codes, mut lines) = (0, 0);
+    let all: BTreeSet<_> = known_codes().collect();
+    for row in reference.lines().filter_map(|line| line.strip_prefix("| ")) {
+        let cells: Vec<_> = row.split('|').map(str::trim).collect();
+        for code in cells[0].split(", ").filter(|code| all.contains(*code)) {
+            // A text follows, letters that are not obeyed are told, or they make another firmware's command (M915).
+            if ["M118", "M117", "M28", "M486", "M0", "M1", "M600", "M601", "M125", "M915"].contains(&code) {
+                continue;
+            }
+            codes += 1;
+            // In "Accepted silently" the second cell is the reason, and no letter is named.
+            let words = if cells.len() > 3 { cells[1] } else { "" };
+            // These words of M290 are refused.
+            let words = words.to_owned() + if code == "M290" { " X Y" } else { "" };
+            let is_silent = parse(code.as_bytes()) == Command::Silent;
+            for letter in ('A'..='Z').filter(|letter| !words.contains(*letter)) {
+                if NEVER_IGNORED.contains(letter) && !(is_silent && "PIQ".contains(letter)) {
+                    continue;
+                }
+                for form in ODD_FORMS {
+                    let odd = format!("{code} {letter}{form}");
+                    let alone = match parse(code.as_bytes()) {
+                        Command::Unknown(_) => continue,
+                        command => Printed(command, code.as_bytes()).to_string(),
+                    };
+                    let with = Printed(parse(odd.as_bytes()), code.as_bytes()).to_string();
+                    assert_eq!(with, alone, "{odd}");
+                    lines += 1;
+                }
+            }
+        }
+    }
+    assert!(codes > 100 && lines > 10_000, "{codes} {lines}");
+    // Next to words that count, on either side.
+    for (line, same) in [
+        ("M900 K0.02 T0.03", "M900 K0.02"),
+        ("M900 T0.03 K0.02", "M900 K0.02"),
+        ("M572 D0:1 S0.026", "M572 S0.026"),
+        ("M572 S0.026 D1:0", "M572 S0.026"),
+        ("M221 T0:1 S95", "M221 S95"),
+        ("M92 X80 E420.5:430", "M92 X80 E420.5"),
+        ("M906 E800:700 X900", "M906 E800 X900"),
+        ("M104 Q0,1 S200", "M104 S200"),
+        ("G28 X Q0:1 Y", "G28 X Y"),
+        ("G1 X10 Q0:1Y20 F600", "G1 X10 Y20 F600"),
+        ("G1 X10 Q\"a; b\" Y20", "G1 X10 Y20"),
+        ("M204 P500 N--1 T700", "M204 P500 T700"),
+        ("M205 X8 Q=1 E5", "M205 X8 E5"),
+        ("G29 K1:2 P1 X10 Y10 W50 H50", "G29 P1 X10 Y10 W50 H50"),
+        ("SET_GCODE_OFFSET Z=0.1 MOVE_SPEED=fast", "SET_GCODE_OFFSET Z=0.1"),
+        ("Z_TILT_ADJUST RETRIES=3 HORIZONTAL_MOVE_Z=auto", "Z_TILT_ADJUST RETRIES=3"),
+        ("SET_PRESSURE_ADVANCE ADVANCE=0.03 NOTE=\"a b=c\"", "SET_PRESSURE_ADVANCE ADVANCE=0.03"),
+        ("BED_MESH_CALIBRATE PROFILE=\"my bed\" ADAPTIVE=1", "BED_MESH_CALIBRATE ADAPTIVE=1"),
+    ] {
+        assert_eq!(parse(line.as_bytes()), parse(same.as_bytes()), "{line}");
+        assert!(!matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
+    }
+    // A list of parts that are not there, a list where a single number is meant, and damaged bytes are refused.
+    for line in
+        ["M572 D1:2 S0.026", "M104 S200:100", "G1 X10:20 Y5", "M92 X80:80", "M104 S200 Q1\u{7}", "M900 T1 K0.02"]
+    {
+        assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
+    }
 }

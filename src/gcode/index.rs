@@ -45,8 +45,10 @@ pub enum Part {
 
 impl Part {
     /// Whether a machine with one extruder has the part of that number.
-    fn is_there(self, number: Number) -> bool {
+    pub(super) fn is_there(self, number: Number) -> bool {
         match self {
+            // A fraction names no extruder: `M900 K0.02 T0.03` has Klipper's smoothing time behind it.
+            Self::Extruder if number != Number::from(number.to_int()) => true,
             Self::Extruder | Self::Tool | Self::Bed | Self::Chamber | Self::Slot => number == Number::ZERO,
             // -1 is all of them (Marlin, M906.cpp).
             Self::Driver => number == Number::ZERO || number == Number::from(-1),

@@ -1,8 +1,9 @@
 //! Words: a letter, perhaps with a number, and the characters allowed around it.
 //!
 //! Spaces are optional everywhere, also between a letter and its number. A word keeps the characters of
-//! numbers that are glued to it (`U6.2.6+8948` is U6.2), other glued characters are skipped up to the next
-//! blank. That something was skipped is noted, and most commands are then not carried out (`grammar.rs`).
+//! numbers and lists that are glued to it (`U6.2.6+8948` is U6.2, `D0:1` is D0), other glued characters are skipped up
+//! to the next blank. Such a word is odd, which matters only to a command that knows its letter (`grammar.rs`). Text
+//! that belongs to no word, and bytes that no person writes, make most commands do nothing.
 //! Comments are `;` to the end and `( )`.
 
 use super::number::Number;
@@ -17,24 +18,34 @@ pub(super) struct Word<'a> {
     pub number: Option<Number>,
     /// The text in quotes that stands where a number might.
     pub quoted: Option<&'a [u8]>,
+    /// Whether more is glued to it, such as the rest of a list.
+    pub is_odd: bool,
 }
 
 /// The words of a text, in order.
 #[derive(Clone, Debug)]
 pub(super) struct Words<'a> {
     remaining: &'a [u8],
-    has_skipped: bool,
+    /// One of the words was odd.
+    has_odd: bool,
+    /// A part was no word.
+    has_loose: bool,
 }
 
 impl<'a> Words<'a> {
     /// The words of `text`, which begins after the command's code.
     pub(super) const fn new(text: &'a [u8]) -> Self {
-        Self { remaining: text, has_skipped: false }
+        Self { remaining: text, has_odd: false, has_loose: false }
     }
 
     /// Whether the text so far held a part that was neither a word nor a comment.
     pub(super) const fn has_skipped(&self) -> bool {
-        self.has_skipped
+        self.has_odd || self.has_loose
+    }
+
+    /// The same, but for parts that are glued to a word.
+    pub(super) const fn has_loose(&self) -> bool {
+        self.has_loose
     }
 
     /// The text after the words so far.
@@ -93,26 +104,27 @@ impl<'a> Iterator for Words<'a> {
                 b'(' => skip_past(tail, b')'),
                 b'"' => self.skip_quoted(tail).1,
                 _ => {
-                    self.has_skipped = true;
-                    skip_until(tail, |byte| is_blank(byte) || matches!(byte, b';' | b'(' | b'"'))
+                    self.has_loose = true;
+                    skip_until(tail, ends_rubbish)
                 }
             };
         };
         let value = skip_blanks(self.remaining);
-        if let Some((number, after)) = Number::read(value) {
-            self.has_skipped |= after.first().is_some_and(|byte| !may_follow(*byte));
-            self.remaining = skip_number(after);
-            return Some(Word { letter, number: Some(number), quoted: None });
-        }
         if let [b'"', tail @ ..] = value {
             let (quoted, after) = self.skip_quoted(tail);
             self.remaining = after;
-            return Some(Word { letter, number: None, quoted: Some(quoted) });
+            return Some(Word { letter, number: None, quoted: Some(quoted), is_odd: false });
         }
-        let after = skip_number(self.remaining);
-        self.has_skipped |= after.len() < self.remaining.len() || after.first().is_some_and(|byte| !may_follow(*byte));
-        self.remaining = after;
-        Some(Word { letter, number: None, quoted: None })
+        let (number, glued) = match Number::read(value) {
+            Some((number, after)) => (Some(number), after),
+            None => (None, self.remaining),
+        };
+        self.remaining = skip_glued(glued);
+        let glued = glued.get(..glued.len() - self.remaining.len()).unwrap_or_default();
+        let is_odd = !glued.is_empty();
+        self.has_odd |= is_odd;
+        self.has_loose |= glued.iter().any(|byte| !byte.is_ascii_graphic());
+        Some(Word { letter, number, quoted: None, is_odd })
     }
 }
 
@@ -120,7 +132,7 @@ impl<'a> Words<'a> {
     /// The text up to the quotes that end it, and the text after them.
     fn skip_quoted(&mut self, text: &'a [u8]) -> (&'a [u8], &'a [u8]) {
         let quoted = text.split(|byte| *byte == b'"').next().unwrap_or_default();
-        self.has_skipped |= quoted.len() == text.len();
+        self.has_loose |= quoted.len() == text.len();
         (quoted, text.get(quoted.len() + 1..).unwrap_or_default())
     }
 }
@@ -135,12 +147,16 @@ pub(super) fn number(text: &[u8], letter: u8) -> Option<Number> {
     last(text, letter)?.number
 }
 
-/// `text` without the characters of numbers that it begins with.
-fn skip_number(mut text: &[u8]) -> &[u8] {
-    while let [b'0'..=b'9' | b'+' | b'-' | b'.', after @ ..] = text {
-        text = after;
-    }
-    text
+/// `text` without what is glued to a word that ends there: characters of numbers and of lists, and anything else up to
+/// the next blank.
+fn skip_glued(text: &[u8]) -> &[u8] {
+    let after = skip_until(text, |byte| !(byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b':' | b',')));
+    if after.first().is_some_and(|byte| !may_follow(*byte)) { skip_until(after, ends_rubbish) } else { after }
+}
+
+/// Whether text that is no word ends before this byte.
+const fn ends_rubbish(byte: u8) -> bool {
+    is_blank(byte) || matches!(byte, b';' | b'(' | b'"')
 }
 
 /// The switch in S: S0 is off, any other S is on.

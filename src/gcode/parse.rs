@@ -38,7 +38,7 @@ fn parse_code(code: Code, words: &[u8]) -> Option<Command<'_>> {
     let row = row_of(code)?;
     let command = (row.read)(code.number, words)?;
     Some(match row.grammar {
-        Some(grammar) => in_order(command, grammar, code, words),
+        Some(grammar) => in_order(command, grammar, row.letters, code, words),
         None => command,
     })
 }

@@ -1,7 +1,8 @@
 //! Grammar: the lines that are valid. An invalid line does nothing, instead of half of its intent.
 //!
-//! Letters that a command does not know are ignored, as slicers rely on (`G28 Q`, `M400 U1`). Four things make the line
-//! invalid: text that is no word, a letter without its number, the letter of another axis, and a second command.
+//! Letters that a command does not know are ignored, as slicers rely on (`G28 Q`, `M400 U1`), in every form (`Q0:1`).
+//! Known are the letters of docs/reference/gcode.md. Four things make the line invalid: text that is no word, a letter
+//! without its number, the letter of another axis, and a second command.
 
 use super::Command;
 use crate::gcode::code::Code;
@@ -43,6 +44,22 @@ impl Grammar {
         Self { is_plain: true, ..Self::numbers(b"") }
     }
 
+    /// Whether the command knows a letter, whose form matters then.
+    fn knows(&self, known: Letters, code: Code, letter: u8) -> bool {
+        known.has(letter)
+            || self.no_axes.contains(&letter)
+            || self.parts.iter().any(|(its, _)| *its == letter)
+            || self.needs_number(code, letter)
+    }
+
+    /// Whether a letter takes a list: of parts, of which one may be there, or of the values of all extruders
+    /// (RepRapFirmware's `M92 E420:420`), of which the first is meant.
+    fn takes_list(&self, code: Code, letter: u8, list: &[u8]) -> bool {
+        let is_of_extruders = letter == b'E' && code.letter == b'M' && self.no_axes.contains(&b'A');
+        (is_of_extruders || self.parts.iter().any(|(its, _)| *its == letter))
+            && list.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b':'))
+    }
+
     /// Whether a letter needs a number.
     fn needs_number(&self, code: Code, letter: u8) -> bool {
         self.numbers.contains(&letter)
@@ -65,28 +82,83 @@ impl Grammar {
     }
 }
 
+/// A set of letters, as the bits of a number. The last bit says whether subcodes make no difference.
+#[derive(Clone, Copy)]
+pub(in crate::gcode) struct Letters(u32);
+
+const SUBCODES: u32 = 1 << 31;
+
+impl Letters {
+    /// None.
+    pub(super) const NONE: Self = Self(0);
+
+    /// The same, and any subcode.
+    pub(super) const fn with_subcodes(self) -> Self {
+        Self(self.0 | SUBCODES)
+    }
+
+    pub(super) const fn takes_subcodes(self) -> bool {
+        self.0 & SUBCODES != 0
+    }
+
+    /// The same, and the capital letters in a text.
+    pub(super) const fn with(self, text: &str) -> Self {
+        let (mut set, mut bytes) = (self.0, text.as_bytes());
+        while let [byte, others @ ..] = bytes {
+            if byte.is_ascii_uppercase() {
+                set |= 1 << (*byte - b'A');
+            }
+            bytes = others;
+        }
+        Self(set)
+    }
+
+    const fn has(self, letter: u8) -> bool {
+        letter.is_ascii_uppercase() && self.0 & 1 << (letter - b'A') != 0
+    }
+}
+
+/// The text behind the letter of the first word.
+fn behind_letter(text: &[u8]) -> &[u8] {
+    shown(text).get(1..).map_or(&[], skip_blanks)
+}
+
 /// The error in the words of a command; a part that is no word comes first.
 #[cold]
 #[inline(never)]
-fn flaw_of<'a>(grammar: &Grammar, code: Code, text: &'a [u8]) -> Option<Flaw<'a>> {
+fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) -> Option<Flaw<'a>> {
     let mut words = Words::new(text);
     let mut begin = text;
-    while words.next().is_some() || words.has_skipped() {
-        if words.has_skipped() {
+    loop {
+        let word = words.next();
+        let written = begin.get(..begin.len() - words.remaining().len()).unwrap_or_default();
+        let is_flaw = word.is_some_and(|word| {
+            word.is_odd
+                && grammar.knows(known, code, word.letter)
+                && !grammar.takes_list(code, word.letter, behind_letter(written))
+        });
+        if is_flaw || words.has_loose() {
             return Some(Flaw::NoWord(shown(begin)));
+        }
+        if word.is_none() {
+            break;
         }
         begin = words.remaining();
     }
     let mut words = Words::new(text);
     let mut begin = text;
     while let Some(word) = words.next() {
+        let written = begin.get(..begin.len() - words.remaining().len()).unwrap_or_default();
         let is_negative = word.number.is_some_and(|number| number < Number::ZERO);
         if grammar.no_axes.contains(&word.letter) {
             return Some(Flaw::NoAxis(word.letter));
         } else if word.number.is_none() && grammar.needs_number(code, word.letter) {
             return Some(Flaw::NoNumber(word.letter));
-        } else if let Some(part) = absent(grammar.parts, word.letter, word.number) {
-            let which = shown(begin).get(1..).map_or(&[][..], skip_blanks);
+        } else if let Some(part) = absent(grammar.parts, word.letter, word.number)
+            // The first one of a list may be there.
+            && !(part.is_there(Number::ZERO) && behind_letter(written).split(|byte| *byte == b':').any(|one| one == b"0"))
+        {
+            let which = behind_letter(begin);
             let which = which.get(..number_length(which)).unwrap_or(which);
             return Some(Flaw::Absent(Absent { command: Named::Code(code.letter, code.number), part, which }));
         } else if is_negative && grammar.not_negative.contains(&word.letter) {
@@ -103,10 +175,11 @@ fn flaw_of<'a>(grammar: &Grammar, code: Code, text: &'a [u8]) -> Option<Flaw<'a>
 pub(in crate::gcode) fn in_order<'a>(
     command: Command<'a>,
     grammar: &Grammar,
+    known: Letters,
     code: Code,
     text: &'a [u8],
 ) -> Command<'a> {
-    flaw_of(grammar, code, text).map_or(command, Command::Malformed)
+    flaw_of(grammar, known, code, text).map_or(command, Command::Malformed)
 }
 
 /// The length of the number that `text` begins with.

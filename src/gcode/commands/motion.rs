@@ -1,7 +1,7 @@
 //! Motion: moves, modes, overrides, retraction.
 
 use super::Command;
-use super::grammar::{Grammar, NO_AXES, WORDS, in_order};
+use super::grammar::{Grammar, Letters, NO_AXES, WORDS, in_order};
 use super::row::Described;
 use crate::gcode::axes::{axis_flags, take_axis};
 use crate::gcode::code::Code;
@@ -236,7 +236,7 @@ pub(in crate::gcode) fn line(code: Code, text: &[u8]) -> Command<'_> {
 #[inline(never)]
 fn unusual_line(code: Code, text: &[u8], to: AxisWords, feed: Option<Number>) -> Command<'_> {
     let command = Command::Motion(MotionCommand::Line { rapid: code.number == 0, to, feed });
-    in_order(with_belt(command, text), LINE, code, text)
+    in_order(with_belt(command, text), LINE, Letters::NONE, code, text)
 }
 
 /// A move in which the belt circulates too, if the line has a C.

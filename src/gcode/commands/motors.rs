@@ -154,13 +154,15 @@ fn level_by_name(text: &[u8]) -> Command<'_> {
     let mut level = LevelWords::default();
     for word in words(text) {
         let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let (is_retries, is_tolerance) = (is_word(name, b"RETRIES"), is_word(name, b"RETRY_TOLERANCE"));
+        if !(is_retries || is_tolerance) {
+            continue;
+        }
         let Some((number, _)) = Number::read(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-        match name {
-            name if name.eq_ignore_ascii_case(b"RETRIES") => {
-                level.rounds = Some(Number::from(number.to_int().saturating_add(1)));
-            }
-            name if name.eq_ignore_ascii_case(b"RETRY_TOLERANCE") => level.within = Some(number),
-            _ => {}
+        if is_retries {
+            level.rounds = Some(Number::from(number.to_int().saturating_add(1)));
+        } else {
+            level.within = Some(number);
         }
     }
     Command::Motor(MotorCommand::LevelScrews(level))

@@ -8,6 +8,7 @@ use super::settings::{named_value, scientific, words};
 use crate::gcode::lexer::{last, number};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{Flaw, OffsetWords};
+use crate::text::is_word;
 
 pub(super) const ROWS: &[Described] = &[
     Described::m(&[290], |_, text| Some(babystep(text)))
@@ -35,11 +36,18 @@ fn babystep(text: &[u8]) -> Command<'_> {
 /// Words of SET_GCODE_OFFSET for axes without an offset.
 const OTHERS: [&str; 6] = ["X", "Y", "E", "X_ADJUST", "Y_ADJUST", "E_ADJUST"];
 
+/// Its own words. Any other one is ignored.
+const KNOWN: [&str; 3] = ["Z", "Z_ADJUST", "MOVE"];
+
 /// SET_GCODE_OFFSET. MOVE_SPEED is not obeyed: z moves as fast as its limits allow.
 fn gcode_offset(text: &[u8]) -> Command<'_> {
     let mut offset = OffsetWords::default();
     for word in words(text) {
         let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
+        let is_known = KNOWN.iter().chain(&OTHERS).any(|known| is_word(name, known.as_bytes()));
+        if !is_known {
+            continue;
+        }
         let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
         match name {
             name if name.eq_ignore_ascii_case(b"Z") => offset.to = Some(number),

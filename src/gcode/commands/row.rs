@@ -8,7 +8,7 @@
 //! | a [`Text`] | docs/reference/gcode.md; not in an image, because nothing there refers to it |
 
 use super::Command;
-use super::grammar::Grammar;
+use super::grammar::{Grammar, Letters};
 
 /// Reads the words after a code with that number (0 for a name). `None` if the whole line is unknown.
 pub(super) type Read = for<'a> fn(u16, &'a [u8]) -> Option<Command<'a>>;
@@ -26,10 +26,11 @@ pub(in crate::gcode) enum Begin {
 #[derive(Clone, Copy)]
 pub(in crate::gcode) struct Row {
     pub begin: Begin,
-    /// Whether a subcode (`M862.3`) makes no difference; elsewhere it makes another command.
-    pub takes_subcodes: bool,
     pub read: Read,
     pub grammar: Option<&'static Grammar>,
+    /// The letters of its text; other letters are ignored in every form. And whether a subcode (`M862.3`) makes no
+    /// difference; elsewhere it makes another command.
+    pub letters: Letters,
 }
 
 /// What the firmware does with a command.
@@ -64,7 +65,7 @@ pub(in crate::gcode) struct Described {
 impl Described {
     const fn new(begin: Begin, read: Read) -> Self {
         let text = Text { treatment: Treatment::CarriedOut, words: "", does: "" };
-        Self { row: Row { begin, takes_subcodes: false, read, grammar: None }, text }
+        Self { row: Row { begin, read, grammar: None, letters: Letters::NONE }, text }
     }
 
     /// G-codes.
@@ -95,6 +96,7 @@ impl Described {
 
     /// Its words, and what it does.
     pub(super) const fn does(mut self, words: &'static str, does: &'static str) -> Self {
+        self.row.letters = self.row.letters.with(words);
         self.text.words = words;
         self.text.does = does;
         self
@@ -121,7 +123,7 @@ impl Described {
     }
 
     pub(super) const fn with_subcodes(mut self) -> Self {
-        self.row.takes_subcodes = true;
+        self.row.letters = self.row.letters.with_subcodes();
         self
     }
 }

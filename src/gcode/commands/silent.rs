@@ -4,7 +4,7 @@
 //! are here: a command with a missing effect that a user must know of is answered in words.
 
 use super::Command;
-use super::grammar::{Grammar, WORDS};
+use super::grammar::Grammar;
 use super::jobs::JobCommand;
 use super::row::Described;
 use crate::gcode::index::Part;
@@ -35,7 +35,7 @@ pub(super) const ROWS: &[Described] = &[
         .with_subcodes(),
     Described::silent(&[870], "Prusa's own"),
     Described::silent(&[907], "motor current by a potentiometer: M906 sets it"),
-    Described::g(&[12], |_, _| SILENT).grammar(WORDS).silently("nozzle wiper: none"),
+    Described::g(&[12], |_, _| SILENT).silently("nozzle wiper: none"),
     // The names of a print's objects, and the begin and end of each. Nothing here depends on it.
     Described::name(&["EXCLUDE_OBJECT_START", "EXCLUDE_OBJECT_END"], |_, _| SILENT)
         .silently("names of objects: not used"),

@@ -51,7 +51,9 @@ pub(in crate::gcode) fn row_of(code: Code) -> Option<&'static Row> {
     ROWS.iter().find(|row| match row.begin {
         Begin::Code(b'T', _) => code.letter == b'T' && code.subcode == 0,
         Begin::Code(letter, numbers) => {
-            letter == code.letter && numbers.contains(&code.number) && (code.subcode == 0 || row.takes_subcodes)
+            letter == code.letter
+                && numbers.contains(&code.number)
+                && (code.subcode == 0 || row.letters.takes_subcodes())
         }
         Begin::Name(_) => false,
     })

@@ -10,7 +10,9 @@ pub fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
     match flaw {
         Flaw::NoWord(text) | Flaw::SecondCommand(text) => {
             f.write_str("G1 ")?;
-            write_text(f, text)
+            write_text(f, text)?;
+            // The letter may be one that G1 ignores.
+            f.write_str(if matches!(flaw, Flaw::NoWord(_)) { " %" } else { "" })
         }
         Flaw::OutOfRange(text) => {
             f.write_str(match text {

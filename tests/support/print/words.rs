@@ -17,8 +17,14 @@ pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
             '"' => after.split_once('"').map_or("", |(_, after)| after),
             'A'..='Z' => {
                 let number = after.trim_start();
-                let end = number.find(|c: char| !matches!(c, '0'..='9' | '.' | '+' | '-')).unwrap_or(number.len());
+                let end = number
+                    .find(|c: char| !matches!(c, '0'..='9' | '.' | '+' | '-' | ':' | ','))
+                    .unwrap_or(number.len());
                 let (number, after) = number.split_at(end);
+                // Rubbish that is glued to a word ends at the next blank.
+                let is_blank = |c: char| c.is_whitespace() || matches!(c, ';' | '(' | '"');
+                let is_rubbish = after.starts_with(|c: char| !is_blank(c) && !c.is_ascii_alphabetic());
+                let after = if is_rubbish { &after[after.find(is_blank).unwrap_or(after.len())..] } else { after };
                 // The code stays in front.
                 let place = words.iter().skip(1).position(|(letter, _)| *letter == first);
                 place.map(|place| words.remove(place + 1));

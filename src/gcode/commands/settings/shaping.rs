@@ -143,10 +143,15 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
     Command::Setting(SettingCommand::VelocityLimit(limit))
 }
 
-/// The words between blanks, up to a comment.
+/// The words between blanks, up to a comment. A text in quotes belongs to its word, with its blanks.
 pub(in crate::gcode::commands) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
-    text.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty())
+    let mut is_quoted = false;
+    let ends_word = move |byte: &u8| {
+        is_quoted ^= *byte == b'"';
+        is_blank(*byte) && !is_quoted
+    };
+    text.split(ends_word).filter(|word| !word.is_empty())
 }
 
 /// A name and the value after its `=`.
