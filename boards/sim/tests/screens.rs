@@ -96,7 +96,7 @@ fn a_btt_screen_learns_the_machine_and_shows_no_trouble() {
         ("LEVELING_DATA", false),
         ("AUTOLEVEL", false),
         ("SDCARD", false),
-        ("BABYSTEPPING", false),
+        ("BABYSTEPPING", true),
         ("CHAMBER_TEMPERATURE", true),
         ("EMERGENCY_PARSER", true),
         ("PROMPT_SUPPORT", true),

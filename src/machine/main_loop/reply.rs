@@ -163,7 +163,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::UploadEnded(lines) => {
                 to.say(format_args!("echo:upload ended: there is no card, ignored lines: {lines}"));
             }
-            Answer::Firmware => report_firmware(to, is_present(storage), s),
+            Answer::Firmware => report_firmware(to, is_present(storage), status.inputs(), s),
             Answer::Endstops(pressed) => {
                 report_endstops(to, pressed, status.inputs(), &s.endstops, status.heat().filament());
             }

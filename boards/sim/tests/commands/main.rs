@@ -6,6 +6,7 @@
 
 mod answers;
 mod asker;
+mod capabilities;
 #[path = "../common/deaf.rs"]
 mod deaf;
 mod effects;
