@@ -110,6 +110,10 @@ pub struct GridWords {
     pub is_adaptive: bool,
     /// The margin around them in mm.
     pub margin: Option<Number>,
+    /// Columns and rows; without them as many as its share of the whole mesh has.
+    pub counts: [Option<Number>; 2],
+    /// The area is in mm, even after G20.
+    pub is_in_mm: bool,
 }
 
 /// The words of M420.

@@ -161,6 +161,124 @@ fn a_part_of_the_bed_is_measured_around_objects_and_not_kept() {
     });
 }
 
+/// The places of the first and the last point, and the counts of rows and columns.
+fn corners(life: &mut Life<'_>) -> ([f64; 4], [usize; 2]) {
+    let heights = grid(life, "M420 V");
+    let counts = [heights.len(), heights[0].len()];
+    let mut place = |line: String| {
+        life.say(&line);
+        let told = life.ask("M114", "X:");
+        let number =
+            |letter: &str| -> f64 { told.split(letter).nth(1).unwrap().split(' ').next().unwrap().parse().unwrap() };
+        [number("X:"), number("Y:")]
+    };
+    let [x, y] = place("G42 I0 J0 F9000".to_owned());
+    let [to_x, to_y] = place(format!("G42 I{} J{}", counts[1] - 1, counts[0] - 1));
+    ([x, y, to_x, to_y], counts)
+}
+
+/// *Reproducer*: OrcaSlicer's line measured the whole bed, with the points of the settings.
+#[test]
+fn the_area_and_the_counts_of_a_line_are_obeyed() {
+    let s = probed();
+    let all = ([10.0, 10.0, 380.0, 407.6], [5, 5]);
+    over(&s, &bed_plant::read("bowl=0.3", &s).unwrap(), &mut Eeprom::blank(), |life| {
+        for (line, expected) in [
+            (
+                "BED_MESH_CALIBRATE MESH_MIN=50,60 MESH_MAX=150,200 PROBE_COUNT=4,3",
+                ([50.0, 60.0, 150.0, 200.0], [3, 4]),
+            ),
+            (
+                "BED_MESH_CALIBRATE mesh_min=50.5,60 mesh_max=150,200.25 ALGORITHM=bicubic PROBE_COUNT=4,4 ADAPTIVE=0 \
+                 ADAPTIVE_MARGIN=0",
+                ([50.5, 60.0, 150.0, 200.25], [4, 4]),
+            ),
+            ("BED_MESH_CALIBRATE PROBE_COUNT=3", (all.0, [3, 3])),
+            ("BED_MESH_CALIBRATE PROBE_COUNT=3,20", (all.0, [9, 3])),
+            // Beyond the reach it ends there, and a small part is still a mesh.
+            (
+                "BED_MESH_CALIBRATE MESH_MIN=-20,-20 MESH_MAX=100,100 PROBE_COUNT=3,3",
+                ([10.0, 10.0, 100.0, 100.0], [3, 3]),
+            ),
+            (
+                "BED_MESH_CALIBRATE MESH_MIN=100,100 MESH_MAX=104,140 PROBE_COUNT=3,3",
+                ([97.0, 100.0, 107.0, 140.0], [3, 3]),
+            ),
+            ("G29", all),
+        ] {
+            // In mm, even after G20.
+            life.say(if line.starts_with('B') { "G20" } else { "G21" });
+            let answer = said(life, line);
+            life.say("G21");
+            assert_eq!(corners(life), expected, "{line}: {answer:?}");
+            let told = answer.iter().filter(|line| line.starts_with("echo:measures X")).count();
+            assert_eq!(told, usize::from(expected != all), "{line}: {answer:?}");
+        }
+        for line in ["BED_MESH_CALIBRATE MESH_MIN=500,10", "BED_MESH_CALIBRATE MESH_MIN=90,90 MESH_MAX=50,200"] {
+            assert!(said(life, line)[0].starts_with("echo:ignored: the probe cannot touch at X"), "{line}");
+        }
+        let answer = said(life, "BED_MESH_CALIBRATE MESH_MIN=50 PROBE_COUNT=3,3");
+        assert!(answer[0].starts_with("echo:line ignored: "), "{answer:?}");
+        assert_eq!(corners(life), all);
+    });
+}
+
+#[test]
+fn a_mesh_around_the_print_says_what_it_covers_or_why_it_does_not() {
+    let s = probed();
+    let all = ([10.0, 10.0, 380.0, 407.6], [5, 5]);
+    over(&s, &bed_plant::read("bowl=0.3", &s).unwrap(), &mut Eeprom::blank(), |life| {
+        let answer = said(life, "BED_MESH_CALIBRATE ADAPTIVE=1");
+        assert!(answer.contains(&"echo:ADAPTIVE ignored: no objects are known".to_owned()), "{answer:?}");
+        assert_eq!(corners(life), all);
+        life.say("EXCLUDE_OBJECT_DEFINE NAME=a POLYGON=[[150,180],[230,180],[230,215],[150,215]]");
+        let answer = said(life, "BED_MESH_CALIBRATE ADAPTIVE=1 ADAPTIVE_MARGIN=10");
+        assert!(answer.contains(&"echo:measures X140.00 to 240.00, Y170.00 to 225.00, 3 x 3 points".to_owned()));
+        // Within an area of the line.
+        life.say("BED_MESH_CALIBRATE ADAPTIVE=1 MESH_MIN=200,100 MESH_MAX=300,300 PROBE_COUNT=5,5");
+        assert_eq!(corners(life).0, [200.0, 175.0, 235.0, 220.0]);
+        life.say("EXCLUDE_OBJECT_DEFINE NAME=b POLYGON=[[150,180],[230,");
+        let answer = said(life, "BED_MESH_CALIBRATE ADAPTIVE=1");
+        assert!(
+            answer.contains(&"echo:ADAPTIVE ignored: the outline of an object is too long".to_owned()),
+            "{answer:?}"
+        );
+        // Prusa's area counts for the next mesh, once, and for this print alone.
+        for _ in 0..2 {
+            life.say("M555 X140 Y170 W100 H55");
+            life.say("G29");
+            assert_eq!(corners(life).0, [140.0, 170.0, 240.0, 225.0]);
+            life.say("G29");
+            assert_eq!(corners(life), all);
+        }
+        life.say("M555 X140 Y170 W100 H55");
+        life.say("M110 N0");
+        life.say("G29");
+        assert_eq!(corners(life), all);
+    });
+}
+
+#[test]
+fn what_is_done_instead_of_a_word_is_told() {
+    let s = probed();
+    over(&s, &BedSetup::of(&s), &mut Eeprom::blank(), |life| {
+        life.say("G29");
+        assert_eq!(
+            said(life, "G29 J2")[0],
+            "echo:G29 J ignored: this firmware does not tilt a mesh. G29 measures it again"
+        );
+        assert!(said(life, "M420").contains(&"echo:Bed Leveling ON".to_owned()));
+        assert_eq!(said(life, "G29 J")[0], "echo:mesh forgotten, and by M500 the stored one too");
+        let told = "echo:places of the probe are the machine's: M206 does not count in X and Y".to_owned();
+        assert!(!said(life, "G30 X100 Y100").contains(&told));
+        life.say("M206 X10 Y-5");
+        for line in ["G30 X100 Y100", "M48 P4 X100 Y100", "G29 L50 R200 F50 B200"] {
+            assert!(said(life, line).contains(&told), "{line}");
+        }
+        assert!(!said(life, "G30").contains(&told));
+    });
+}
+
 #[test]
 fn a_point_of_the_mesh_is_changed_and_gone_to() {
     let s = probed();

@@ -7,6 +7,7 @@ use super::settings::{named_value, words};
 use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{Flaw, GridWords, LevellingWords, MeshPoint, PointWords};
+use crate::text::is_word;
 
 /// The bed's mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -18,6 +19,8 @@ pub enum BedCommand<'a> {
     Forget(Forgets),
     /// G29 P9: cleans the nozzle, which needs a place for it.
     CleanNozzle,
+    /// G29 J2: tilts the mesh by some touches (Marlin's UBL), which this firmware cannot.
+    Tilt,
     /// M420, G29 A: uses the mesh or not, or reports.
     Levelling(LevellingWords),
     /// BED_MESH_OUTPUT: reports the mesh.
@@ -59,9 +62,9 @@ pub enum Forgets {
 
 pub(super) const ROWS: &[Described] = &[
     Described::g(&[29], |_, text| bed(grid(text))).grammar(&Grammar::numbers(b"FBLRHIZ")).does(
-        "X Y W H, F B L R H, O A D J N E V S, W I J Z",
-        "measures the bed at the points of a mesh, or in an area; O: only if no mesh is on; A: M420 S1; D: only \
-            reports; J: forgets, and M500 the kept one too; N: homes first; E: the probe is taken in between; V4: names each point; W: sets one",
+        "X Y W H P, F B L R H, O A D J N E V S, W I J Z",
+        "measures the bed at the points of a mesh, or in an area (M555); O: only if no mesh is on; A: M420 S1; D: \
+            only reports; J: forgets, and M500 the kept one too; N: homes first; E: the probe is taken in between; V4: names each point; W: sets one",
     ),
     Described::g(&[42], |_, text| {
         let point = [b'I', b'J'].map(|letter| number(text, letter));
@@ -83,9 +86,12 @@ pub(super) const ROWS: &[Described] = &[
     ),
     Described::m(&[555], |_, text| bed(BedCommand::Area([b'X', b'Y', b'W', b'H'].map(|letter| number(text, letter)))))
         .grammar(&Grammar::numbers(b"XYWH"))
-        .does("X Y W H", "area that the print needs (Prusa): the next G29 measures no more"),
+        .does("X Y W H", "area that the print needs (Prusa): the next G29 without an area measures no more"),
     Described::name(&["BED_MESH_CALIBRATE"], |_, text| Some(calibrate(text)))
-        .does("ADAPTIVE= ADAPTIVE_MARGIN=", "measures the bed; ADAPTIVE=1: around the objects of the print"),
+        .does(
+            "MESH_MIN= MESH_MAX= PROBE_COUNT= ADAPTIVE= ADAPTIVE_MARGIN=",
+            "measures the bed, from x,y to x,y, with columns,rows; ADAPTIVE=1: around the objects of the print",
+        ),
     Described::name(&["BED_MESH_CLEAR"], |_, _| bed(BedCommand::Forget(Forgets::Present)))
         .does("", "forgets the mesh; M500 leaves the kept one"),
     Described::name(&["BED_MESH_OUTPUT"], |_, _| bed(BedCommand::Report)).does("", "reports the mesh, as M420 V"),
@@ -121,8 +127,10 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
         Some(9) => return BedCommand::CleanNozzle,
         _ => {}
     }
-    if flag(b'J') {
-        return BedCommand::Forget(Forgets::PresentThenKept);
+    match last(text, b'J').map(|word| word.number) {
+        Some(Some(number)) if number > Number::from(1) => return BedCommand::Tilt,
+        Some(_) => return BedCommand::Forget(Forgets::PresentThenKept),
+        None => {}
     }
     if flag(b'A') && phase.is_none() {
         return BedCommand::Levelling(LevellingWords { on: Some(true), ..LevellingWords::default() });
@@ -143,8 +151,7 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
         homes: flag(b'N'),
         takes_in: flag(b'E'),
         verbosity: value(b'V'),
-        is_adaptive: false,
-        margin: None,
+        ..GridWords::default()
     })
 }
 
@@ -173,19 +180,35 @@ fn point(text: &[u8]) -> PointWords {
 
 /// BED_MESH_CALIBRATE. Words that it does not know are for other probes.
 fn calibrate(text: &[u8]) -> Command<'_> {
-    let mut grid = GridWords::default();
+    let mut grid = GridWords { is_in_mm: true, ..GridWords::default() };
+    let [mut least, mut most] = [[None; 2]; 2];
     for word in words(text) {
         let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let number = Number::read(value).map(|(number, _)| number);
+        let numbers = pair(value);
+        // A count for both sides may stand alone.
+        let [first, second] = numbers;
         match name {
-            name if name.eq_ignore_ascii_case(b"ADAPTIVE") => {
-                grid.is_adaptive = number.is_some_and(|n| n != Number::ZERO)
-            }
-            name if name.eq_ignore_ascii_case(b"ADAPTIVE_MARGIN") => grid.margin = number,
-            _ => {}
+            name if is_word(name, b"ADAPTIVE") => grid.is_adaptive = first.is_some_and(|n| n != Number::ZERO),
+            name if is_word(name, b"ADAPTIVE_MARGIN") => grid.margin = first,
+            name if is_word(name, b"PROBE_COUNT") => grid.counts = [first, second.or(first)],
+            name if is_word(name, b"MESH_MIN") => least = numbers,
+            name if is_word(name, b"MESH_MAX") => most = numbers,
+            _ => continue,
+        }
+        let needs_both = is_word(name, b"MESH_MIN") || is_word(name, b"MESH_MAX");
+        if first.is_none() || needs_both && second.is_none() {
+            return Command::Malformed(Flaw::NoPair(word));
         }
     }
+    let ([x, y], [to_x, to_y]) = (least, most);
+    grid.area = [x, to_x, y, to_y];
     Command::Bed(BedCommand::Measure(grid))
+}
+
+/// One number, or two with a comma.
+fn pair(value: &[u8]) -> [Option<Number>; 2] {
+    let mut numbers = value.split(|byte| *byte == b',').map(|text| Number::read(text).map(|(number, _)| number));
+    [numbers.next().flatten(), numbers.next().flatten()]
 }
 
 /// BED_MESH_PROFILE, with any name: there is one mesh.

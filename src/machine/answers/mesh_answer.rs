@@ -1,5 +1,6 @@
 //! Answers about the bed's mesh.
 
+use crate::settings::Range;
 use crate::storage::{MeshNotSaved, MeshRejected};
 use crate::units::Mm;
 
@@ -23,6 +24,10 @@ pub(in crate::machine) enum MeshAnswer {
     State,
     /// A point was measured, of so many.
     Point { number: u16, all: u16, at: [Mm; 2], height: Mm },
+    /// Another area is measured than the whole.
+    Area { x: Range<Mm>, y: Range<Mm>, points: [usize; 2] },
+    /// No object is known to measure around, or its outline came cut.
+    NotAdaptive { is_cut: bool },
     /// There is no such point.
     NoPoint,
     /// The fade height is short for the largest deviation.

@@ -23,14 +23,21 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     Ok(match *command {
         BedCommand::Measure(ref words) => return measure(main_loop, states, words).await,
         BedCommand::Forget(which) => {
+            let was_there = main_loop.bed.mesh().is_some();
             use_mesh(main_loop, false).await?;
             main_loop.bed.forget(which == Forgets::PresentThenKept);
             match which {
                 Forgets::Kept => Answer::Mesh(forget_kept_mesh(main_loop).await?),
+                Forgets::PresentThenKept if was_there => {
+                    Answer::Line("echo:mesh forgotten, and by M500 the stored one too")
+                }
                 Forgets::Present | Forgets::PresentThenKept => Answer::Nothing,
             }
         }
         BedCommand::CleanNozzle => Answer::Line("echo:G29 P9 ignored: this firmware does not clean the nozzle"),
+        BedCommand::Tilt => {
+            Answer::Line("echo:G29 J ignored: this firmware does not tilt a mesh. G29 measures it again")
+        }
         BedCommand::Levelling(ref words) => return level(main_loop, states, words).await,
         BedCommand::Report => report(main_loop, MeshForm::Grid),
         BedCommand::Save => Answer::Mesh(keep_mesh(main_loop).await?.unwrap_or(MeshAnswer::State)),
@@ -42,8 +49,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             states.area = PrintArea::NONE;
             if let (Some(x), Some(y), Some(width), Some(depth)) = (x, y, width, depth) {
                 let [x, y, width, depth] = [x, y, width, depth].map(|number| states.modal.length(number));
-                states.area.add([x, y]);
-                states.area.add([x.saturating_add(width), y.saturating_add(depth)]);
+                states.area = PrintArea::of([x, y], [x.saturating_add(width), y.saturating_add(depth)]);
             }
             Answer::Nothing
         }

@@ -5,6 +5,7 @@
 
 use super::homing::home;
 use super::levelling::{units, use_mesh, with_heights};
+use super::probing::tell_of_home_offsets;
 use super::states::States;
 use crate::gcode::{GridWords, HomeWords, Number};
 use crate::machine::answers::answer::Answer;
@@ -13,7 +14,7 @@ use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::probe::area::Area;
+use crate::machine::probe::area::{Area, LEAST_POINTS};
 use crate::machine::probe::reach::{has_probe, home_place, reach};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::level::Level;
@@ -21,7 +22,7 @@ use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::settings::{Range, Settings};
 use crate::storage::StoredMesh;
-use crate::surface::{Heights, Mesh};
+use crate::surface::{Heights, MOST_POINTS, Mesh};
 use crate::units::{Celsius, Mm};
 
 /// Distance of an adaptive mesh's border from the objects, in mm: Klipper's documentation has 5 in its examples.
@@ -56,9 +57,21 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
             .await?;
     }
     let whole = whole_area(&main_loop.settings);
-    let Some(area) = area(whole, states, words) else {
-        return Ok(Answer::Probe(ProbeAnswer::OutOfReach { at: whole.at(0, 0), reaches: [whole.x, whole.y] }));
+    let area = match area(whole, states, words) {
+        Ok(area) => area,
+        Err(at) => return Ok(Answer::Probe(ProbeAnswer::OutOfReach { at, reaches: [whole.x, whole.y] })),
     };
+    if words.is_adaptive && states.area.bounds().is_none() {
+        let is_cut = states.area.is_cut();
+        main_loop.reply(Answer::Mesh(MeshAnswer::NotAdaptive { is_cut })).await?;
+    }
+    if area != whole {
+        let Area { x, y, points } = area;
+        main_loop.reply(Answer::Mesh(MeshAnswer::Area { x, y, points })).await?;
+    }
+    if words.area.iter().any(Option::is_some) {
+        tell_of_home_offsets(main_loop).await?;
+    }
     let heights = touch_grid(main_loop, &area, words).await?;
     let flat = Mesh::new(heights, [area.x.least, area.y.least], [area.x.most, area.y.most], Mm::ZERO);
     let Ok(flat) = flat else { return Ok(Answer::Nothing) };
@@ -87,17 +100,45 @@ fn whole_area(s: &Settings) -> Area {
     Area { x, y, points: [s.mesh.columns, s.mesh.rows].map(usize::from) }
 }
 
-/// The part of it that the line means; `None` if it is too small, or nothing of it can be reached.
-fn area(whole: Area, states: &States, words: &GridWords) -> Option<Area> {
+/// The part of it that the line means; a place that cannot be reached if nothing of it can.
+fn area(whole: Area, states: &mut States, words: &GridWords) -> Result<Area, [Mm; 2]> {
     let margin = words.margin.map_or(MARGIN, |margin| Mm::saturating_from_num(margin.value()).max(Mm::ZERO));
-    let wanted = wanted_area(whole, &states.modal, words);
-    let area = match (wanted, states.area.bounds()) {
-        (Some(objects), _) => whole.around(objects, Mm::ZERO),
-        (None, Some(objects)) if words.is_adaptive => whole.around(objects, margin),
-        _ => whole,
+    let of_print = states.area.take_next().filter(|_| !words.is_adaptive);
+    let wanted = wanted_area(whole, &states.modal, words).or(of_print);
+    let mut area = match wanted {
+        Some(wanted) => part(whole, wanted, Mm::ZERO)?,
+        None => whole,
     };
-    let is_wide = |side: Range<Mm>| side.most.saturating_sub(side.least) >= LEAST_SIDE;
-    (is_wide(area.x) && is_wide(area.y)).then_some(area)
+    for (points, count) in area.points.iter_mut().zip(words.counts) {
+        *points = count.map_or(*points, |count| usize::try_from(count.to_int()).unwrap_or_default());
+        *points = (*points).clamp(LEAST_POINTS, MOST_POINTS);
+    }
+    match states.area.bounds().filter(|_| words.is_adaptive) {
+        Some(objects) => part(area, objects, margin),
+        None => Ok(area),
+    }
+}
+
+/// The part of an area around some places. It is wide enough for a slope, unless all of the area is not.
+fn part(whole: Area, objects: [Range<Mm>; 2], margin: Mm) -> Result<Area, [Mm; 2]> {
+    let mut part = whole.around(objects, margin);
+    let ([x, y], sides) = (objects, [(&mut part.x, whole.x), (&mut part.y, whole.y)]);
+    for ((side, whole), object) in sides.into_iter().zip(objects) {
+        let lacks = LEAST_SIDE.saturating_sub(side.most.saturating_sub(side.least));
+        if lacks > Mm::ZERO {
+            let least = whole.clamp(side.least.saturating_sub(lacks / 2));
+            side.most = whole.clamp(least.saturating_add(LEAST_SIDE));
+            side.least = whole.clamp(side.most.saturating_sub(LEAST_SIDE));
+        }
+        let is_apart =
+            object.least.saturating_sub(margin) > whole.most || object.most.saturating_add(margin) < whole.least;
+        if is_apart || object.least > object.most || side.most.saturating_sub(side.least) < LEAST_SIDE {
+            let outside =
+                |side: Range<Mm>, whole: Range<Mm>| if whole.holds(side.least) { side.most } else { side.least };
+            return Err([outside(x, whole), outside(y, whole)]);
+        }
+    }
+    Ok(part)
 }
 
 /// The area of the words, if there is one. Its missing edges are those of the whole.
@@ -110,9 +151,12 @@ fn wanted_area(whole: Area, modal: &Modal, words: &GridWords) -> Option<[Range<M
         }));
     }
     let [left, right, front, back] = words.area;
+    let length = |number: Number| {
+        if words.is_in_mm { Mm::saturating_from_num(number.value()) } else { modal.length(number) }
+    };
     let side = |least: Option<Number>, most: Option<Number>, whole: Range<Mm>| Range {
-        least: least.map_or(whole.least, |number| modal.length(number)),
-        most: most.map_or(whole.most, |number| modal.length(number)),
+        least: least.map_or(whole.least, length),
+        most: most.map_or(whole.most, length),
     };
     let has_edge = words.area.iter().any(Option::is_some);
     has_edge.then(|| [side(left, right, whole.x), side(front, back, whole.y)])

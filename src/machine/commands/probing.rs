@@ -45,24 +45,32 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     }
     let States { modal, clamps, .. } = states;
     match *command {
-        ProbeCommand::Touch { at, stays_out } => {
-            let at = match place(main_loop, modal, at) {
+        ProbeCommand::Touch { at: named, stays_out } => {
+            let at = match place(main_loop, modal, named) {
                 Ok(at) => at,
                 Err(none) => return Ok(none.into()),
             };
+            if named != [None; 2] {
+                tell_of_home_offsets(main_loop).await?;
+            }
             let end = if stays_out { AfterTouch::Out } else { AfterTouch::In };
             let height = touch_bed(main_loop, Some(at), end).await?;
             main_loop.reply(Answer::Probe(ProbeAnswer::Bed { at, height })).await?;
             Ok(Answer::Position { real: false })
         }
-        ProbeCommand::Repeatability { at, touches, verbosity, other } => {
+        ProbeCommand::Repeatability { at: named, touches, verbosity, other } => {
             let touches = whole(clamps, "P", touches, TOUCHES, USUAL_TOUCHES);
             let verbosity = whole(clamps, "V", verbosity, VERBOSITY, 1);
             if clamps.refuses_line() {
                 return Ok(Answer::Nothing);
             }
-            match place(main_loop, modal, at) {
-                Ok(at) => repeat(main_loop, at, touches, verbosity).await?,
+            match place(main_loop, modal, named) {
+                Ok(at) => {
+                    if named != [None; 2] {
+                        tell_of_home_offsets(main_loop).await?;
+                    }
+                    repeat(main_loop, at, touches, verbosity).await?;
+                }
                 Err(none) => return Ok(none.into()),
             }
             Ok(match other {
@@ -141,6 +149,17 @@ fn order_servo<P: PortSet, W: Pend>(
         main_loop.probing.note_out(false);
     }
     Answer::Nothing
+}
+
+/// A place of the probe is the machine's, as in Marlin: M206 does not count in it, and the host gets to know.
+pub(super) async fn tell_of_home_offsets<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let [x, y, _] = main_loop.settings.home_offsets();
+    if [x, y] == [Mm::ZERO; 2] {
+        return Ok(());
+    }
+    main_loop.reply(Answer::Line("echo:places of the probe are the machine's: M206 does not count in X and Y")).await
 }
 
 /// Why a place is not touched.

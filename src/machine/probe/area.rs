@@ -6,7 +6,7 @@ use crate::units::Mm;
 
 /// Least points a side, and least on the shorter side if the longer one has more than [`MANY`]: a spline needs its
 /// neighbours. The numbers are Klipper's (bed_mesh.py, `set_adaptive_mesh`).
-const LEAST_POINTS: usize = 3;
+pub(in crate::machine) const LEAST_POINTS: usize = 3;
 const LEAST_BESIDE_MANY: usize = 4;
 const MANY: usize = 6;
 

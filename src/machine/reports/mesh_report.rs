@@ -72,6 +72,14 @@ pub(in crate::machine) fn report_mesh(
             let [x, y] = at.map(Hundredths::of);
             to.say(format_args!("echo:probe {number}/{all} X{x} Y{y} Z{}", Thousandths(height)));
         }
+        MeshAnswer::Area { x, y, points: [columns, rows] } => {
+            let [[x, to_x], [y, to_y]] = [x, y].map(|side| [side.least, side.most].map(Hundredths::of));
+            to.say(format_args!("echo:measures X{x} to {to_x}, Y{y} to {to_y}, {columns} x {rows} points"));
+        }
+        MeshAnswer::NotAdaptive { is_cut } => {
+            let why = if is_cut { "the outline of an object is too long" } else { "no objects are known" };
+            to.say(format_args!("echo:ADAPTIVE ignored: {why}"));
+        }
         MeshAnswer::NoPoint => match mesh.map(|known| known.mesh.heights()) {
             Some(heights) => {
                 let (i, j) = (heights.columns() - 1, heights.rows() - 1);

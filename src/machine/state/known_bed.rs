@@ -74,11 +74,32 @@ pub(in crate::machine) struct PrintArea {
 
 impl PrintArea {
     /// Nothing is known.
-    pub const NONE: Self = Self { bounds: None, is_cut: false };
+    pub const NONE: Self = Self { bounds: None, is_cut: false, is_next: false };
+
+    /// The area of the print, in which the next mesh is measured.
+    pub fn of(least: [Mm; 2], most: [Mm; 2]) -> Self {
+        let mut area = Self { is_next: true, ..Self::NONE };
+        area.add(least);
+        area.add(most);
+        area
+    }
+
+    /// The area of a mesh that names none: once, what M555 has said.
+    pub fn take_next(&mut self) -> Option<[Range<Mm>; 2]> {
+        let is_next = core::mem::replace(&mut self.is_next, false);
+        self.bounds().filter(|_| is_next)
+    }
+
+    /// Whether objects were named, and an outline came cut.
+    pub const fn is_cut(&self) -> bool {
+        self.is_cut
+    }
 
     /// The area, in x and y.
     pub const fn bounds(&self) -> Option<[Range<Mm>; 2]> {
         if self.is_cut { None } else { self.bounds }
+    /// The next mesh is to cover no more (M555).
+    is_next: bool,
     }
 
     /// It contains this place too.

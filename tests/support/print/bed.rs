@@ -30,9 +30,17 @@ pub(super) fn level(f: &mut Formatter<'_>, words: LevelWords) -> fmt::Result {
 
 pub(super) fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -> fmt::Result {
     match command {
-        BedCommand::Measure(GridWords { is_adaptive, margin, .. }) if is_adaptive || margin.is_some() => {
+        BedCommand::Measure(GridWords { is_adaptive, margin, area, counts, is_in_mm: true, .. }) => {
             write!(f, "BED_MESH_CALIBRATE ADAPTIVE={}", u8::from(is_adaptive))?;
-            margin.map_or(Ok(()), |margin| write!(f, " ADAPTIVE_MARGIN={margin}"))
+            margin.map_or(Ok(()), |margin| write!(f, " ADAPTIVE_MARGIN={margin}"))?;
+            if let [Some(x), Some(y)] = counts {
+                write!(f, " PROBE_COUNT={x},{y}")?;
+            }
+            let [x, to_x, y, to_y] = area;
+            for (name, place) in [("MESH_MIN", x.zip(y)), ("MESH_MAX", to_x.zip(to_y))] {
+                place.map_or(Ok(()), |(x, y)| write!(f, " {name}={x},{y}"))?;
+            }
+            Ok(())
         }
         BedCommand::Measure(words) => {
             f.write_str("G29")?;
@@ -76,6 +84,7 @@ pub(super) fn bed(f: &mut Formatter<'_>, command: BedCommand<'_>, line: &[u8]) -
             Forgets::Kept => "BED_MESH_PROFILE REMOVE=1",
         }),
         BedCommand::CleanNozzle => f.write_str("G29 P9"),
+        BedCommand::Tilt => f.write_str("G29 J2"),
         BedCommand::Report => f.write_str("BED_MESH_OUTPUT"),
         BedCommand::Save => f.write_str("BED_MESH_PROFILE SAVE=1"),
         BedCommand::NoObjects => f.write_str("EXCLUDE_OBJECT_DEFINE RESET=1"),

@@ -29,7 +29,7 @@ pub(super) enum Kind {
 const PLAIN: [&str; 5] = ["echo:busy:", "echo:no heaters configured", "T:", "Cap:", "start"];
 
 /// First words of echoes that answer a question or report no trouble.
-const EXPECTED: [&str; 23] = [
+const EXPECTED: [&str; 27] = [
     "  G",
     "  M",
     ";",
@@ -48,6 +48,10 @@ const EXPECTED: [&str; 23] = [
     "Bed Leveling ",
     "Fade Height ",
     "Mesh stored",
+    "Stored mesh moved",
+    "mesh forgotten",
+    "measures X",
+    "Probe Offset Z",
     "Babystep",
     "Z offset",
     "swept ",
