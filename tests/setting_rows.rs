@@ -123,6 +123,7 @@ fn no_other_part_keeps_a_copy_of_a_plain_setting() {
         assert_eq!(changed.thermal != before.thermal, owner == Owner::Heaters, "M{code}");
         assert_eq!(resolution(&changed) != resolution(&before), owner == Owner::Motors, "M{code}");
         assert_eq!(changed.home_offsets() != before.home_offsets(), owner == Owner::Origins, "M{code}");
+        assert_eq!(changed.probe.offset != before.probe.offset, owner == Owner::Probe, "M{code}");
     }
     assert!(count >= 25, "{count}");
 }

@@ -1,7 +1,7 @@
 //! The bed: where the machine can print, which may be less than where its tool can go.
 
 use super::rows::rows;
-use super::{Range, Settings, ranges};
+use super::{Probe, Range, Settings, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -29,26 +29,55 @@ impl Bed {
     }
 }
 
+/// Where an offset of z is kept over homing.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ZStore {
+    /// With the program: [`Bed::z_offset`] (SET_GCODE_OFFSET).
+    Program,
+    /// With the probe, where it homes z: the z of its offset (M851).
+    Probe,
+}
+
 impl Settings {
-    /// Whether the probe's offset is the one of z that is kept over homing. Otherwise [`Bed::z_offset`] is.
+    /// Where M290 keeps its shift: it corrects the place at which z was homed. Klipper's start of a print sets the
+    /// program's offset, and would take the correction with it.
     #[must_use]
-    pub const fn keeps_by_probe(&self) -> bool {
-        self.probe.is_fitted() && self.probe.homes_z
+    pub const fn store_of_shifts(&self) -> ZStore {
+        if self.homes_z_by_probe() { ZStore::Probe } else { ZStore::Program }
     }
 
-    /// The offset of z that is kept over homing.
+    /// The offset of z that is kept there.
     #[must_use]
-    pub const fn z_offset(&self) -> Mm {
-        if self.keeps_by_probe() { self.probe.offset.z } else { self.bed.z_offset }
+    pub const fn z_offset(&self, store: ZStore) -> Mm {
+        match store {
+            ZStore::Program => self.bed.z_offset,
+            ZStore::Probe => self.probe.offset.z,
+        }
     }
 
     /// Sets it.
-    pub const fn set_z_offset(&mut self, offset: Mm) {
-        if self.keeps_by_probe() {
-            self.probe.offset.z = offset;
-        } else {
-            self.bed.z_offset = offset;
+    pub const fn set_z_offset(&mut self, store: ZStore, offset: Mm) {
+        match store {
+            ZStore::Program => self.bed.z_offset = offset,
+            ZStore::Probe => self.probe.offset.z = offset,
         }
+    }
+
+    /// Both offsets that are kept over homing; the probe's is 0 where it does not home z.
+    #[must_use]
+    pub const fn z_offsets(&self) -> [Mm; 2] {
+        [self.bed.z_offset, if self.homes_z_by_probe() { self.probe.offset.z } else { Mm::ZERO }]
+    }
+
+    /// The probe in the program's z from homing on: where it homes z, the program's offset lies between its zero and
+    /// the bed.
+    #[must_use]
+    pub const fn probe_in_program(&self) -> Probe {
+        let mut probe = self.probe;
+        if self.homes_z_by_probe() {
+            probe.offset.z = probe.offset.z.saturating_add(self.bed.z_offset);
+        }
+        probe
     }
 }
 

@@ -54,7 +54,7 @@ mod wiring;
 
 pub use accelerometer::AccelerometerSettings;
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
-pub use bed::Bed;
+pub use bed::{Bed, ZStore};
 pub use belt::{Alignment, Belt, PHASES};
 pub use check::SettingsError;
 pub use corner::CornerRule;

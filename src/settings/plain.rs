@@ -16,6 +16,8 @@ pub enum Owner {
     Heaters,
     /// The program's zero, which moves with it.
     Origins,
+    /// The place of z and of the mesh. Motion rests first.
+    Probe,
 }
 
 /// What a code needs that its rows do not say. `machine::commands::settings::rules` has the rules of codes.
@@ -42,6 +44,7 @@ impl Condition {
 pub const CONDITIONS: &[Condition] = &[
     Condition { owner: Owner::Motors, ..Condition::none(92) },
     Condition { owner: Owner::Origins, ..Condition::none(206) },
+    Condition { owner: Owner::Probe, ..Condition::none(851) },
     // A letter chooses the rule for corners; Z and B are Marlin's.
     Condition { beside: &["X", "Y", "Z", "J", "B"], has_words: true, ..Condition::none(205) },
     Condition { owner: Owner::Heaters, has_words: true, ..Condition::none(301) },

@@ -82,6 +82,12 @@ impl Probe {
         !matches!(self.kind, ProbeKind::None)
     }
 
+    /// How far the probe's place in x and y is from here, seen from the nozzle.
+    #[must_use]
+    pub const fn way_to(&self, other: &Self) -> [Mm; 2] {
+        [other.offset.x.saturating_sub(self.offset.x), other.offset.y.saturating_sub(self.offset.y)]
+    }
+
     /// The height of the nozzle above the bed at which the probe is to trigger.
     #[must_use]
     pub fn trigger_height(&self) -> Mm {

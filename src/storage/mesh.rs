@@ -19,7 +19,7 @@
 use super::map::{MESH, NEEDED, PAGE};
 use crate::checksum::crc32;
 use crate::port::{Storage, StorageError};
-use crate::settings::Settings;
+use crate::settings::{Axes, Settings};
 use crate::surface::{Heights, Mesh};
 use crate::units::Mm;
 
@@ -44,6 +44,27 @@ pub struct StoredMesh {
     pub reference: [Mm; 2],
     /// Temperatures of bed and hotend when it was measured, in C.
     pub temperatures: [i16; 2],
+}
+
+impl StoredMesh {
+    /// The same with its places elsewhere by so much.
+    #[must_use]
+    pub fn moved(&self, by: [Mm; 2]) -> Self {
+        let [x, y] = self.reference;
+        let [by_x, by_y] = by;
+        Self { mesh: self.mesh.moved(by), reference: [x.saturating_add(by_x), y.saturating_add(by_y)], ..*self }
+    }
+}
+
+/// What becomes of the kept mesh with other settings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MeshFate {
+    /// There is none, or it is one of these settings, or of none that were there before.
+    Stays,
+    /// The probe's place is another one by so much, and the places of its points moved with it.
+    Moves([Mm; 2]),
+    /// The next start refuses it: steps, axes or motors are others.
+    Ends,
 }
 
 /// Why there is no mesh.
@@ -77,11 +98,17 @@ impl From<StorageError> for MeshNotSaved {
 /// What a mesh depends on, as a number: what each motor does, the axes and the probe.
 #[must_use]
 pub fn machine_of(s: &Settings) -> u32 {
+    machine_with(s, s)
+}
+
+/// The same with the filament and the place of the probe of other settings, which change no height.
+fn machine_with(s: &Settings, other: &Settings) -> u32 {
     let rows = s.mechanism.rows.iter().flatten().map(|times| times.cast_unsigned());
-    let axes = s.axes.to_array().into_iter().flat_map(|axis| {
+    let axes = Axes { e: other.axes.e, ..s.axes };
+    let axes = axes.to_array().into_iter().flat_map(|axis| {
         axis.steps_per_mm.to_bits().to_le_bytes().into_iter().chain(axis.length.to_bits().to_le_bytes())
     });
-    let offset = [s.probe.offset.x, s.probe.offset.y].into_iter().flat_map(|mm| mm.to_bits().to_le_bytes());
+    let offset = [other.probe.offset.x, other.probe.offset.y].into_iter().flat_map(|mm| mm.to_bits().to_le_bytes());
     crc32(rows.chain(axes).chain(offset))
 }
 
@@ -214,13 +241,55 @@ pub async fn load_mesh(
     let found = look(storage).await?;
     let damaged = found.iter().any(|found| matches!(found, Err(MeshRejected::Damaged)));
     let place = newest(&found);
-    let newest = place.and_then(|place| found.into_iter().nth(place)).and_then(Result::ok);
-    Ok(match newest {
-        Some(found) if found.machine == machine_of(s) => Ok(found.stored),
-        Some(_) => Err(MeshRejected::Machine),
-        None if damaged => Err(MeshRejected::Damaged),
-        None => Err(MeshRejected::Blank),
+    let [newest, other] = match (place, found) {
+        (Some(1), [a, b]) => [b, a],
+        (_, [a, b]) => [a, b],
+    }
+    .map(Result::ok);
+    let machine = machine_of(s);
+    Ok(match (newest, other) {
+        (Some(found), _) if found.machine == machine => Ok(found.stored),
+        // It was moved for settings that a cut has kept from storage.
+        (Some(newest), Some(found))
+            if found.machine == machine && found.stored.mesh.heights() == newest.stored.mesh.heights() =>
+        {
+            Ok(found.stored)
+        }
+        (Some(_), _) => Err(MeshRejected::Machine),
+        (None, _) if damaged => Err(MeshRejected::Damaged),
+        (None, _) => Err(MeshRejected::Blank),
     })
+}
+
+/// Whether a mesh is kept that is not of these settings.
+///
+/// # Errors
+/// The storage's.
+pub async fn is_of_others(storage: &mut impl Storage, s: &Settings) -> Result<bool, StorageError> {
+    if !can_keep(storage) {
+        return Ok(false);
+    }
+    let found = look(storage).await?;
+    let newest = newest(&found).and_then(|place| found.into_iter().nth(place)).and_then(Result::ok);
+    Ok(newest.is_some_and(|found| found.machine != machine_of(s)))
+}
+
+/// Makes the kept mesh one of the settings `now`, if it is of those `before` and the change leaves it right.
+///
+/// # Errors
+/// If it is not safely stored.
+pub async fn follow_settings(
+    storage: &mut impl Storage,
+    before: &Settings,
+    now: &Settings,
+) -> Result<MeshFate, MeshNotSaved> {
+    let Ok(stored) = load_mesh(storage, before).await? else { return Ok(MeshFate::Stays) };
+    if machine_of(before) != machine_with(now, before) {
+        return Ok(MeshFate::Ends);
+    }
+    let by = before.probe.way_to(&now.probe);
+    save_mesh(storage, &stored.moved(by), now).await?;
+    Ok(MeshFate::Moves(by))
 }
 
 /// Saves a mesh, and reads it back. Writes nothing if it is the newest one already.

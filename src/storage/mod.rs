@@ -23,7 +23,8 @@ pub use machine_block::{
 };
 pub use map::{NEEDED, PAGE, STRIDE};
 pub use mesh::{
-    MOST_STORED, MeshNotSaved, MeshRejected, StoredMesh, forget_mesh, load_mesh, machine_of as mesh_machine, save_mesh,
+    MOST_STORED, MeshFate, MeshNotSaved, MeshRejected, StoredMesh, follow_settings, forget_mesh, is_of_others,
+    load_mesh, machine_of as mesh_machine, save_mesh,
 };
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};

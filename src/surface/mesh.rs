@@ -63,6 +63,13 @@ impl Mesh {
         }
     }
 
+    /// The same heights at places that are elsewhere by so much.
+    #[must_use]
+    pub fn moved(&self, by: [Mm; 2]) -> Self {
+        let to = |place: [Mm; 2]| core::array::from_fn(|axis| place[axis].saturating_add(by[axis]));
+        Self { first: to(self.first), last: to(self.last), ..*self }
+    }
+
     /// Whether the fade height is less than so many largest deviations.
     fn fades_within(&self, times: f32) -> bool {
         self.fade.to_num::<f32>() < times * self.deviation()

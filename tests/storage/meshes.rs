@@ -3,7 +3,7 @@
 use crate::memories::{Cut, Eeprom, Stuck, TORN, now};
 use corehbot::port::{NoStorage, StorageError};
 use corehbot::settings::Settings;
-use corehbot::storage::{self, MOST_STORED, MeshNotSaved, MeshRejected, StoredMesh};
+use corehbot::storage::{self, MOST_STORED, MeshFate, MeshNotSaved, MeshRejected, StoredMesh};
 use corehbot::surface::{Heights, Mesh};
 use corehbot::units::Mm;
 
@@ -60,6 +60,39 @@ fn a_mesh_of_another_machine_is_none() {
     let mut renamed = s;
     renamed.keepalive_s += 1;
     assert_eq!(load(&mut eeprom, &renamed), Ok(mesh(5, 5, 1)));
+}
+
+#[test]
+fn a_mesh_follows_a_probe_that_is_elsewhere_and_no_other_change() {
+    let s = Settings::prototype();
+    let (mut moved, mut longer, mut fed) = (s, s, s);
+    (moved.probe.offset.x, moved.probe.offset.y) = (Mm::from_num(-1.5), Mm::from_num(2));
+    longer.axes.y.length = Mm::from_num(300);
+    fed.axes.e.steps_per_mm = s.axes.x.steps_per_mm;
+    let fate = |eeprom: &mut Eeprom, before: &Settings, after: &Settings| {
+        assert_eq!(now(storage::is_of_others(eeprom, before)), Ok(false));
+        now(storage::follow_settings(eeprom, before, after)).unwrap()
+    };
+    let mut eeprom = Eeprom::blank();
+    assert_eq!(fate(&mut eeprom, &s, &moved), MeshFate::Stays);
+    now(storage::save_mesh(&mut eeprom, &mesh(5, 5, 1), &s)).unwrap();
+    assert_eq!(fate(&mut eeprom, &s, &longer), MeshFate::Ends);
+    assert_eq!(load(&mut eeprom, &s), Ok(mesh(5, 5, 1)));
+    let by = [Mm::from_num(-1.5), Mm::from_num(2)];
+    assert_eq!(fate(&mut eeprom, &s, &moved), MeshFate::Moves(by));
+    assert_eq!(now(storage::is_of_others(&mut eeprom, &moved)), Ok(false));
+    let place = |x: f64, y: f64| [Mm::from_num(x), Mm::from_num(y)];
+    let found = load(&mut eeprom, &moved).unwrap();
+    assert_eq!([found.mesh.first(), found.mesh.last()], [place(8.5, 14.5), place(378.5, 402.25)]);
+    assert_eq!((found.reference, found.mesh.heights()), (place(193.5, 210.75), mesh(5, 5, 1).mesh.heights()));
+    // Power was cut before the settings were in storage, too: the mesh is still that of the old ones.
+    assert_eq!(load(&mut eeprom, &s), Ok(mesh(5, 5, 1)));
+    now(storage::save_mesh(&mut eeprom, &mesh(5, 5, 2), &moved)).unwrap();
+    now(storage::save_mesh(&mut eeprom, &mesh(5, 5, 3), &moved)).unwrap();
+    assert_eq!(load(&mut eeprom, &s), Err(MeshRejected::Machine));
+    fed.probe = moved.probe;
+    assert_eq!(fate(&mut eeprom, &moved, &fed), MeshFate::Moves([Mm::ZERO; 2]));
+    assert_eq!(load(&mut eeprom, &fed), Ok(mesh(5, 5, 3)));
 }
 
 #[test]

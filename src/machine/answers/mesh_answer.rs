@@ -36,6 +36,10 @@ pub(in crate::machine) enum MeshAnswer {
     NoFade(Mm),
     /// The mesh is kept.
     Kept,
+    /// The places of the kept mesh moved with the probe by so much.
+    Moved([Mm; 2]),
+    /// The next start refuses the kept mesh.
+    Ends,
     /// The kept mesh is forgotten.
     Forgotten,
     /// It covers a part of the bed, so it is not kept.

@@ -64,7 +64,7 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
 
 /// How far z rises if no word says it: the probe must clear the bed on its way.
 fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, flags: AxisFlags) -> Mm {
-    let probe = &main_loop.settings.probe;
+    let probe = main_loop.first_layer.probe(&main_loop.settings);
     let is_meant = flags.z || !(flags.x || flags.y);
     if !(is_meant && main_loop.settings.homes_z_by_probe()) {
         return Mm::ZERO;

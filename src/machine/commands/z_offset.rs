@@ -1,8 +1,9 @@
 //! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET); and home offsets
 //! (M428; M206 is plain).
 //!
-//! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). Without P0 the change
-//! is kept over homing, and M500 stores it.
+//! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). SET_GCODE_OFFSET changes
+//! the program's offset and no other. M290 changes that of the probe where it homes z, otherwise the program's. Without
+//! P0 the change is kept over homing, and M500 stores it.
 
 use super::moves::Moves;
 use crate::gcode::{Number, OffsetWords};
@@ -12,7 +13,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::{let_z_stand, shift_z, use_home_offsets, z_reach};
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use crate::settings::{AxisEnd, HomedAxis, Range, Settings, ranges};
+use crate::settings::{AxisEnd, HomedAxis, Range, Settings, ZStore, ranges};
 use crate::units::Mm;
 
 /// The most that one M290 shifts: more is a slip of the finger.
@@ -45,18 +46,17 @@ pub(super) fn set_home_offsets<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_,
     Answer::Position { real: false }
 }
 
-/// Whether an offset is in the range of the setting that keeps it.
-fn may_be_kept(s: &Settings, offset: Mm) -> bool {
-    let range = if s.keeps_by_probe() { ranges::PROBE_OFFSET_Z } else { ranges::Z_OFFSET };
-    range.holds(offset)
+/// Whether an offset, changed by so much, is in the range of the setting that keeps it.
+fn may_be_kept(s: &Settings, store: ZStore, by: Mm) -> bool {
+    let range = if store == ZStore::Probe { ranges::PROBE_OFFSET_Z } else { ranges::Z_OFFSET };
+    range.holds(s.z_offset(store).saturating_add(by))
 }
 
 /// Whether z may stand aside by so much more, and the kept offset may change so: z stays within its axis.
-fn fits<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, by: Mm, is_kept: bool) -> bool {
+fn fits<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, by: Mm, store: Option<ZStore>) -> bool {
     let s = &main_loop.settings;
-    let kept = if is_kept { s.z_offset().saturating_add(by) } else { s.z_offset() };
     let aside = main_loop.first_layer.aside(s).saturating_add(by);
-    ranges::Z_OFFSET.holds(aside) && may_be_kept(s, kept)
+    ranges::Z_OFFSET.holds(aside) && store.is_none_or(|store| may_be_kept(s, store, by))
 }
 
 impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
@@ -66,12 +66,13 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let Some(by) = self.clamps.length_of(self.modal, ["M290", "Z"], by, MOST, None) else {
             return Ok(Answer::Nothing);
         };
-        self.shift(by, is_kept).await
+        let store = self.main_loop.settings.store_of_shifts();
+        self.shift(by, is_kept.then_some(store)).await
     }
 
     /// SET_GCODE_OFFSET, in mm even after G20.
     pub async fn z_offset(&mut self, words: OffsetWords) -> Result<Answer<'static>, Interrupt> {
-        let kept = self.main_loop.settings.z_offset();
+        let kept = self.main_loop.settings.bed.z_offset;
         let read = |number: Number| Mm::saturating_from_num(number.value());
         let by = match (words.to, words.by) {
             (Some(to), _) => read(to).saturating_sub(kept),
@@ -80,9 +81,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         };
         let [.., is_homed] = self.main_loop.homed.axes();
         if words.moves && is_homed {
-            return self.shift(by, true).await;
+            return self.shift(by, Some(ZStore::Program)).await;
         }
-        if !may_be_kept(&self.main_loop.settings, kept.saturating_add(by)) {
+        if !may_be_kept(&self.main_loop.settings, ZStore::Program, by) {
             return Ok(TOO_FAR);
         }
         let_z_stand(self.main_loop, by);
@@ -90,11 +91,11 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     }
 
     /// Z moves by so much, as soon as its limits leave room for it.
-    async fn shift(&mut self, by: Mm, is_kept: bool) -> Result<Answer<'static>, Interrupt> {
+    async fn shift(&mut self, by: Mm, store: Option<ZStore>) -> Result<Answer<'static>, Interrupt> {
         if by == Mm::ZERO {
             return Ok(Answer::Nothing);
         }
-        if !fits(self.main_loop, by, is_kept) {
+        if !fits(self.main_loop, by, store) {
             return Ok(TOO_FAR);
         }
         if !self.may_move([false, false, true]).await? {
@@ -109,7 +110,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.main_loop.power.is_on(motors) {
             self.main_loop.power_up(self.main_loop.motion.groups().fitted()).await?;
         }
-        shift_z(self.main_loop, by, is_kept);
+        shift_z(self.main_loop, by, store);
         Ok(Answer::Nothing)
     }
 }

@@ -120,7 +120,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             }
             Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
             Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
-            Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.is_stored(s)),
+            Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.are_stored(s)),
             Answer::FanTurns => report_fan_turns(to, s, status.heat()),
             Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),

@@ -18,7 +18,7 @@ use crate::machine::numbers::to_thousandth;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
-use crate::settings::{Advance, Belt, DriverGroups, Kept, Settings, ThermalSettings};
+use crate::settings::{Advance, Belt, DriverGroups, Kept, Settings, ThermalSettings, ZStore};
 use crate::units::{Instant, Mm};
 use core::ops::Deref;
 use fixed::types::I32F32;
@@ -98,15 +98,15 @@ impl SettingsInUse {
         (homing.x.offset, homing.y.offset, homing.z.offset) = (x, y, z);
     }
 
-    /// Changes the offset of z by so much. The open line goes on: no plan depends on it.
+    /// Changes a kept offset of z by so much. The open line goes on: no plan depends on it.
     ///
     /// A thousandth of a mm is no fraction of two, so 0.05 three times is not quite 0.15. A sum of thousandths is made
     /// one again, and the host reads no `0.1500000001`.
-    pub(super) fn shift_z_offset(&mut self, by: Mm) {
-        let sum = self.now.z_offset().saturating_add(by);
+    pub(super) fn shift_z_offset(&mut self, store: ZStore, by: Mm) {
+        let sum = self.now.z_offset(store).saturating_add(by);
         let round = Mm::from_bits(to_thousandth(I32F32::from_bits(sum.to_bits())).to_bits());
         let is_rest = round.to_bits().abs_diff(sum.to_bits()) <= REST_BITS;
-        self.now.set_z_offset(if is_rest { round } else { sum });
+        self.now.set_z_offset(store, if is_rest { round } else { sum });
     }
 
     /// Takes others for the drivers. The caller gives them to the drivers.

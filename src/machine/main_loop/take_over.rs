@@ -3,7 +3,9 @@
 
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::surface::{leave_surface, set_mesh};
 use crate::machine::main_loop::z_offset::move_origins;
+use crate::machine::numbers::exact;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::{Advance, DriverGroups, Settings};
@@ -61,9 +63,22 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
         // A homed z stands where it stands, and its place gets another name.
         let [.., is_homed] = self.homed.axes();
-        let lifted = wanted.bed.z_offset.saturating_sub(self.settings.bed.z_offset);
+        let is_otherwise = wanted.homes_z_by_probe() != self.settings.homes_z_by_probe();
+        let ([offset, of_probe], [old, old_of_probe]) = (wanted.z_offsets(), self.settings.z_offsets());
+        let by_probe = if is_otherwise { Mm::ZERO } else { of_probe.saturating_sub(old_of_probe) };
+        let lifted = offset.saturating_sub(old).saturating_add(by_probe);
         let lifted = if is_homed { lifted } else { Mm::ZERO };
         let is_same = lifted == Mm::ZERO && resolutions(&wanted) == resolutions(&self.settings);
+        if is_homed && is_otherwise {
+            self.hosts.notify_all(format_args!("echo:Z was homed otherwise than these settings say: home it (G28 Z)"));
+        }
+        if !is_same {
+            leave_surface(self).await?;
+        }
+        if by_probe != Mm::ZERO {
+            self.first_layer.believe_probe();
+        }
+        let way_of_probe = self.settings.probe.way_to(&wanted.probe);
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
         let before = self.settings.home_offsets();
         self.settings.replace(&wanted);
@@ -71,11 +86,24 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.power.want(&wanted);
         self.heat.note_settings();
         if is_same {
-            return self.follow().await;
+            self.follow().await?;
+            return self.move_mesh(way_of_probe).await;
         }
         self.motion.set_resolution(&wanted);
         self.commanded.sink(lifted);
         let position = self.motion.to_steps(self.commanded.of_machine(self.commanded.position()));
-        self.adopt_position(position).await
+        self.adopt_position(position).await?;
+        self.move_mesh(way_of_probe).await
+    }
+
+    /// The probe's place is another one by so much, and so are the places of the points that it has touched.
+    async fn move_mesh(&mut self, by: [Mm; 2]) -> Result<(), Interrupt> {
+        if by == [Mm::ZERO; 2] || !self.bed.moves(by) {
+            return Ok(());
+        }
+        let [x, y] = by.map(exact);
+        self.hosts.notify_all(format_args!("echo:the mesh moves with the probe: X{x} Y{y}. After a rebuild send G29"));
+        let mesh = self.bed.mesh().map(|known| known.mesh);
+        set_mesh(self, mesh.as_ref()).await
     }
 }

@@ -3,7 +3,7 @@
 use super::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use crate::settings::{HomedAxis, Range};
+use crate::settings::{HomedAxis, Range, ZStore};
 use crate::units::Mm;
 
 /// Where the planner may send z.
@@ -11,23 +11,27 @@ pub(in crate::machine) fn z_reach<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, 
     main_loop.first_layer.reach(&main_loop.settings)
 }
 
-/// Z moves by so much from where its moves lead it, at once. The change is `kept` over homing, or is not.
-pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm, kept: bool) {
-    if kept {
-        main_loop.settings.shift_z_offset(by);
+/// Z moves by so much from where its moves lead it, at once. The change is kept over homing if there is a store.
+pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    by: Mm,
+    store: Option<ZStore>,
+) {
+    if let Some(store) = store {
+        main_loop.settings.shift_z_offset(store, by);
     }
-    if !kept || main_loop.settings.keeps_by_probe() {
-        main_loop.first_layer.shift(by);
+    match store {
+        Some(ZStore::Program) => {}
+        Some(ZStore::Probe) => main_loop.first_layer.shift_with_probe(by),
+        None => main_loop.first_layer.shift(by),
     }
     main_loop.motion.shift_z(by, &main_loop.settings.axes.z);
 }
 
-/// The kept offset changes by so much, and z stands until its next move: the program's zero is there now.
+/// The program's offset changes by so much, and z stands until its next move: the program's zero is there now.
 pub(in crate::machine) fn let_z_stand<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) {
-    main_loop.settings.shift_z_offset(by);
-    if !main_loop.settings.keeps_by_probe() {
-        main_loop.first_layer.shift(-by);
-    }
+    main_loop.settings.shift_z_offset(ZStore::Program, by);
+    main_loop.first_layer.shift(-by);
     main_loop.commanded.move_origin([Mm::ZERO, Mm::ZERO, by]);
 }
 

@@ -64,7 +64,7 @@ pub(in crate::machine) async fn find_bed<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn touch_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Mm, Interrupt> {
-    let probe = main_loop.settings.probe;
+    let probe = main_loop.first_layer.probe(&main_loop.settings);
     let height = touch_once(main_loop, &probe, floor_of(&probe), probe.slow).await;
     conclude(main_loop, height, AfterTouch::Out).await
 }
@@ -74,7 +74,7 @@ pub(in crate::machine) async fn set_out<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     end: AfterTouch,
 ) -> Result<(), Interrupt> {
-    let probe = main_loop.settings.probe;
+    let probe = main_loop.first_layer.probe(&main_loop.settings);
     let is_set = async {
         if let [.., true] = main_loop.homed.axes() {
             raise_to(main_loop, probe.nozzle_at(probe.deploy_clearance)).await?;
@@ -146,7 +146,7 @@ async fn height_at<P: PortSet, W: Pend>(
     at: Option<[Mm; 2]>,
 ) -> Result<Mm, ProbeError> {
     seek(main_loop, at).await?;
-    let probe = main_loop.settings.probe;
+    let probe = main_loop.first_layer.probe(&main_loop.settings);
     mean_of_touches(main_loop, &probe, floor_of(&probe)).await
 }
 
@@ -154,7 +154,7 @@ async fn height_at<P: PortSet, W: Pend>(
 async fn seek<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: Option<[Mm; 2]>) -> Result<Mm, ProbeError> {
     main_loop.finish().await?;
     leave_surface(main_loop).await?;
-    let probe = main_loop.settings.probe;
+    let probe = main_loop.first_layer.probe(&main_loop.settings);
     let clearance = if main_loop.probing.is_in_series() { probe.clearance } else { probe.deploy_clearance };
     raise_to(main_loop, probe.nozzle_at(clearance)).await?;
     if let Some([x, y]) = at {
@@ -172,7 +172,7 @@ async fn seek<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: Optio
 
 /// The height of the bed at the place where z is homed, in the coordinates that z has before.
 async fn zero<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, ProbeError> {
-    let probe = main_loop.settings.probe;
+    let probe = main_loop.settings.probe_in_program();
     let [x, y] = home_place(&main_loop.settings);
     travel(main_loop, [x.saturating_sub(probe.offset.x), y.saturating_sub(probe.offset.y)]).await?;
     let reach = main_loop.settings.reach(HomedAxis::Z);

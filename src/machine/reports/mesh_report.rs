@@ -98,6 +98,13 @@ pub(in crate::machine) fn report_mesh(
             to.say(format_args!("echo:Fade height {fade} is too short for a mesh of {deviation} mm: it does not fade"));
         }
         MeshAnswer::Kept => to.say(format_args!("echo:Mesh stored")),
+        MeshAnswer::Moved(by) => {
+            let [x, y] = by.map(exact);
+            to.say(format_args!("echo:Stored mesh moved with the probe: X{x} Y{y}"));
+        }
+        MeshAnswer::Ends => {
+            to.say(format_args!("echo:Stored mesh ends with the next start: steps or axes are others. Send G29, M500"));
+        }
         MeshAnswer::Forgotten => to.say(format_args!("echo:Stored mesh forgotten")),
         MeshAnswer::Part => {
             to.say(format_args!("echo:Mesh not stored: it covers a part of the bed. G29 without an area measures all"));

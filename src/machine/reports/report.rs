@@ -213,13 +213,18 @@ pub(in crate::machine) fn report_soft_endstops(to: &mut Speaker<'_>, s: &Setting
     to.say(format_args!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
 }
 
-/// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offset.
-pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: &Settings, is_stored: bool) {
+/// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offsets: the one of the probe if it
+/// homes z, the program's, and how far both together lift the nozzle.
+pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: &Settings, are_stored: [bool; 2]) {
     to.say(format_args!("echo:Babystep Z{}", Hundredths::of(shifted)));
-    let kept = exact(s.z_offset());
-    let name = if s.keeps_by_probe() { "Probe Offset Z" } else { "Z offset " };
-    let news = if is_stored { "" } else { ", not saved: M500 keeps it" };
-    to.say(format_args!("echo:{name}{kept}{news}"));
+    let [news, news_of_probe] = are_stored.map(|is_stored| if is_stored { "" } else { ", not saved: M500 keeps it" });
+    let kept = exact(s.bed.z_offset);
+    if s.homes_z_by_probe() {
+        to.say(format_args!("echo:Probe Offset Z{}{news_of_probe}", exact(s.probe.offset.z)));
+        to.say(format_args!("echo:Z offset {kept}, the sum is {}{news}", exact(s.probe_in_program().offset.z)));
+    } else {
+        to.say(format_args!("echo:Z offset {kept}{news}"));
+    }
 }
 
 #[cfg(test)]

@@ -38,6 +38,15 @@ impl KnownBed {
         *self = Self { mesh: Some(mesh), is_part: false, is_kept: true, forgets_kept: false };
     }
 
+    /// Its points are elsewhere by so much; false if there are none.
+    pub fn moves(&mut self, by: [Mm; 2]) -> bool {
+        if let Some(mesh) = &mut self.mesh {
+            *mesh = mesh.moved(by);
+            self.is_kept = false;
+        }
+        self.mesh.is_some()
+    }
+
     /// It has been kept.
     pub const fn note_kept(&mut self) {
         self.is_kept = true;
@@ -70,6 +79,8 @@ pub(in crate::machine) struct PrintArea {
     bounds: Option<[Range<Mm>; 2]>,
     /// The outline of an object was cut, so its bounds are not known.
     is_cut: bool,
+    /// The next mesh is to cover no more (M555).
+    is_next: bool,
 }
 
 impl PrintArea {
@@ -98,8 +109,6 @@ impl PrintArea {
     /// The area, in x and y.
     pub const fn bounds(&self) -> Option<[Range<Mm>; 2]> {
         if self.is_cut { None } else { self.bounds }
-    /// The next mesh is to cover no more (M555).
-    is_next: bool,
     }
 
     /// It contains this place too.

@@ -47,7 +47,9 @@ pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Pend>(
         Owner::Readers => main_loop.live_settings().set_plain(&wanted),
         Owner::Origins => use_home_offsets(main_loop, wanted.home_offsets()),
         Owner::Heaters => *main_loop.heat_settings() = wanted.thermal,
-        Owner::Motors => {
+        // In a replay of M503 nothing rests for the offset that it has.
+        Owner::Probe if wanted.probe.offset == main_loop.settings.probe.offset => {}
+        Owner::Motors | Owner::Probe => {
             main_loop.finish().await?;
             main_loop.use_settings(wanted).await?;
         }

@@ -2,6 +2,7 @@
 //! start.
 
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::answers::storage_news::StorageNews;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -9,7 +10,8 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::MachinePieces;
 use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
-use crate::storage::{self, Receipt, SaveError, Survey};
+use crate::storage::{self, MeshFate, Receipt, SaveError, Survey};
+use crate::units::Mm;
 
 /// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
 pub(super) struct Paced<'c, 'm, P: PortSet, W: Pend> {
@@ -136,6 +138,7 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
     settings: &Settings,
 ) -> Result<Result<Receipt, SaveError>, Interrupt> {
     main_loop.finish().await?;
+    take_mesh_along(main_loop, settings).await?;
     let mut paced = Paced::new(main_loop);
     let saved = storage::save(&mut paced, settings).await;
     paced.into_result()?;
@@ -143,6 +146,32 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
         main_loop.first_layer.note_stored(settings);
     }
     Ok(saved)
+}
+
+/// The kept mesh becomes one of the settings that are about to be stored, or its end is told.
+async fn take_mesh_along<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    settings: &Settings,
+) -> Result<(), Interrupt> {
+    let mut paced = Paced::new(main_loop);
+    let is_of_others = storage::is_of_others(&mut paced, settings).await;
+    paced.into_result()?;
+    if is_of_others != Ok(true) {
+        return Ok(());
+    }
+    let Ok(stored) = survey(main_loop).await? else { return Ok(()) };
+    let before = stored.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings);
+    let mut paced = Paced::new(main_loop);
+    let fate = storage::follow_settings(&mut paced, &before, settings).await;
+    paced.into_result()?;
+    let news = match fate {
+        Ok(MeshFate::Stays) => return Ok(()),
+        Ok(MeshFate::Moves(by)) if by == [Mm::ZERO; 2] => return Ok(()),
+        Ok(MeshFate::Moves(by)) => MeshAnswer::Moved(by),
+        Ok(MeshFate::Ends) => MeshAnswer::Ends,
+        Err(why) => MeshAnswer::NotKept(why),
+    };
+    main_loop.reply(Answer::Mesh(news)).await
 }
 
 /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a
