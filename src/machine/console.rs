@@ -5,8 +5,8 @@
 //! the main loop and the states that it names; no file but this one knows the Console.
 //!
 //! M410 ends every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and restores
-//! everything that a command had changed for a while (grouping, trim, a buzz, drivers that measure, a probe that is
-//! out, an axis that was being homed). Then the line is answered. A command that must tidy up by itself catches the
+//! everything that a command had changed for a while (grouping, trim, a buzz, drivers that measure, a probe that is out
+//! or near the bed, an axis that was being homed). Then the line is answered. A command that must tidy up by itself catches the
 //! error where it waits (`tune`, `settings::stored`). A line that is kept without `ok` (`state::job`) waits here, while
 //! other hosts are served; it is taken up again when its user answers.
 
@@ -30,7 +30,7 @@ use crate::machine::main_loop::limp::limp;
 use crate::machine::main_loop::surface::{keep_to_surface, lay_mesh};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
 pub use crate::machine::ports::{PortSet, Ports};
-use crate::machine::probe::deploy::take_in_at_once;
+use crate::machine::probe::touch::end_touch;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
 use crate::motion::{Link, MoveMemory};
@@ -192,7 +192,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         end_trim(main_loop).await?;
         end_buzz(main_loop);
         end_measuring(main_loop).await?;
-        take_in_at_once(main_loop);
+        end_touch(main_loop).await?;
         if main_loop.homed.stop() {
             main_loop.reply(Answer::Line("echo:homing was interrupted, the position of the axis is unknown")).await?;
         }

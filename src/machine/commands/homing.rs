@@ -11,7 +11,7 @@
 
 use super::proof::prove;
 use super::shift_z::shift_z;
-use super::switch::{home_named, stand_at};
+use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::{AxisFlags, HomeWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
@@ -51,15 +51,37 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     if words.only_lost {
         flags = lost(flags, main_loop.homed.axes());
         if flags == AxisFlags::default() {
+            main_loop.job.forgive();
             return Ok(());
         }
     }
+    refuse_in_vain(main_loop, flags)?;
+    main_loop.job.forgive();
     power_up(main_loop).await?;
     let raise = raise.unwrap_or_else(|| usual_raise(main_loop, flags));
     raise_z(main_loop, raise).await?;
     // As motors got power they may have been aligned by their phases.
     let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
     home_axes(main_loop, notices, flags, aligns).await
+}
+
+/// Refuses axes that cannot be homed, before anything moves. Z is homed by the probe only if X and Y are known then.
+fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags: AxisFlags) -> Result<(), Interrupt> {
+    let all = !(flags.x || flags.y || flags.z);
+    let by_probe = main_loop.settings.homes_z_by_probe();
+    for axis in HomedAxis::ALL.into_iter().filter(|axis| all || is_named(flags, *axis)) {
+        let is_probed = by_probe && axis == HomedAxis::Z;
+        let input = if is_probed { EndstopSet::PROBE } else { switch_of(axis) };
+        let lacks_others = is_probed && !all && main_loop.homed.lacks_one_of([!flags.x, !flags.y, false]);
+        let why = match main_loop.status.inputs().has(input) {
+            false => HomingFailure::NotConnected,
+            true if lacks_others => HomingFailure::NeedsOthers,
+            true => continue,
+        };
+        main_loop.job.note_end(JobEnd::NotHomed { axis, why });
+        return Err(Interrupt::EndJob);
+    }
+    Ok(())
 }
 
 /// How far z rises if no word says it: the probe must clear the bed on its way.
@@ -156,10 +178,8 @@ async fn home_axes<P: PortSet, W: Pend>(
 /// Z is homed by the probe. It does not go down where the bed may not be.
 async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     if main_loop.homed.lacks_one_of([true, true, false]) {
-        return refuse_z(main_loop, HomingFailure::NeedsOthers);
-    }
-    if !main_loop.status.inputs().has(EndstopSet::PROBE) {
-        return refuse_z(main_loop, HomingFailure::NotConnected);
+        main_loop.job.note_end(JobEnd::NotHomed { axis: HomedAxis::Z, why: HomingFailure::NeedsOthers });
+        return Err(Interrupt::EndJob);
     }
     let z = HomedAxis::Z as usize;
     main_loop.homed.begin(z);
@@ -171,12 +191,6 @@ async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
     main_loop.homed.arrive(z);
     name_home(main_loop, z);
     Ok(())
-}
-
-/// Z is not homed, for that reason, and the job ends.
-fn refuse_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: HomingFailure) -> Result<(), Interrupt> {
-    main_loop.job.note_end(JobEnd::NotHomed { axis: HomedAxis::Z, why });
-    Err(Interrupt::EndJob)
 }
 
 /// X and y are home: the motors of their belt are aligned, both homed again, and that is proved. The result is

@@ -9,7 +9,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::tell_of_z_offset;
 use crate::machine::ports::PortSet;
-use crate::machine::probe::deploy::take_in_at_once;
+use crate::machine::probe::touch::end_touch;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::Modal;
@@ -25,7 +25,7 @@ const ENDED: Answer<'static> =
 const STAYS_PAUSED: &str = "The print stays paused: home again (G28), then continue it";
 
 /// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print. A pause
-/// during which homing or probing fails stays a pause.
+/// during which homing or probing fails stays a pause. A refused line ends a print alone: without one, nothing changes.
 pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -36,13 +36,17 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
         main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
         return Ok(Answer::Nothing);
     }
+    if why.is_refusal() && !main_loop.job.is_under_way() {
+        main_loop.hosts.notify_all(format_args!("echo:{why}"));
+        return Ok(Answer::Nothing);
+    }
     let settings = main_loop.settings.job;
     if can_be_mended && settings.on_failure == OnFailure::Pause && main_loop.job.is_printing() {
         main_loop.hosts.notify_all(format_args!("echo:{why}"));
         return hold(main_loop, modal, Kept::Failed).await;
     }
     main_loop.pauses.end_command();
-    take_in_at_once(main_loop);
+    end_touch(main_loop).await?;
     let keeps_heat = can_be_mended && settings.keeps_heat;
     if !keeps_heat {
         main_loop.heat.switch_off(&main_loop.settings.thermal);
@@ -121,7 +125,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     }
     let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
     let is_of_print = match *command {
-        Command::Motion(MotionCommand::Home(_)) | Command::Job(JobCommand::Continue) => {
+        Command::Job(JobCommand::Continue) => {
             main_loop.job.forgive();
             false
         }

@@ -119,14 +119,19 @@ fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis)
     aside.unwrap_or_default().wrapping_round().to_num()
 }
 
-/// The facts of an axis.
-fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
-    let s = &*main_loop.settings;
-    let switch = match axis {
+/// The input of an axis' switch.
+pub(super) const fn switch_of(axis: HomedAxis) -> EndstopSet {
+    match axis {
         HomedAxis::X => EndstopSet::X,
         HomedAxis::Y => EndstopSet::Y,
         HomedAxis::Z => EndstopSet::Z,
-    };
+    }
+}
+
+/// The facts of an axis.
+fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
+    let s = &*main_loop.settings;
+    let switch = switch_of(axis);
     let (endstop, homing, reach) = (s.endstops.of(axis), s.homing.of(axis), s.reach(axis));
     // The offset of z is between the switch and the place that the program names.
     let offset = if axis == HomedAxis::Z { s.bed.z_offset } else { Mm::ZERO };

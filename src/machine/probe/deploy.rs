@@ -67,7 +67,7 @@ pub(super) async fn after_touch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_
 }
 
 /// Has the probe go in, without waiting for it: a command that had put it out was ended.
-pub(in crate::machine) fn take_in_at_once<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+pub(super) fn take_in_at_once<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
     let is_out = main_loop.probing.is_out();
     main_loop.probing.note_out(false);
     main_loop.probing.note_series(false);

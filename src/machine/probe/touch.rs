@@ -7,7 +7,7 @@
 //! Every function that another room calls ends a touch that failed: the probe is taken in, and the job ends.
 
 use super::approach::{approach, is_triggered, raise_by, raise_to, travel};
-use super::deploy::{after_touch, put_out, take_in};
+use super::deploy::{after_touch, put_out, take_in, take_in_at_once};
 use super::error::ProbeError;
 use super::reach::home_place;
 use crate::machine::interrupt::Interrupt;
@@ -99,7 +99,27 @@ pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
     Ok(z.saturating_sub(height))
 }
 
-/// Ends a touch, with its result or for a reason. An emergency leaves the probe to `take_in_at_once`.
+/// Ends a touch that something has interrupted: motion rests. The tool rises from the bed, not above the place where the
+/// touch began, and the probe is to go in. A second interrupt ends the rise.
+pub(in crate::machine) async fn end_touch<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let mut risen = Ok(());
+    if let Some(from) = main_loop.probing.take_touch() {
+        let [.., at, _] = main_loop.motion.end_mm();
+        let clearance = main_loop.settings.probe.clearance;
+        risen = raise_by(main_loop, from.saturating_sub(at).min(clearance)).await;
+        main_loop.commanded.stand_at(main_loop.motion.end_mm());
+    }
+    take_in_at_once(main_loop);
+    match risen {
+        // Without power nothing rises, and the reason was told.
+        Err(Interrupt::NoPower | Interrupt::EndJob) => Ok(()),
+        risen => risen,
+    }
+}
+
+/// Ends a touch, with its result or for a reason. An interrupt leaves the tool and the probe to [`end_touch`].
 async fn conclude<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     mut result: Result<Mm, ProbeError>,
@@ -223,9 +243,11 @@ async fn touch_once<P: PortSet, W: Pend>(
         return Err(ProbeFailure::Triggered.into());
     }
     let [.., from, _] = main_loop.motion.end_mm();
+    main_loop.probing.begin_touch(from);
     let has_met = approach(main_loop, from.saturating_sub(floor), speed).await?;
     let [.., to, _] = main_loop.motion.end_mm();
     raise_by(main_loop, probe.clearance).await?;
+    main_loop.probing.take_touch();
     if !has_met {
         return Err(ProbeFailure::NotMet { floor, expected: probe.trigger_height() }.into());
     }

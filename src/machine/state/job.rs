@@ -131,6 +131,20 @@ pub(in crate::machine) enum HomingFailure {
     StillPressed { back_off: i32 },
 }
 
+impl HomingFailure {
+    /// Whether it was known before anything moved.
+    const fn is_refusal(self) -> bool {
+        matches!(self, Self::NotConnected | Self::NeedsOthers)
+    }
+}
+
+impl JobEnd {
+    /// Whether a line was refused before anything moved: without a print, that changes nothing.
+    pub const fn is_refusal(self) -> bool {
+        matches!(self, Self::NotHomed { why, .. } if why.is_refusal())
+    }
+}
+
 impl fmt::Display for HomingFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

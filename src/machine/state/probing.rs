@@ -1,4 +1,6 @@
-//! The probe's state: whether it is out, and its servo.
+//! The probe's state: whether it is out, its servo, and the touch that is under way.
+
+use crate::units::Mm;
 
 /// The probe, as far as the firmware has given it orders.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -7,12 +9,14 @@ pub(in crate::machine) struct Probing {
     is_in_series: bool,
     is_quick: bool,
     servo: Option<u16>,
+    /// z of the nozzle at the begin of the touch that is under way.
+    touch_from: Option<Mm>,
 }
 
 impl Probing {
     /// As after a reset: it is in.
     pub const fn new() -> Self {
-        Self { is_out: false, is_in_series: false, is_quick: false, servo: None }
+        Self { is_out: false, is_in_series: false, is_quick: false, servo: None, touch_from: None }
     }
 
     /// Whether it is out.
@@ -33,6 +37,16 @@ impl Probing {
     /// Another touch follows, or none.
     pub const fn note_series(&mut self, goes_on: bool) {
         self.is_in_series = goes_on;
+    }
+
+    /// A touch begins with the nozzle at this z.
+    pub const fn begin_touch(&mut self, from: Mm) {
+        self.touch_from = Some(from);
+    }
+
+    /// No touch is under way any more. Returns where it began, if one was.
+    pub const fn take_touch(&mut self) -> Option<Mm> {
+        self.touch_from.take()
     }
 
     /// Whether a BLTouch is not taken in between touches (M401 S1).

@@ -254,6 +254,11 @@ impl Life<'_> {
         self.world.bed().unwrap().fail(fault);
     }
 
+    /// Whether the probe's pin is out.
+    pub fn is_probe_out(&mut self) -> bool {
+        self.world.bed().unwrap().is_out()
+    }
+
     /// Where the nozzle is, in mm.
     pub fn nozzle(&mut self) -> [f64; 3] {
         self.world.nozzle()
