@@ -69,7 +69,8 @@ const PEERS: &[Peer] = &[
     Peer("max_accel_to_decel", Use("minimum_cruise_ratio", "1 - max_accel_to_decel / max_accel")),
     Peer("square_corner_velocity", Use("square_corner", "in [corner]")),
     Peer("junction_deviation_mm", Use("junction_deviation", "in [corner]")),
-    Peer("default_[xyz]jerk", Use("square_corner", "in [corner]")),
+    Peer("default_zjerk", Use("z_jerk", "")),
+    Peer("default_[xy]jerk", Use("square_corner", "in [corner]")),
     Peer("default_ejerk", Use("extruder_jerk", "")),
     Peer("instantaneous_corner_velocity", Use("extruder_jerk", "")),
     // Shapers and the extruder.

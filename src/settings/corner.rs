@@ -1,6 +1,7 @@
-//! The rule for speeds in corners.
+//! The rule for speeds in corners, and the jump of z in them.
 
-use super::rows::{Field, Value};
+use super::rows::{Field, Value, rows};
+use super::{Settings, ranges};
 use crate::units::{Mm, MmPerSec};
 use serde::{Deserialize, Serialize};
 
@@ -65,4 +66,15 @@ impl Field for SquareCorner<'_> {
         }
         is_one
     }
+}
+
+fn parts(s: &mut Settings) -> [&mut Settings; 1] {
+    [s]
+}
+
+rows! {
+    for machine in parts, named &[""];
+
+    /// The jump in the speed of z that a corner may ask for; 3000, the greatest speed of all, limits nothing.
+    151 "z_jerk" = machine.z_jerk, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "Z";
 }

@@ -103,6 +103,8 @@ pub struct Settings {
     pub travel_acceleration: MmPerSec2,
     /// Speed limit in corners (M205 J or X, Y).
     pub corner: CornerRule,
+    /// The largest jump in the speed of z at a corner, without what a mesh adds (M205 Z).
+    pub z_jerk: MmPerSec,
     /// The largest jump in the extruder's speed at a corner (M205 E).
     pub extruder_jerk: MmPerSec,
     /// Least commanded speed of a printing move (M205 S).
@@ -214,6 +216,7 @@ impl Settings {
             retract_acceleration: MmPerSec2::const_from_int(3000),
             travel_acceleration: MmPerSec2::const_from_int(5000),
             corner: CornerRule::JunctionDeviation(const { Mm::lit("0.013") }),
+            z_jerk: ranges::SPEED.most,
             extruder_jerk: MmPerSec::const_from_int(5),
             min_feed: MmPerSec::ZERO,
             min_travel: MmPerSec::ZERO,
@@ -299,6 +302,7 @@ impl Settings {
             retract_acceleration: _,
             travel_acceleration: _,
             corner: _,
+            z_jerk: _,
             extruder_jerk: _,
             min_feed: _,
             min_travel: _,

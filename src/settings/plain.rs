@@ -45,8 +45,8 @@ pub const CONDITIONS: &[Condition] = &[
     Condition { owner: Owner::Motors, ..Condition::none(92) },
     Condition { owner: Owner::Origins, ..Condition::none(206) },
     Condition { owner: Owner::Probe, ..Condition::none(851) },
-    // A letter chooses the rule for corners; Z and B are Marlin's.
-    Condition { beside: &["X", "Y", "Z", "J", "B"], has_words: true, ..Condition::none(205) },
+    // A letter chooses the rule for corners; B is Marlin's.
+    Condition { beside: &["X", "Y", "J", "B"], has_words: true, ..Condition::none(205) },
     Condition { owner: Owner::Heaters, has_words: true, ..Condition::none(301) },
     Condition { owner: Owner::Heaters, has_words: true, ..Condition::none(304) },
 ];

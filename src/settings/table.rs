@@ -20,7 +20,8 @@ pub const NEXT_ID: u16 = {
     greatest + 1
 };
 
-/// The files that have rows.
+/// The files that have rows. A record has no id for an element that follows the one with the id before, so files of
+/// ids in a row stand in a row.
 macro_rules! files {
     ($($file:ident$(::$inner:ident)*),+ $(,)?) => {
         /// The rows of each file.
@@ -33,8 +34,6 @@ macro_rules! files {
 
 files! {
     top,
-    accelerometer,
-    accelerometer::axes,
     axis,
     axis::min,
     axis::homing,
@@ -45,15 +44,18 @@ files! {
     drivers::own,
     endstops,
     endstops::order,
-    job,
     pause,
     probe,
     probe::home,
+    job,
     fan_plugs,
     fan_plugs::pulses,
     probe::offset,
-    mesh,
     screws,
+    mesh,
+    accelerometer,
+    accelerometer::axes,
+    corner,
     sensors,
     shaping,
     shaping::advance,

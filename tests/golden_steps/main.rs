@@ -353,7 +353,7 @@ fn a_planner_that_does_all_that_it_may() {
         (0x5EED_0005, &prototype, (399, 0xF2F9_0A67)),
         (0x5EED_0006, &prototype, (273, 0xD518_92BD)),
         (0x5EED_0007, &prototype, (346, 0x11C7_3296)),
-        (0x5EED_0008, &square, (372, 0xBF01_6067)),
+        (0x5EED_0008, &square, (372, 0x8797_6003)),
         (0x5EED_000B, &lifting, (363, 0x7B91_B85C)),
         (0x5EED_0009, &weak, (338, 0x157E_BEF5)),
     ] {

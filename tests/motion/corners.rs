@@ -66,7 +66,8 @@ fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
     let speeds = s.axes.map(|a| a.max_speed.to_num::<f64>());
     let motor = s.motor_max_acceleration.to_num::<f64>();
     let axes = [accelerations.x, accelerations.y, accelerations.z];
-    let purpose = if q.extrusion == 0.0 { s.travel_acceleration } else { s.print_acceleration }.to_num::<f64>();
+    let purpose =
+        |w: &Way| if w.extrusion == 0.0 { s.travel_acceleration } else { s.print_acceleration }.to_num::<f64>();
     let along = |w: &Way, purpose: f64| bounded(purpose, w.unit, axes, motor).min(accelerations.e / w.extrusion.abs());
     let fast = |w: &Way| {
         let v = bounded(feed, w.unit, [speeds.x, speeds.y, speeds.z], s.motor_max_speed.to_num());
@@ -75,7 +76,8 @@ fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
 
     // The line that halves the angle points from the corner to the centre.
     let inwards = unit(plus(scaled(p.unit, -1.0), q.unit));
-    let bears = bounded(along(q, purpose), inwards, axes, motor);
+    let [before, after] = [p, q].map(|w| along(w, purpose(w)));
+    let bears = bounded(after, inwards, axes, motor);
     // A circle of radius 1 with its centre so far in that it touches both moves: its distance from the corner.
     let turn = dot(p.unit, q.unit).clamp(-1.0, 1.0).acos();
     let centre = 1.0 / (turn / 2.0).cos();
@@ -84,17 +86,24 @@ fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
     assert!((centre - 1.0 - deviation).abs() < 1e-9 * centre);
     let bend = match s.corner {
         CornerRule::JunctionDeviation(d) => bears * d.to_num::<f64>() / deviation,
-        // The deviation for which a corner of 90 degrees gives that speed.
-        CornerRule::SquareCorner(w) => w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0) / deviation,
+        // The deviation for which a corner of 90 degrees gives that speed at the commanded acceleration. Each move has its
+        // own, and what it bears.
+        CornerRule::SquareCorner(w) => {
+            let square = |w: f64, bears: f64, commanded: f64| w.powi(2) * (2f64.sqrt() - 1.0) * bears / commanded;
+            let w = w.to_num();
+            square(w, before, purpose(p)).min(square(w, bears, purpose(q))) / deviation
+        }
     };
     // A circle that touches both moves at the same distance from the corner, at most half the shorter one.
     let curve = bears * p.length.min(q.length) / 2.0 / (turn / 2.0).tan();
     let jerk = s.extruder_jerk.to_num::<f64>() / (p.extrusion - q.extrusion).abs();
+    // The slope changes by this at least, with each of the three points rounded to a thousandth.
+    let rise = (q.unit[2] - p.unit[2]).abs() - 0.001 / p.length - 0.001 / q.length;
+    let z_jerk = if rise > 0.0 { s.z_jerk.to_num::<f64>() / rise } else { f64::INFINITY };
 
-    let before = along(p, if p.extrusion == 0.0 { s.travel_acceleration } else { s.print_acceleration }.to_num());
     let reach = (2.0 * before * p.length).sqrt();
-    let rest = (2.0 * along(q, purpose) * q.length).sqrt();
-    [bend.sqrt(), curve.sqrt(), jerk, fast(p), fast(q), reach, rest].into_iter().fold(feed, f64::min)
+    let rest = (2.0 * after * q.length).sqrt();
+    [bend.sqrt(), curve.sqrt(), jerk, z_jerk, fast(p), fast(q), reach, rest].into_iter().fold(feed, f64::min)
 }
 
 fn direction(dice: &mut Dice) -> Vector {
@@ -133,6 +142,7 @@ pub fn machine(dice: &mut Dice) -> Settings {
     s.motor_max_speed = MmPerSec::from_num(between(100.0, 900.0));
     s.minimum_cruise_ratio = Ratio::from_num(cruise);
     s.extruder_jerk = MmPerSec::from_num(between(0.5, 20.0));
+    s.z_jerk = MmPerSec::from_num(between(0.1, 1000.0));
     let rules: Vec<CornerRule> = CornerRule::all().collect();
     let from_the_last = (between(1.0, std::f64::consts::E).ln() * rules.len() as f64) as usize;
     s.corner = match rules[rules.len() - 1 - from_the_last.min(rules.len() - 1)] {

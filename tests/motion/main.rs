@@ -19,6 +19,7 @@ mod properties;
 mod shaped;
 mod shapers;
 mod speeds;
+mod square_corner;
 mod surface;
 mod timing;
 mod velocity;

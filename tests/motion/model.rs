@@ -73,6 +73,8 @@ struct Way {
     ratio: f64,
     speed: f64,
     a: f64,
+    /// The acceleration that is commanded for its purpose.
+    commanded: f64,
 }
 
 fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
@@ -130,6 +132,7 @@ fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settin
         ratio,
         speed: bound(speed, speeds, s.motor_max_speed.to_num()),
         a: bound(wanted.to_num(), accelerations, s.motor_max_acceleration.to_num()),
+        commanded: wanted.to_num(),
     })
 }
 
@@ -193,12 +196,17 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
     let mut bend = curve;
     if greatest > 1e-6 {
         let a = bears(if size(lead) > size(turn) + 1e-12 { lead } else { turn });
-        let base = match s.corner {
-            CornerRule::JunctionDeviation(d) => a * d.to_num::<f64>(),
-            CornerRule::SquareCorner(w) => w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0),
+        let [first, base] = match s.corner {
+            CornerRule::JunctionDeviation(d) => [f64::INFINITY, a * d.to_num::<f64>()],
+            // For each move what it bears, as a part of what is commanded.
+            CornerRule::SquareCorner(w) => {
+                [p.a / p.commanded, a / q.commanded].map(|part| part * w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0))
+            }
         };
         let jump = |turn: f64| 8.0 * base / turn.powi(2);
         if size(turn) > 1e-6 {
+            let base = base.min(first);
+            let jump = |turn: f64| 8.0 * base / turn.powi(2);
             bend = bend.min(jump(size(lead) + past)).min(base * half / (1.0 - half).max(1e-30));
             // A row of long chords is a circle: its radius is half a chord over the tangent of half the turn.
             let chord = p.length.min(q.length);
@@ -218,7 +226,10 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
     }
     let jump = (p.ratio - q.ratio).abs();
     let jerk = if jump > 0.0 { s.extruder_jerk.to_num::<f64>() / jump } else { f64::INFINITY };
-    most.min(bend.sqrt()).min(jerk)
+    // Less what rounding to a thousandth makes of the slope.
+    let rise = turn[2].abs() - 0.001 / p.length - 0.001 / q.length;
+    let z_jerk = if rise > 0.0 { s.z_jerk.to_num::<f64>() / rise } else { f64::INFINITY };
+    most.min(bend.sqrt()).min(jerk).min(z_jerk)
 }
 
 /// Between which places the ways are really gone. An axis that is not asked to move stays where it is. In a long move

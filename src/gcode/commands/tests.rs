@@ -237,8 +237,8 @@ fn every_code_has_its_command() {
 fn letters_that_only_one_code_knows() {
     let [one, two, three, four] = [1, 2, 3, 4].map(|n| Some(Number::from(n)));
     assert_eq!(parse(b"M204 P1 R2 T3 S4"), plain(204, [one, two, three]));
-    // E, S and T of rows; X, Y, Z, J and B of the rule.
-    let expected = plain(205, [None, two, three, None, four, None, one, four]);
+    // E, S, T and Z of rows; X, Y, J and B of the rule.
+    let expected = plain(205, [None, two, three, None, None, four, one, four]);
     assert_eq!(parse(b"M205 J1 S2 T3 B4 Y4"), expected);
     for (line, code) in [("M301 D3 P1", 301), ("M304 D3 P1", 304)] {
         assert_eq!(parse(line.as_bytes()), plain(code, [one, None, three]));

@@ -31,8 +31,8 @@ pub(in crate::machine) struct Dynamics {
     pub accelerations: [MmPerSec2; 3],
     /// M205 J, X and Y.
     pub corner: CornerRule,
-    /// M205 E, S and T.
-    pub speeds: [MmPerSec; 3],
+    /// M205 Z, E, S and T.
+    pub speeds: [MmPerSec; 4],
     /// MINIMUM_CRUISE_RATIO.
     pub cruise_ratio: Ratio,
 }
@@ -43,7 +43,7 @@ impl Dynamics {
         Self {
             accelerations: [s.print_acceleration, s.retract_acceleration, s.travel_acceleration],
             corner: s.corner,
-            speeds: [s.extruder_jerk, s.min_feed, s.min_travel],
+            speeds: [s.z_jerk, s.extruder_jerk, s.min_feed, s.min_travel],
             cruise_ratio: s.minimum_cruise_ratio,
         }
     }
@@ -51,7 +51,7 @@ impl Dynamics {
     /// Puts them in force again.
     pub const fn put(&self, s: &mut Settings) {
         [s.print_acceleration, s.retract_acceleration, s.travel_acceleration] = self.accelerations;
-        [s.extruder_jerk, s.min_feed, s.min_travel] = self.speeds;
+        [s.z_jerk, s.extruder_jerk, s.min_feed, s.min_travel] = self.speeds;
         (s.corner, s.minimum_cruise_ratio) = (self.corner, self.cruise_ratio);
     }
 }

@@ -3,8 +3,10 @@
 //! Junction deviation (S. Jeon, "Improving Grbl: Cornering Algorithm", 2011) replaces the corner by an arc that touches
 //! both moves and leaves the corner by the deviation d. With the angle t between the moves that arc has the radius
 //! `d sin(t/2) / (1 - sin(t/2))`, and `v^2 = a r`. A square-corner velocity w is the same law with the deviation for
-//! which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`. So `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not
-//! depend on the acceleration.
+//! which 90 degrees give w at the commanded acceleration c: `d = w^2 (sqrt 2 - 1) / c`. Each of the two moves has its
+//! own. A move that an axis slows down has the acceleration a, less than c, and so a slower corner:
+//! `v^2 = w^2 a / c` for 90 degrees. The move with the lesser `a d` counts, and the law along the turn, below. Klipper
+//! has the same two (klippy/toolhead.py, `calc_junction`), and no law along the turn.
 //!
 //! A slicer cuts a curve into chords. Each corner between two chords is harmless by itself, and together they are a
 //! turn, so three more rules limit the speed on curves:
@@ -22,6 +24,8 @@
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.
 //!
+//! Two limits count whatever the rule is: the speeds of the extruder and of z jump by no more than their jerks.
+//!
 //! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion`
 //! (`corners`, `model`, `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of
 //! [`CornerRule`]. The compiler asks for it in all these places, and `boards/sim/tests/every_setting.rs` for its key in
@@ -29,7 +33,7 @@
 //! `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law may need another bound there.
 //!
 //! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number,
-//! as a jerk of each axis, needs its own `corner` and laws for bends.
+//! as a jerk of x and y, needs its own `corner` and laws for bends.
 
 use super::bed::Demand;
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
@@ -58,6 +62,36 @@ const MAKING_UP: f32 = 1.15;
 /// hardly resonate, and the time over which `corehbot run` looks at changes of velocity.
 const BEND_TIME: f32 = 0.004;
 
+/// Coordinates have three decimals: a point is half a thousandth of a millimetre off, so the slopes of two moves differ
+/// by this over the length of each though none was commanded. That is less than a step of most screws.
+const ROUNDING: f32 = 0.001;
+
+/// What the rule for corners gives a move.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(in crate::motion) struct Arc {
+    /// How far the arc may leave the corner, in mm.
+    deviation: f32,
+    /// That times the acceleration of the move, in mm2/s2; none where the rule has one deviation for all moves.
+    base: f32,
+}
+
+impl Arc {
+    /// No limit.
+    pub const NONE: Self = Self { deviation: f32::INFINITY, base: f32::INFINITY };
+
+    /// For a move with this acceleration, of the one that is commanded.
+    #[inline(always)]
+    pub fn new(rule: CornerRule, acceleration: f32, commanded: f32) -> Self {
+        match rule {
+            CornerRule::JunctionDeviation(d) => Self { deviation: mm(Length::of(d)), ..Self::NONE },
+            CornerRule::SquareCorner(w) => {
+                let deviation = speed(w) * speed(w) * (SQRT_2 - 1.0) / commanded;
+                Self { deviation, base: deviation * acceleration }
+            }
+        }
+    }
+}
+
 /// The inputs of a corner other than its two moves.
 pub(in crate::motion) struct AccelLimits<'a> {
     /// Acceleration of the second move, in mm/s2.
@@ -70,6 +104,8 @@ pub(in crate::motion) struct AccelLimits<'a> {
     pub belts: &'a Belts,
     /// The surface.
     pub demand: &'a Demand,
+    /// What the rule gives the two moves.
+    pub arcs: [Arc; 2],
 }
 
 impl AccelLimits<'_> {
@@ -100,23 +136,28 @@ pub(in crate::motion) fn junction_speed_sq(
             SpeedSq::ZERO
         };
     }
-    let mut most = bend(before, after, curvature, accel_limits, s);
-    if jump > 0.0 {
-        let jerk = speed(s.extruder_jerk) / jump;
-        most = least(most, jerk * jerk);
-    }
-    speed_sq(most)
+    let most = bend(before, after, curvature, accel_limits);
+    let ([_, _, from_up], [_, _, up]) = (before.unit, after.unit);
+    let rise = up.saturating_sub(from_up);
+    let most = if rise == 0 {
+        most
+    } else {
+        let rounded = ROUNDING / before.size + ROUNDING / after.size;
+        capped(most, rise.unsigned_abs() as f32 * const { 1.0 / UNIT as f32 } - rounded, speed(s.z_jerk))
+    };
+    speed_sq(capped(most, jump, speed(s.extruder_jerk)))
+}
+
+/// The speed squared, at most that one, at which a speed that jumps by `jump` times it keeps to the jerk.
+#[inline(always)]
+fn capped(most: f32, jump: f32, jerk: f32) -> f32 {
+    let reached = jerk / jump;
+    if jump > 0.0 { least(most, reached * reached) } else { most }
 }
 
 /// The greatest speed squared, in mm2/s2, at which the tool may turn from `before` to `after`.
 #[inline(always)]
-fn bend(
-    before: &Geometry,
-    after: &Geometry,
-    curvature: &mut PathCurvature,
-    accel_limits: &AccelLimits<'_>,
-    s: &Settings,
-) -> f32 {
+fn bend(before: &Geometry, after: &Geometry, curvature: &mut PathCurvature, accel_limits: &AccelLimits<'_>) -> f32 {
     let turn = difference(before, after);
     let curve = curvature.advance(turn, after.size);
     let most = if curve.curvature > 0.0 {
@@ -133,15 +174,13 @@ fn bend(
         return most;
     }
     let max_accel = if is_straight { accel_limits.acceleration } else { accel_limits.along(change, root(change_sq)) };
-    let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => max_accel * mm(Length::of(d)),
-        CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
-    };
+    let [first, second] = accel_limits.arcs;
+    let base = max_accel * second.deviation;
     let lead_length = root(lead_sq);
     let most = if turn_sq < LEAST_TURN_SQ {
         most
     } else {
-        let leads = lead_length + past;
+        let (leads, base) = (lead_length + past, least(base, first.base));
         least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, max_accel, base))
     };
     // It was no faster at the corner of the greatest lead (the lead with this corner is in `most` already). From rest
@@ -218,7 +257,9 @@ mod tests {
     ) -> u64 {
         let limits = &Limits::of_acceleration(s);
         let (belts, demand) = (&belts(s), &Demand::FLAT);
-        let accel_limits = AccelLimits { acceleration: acceleration(a), max_speed: 300.0, limits, belts, demand };
+        let arcs = [Arc::new(s.corner, acceleration(a), acceleration(a)); 2];
+        let acceleration = acceleration(a);
+        let accel_limits = AccelLimits { acceleration, max_speed: 300.0, limits, belts, demand, arcs };
         let jump = (before.extrusion - after.extrusion).abs();
         junction_speed_sq(before, after, curvature, jump, &accel_limits, s).0
     }

@@ -56,7 +56,7 @@ use crate::units::{Length, Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
 use bed::{Bed, Demand, bent_limits};
 use geometry::{Belts, Geometry, Limits, Shares};
 use joining::OpenLine;
-use junction::{AccelLimits, junction_speed_sq};
+use junction::{AccelLimits, Arc, junction_speed_sq};
 use overrides::Override;
 use path_curvature::PathCurvature;
 use planned::Planned;
@@ -108,6 +108,8 @@ pub struct Planner<'m> {
     last: Geometry,
     /// The limit of its exit speed squared.
     pub(in crate::motion) last_exit_limit_sq: SpeedSq,
+    /// What the rule for corners gives it.
+    last_arc: Arc,
     /// How the path bends there.
     path_curvature: PathCurvature,
     /// The last move, if chords may continue it.
@@ -143,6 +145,7 @@ impl<'m> Planner<'m> {
             vector: Geometry::NONE,
             last: Geometry::NONE,
             last_exit_limit_sq: SpeedSq::ZERO,
+            last_arc: Arc::NONE,
             path_curvature: PathCurvature::default(),
             line: OpenLine::NONE,
             pressure: Pressure::NONE,
@@ -341,6 +344,7 @@ impl<'m> Planner<'m> {
             self.slowed_moves = self.slowed_moves.wrapping_add(1);
         }
         let wanted_accel = shares.bound(acceleration(most), &limits);
+        let arc = Arc::new(settings.corner, wanted_accel, acceleration(most));
         let mut most = Most { acceleration: wanted_accel, speed: max_speed };
         let advance = if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO };
         let jump = if self.pressure.is_in_use() {
@@ -355,6 +359,7 @@ impl<'m> Planner<'m> {
             limits: &limits,
             belts: &self.belts,
             demand: &demand,
+            arcs: [self.last_arc, arc],
         };
         let junction_sq =
             junction_speed_sq(&self.last, vector, &mut self.path_curvature, jump, &accel_limits, settings);
@@ -394,6 +399,7 @@ impl<'m> Planner<'m> {
             return;
         }
         self.last.copy_from(&self.vector);
+        self.last_arc = arc;
         self.path = self.path.wrapping_add(self.vector.path());
     }
 

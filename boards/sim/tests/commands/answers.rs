@@ -65,7 +65,7 @@ fn velocity_limits_are_obeyed_word_by_word() {
     for told in [
         "echo:SET_VELOCITY_LIMIT VELOCITY is not supported by this firmware",
         "  M204 P2000 R3000 T2000",
-        "  M205 X6 Y6 E5 S0 T0",
+        "  M205 X6 Y6 E5 S0 T0 Z3000",
         "  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.75",
         "echo:; SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.25",
     ] {

@@ -90,8 +90,10 @@ pub(super) const ROWS: &[Row] = &[
     ("M203", &["  M203 X300 Y300 Z20 E80"]),
     ("M204 P500 T500", SILENCE),
     ("M204", &["  M204 P3000 R3000 T5000"]),
-    ("M205 X8 Y8", SILENCE),
-    ("M205", &["  M205 J0.013 E5 S0 T0"]),
+    ("M205 X8 Y8 Z0.4 E4.5", SILENCE),
+    ("M205 Z0", SILENCE),
+    ("M205 Z-1", &["echo:M205 ignored: Z-1 is out of range (0 to 3000), stays 3000"]),
+    ("M205", &["  M205 J0.013 E5 S0 T0 Z3000"]),
     ("M211 S1", SILENCE),
     ("M211", &["Soft endstops: ON  Min:  X0.00 Y0.00 Z0.00   Max:  X390.00 Y417.60 Z335.00"]),
     ("M200 D0", SILENCE),
@@ -130,7 +132,7 @@ pub(super) const ROWS: &[Row] = &[
             "echo:M205 ignored: S-1 is out of range (0 to 3000), stays 0",
         ],
     ),
-    ("M205 X8 Y10 Z.4", &["echo:M205: one value for X and Y*"]),
+    ("M205 X8 Y10", &["echo:M205: one value for X and Y*"]),
     (
         "M207 S200 F0",
         &[

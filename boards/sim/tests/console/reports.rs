@@ -10,7 +10,7 @@ fn settings_that_are_reported_read_back() {
         "M203 X250.3 Y200 Z12.7 E61",
         "M201 X4321 Y1234.5 Z150 E9000",
         "M204 P1500.25 R2500 T4000",
-        "M205 X7.5 Y9 E3.3 S1 T2",
+        "M205 X7.5 Y9 Z0.35 E3.3 S1 T2",
         "M593 X F60.7 D0.055 T2",
         "M593 Y F41.3 T4",
         "M900 K0.0123",
@@ -42,7 +42,7 @@ fn settings_that_are_reported_read_back() {
     assert_eq!(report, second);
     // A machine without these lines reports something else.
     let (heard, ..) = talk(&["M503"]);
-    assert!(heard.contains(&"echo:  M205 J0.013 E5 S0 T0".to_owned()), "{heard:?}");
+    assert!(heard.contains(&"echo:  M205 J0.013 E5 S0 T0 Z3000".to_owned()), "{heard:?}");
 }
 
 #[test]

@@ -29,10 +29,10 @@ fn stored_settings_count_after_a_reset() {
     let reports: Vec<&[String]> = heard.split(|l| l.contains("ettings")).collect();
     let [_, stored, defaults, loaded] = reports[..] else { panic!("{heard:?}") };
     assert!(stored.contains(&"echo:  M203 X250.5 Y300 Z20 E80".to_owned()), "{heard:?}");
-    assert!(stored.contains(&"echo:  M205 X8 Y8 E5 S0 T0".to_owned()), "{heard:?}");
+    assert!(stored.contains(&"echo:  M205 X8 Y8 E5 S0 T0 Z3000".to_owned()), "{heard:?}");
     assert!(stored.contains(&"echo:  M113 S7".to_owned()), "{heard:?}");
     assert!(defaults.contains(&"echo:  M203 X300 Y300 Z20 E80".to_owned()), "{heard:?}");
-    assert!(defaults.contains(&"echo:  M205 J0.013 E5 S0 T0".to_owned()), "{heard:?}");
+    assert!(defaults.contains(&"echo:  M205 J0.013 E5 S0 T0 Z3000".to_owned()), "{heard:?}");
     // The report that ends with the ok of M503, and begins with the ok of M501.
     assert_eq!(&loaded[1..], stored);
 }

@@ -4,7 +4,7 @@
 //! `crate::settings` says who must be told of new values.
 
 use crate::connectors::Heater;
-use crate::gcode::PlainWords;
+use crate::gcode::{Number, PlainWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::commands::heating::model_of;
 use crate::machine::state::clamps::Clamps;
@@ -12,6 +12,8 @@ use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::settings::rows::Legal;
 use crate::settings::{Control, CornerRule, Settings, ranges};
+use crate::units::MmPerSec;
+use fixed::types::I32F32;
 
 /// What a line can be answered before its values are read, if it is not carried out.
 type Refuses = fn(&Settings) -> Option<Answer<'static>>;
@@ -103,32 +105,39 @@ fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Endin
 }
 
 /// M205: J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90
-/// degrees changes the speed of each axis by exactly that.
+/// degrees changes the speed of each axis by exactly that. So the lesser of both counts; Y alone leaves what X has set
+/// if that is less.
 fn choose_corner_rule(words: &PlainWords, s: &mut Settings, modal: &Modal, clamps: &mut Clamps) {
-    let jerk = |letter: &'static str| words.number(letter).map(|number| (number, letter));
     let corner = if let Some(number) = words.number("J") {
         let old = if let CornerRule::JunctionDeviation(old) = s.corner { Some(old) } else { None };
         let legal = clamps.length_of(modal, ["M205", "J"], number, ranges::TOLERANCE, old);
         legal.map(CornerRule::JunctionDeviation)
-    } else if let Some((number, letter)) = jerk("X").into_iter().chain(jerk("Y")).min() {
+    } else if let Some((number, letter)) = lesser_jerk(words) {
         let old = if let CornerRule::SquareCorner(old) = s.corner { Some(old) } else { None };
         let legal = clamps.length_of(modal, ["M205", letter], number, ranges::SPEED, old);
-        legal.map(CornerRule::SquareCorner)
+        let most = old.filter(|_| words.number("X").is_none()).unwrap_or(MmPerSec::MAX);
+        legal.map(|legal| CornerRule::SquareCorner(legal.min(most)))
     } else {
         None
     };
     s.corner = corner.unwrap_or(s.corner);
 }
 
+/// The lesser of the jerks of X and Y, with its letter.
+fn lesser_jerk(words: &PlainWords) -> Option<(Number, &'static str)> {
+    let jerks = ["X", "Y"].into_iter().filter_map(|letter| Some((words.number(letter)?, letter)));
+    jerks.min()
+}
+
 /// M205: the words that do not count are named once.
-fn remark_on_corners(words: &PlainWords, _: &mut Settings, notices: &mut Notices) -> Ending {
-    let [x, y, z, deviation, min_segment] = ["X", "Y", "Z", "J", "B"].map(|letter| words.number(letter));
-    let is_doubtful = x.zip(y).is_some_and(|(x, y)| x != y) || deviation.and(x.or(y)).is_some();
-    let is_unused = z.or(min_segment).is_some();
-    if !(is_doubtful || is_unused) || !notices.give(Notice::Corners) {
+fn remark_on_corners(words: &PlainWords, s: &mut Settings, notices: &mut Notices) -> Ending {
+    let [x, y, deviation, min_segment] = ["X", "Y", "J", "B"].map(|letter| words.number(letter));
+    let is_left = |y: &Number| matches!(s.corner, CornerRule::SquareCorner(w) if y.value() > I32F32::from(w));
+    let is_doubtful = deviation.and(x.or(y)).is_some() || y.filter(is_left).or(x.filter(is_left)).is_some();
+    if !(is_doubtful || min_segment.is_some()) || !notices.give(Notice::Corners) {
         return Ending::Done;
     }
-    Ending::Remark(Answer::Line("echo:M205: one value for X and Y, the lesser, or J instead; Z and B are not used"))
+    Ending::Remark(Answer::Line("echo:M205: one value for X and Y, the lesser, or J instead; B is not used"))
 }
 
 /// M301: a gain selects PID, as a number of M306 selects the model.

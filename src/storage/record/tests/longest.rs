@@ -86,7 +86,7 @@ fn the_longest_values_fit() {
     ] {
         *acceleration = MmPerSec2::MAX;
     }
-    for speed in [&mut s.motor_max_speed, &mut s.extruder_jerk, &mut s.min_feed, &mut s.min_travel] {
+    for speed in [&mut s.motor_max_speed, &mut s.z_jerk, &mut s.extruder_jerk, &mut s.min_feed, &mut s.min_travel] {
         *speed = MmPerSec::MAX;
     }
     (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);

@@ -46,6 +46,7 @@ pub fn spelled_out() -> Settings {
         retract_acceleration: MmPerSec2::from_num(3002),
         travel_acceleration: MmPerSec2::from_num(5001),
         corner: CornerRule::SquareCorner(MmPerSec::from_num(9)),
+        z_jerk: MmPerSec::from_num(3000),
         extruder_jerk: MmPerSec::from_num(6),
         min_feed: MmPerSec::ONE,
         min_travel: MmPerSec::ZERO,
