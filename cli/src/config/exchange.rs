@@ -21,6 +21,9 @@ const REFUSED: &str = "echo:machine not stored: ";
 /// And when it did.
 const STORED: &str = "echo:machine stored ";
 
+/// What becomes of a mesh that the board has stored.
+const MESH: &str = "Stored mesh ";
+
 /// First word of every piece.
 const PIECE_SAID: &str = "machine ";
 
@@ -65,6 +68,7 @@ pub(super) fn send(args: &Send) -> Result<u8> {
     let stored = heard.iter().find_map(|line| line.strip_prefix(STORED));
     let stored = stored.context("the board did not confirm that it stored it: does it run this firmware?")?;
     say(format_args!("{}: stored {}", args.file.display(), printable::line(stored)))?;
+    mesh_news(&heard).try_for_each(|news| say(format_args!("{}", printable::line(news))))?;
     Ok(DONE)
 }
 
@@ -73,6 +77,11 @@ pub(super) fn get(args: &Get) -> Result<u8> {
     let heard = args.port.talk("MACHINE_GET\n")?;
     let text = machine_file::written(&machine_said(&heard)?)?;
     super::say(&text)
+}
+
+/// What the board has told of its mesh.
+fn mesh_news(heard: &[String]) -> impl Iterator<Item = &str> {
+    heard.iter().filter_map(|line| line.strip_prefix("echo:")).filter(|line| line.starts_with(MESH))
 }
 
 /// The lines that send a machine.
@@ -114,6 +123,13 @@ fn bytes_of(hex: &str) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mesh_that_ends_with_another_machine_is_told() {
+        let heard = ["echo:Stored mesh ends with the next start: axes", "echo:machine stored 700 bytes", "ok"];
+        let heard = heard.map(str::to_owned);
+        assert_eq!(mesh_news(&heard).collect::<Vec<_>>(), ["Stored mesh ends with the next start: axes"]);
+    }
 
     /// The replies of a board to these lines.
     fn said(lines: &str) -> Vec<String> {

@@ -143,13 +143,13 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
     Command::Setting(SettingCommand::VelocityLimit(limit))
 }
 
-/// The words between blanks, up to a comment. A text in quotes belongs to its word, with its blanks.
+/// The words between blanks, up to a comment. A text in quotes belongs to its word, with its spaces.
 pub(in crate::gcode::commands) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
     let mut is_quoted = false;
     let ends_word = move |byte: &u8| {
         is_quoted ^= *byte == b'"';
-        is_blank(*byte) && !is_quoted
+        is_blank(*byte) && !(is_quoted && *byte == b' ')
     };
     text.split(ends_word).filter(|word| !word.is_empty())
 }
