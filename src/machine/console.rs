@@ -4,11 +4,11 @@
 //! runs during every wait of every command, and the states of commands, which the main loop never needs. A command gets
 //! the main loop and the states that it names; no file but this one knows the Console.
 //!
-//! M410 ends every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and restores
-//! everything that a command had changed for a while (grouping, trim, a buzz, drivers that measure, a probe that is out
-//! or near the bed, an axis that was being homed). Then the line is answered. A command that must tidy up by itself catches the
-//! error where it waits (`tune`, `settings::stored`). A line that is kept without `ok` (`state::job`) waits here, while
-//! other hosts are served; it is taken up again when its user answers.
+//! M410 and M524 end every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and
+//! restores everything that a command had changed for a while (grouping, trim, a buzz, drivers that measure, a probe that
+//! is out or near the bed, an axis that was being homed). Then the line is answered. A command that must tidy up by
+//! itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
+//! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
 
 use crate::gcode;
 use crate::kinematics::Groupings;
@@ -183,9 +183,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
-    /// M410: motion slows down along its path and ends; the position stays true.
+    /// M410, M524: motion slows down along its path and ends; the position stays true. M524 also ends the job.
     async fn quick_stop(&mut self) -> Result<(), Interrupt> {
-        let main_loop = &mut self.main_loop;
+        let Self { main_loop, states } = self;
         main_loop.slow_down().await?;
         main_loop.drop_motion().await?;
         end_circulation(main_loop).await?;
@@ -195,6 +195,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         end_touch(main_loop).await?;
         if main_loop.homed.stop() {
             main_loop.reply(Answer::Line("echo:homing was interrupted, the position of the axis is unknown")).await?;
+        }
+        if main_loop.job.take_cancel() {
+            end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
         }
         Ok(())
     }

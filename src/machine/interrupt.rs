@@ -7,7 +7,7 @@ pub(super) enum Interrupt {
     Halt,
     /// A motor of the belt has failed, and the others park the tool; then it is a halt.
     Limp,
-    /// M410.
+    /// M410, or M524, which the [`Job`](super::state::job::Job) knows.
     QuickStop,
     /// Motors may not have power; the host got the reason. Nothing was planned.
     NoPower,

@@ -36,7 +36,7 @@
 //! |---|---|
 //! | turn | the Console lets all other contexts run, and polls the main loop once |
 //! | main loop | all work that continues during every wait of a command |
-//! | interrupt | why a command ends before it is done: M112, M410, no power |
+//! | interrupt | why a command ends before it is done: M112, M410, M524, no power |
 //! | rest | nothing moves |
 //! | reply, send | see `reports`, `answers` |
 //! | waiting, queued, dry, underrun | see `main_loop::motion`, `release` |

@@ -52,12 +52,13 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
         main_loop.heat.switch_off(&main_loop.settings.thermal);
     }
     let is_wanted = why == JobEnd::Cancelled;
-    if !is_wanted || main_loop.job.is_under_way() {
+    // A command that was cancelled may belong to the start of a print, which is not known from its lines.
+    let is_command = main_loop.hosts.owes_ok() && !main_loop.job.is_ended();
+    if !is_wanted || main_loop.job.is_under_way() || is_command {
         main_loop.job.end_early();
         if is_wanted {
             main_loop.hosts.notify_all(format_args!("echo:print cancelled, heaters are off"));
         } else {
-            // The start of a print is not known from lines at the console.
             let heat = if keeps_heat { "stay on" } else { "are off" };
             main_loop.hosts.notify_all(format_args!("echo:print ended, heaters {heat}: {why}"));
         }

@@ -23,7 +23,7 @@ pub(super) struct Host<S> {
     pub(super) upload: Upload,
     /// When it last got a sign of life, or had nothing to wait for.
     pub(super) assured: Instant,
-    /// Its last input held a quick stop.
+    /// Its last input held a quick stop or a cancel.
     pub(super) has_stopped: bool,
     /// It opened its line in its last input.
     pub(super) has_opened: bool,
@@ -70,7 +70,7 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    /// Takes in the received bytes. A quick stop forgets earlier lines and no later ones.
+    /// Takes in the received bytes. A quick stop or a cancel forgets earlier lines and no later ones.
     pub(super) fn receive(&mut self, urgent: &mut Urgent) {
         self.has_stopped = false;
         self.has_opened = false;
@@ -90,16 +90,24 @@ impl<S: Serial> Host<S> {
                 Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
                 Some(Emergency::Restart) => urgent.restart = true,
                 Some(Emergency::QuickStop) => {
-                    self.forgotten = Some(self.receiver.place());
-                    self.has_stopped = true;
+                    self.stop();
                     urgent.quick_stop = true;
                 }
                 Some(Emergency::Continue) => urgent.go_on = true,
                 Some(Emergency::Resume) => urgent.resume = true,
-                Some(Emergency::Cancel) => urgent.cancel = true,
+                Some(Emergency::Cancel) => {
+                    self.stop();
+                    urgent.cancel = true;
+                }
                 None => {}
             }
         }
+    }
+
+    /// Forgets the lines so far.
+    const fn stop(&mut self) {
+        self.forgotten = Some(self.receiver.place());
+        self.has_stopped = true;
     }
 
     pub(super) fn next_line(

@@ -12,8 +12,8 @@
 //! |---|---|
 //! | served | the host with the line being carried out; its answer goes there |
 //! | gone | the served host's line was opened again, so the answer is discarded |
-//! | urgent | commands that must not wait for their turn: M112, M410, M108, M24, M602, M876, M999 |
-//! | forgotten | lines that a quick stop has overtaken: answered, not carried out |
+//! | urgent | commands that must not wait for their turn: M112, M410, M524, M108, M24, M602, M876, M999 |
+//! | forgotten | lines that a quick stop or a cancel has overtaken: answered, not carried out |
 //! | upload | lines that a host sends for a card (M28 to M29): answered, not carried out (there is no card) |
 //! | patience | time that a host may be silent in the middle of its lines before a prompt (`Settings::patience_ms`) |
 

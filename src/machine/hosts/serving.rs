@@ -166,8 +166,8 @@ impl<S: Serial> Hosts<S> {
         self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
     }
 
-    /// Takes in the received bytes of all hosts. Lines that a quick stop has overtaken, even one of another host, will
-    /// be answered, but not carried out.
+    /// Takes in the received bytes of all hosts. Lines that a quick stop or a cancel has overtaken, even one of
+    /// another host, will be answered, but not carried out.
     pub(in crate::machine) fn receive(&mut self) -> Urgent {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
@@ -177,7 +177,7 @@ impl<S: Serial> Hosts<S> {
                 self.aside = self.aside.filter(|aside| place != *aside);
             }
         }
-        if all.quick_stop {
+        if all.quick_stop || all.cancel {
             for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
                 host.forgotten = Some(host.receiver.place());
             }

@@ -37,7 +37,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is
         // kept.
         let is_for_command = self.pauses.waiting() != Waiting::Nothing;
-        self.pauses.note(urgent.go_on || urgent.cancel, urgent.resume);
+        self.pauses.note(urgent.go_on, urgent.resume);
         self.job.line_mut().note_answers(urgent.go_on && !is_for_command, urgent.resume);
         if urgent.cancel {
             self.job.note_cancel();
@@ -46,7 +46,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.is_to_restart = urgent.restart;
             return Some(Interrupt::Halt);
         }
-        urgent.quick_stop.then_some(Interrupt::QuickStop)
+        // A cancel stops the command or the motion that is under way; the Console ends the job.
+        let is_stopped = urgent.cancel && (self.hosts.owes_ok() || self.motion.has_motion());
+        (urgent.quick_stop || is_stopped).then_some(Interrupt::QuickStop)
     }
 }
 

@@ -22,24 +22,25 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
+    /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one. A quick
+    /// stop that comes meanwhile is returned at the end.
     pub async fn drop_motion(&mut self) -> Result<(), Interrupt> {
         self.motion.drop_all();
-        let mut halted = Ok(());
+        let mut stopped = Ok(());
         while !self.motion.is_dropped() {
-            // A second quick stop changes nothing; a halt does.
             match self.poll().await {
-                Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),
-                Err(Interrupt::QuickStop | Interrupt::NoPower | Interrupt::EndJob) | Ok(()) => {}
+                Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => return Err(interrupt),
+                // The command that drops its motion is stopped afterwards.
+                Err(Interrupt::QuickStop) => stopped = Err(Interrupt::QuickStop),
+                Err(Interrupt::NoPower | Interrupt::EndJob) | Ok(()) => {}
             }
-            halted?;
         }
         let real = self.motion.restart(self.now());
         self.adopt_position(real).await?;
         let (_, z) = self.circulation.z();
         let stands = self.motion.seen(self.motion.to_mm(real), z, self.trimming.held());
         self.commanded.fall_short(stands);
-        Ok(())
+        stopped
     }
 
     /// M410: motion slows down along its path, until it has stopped. Time that is let pass has no path.
