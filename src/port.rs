@@ -131,6 +131,18 @@ pub trait Serial {
 
     /// Takes as many of `bytes` as fit and returns their number; replies must leave at once, not wait for more.
     fn send(&mut self, bytes: &[u8]) -> usize;
+
+    /// The next of the things that have arrived and were neither received nor overheard; [`recv`](Self::recv) returns
+    /// it in its turn. Emergencies are heard so behind lines for which there is no room. A line that can hold its host
+    /// up may leave it out.
+    fn overhear(&mut self) -> Option<Received> {
+        None
+    }
+
+    /// Whether the next thing to receive was overheard.
+    fn was_overheard(&self) -> bool {
+        false
+    }
 }
 
 /// The motor drivers: their enable lines, and the one-wire UART of each.

@@ -88,6 +88,11 @@ impl Frame {
         self.length == 0 && self.context == Context::Plain
     }
 
+    /// Whether anything of a line has come, be it damage.
+    pub(super) fn has_begun(&self) -> bool {
+        self.is_damaged || !self.is_empty()
+    }
+
     /// Takes the leading bytes of `bytes` without special meaning, and returns their count. Most bytes of a line are
     /// such, so this loop takes most of the time.
     pub(super) fn push_plain(&mut self, bytes: &[u8]) -> usize {

@@ -17,6 +17,7 @@ mod reply;
 mod request;
 mod ring;
 mod silence;
+mod sorting;
 mod syntax;
 
 pub use action::{ACTION, Action};
@@ -25,3 +26,4 @@ pub use numbering::ResendReason;
 pub use receiver::{Incoming, Receiver};
 pub use reply::{BUSY, BUSY_PAUSED, Echo, NoRoom, Replies};
 pub use silence::Activity;
+pub use sorting::Owed;

@@ -85,6 +85,8 @@ pub(super) struct Numbering {
     /// No line number has come since the connection was made.
     is_fresh: bool,
     request: Option<Request>,
+    /// The request is for lines that arrived whole, for which there was no room: no pieces follow.
+    is_trusted: bool,
 }
 
 impl Numbering {
@@ -100,6 +102,7 @@ impl Numbering {
             waits_for_ever: false,
             is_fresh: true,
             request: None,
+            is_trusted: false,
         }
     }
 
@@ -154,6 +157,16 @@ impl Numbering {
     /// A line with lost bytes.
     pub(super) fn damaged(&mut self, now: Instant) -> Verdict {
         self.ask(ResendReason::ChecksumMismatch, self.last, now)
+    }
+
+    /// Lines were passed over, because there was no room for them.
+    pub(super) const fn missed(&mut self, now: Instant) -> Verdict {
+        self.ask(ResendReason::LineNumber, self.last, now)
+    }
+
+    /// The request is for lines that were passed over.
+    pub(super) const fn trust(&mut self) {
+        self.is_trusted = true;
     }
 
     /// A line that begins with a number.
@@ -235,7 +248,7 @@ impl Numbering {
 
     /// Whether a line without a number is more likely a piece of the damaged line before it than a command.
     fn is_doubtful(&self, now: Instant) -> bool {
-        self.is_vouched && self.request.is_some_and(|request| request.is_recent(now))
+        self.is_vouched && !self.is_trusted && self.request.is_some_and(|request| request.is_recent(now))
     }
 
     /// Takes line `number`.
@@ -246,7 +259,7 @@ impl Numbering {
         }
         let known = if self.known < KNOWN as u8 { self.known + 1 } else { self.known };
         (self.last, self.known, self.taken, self.request) = (number, known, taken, None);
-        (self.is_vouched, self.is_fresh) = (true, false);
+        (self.is_vouched, self.is_fresh, self.is_trusted) = (true, false, false);
     }
 
     /// Sets the last number to `number`, for M110.
@@ -274,6 +287,7 @@ impl Numbering {
     const fn ask(&mut self, reason: ResendReason, refused: i32, now: Instant) -> Verdict {
         self.request = Some(Request::new(refused, now));
         self.is_bad = true;
+        self.is_trusted = self.is_trusted && matches!(reason, ResendReason::LineNumber);
         Verdict::Resend { reason, last: self.last }
     }
 }

@@ -3,8 +3,9 @@
 use super::emergency::{Emergency, Scanner};
 use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
-use super::ring::Ring;
+use super::ring::{Ring, SHORT};
 use super::silence::{Activity, Prompt, Silence};
+use super::sorting::{Kind, Owed, kind_of};
 use super::syntax::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
@@ -12,6 +13,9 @@ use crate::units::Instant;
 /// A damaged line without an end for this time has lost its end too. A pause within a line is no longer than the
 /// latency of the host's USB adapter (FTDI latency timer: 16 ms).
 const QUIET_MS: u32 = 100;
+
+/// Lines with a number stay in this part of the ring when room is short: more than a windowed host has under way.
+const NUMBERED: usize = 512;
 
 /// A line, or its replacement. Each gets exactly one `ok`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,6 +57,15 @@ pub struct Receiver {
     is_frame_done: bool,
     numbering: Numbering,
     silence: Silence,
+    /// Entries at the beginning of the ring that are sorted.
+    sorted: usize,
+    /// The line that arrives is passed over: there is no room for it, and it has a number.
+    is_skipping: bool,
+    /// Lines that were passed over, and have to be asked for again.
+    missing: u32,
+    /// Lines up to this place are overtaken by a stop.
+    overtaken: Option<u32>,
+    owed: Owed,
 }
 
 impl Default for Receiver {
@@ -72,6 +85,11 @@ impl Receiver {
             is_frame_done: false,
             numbering: Numbering::new(),
             silence: Silence::new(),
+            sorted: 0,
+            is_skipping: false,
+            missing: 0,
+            overtaken: None,
+            owed: Owed::new(),
         }
     }
 
@@ -88,16 +106,99 @@ impl Receiver {
         self.ring.room()
     }
 
+    /// Whether another byte can be fed, and there is room to see what the line behind it is.
+    #[must_use]
+    pub const fn has_spare(&self) -> bool {
+        self.ring.length() < SHORT || self.is_skipping
+    }
+
+    /// Whether another byte can be fed, and nothing is lost that its host would not repeat. Call it when room is short
+    /// and lines have to wait: some are taken out of their turn ([`owed`](Self::owed)), or asked for again later.
+    pub fn makes_room(&mut self) -> bool {
+        self.sort_out();
+        let tail = self.ring.line(self.sorted);
+        self.has_spare() || (kind_of(&tail) == Kind::Unknown && self.ring.has_room())
+    }
+
+    /// Takes out the lines that need not stay.
+    fn sort_out(&mut self) {
+        let Self { ring, sorted, is_skipping, missing, overtaken, owed, .. } = self;
+        if *sorted == 0 && !self.is_frame_done && self.frame.has_begun() {
+            // The rest of a line that has begun before.
+            let rest = ring.line(0);
+            if !rest.is_whole {
+                return;
+            }
+            *sorted = rest.length;
+        }
+        let from = *sorted;
+        ring.retain(from, overtaken, |place, line| {
+            let kind = kind_of(line);
+            let is_passed_over = kind == Kind::Numbered && place + line.length > NUMBERED;
+            *is_skipping |= is_passed_over && !line.is_whole;
+            *missing += u32::from(is_passed_over && line.is_whole);
+            let stays = !is_passed_over && !(line.is_whole && owed.takes(kind));
+            if stays && line.is_whole {
+                *sorted = place + line.length;
+            }
+            stays
+        });
+    }
+
+    /// Answers the reports that wait before any other line, but for the position, which the line that is being carried
+    /// out may change. An emergency has its turn behind the line that it ends.
+    pub fn answer_reports(&mut self) {
+        if !self.is_frame_done && self.frame.has_begun() {
+            return;
+        }
+        loop {
+            let line = self.ring.line(0);
+            let kind = kind_of(&line);
+            if !line.is_whole || matches!(kind, Kind::Position { .. } | Kind::Acted) || !self.owed.takes(kind) {
+                return;
+            }
+            self.skip(line.length);
+        }
+    }
+
+    /// What the host is owed for lines that were taken out of their turn. Whoever answers takes it off.
+    pub const fn owed(&mut self) -> &mut Owed {
+        &mut self.owed
+    }
+
+    fn skip(&mut self, count: usize) {
+        self.ring.skip(count);
+        self.sorted = self.sorted.saturating_sub(count);
+    }
+
     /// Takes received bytes; returns an emergency command at the end of its line. [`next_line`](Self::next_line) also
     /// returns that line, which gets its reply there.
     pub fn feed(&mut self, received: Received) -> Option<Emergency> {
-        self.ring.push(received);
+        self.put(received);
+        self.scan(received)
+    }
+
+    /// Searches for emergencies in what has arrived and is [`put`](Self::put) in later.
+    pub const fn scan(&mut self, received: Received) -> Option<Emergency> {
         match received {
             Received::Byte(byte) => return self.scanner.read(byte),
             Received::Lost => self.scanner.spoil(),
-            Received::Opened => *self = Self::new(),
+            Received::Opened => {}
         }
         None
+    }
+
+    /// The same as [`feed`](Self::feed) of what was searched before.
+    pub fn put(&mut self, received: Received) {
+        if !self.is_skipping {
+            self.ring.push(received);
+        } else if matches!(received, Received::Byte(b'\n' | b'\r')) {
+            self.is_skipping = false;
+            self.missing += 1;
+        }
+        if received == Received::Opened {
+            *self = Self::new();
+        }
     }
 
     /// Whether all received bytes have been read.
@@ -118,6 +219,17 @@ impl Receiver {
         place.wrapping_sub(self.ring.places().1) as i32 >= 0
     }
 
+    /// A stop overtakes all lines so far, and as many more bytes.
+    pub const fn overtake(&mut self, ahead: u32) {
+        self.overtaken = Some(self.place().wrapping_add(ahead));
+    }
+
+    /// Whether a stop has overtaken the last returned line.
+    pub fn is_overtaken(&mut self) -> bool {
+        self.overtaken = self.overtaken.filter(|place| self.is_within(*place));
+        self.overtaken.is_some()
+    }
+
     /// The kept part of the last returned line, after its line number. A line that is too long is cut at its end.
     #[must_use]
     pub fn kept(&self) -> &[u8] {
@@ -134,8 +246,31 @@ impl Receiver {
     /// The next line that needs a reply, if a whole one has arrived. Reads at most the bytes fed so far. Call it also
     /// while nothing arrives, so that a damaged line without an end is noticed.
     pub fn next_line(&mut self, now: Instant) -> Option<Incoming<'_>> {
-        let verdict = self.next_verdict(now)?;
+        let verdict = match self.next_verdict(now) {
+            // Whichever line shows the gap, or says that the numbers begin again: all that were passed over get `ok`.
+            Some(verdict @ (Verdict::Resend { .. } | Verdict::LineNumber { .. })) => {
+                self.forget_missing(0);
+                verdict
+            }
+            Some(verdict) => verdict,
+            None if self.missing > 0 && !self.is_skipping && (self.is_frame_done || !self.frame.has_begun()) => {
+                let verdict = self.numbering.missed(now);
+                // It has an `ok` itself.
+                self.forget_missing(1);
+                verdict
+            }
+            None => return None,
+        };
         Some(self.incoming(verdict))
+    }
+
+    /// The lines that were passed over get their `ok`s but for so many.
+    const fn forget_missing(&mut self, but: u32) {
+        if self.missing > 0 {
+            self.numbering.trust();
+            self.owed.oks = self.owed.oks.saturating_add(self.missing - but);
+            self.missing = 0;
+        }
     }
 
     /// The prompt for a host that has been silent for `patience_ms` or more during `activity`, which is asked for only
@@ -198,7 +333,8 @@ impl Receiver {
                 self.frame.clear();
             }
             let plain = self.frame.push_plain(self.ring.together());
-            self.ring.skip(plain);
+            self.skip(plain);
+            self.sorted = self.sorted.saturating_sub(1);
             let Some(received) = self.ring.pop() else {
                 break;
             };

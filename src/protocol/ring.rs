@@ -15,6 +15,29 @@ const CAPACITY: usize = 1024;
 /// The mark of damage.
 const DAMAGE: u8 = 0;
 
+/// From so many entries on room is short. The rest is for the beginning of one more line, which shows what it is.
+pub(super) const SHORT: usize = CAPACITY - 1 - HEAD - 8;
+
+/// Bytes of a line that show what it is.
+pub(super) const HEAD: usize = 24;
+
+/// A line that is held, or its beginning.
+pub(super) struct Line {
+    head: [u8; HEAD],
+    shown: usize,
+    /// Its entries, with its end.
+    pub length: usize,
+    /// Whether its end is held too.
+    pub is_whole: bool,
+}
+
+impl Line {
+    /// Its first bytes, without its end.
+    pub(super) fn head(&self) -> &[u8] {
+        self.head.get(..self.shown).unwrap_or(&self.head)
+    }
+}
+
 /// Received bytes in order.
 pub(super) struct Ring {
     bytes: [u8; CAPACITY],
@@ -78,6 +101,63 @@ impl Ring {
         let byte = *self.bytes.get(self.first)?;
         self.first = (self.first + 1) % CAPACITY;
         Some(if byte == DAMAGE { Received::Lost } else { Received::Byte(byte) })
+    }
+
+    /// Entries held.
+    pub(super) const fn length(&self) -> usize {
+        self.length
+    }
+
+    fn at(&self, place: usize) -> Option<u8> {
+        let byte = self.bytes.get((self.first + place) % CAPACITY);
+        byte.copied().filter(|_| place < self.length)
+    }
+
+    /// The line that begins at an entry.
+    pub(super) fn line(&self, from: usize) -> Line {
+        let mut line = Line { head: [0; HEAD], shown: 0, length: 0, is_whole: false };
+        while let Some(byte) = self.at(from + line.length)
+            && !line.is_whole
+        {
+            line.length += 1;
+            line.is_whole = matches!(byte, b'\n' | b'\r');
+            if let Some(place) = line.head.get_mut(line.shown).filter(|_| !line.is_whole) {
+                *place = byte;
+                line.shown += 1;
+            }
+        }
+        line
+    }
+
+    /// Takes out the lines from an entry on for which `stays` is false; it gets the line, and its entry when the lines
+    /// before it are out. `overtaken` stays behind the same line.
+    pub(super) fn retain(
+        &mut self,
+        from: usize,
+        overtaken: &mut Option<u32>,
+        mut stays: impl FnMut(usize, &Line) -> bool,
+    ) {
+        let (_, oldest) = self.places();
+        let (mut read, mut kept, mut before) = (from, from, 0);
+        while read < self.length {
+            let line = self.line(read);
+            let end = read + line.length;
+            if stays(kept, &line) {
+                for place in read..end {
+                    let (to, byte) = ((self.first + kept) % CAPACITY, self.at(place));
+                    if let Some((to, byte)) = self.bytes.get_mut(to).zip(byte) {
+                        *to = byte;
+                    }
+                    kept += 1;
+                }
+            } else if overtaken.is_some_and(|place| place.wrapping_sub(oldest.wrapping_add(end as u32)) as i32 >= 0) {
+                before += line.length as u32;
+            }
+            read = end;
+        }
+        self.taken = self.taken.wrapping_sub((self.length - kept) as u32);
+        self.length = kept;
+        *overtaken = overtaken.map(|place| place.wrapping_sub(before));
     }
 
     /// Marks damage. A second mark next to the first adds nothing, so there is always a place.

@@ -45,6 +45,8 @@ pub struct Wire {
     to_host: RefCell<Vec<u8>>,
     /// A line that the printer has begun.
     spoken: RefCell<String>,
+    /// The bytes that the printer has overheard; `None` if it cannot, as behind USB.
+    overheard: Cell<Option<usize>>,
 }
 
 impl Wire {
@@ -73,6 +75,11 @@ impl Wire {
             self.put(bytes.iter().copied());
         }
         bytes.len()
+    }
+
+    /// It ends in a UART's ring, in which the printer may look ahead.
+    pub fn end_in_ring(&self) {
+        self.overheard.set(Some(0));
     }
 
     /// The host opens its line.
@@ -146,7 +153,19 @@ pub(crate) struct Line<'w>(pub &'w Wire);
 
 impl Serial for Line<'_> {
     fn recv(&mut self) -> Option<Received> {
+        self.0.overheard.update(|heard| heard.map(|heard| heard.saturating_sub(1)));
         self.0.to_printer.borrow_mut().pop_front()
+    }
+
+    fn overhear(&mut self) -> Option<Received> {
+        let heard = self.0.overheard.get()?;
+        let next = self.0.to_printer.borrow().get(heard).copied()?;
+        self.0.overheard.set(Some(heard + 1));
+        Some(next)
+    }
+
+    fn was_overheard(&self) -> bool {
+        self.0.overheard.get().is_some_and(|heard| heard > 0)
     }
 
     fn send(&mut self, bytes: &[u8]) -> usize {

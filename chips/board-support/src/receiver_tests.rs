@@ -294,3 +294,21 @@ fn bytes_are_counted_over_the_end_of_the_ring() {
     assert_eq!(ring.take(&mut read, 3 * SIZE), Some(Received::Lost));
     assert_eq!(read, 3 * SIZE);
 }
+
+#[test]
+fn bytes_are_overheard_once_and_read_all_the_same() {
+    let (ring, text) = (Ring::new(), b"G1 X5\nM112\n");
+    for (place, byte) in ring.bytes.iter().zip(text) {
+        place.store(*byte, core::sync::atomic::Ordering::Relaxed);
+    }
+    ring.mark_damage(3);
+    let (written, mut heard, mut read) = (text.len() as u32, 0, 0);
+    let overheard: Vec<_> = std::iter::from_fn(|| ring.overhear(&mut heard, written)).collect();
+    assert_eq!((overheard.len(), overheard[2], overheard[6]), (11, Received::Lost, Received::Byte(b'M')));
+    let received: Vec<_> = std::iter::from_fn(|| ring.take(&mut read, written)).collect();
+    assert_eq!(received, overheard);
+    // The DMA has overtaken the listener.
+    let far = written + SIZE + 1;
+    assert_eq!((ring.overhear(&mut heard, far), heard), (Some(Received::Lost), far));
+    assert_eq!(ring.overhear(&mut heard, far), None);
+}

@@ -65,6 +65,20 @@ impl Ring {
         }
     }
 
+    /// The next byte after the first `heard` ones, if it is among the `written` ones; it stays as it is.
+    pub fn overhear(&self, heard: &mut u32, written: u32) -> Option<Received> {
+        let waiting = written.wrapping_sub(*heard);
+        if waiting == 0 || waiting.cast_signed() < 0 {
+            return None;
+        }
+        let position = (*heard % SIZE) as usize;
+        let is_damaged = self.damaged[position / 32].load(Ordering::Acquire) & 1 << (position % 32) != 0;
+        let is_lost = waiting > SIZE;
+        *heard = if is_lost { written } else { heard.wrapping_add(1) };
+        let byte = self.bytes[position].load(Ordering::Acquire);
+        Some(if is_damaged || is_lost { Received::Lost } else { Received::Byte(byte) })
+    }
+
     /// The next byte after the first `read` ones, if it is among the `written` ones.
     pub fn take(&self, read: &mut u32, written: u32) -> Option<Received> {
         let waiting = written.wrapping_sub(*read);

@@ -2,6 +2,7 @@
 
 use super::fake_usb::Fake;
 use super::*;
+use corehbot::protocol::{Emergency, Incoming, Receiver};
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_usb::class::cdc_acm::State;
 use embassy_usb::driver::Event;
@@ -161,6 +162,65 @@ fn a_host_that_is_faster_than_the_console_waits_and_nothing_is_lost() {
             rig.run();
         }
         assert_eq!(heard.as_bytes(), text);
+    });
+}
+
+/// Listens as the Console does while a command keeps lines waiting.
+fn listen(rig: &mut Rig<'_>, receiver: &mut Receiver) -> Option<Emergency> {
+    let mut heard = None;
+    while receiver.has_spare() || receiver.makes_room() {
+        let Some(received) = rig.recv() else { break };
+        heard = receiver.feed(received).or(heard);
+    }
+    rig.run();
+    heard
+}
+
+/// Reproducer: the port held its host up behind 205 lines of M105, and M112 with it.
+#[test]
+fn an_emergency_passes_behind_reports_and_numbered_lines_that_no_command_takes() {
+    with_port(|mut rig| {
+        rig.open();
+        let mut receiver = Receiver::new();
+        // A jog by the user between them.
+        let lines = (1..=400).map(|n| match n % 4 {
+            0 => format!("N{n} G1 X{n}*{}\n", format!("N{n} G1 X{n}").bytes().fold(0, |sum, byte| sum ^ byte)),
+            3 if n % 100 == 3 => "G1 X5\n".to_owned(),
+            _ => "M105\n".to_owned(),
+        });
+        let text = lines.collect::<String>() + "M112\n";
+        text.as_bytes().chunks(PACKET).for_each(|packet| rig.send(packet));
+        let mut heard = None;
+        // A turn of the Console a millisecond: each empties the pump.
+        for _ in 0..text.len() / 512 + 2 {
+            heard = heard.or(listen(&mut rig, &mut receiver));
+        }
+        assert_eq!((heard, rig.wire.0.borrow().to_device.len()), (Some(Emergency::Stop), 0));
+        let owed = *receiver.owed();
+        assert!(owed.temperatures && owed.oks > 200, "{owed:?}");
+    });
+}
+
+#[test]
+fn moves_without_numbers_wait_with_the_host_and_none_is_lost() {
+    with_port(|mut rig| {
+        rig.open();
+        let mut receiver = Receiver::new();
+        let lines: Vec<_> = (0..300).map(|n| format!("G1 X{n} Y{n}")).collect();
+        let text = lines.join("\n") + "\n";
+        text.as_bytes().chunks(PACKET).for_each(|packet| rig.send(packet));
+        for _ in 0..20 {
+            assert_eq!(listen(&mut rig, &mut receiver), None);
+        }
+        assert!(!rig.wire.0.borrow().to_device.is_empty(), "USB holds the host up");
+        let mut taken = Vec::new();
+        while taken.len() < lines.len() {
+            listen(&mut rig, &mut receiver);
+            if let Some(Incoming::Command(line)) = receiver.next_line(Instant(0)) {
+                taken.push(String::from_utf8(line.to_vec()).unwrap());
+            }
+        }
+        assert_eq!(taken, lines);
     });
 }
 

@@ -21,6 +21,20 @@ impl Serial for HostSerial {
         }
     }
 
+    fn overhear(&mut self) -> Option<Received> {
+        match self {
+            Self::Usart(line) => line.overhear(),
+            Self::Usb(line) => line.overhear(),
+        }
+    }
+
+    fn was_overheard(&self) -> bool {
+        match self {
+            Self::Usart(line) => line.was_overheard(),
+            Self::Usb(line) => line.was_overheard(),
+        }
+    }
+
     fn send(&mut self, bytes: &[u8]) -> usize {
         match self {
             Self::Usart(line) => line.send(bytes),

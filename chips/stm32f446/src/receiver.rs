@@ -18,12 +18,14 @@ pub struct Receiver {
     ring: &'static Ring,
     /// Bytes ever read, wrapping.
     read: u32,
+    /// The same of bytes ever overheard; less than `read` if none after these were.
+    heard: u32,
 }
 
 impl Receiver {
     /// Nothing was read so far.
     pub const fn new(dma: Dma, channel: Channel, ring: &'static Ring) -> Self {
-        Self { dma, channel, ring, read: 0 }
+        Self { dma, channel, ring, read: 0, heard: 0 }
     }
 
     /// Lets the DMA, which has its clock, wait for bytes of `usart`.
@@ -67,6 +69,20 @@ impl Receiver {
             self.ring.end_lap();
         }
         wake_console();
+    }
+
+    /// Whether the next byte was overheard.
+    pub const fn was_overheard(&self) -> bool {
+        self.heard.wrapping_sub(self.read).cast_signed() > 0
+    }
+
+    /// The next byte that has come and was neither read nor overheard.
+    pub fn overhear(&mut self) -> Option<Received> {
+        if !self.was_overheard() {
+            self.heard = self.read;
+        }
+        let written = self.written();
+        self.ring.overhear(&mut self.heard, written)
     }
 
     /// The next byte, if one has come.

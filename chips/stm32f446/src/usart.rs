@@ -123,6 +123,14 @@ impl Serial for UsartLine {
         received
     }
 
+    fn overhear(&mut self) -> Option<Received> {
+        self.receiver.overhear()
+    }
+
+    fn was_overheard(&self) -> bool {
+        self.receiver.was_overheard()
+    }
+
     fn send(&mut self, bytes: &[u8]) -> usize {
         let taken = bytes.iter().take_while(|byte| self.sending.enqueue(**byte).is_ok()).count();
         if taken > 0 {

@@ -9,6 +9,10 @@ use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
 use crate::units::Instant;
 use heapless::Vec;
 
+/// Lines that wait for longer are sorted: their host does not stop sending. Emergencies behind them then act within
+/// twice this time.
+const WAITS_MS: u32 = 50;
+
 /// A command's text, copied out of the receiver so that more lines can arrive while it is carried out.
 pub(in crate::machine) type Text = Vec<u8, 320>;
 
@@ -31,8 +35,10 @@ pub(super) struct Host<S> {
     pub(super) is_new: bool,
     /// The number of the line that it was last served, if that had one.
     pub(super) number: Option<i32>,
-    /// Lines up to this place of the receiver came before a quick stop, which forgets them.
-    pub(super) forgotten: Option<u32>,
+    /// When the Console looked last for a line of it.
+    looked: Instant,
+    /// Bytes that were overheard and not received.
+    ahead: u32,
 }
 
 /// Urgent commands that arrived.
@@ -66,47 +72,67 @@ impl<S: Serial> Host<S> {
             has_opened: false,
             is_new: false,
             number: None,
-            forgotten: None,
+            looked: now,
+            ahead: 0,
         }
     }
 
     /// Takes in the received bytes. A quick stop or a cancel forgets earlier lines and no later ones.
-    pub(super) fn receive(&mut self, urgent: &mut Urgent) {
+    ///
+    /// While a command keeps the lines waiting, the line is read on.
+    pub(super) fn receive(&mut self, now: Instant, urgent: &mut Urgent) {
         self.has_stopped = false;
         self.has_opened = false;
-        while self.receiver.has_room() {
+        let is_waiting = now >= self.looked.after_ms(WAITS_MS);
+        while self.receiver.has_spare() || (is_waiting && self.receiver.makes_room()) {
+            let was_overheard = self.line.was_overheard();
+            self.ahead = if was_overheard { self.ahead.saturating_sub(1) } else { 0 };
             let Some(received) = self.line.recv() else {
                 break;
             };
             if received == Received::Opened {
                 self.replies = Replies::new();
-                self.forgotten = None;
                 self.schedule = Schedule::new();
                 self.upload = Upload::new();
                 self.has_opened = true;
                 self.is_new = true;
             }
-            match self.receiver.feed(received) {
-                Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
-                Some(Emergency::Restart) => urgent.restart = true,
-                Some(Emergency::QuickStop) => {
-                    self.stop();
-                    urgent.quick_stop = true;
-                }
-                Some(Emergency::Continue) => urgent.go_on = true,
-                Some(Emergency::Resume) => urgent.resume = true,
-                Some(Emergency::Cancel) => {
-                    self.stop();
-                    urgent.cancel = true;
-                }
-                None => {}
+            self.receiver.put(received);
+            if !was_overheard {
+                self.scan(received, urgent);
             }
+        }
+        while let Some(received) = self.line.overhear() {
+            self.ahead += 1;
+            self.scan(received, urgent);
+        }
+        if is_waiting {
+            self.receiver.answer_reports();
         }
     }
 
-    /// Forgets the lines so far.
-    const fn stop(&mut self) {
-        self.forgotten = Some(self.receiver.place());
+    /// Searches for urgent commands.
+    fn scan(&mut self, received: Received, urgent: &mut Urgent) {
+        match self.receiver.scan(received) {
+            Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
+            Some(Emergency::Restart) => urgent.restart = true,
+            Some(Emergency::QuickStop) => {
+                self.forget();
+                urgent.quick_stop = true;
+            }
+            Some(Emergency::Continue) => urgent.go_on = true,
+            Some(Emergency::Resume) => urgent.resume = true,
+            Some(Emergency::Cancel) => {
+                self.forget();
+                urgent.cancel = true;
+            }
+            None => {}
+        }
+    }
+
+    /// The lines so far are not carried out any more.
+    pub(super) const fn forget(&mut self) {
+        self.receiver.overtake(self.ahead);
         self.has_stopped = true;
     }
 
@@ -119,6 +145,7 @@ impl<S: Serial> Host<S> {
         if !self.replies.pending().is_empty() {
             self.receiver.hold_silence();
         }
+        self.looked = now;
         let last = self.receiver.last_line();
         let mut incoming = self.receiver.next_line(now);
         if incoming.is_none() && patience_ms > 0 {
@@ -140,8 +167,7 @@ impl<S: Serial> Host<S> {
         let number = self.receiver.last_line();
         self.number = (number != last).then_some(number);
         self.assured = now;
-        self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
-        let is_forgotten = asked == Asked::Command && self.forgotten.is_some() && !is_mark(text);
+        let is_forgotten = self.receiver.is_overtaken() && asked == Asked::Command && !is_mark(text);
         let asked = if is_forgotten { Asked::Nothing } else { asked };
         Some(if self.upload.takes(asked, text, now) { Asked::Nothing } else { asked })
     }

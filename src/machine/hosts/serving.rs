@@ -10,7 +10,7 @@ use super::asked::Asked;
 use super::host::{Host, Text, Urgent};
 use super::schedule::Report;
 use crate::port::{LINES, Lines, Serial};
-use crate::protocol::{Activity, NoRoom, Replies};
+use crate::protocol::{Activity, NoRoom, Owed, Replies};
 use crate::units::Instant;
 use core::fmt;
 
@@ -168,10 +168,10 @@ impl<S: Serial> Hosts<S> {
 
     /// Takes in the received bytes of all hosts. Lines that a quick stop or a cancel has overtaken, even one of
     /// another host, will be answered, but not carried out.
-    pub(in crate::machine) fn receive(&mut self) -> Urgent {
+    pub(in crate::machine) fn receive(&mut self, now: Instant) -> Urgent {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
-            host.receive(&mut all);
+            host.receive(now, &mut all);
             if host.has_opened {
                 self.is_gone |= self.owes_ok && place == self.serving;
                 self.aside = self.aside.filter(|aside| place != *aside);
@@ -179,10 +179,17 @@ impl<S: Serial> Hosts<S> {
         }
         if all.quick_stop || all.cancel {
             for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
-                host.forgotten = Some(host.receiver.place());
+                host.forget();
             }
         }
         all
+    }
+
+    /// What a host is owed for lines out of their turn, if anything, and where it goes; not while other output waits.
+    pub(in crate::machine) fn owed(&mut self, place: usize) -> Option<(&mut Owed, &mut Replies)> {
+        let Host { receiver, replies, .. } = self.hosts.get_mut(place)?;
+        let owed = receiver.owed();
+        (!owed.is_empty() && replies.pending().is_empty()).then_some((owed, replies))
     }
 
     /// Sends as many bytes as fit.

@@ -144,7 +144,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.status.heat().beat_of_console();
         self.heat.send_orders(&self.settings.thermal);
         yield_once(false).await;
-        self.is_to_restart |= self.hosts.receive().restart;
+        let now = self.now();
+        self.is_to_restart |= self.hosts.receive(now).restart;
         self.hosts.note_opened(are_new);
         self.hosts.greet(|replies| replies.line(format_args!("{GREETING}")));
         self.hosts.send();

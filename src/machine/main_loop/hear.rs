@@ -33,7 +33,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Takes in the received bytes.
     pub(super) fn receive(&mut self) -> Option<Interrupt> {
-        let urgent = self.hosts.receive();
+        let urgent = self.hosts.receive(self.turn_began);
         // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is
         // kept.
         let is_for_command = self.pauses.waiting() != Waiting::Nothing;

@@ -33,7 +33,7 @@ use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
 use crate::port::Pend;
-use crate::protocol::{Echo, Replies};
+use crate::protocol::{Echo, Owed, Replies};
 use crate::settings::{Settings, ranges};
 use crate::storage::is_present;
 use crate::units::{Celsius, Instant};
@@ -228,6 +228,17 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         let (line, bytes) = self.hosts.window();
         let moves = self.motion.room(&self.settings);
         Speaker::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
+    }
+
+    /// Answers lines that were taken out of their turn, so that the bytes behind them can be read.
+    pub(super) fn answer_early(&mut self) {
+        for place in 0..self.hosts.len() {
+            let Some((&mut Owed { position, .. }, _)) = self.hosts.owed(place) else { continue };
+            let (temperatures, position) = (self.temperatures(), self.position(position == Some(true)));
+            if let Some((owed, replies)) = self.hosts.owed(place) {
+                owed.pay(replies, format_args!("ok {temperatures}"), format_args!("{position}"));
+            }
+        }
     }
 
     /// Sends the periodic reports.
