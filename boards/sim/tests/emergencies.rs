@@ -124,7 +124,9 @@ fn a_quick_stop_acts_in_every_state_and_every_line_is_answered() {
     for state in STATES {
         let after = shout(state, "M410");
         assert!(!after.outcome.halted, "{state:?}");
-        assert!(after.ms <= 50.0, "{state:?}: {} ms", after.ms);
+        // In a touch the tool rises from the bed, at z's own speed.
+        let most_ms = if state.0.contains("probe") { 400.0 } else { 50.0 };
+        assert!(after.ms <= most_ms, "{state:?}: {} ms", after.ms);
         let positions: Vec<_> = after.heard.iter().rev().filter(|line| line.starts_with("X:")).take(2).collect();
         assert_eq!(positions[0], positions[1], "{state:?}");
     }
