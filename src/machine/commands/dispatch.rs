@@ -50,7 +50,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Command::Bed(ref command) => bed::carry_out(main_loop, states, command).await,
         Command::Resonance(ref command) => resonance::carry_out(main_loop, states, command).await,
         Command::Report(ref command) => reports::carry_out(main_loop, states, command).await,
-        Command::Refused(command) => refused::carry_out(main_loop, command).await,
+        Command::Refused(command) => Err(refused::end(main_loop, command)),
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
         Command::Malformed(flaw) => Ok(Answer::Malformed(flaw)),

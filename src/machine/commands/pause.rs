@@ -88,7 +88,7 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
     parks: bool,
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    announce(main_loop, &[Action::Paused]).await?;
+    announce(main_loop, &[Action::PausedAtOnce]).await?;
     if main_loop.job.is_paused() {
         main_loop.finish().await?;
         return Ok(Answer::Nothing);

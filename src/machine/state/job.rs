@@ -58,6 +58,8 @@ pub(in crate::machine) enum JobEnd {
     ProbeFailed { why: ProbeFailure },
     /// The screws of z were not levelled.
     NotLevel(LevelFailure),
+    /// A line decides which lines run, and the firmware runs them all.
+    Conditional,
 }
 
 /// Why the probe did not find the bed. Places are z of the nozzle, heights those of the bed.
@@ -178,6 +180,9 @@ impl fmt::Display for JobEnd {
             Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
             Self::ProbeFailed { why } => write!(f, "probing failed: {why}"),
             Self::NotLevel(why) => write!(f, "{why}"),
+            Self::Conditional => f.write_str(
+                "a line decides which lines run, and this firmware cannot skip lines. Slice for Marlin, or remove it",
+            ),
         }
     }
 }
@@ -257,10 +262,10 @@ impl Job {
         *self = Self { line: self.line, ..Self::new() };
     }
 
-    /// The print was ended; its stream may still come.
-    pub const fn end_early(&mut self) {
+    /// The print was ended for that reason; its stream may still come.
+    pub const fn end_early(&mut self, why: JobEnd) {
         self.end();
-        self.phase = Phase::Ended { is_told: false };
+        (self.phase, self.end) = (Phase::Ended { is_told: false }, why);
     }
 
     /// A host that continues after its print was ended knows of the end.
