@@ -7,6 +7,7 @@
 //! Each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
 //! the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
 
+use super::detour::{begin_line, end_line};
 use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
 use super::states::States;
@@ -40,6 +41,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     if let Some(answer) = refuse(main_loop, command) {
         return Ok(answer);
     }
+    begin_line(main_loop, &mut states.modal, command);
     let done = match *command {
         Command::Motion(ref command) => motion::carry_out(main_loop, states, command).await,
         Command::Job(ref command) => jobs::carry_out(main_loop, states, command).await,
@@ -70,7 +72,12 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
             hold(main_loop, &states.modal, Kept::Lost([true; 3])).await
         }
-        Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
+        Ok(answer) => {
+            if let Answer::Nothing = answer {
+                end_line(main_loop, &mut states.modal, command);
+            }
+            main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
+        }
         Err(interrupt) => {
             if let (Interrupt::QuickStop, Some(name)) = (interrupt, touching(command)) {
                 main_loop.hosts.notify_all(format_args!("echo:{name} was ended by M410. Send it again"));

@@ -17,7 +17,7 @@
 //!   G28, M108 or M110.
 //!
 //! A pause ends with M24 or M602. If a line is kept, M108 and M876 S end it too; if none is kept, the next line of its
-//! host that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
+//! [stream](super::paused_stream) that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
 
 use super::kept_line::KeptLine;
 use super::level::LevelFailure;
@@ -340,12 +340,9 @@ impl Job {
         self.paused
     }
 
-    /// The length of filament to push in, once.
-    pub const fn take_load(&mut self) -> Mm {
-        match &mut self.paused {
-            Some(paused) => core::mem::replace(&mut paused.load, Mm::ZERO),
-            None => Mm::ZERO,
-        }
+    /// The same, which a later line changes.
+    pub const fn paused_mut(&mut self) -> Option<&mut Break> {
+        self.paused.as_mut()
     }
 
     /// The print continues.
