@@ -9,7 +9,9 @@ mod circles;
 mod corners;
 mod curves;
 mod dice;
+mod fillets;
 mod joining;
+mod klipper;
 mod line;
 mod longest;
 mod model;
@@ -25,3 +27,6 @@ mod timing;
 mod velocity;
 mod ways;
 mod zigzag;
+
+/// Positions of x, y, z and e in mm, and speeds in mm/s.
+pub type Targets = [([f64; 4], f64)];

@@ -207,12 +207,20 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
         if size(turn) > 1e-6 {
             let base = base.min(first);
             let jump = |turn: f64| 8.0 * base / turn.powi(2);
-            bend = bend.min(jump(size(lead) + past)).min(base * half / (1.0 - half).max(1e-30));
-            // A row of long chords is a circle: its radius is half a chord over the tangent of half the turn.
-            let chord = p.length.min(q.length);
-            if chord >= 1.0 {
-                bend = bend.min(a * chord * half / size(turn));
-            }
+            let (arc, row) = (base * half / (1.0 - half).max(1e-30), jump(size(lead) + past));
+            // A row of chords is a circle: its radius is half a chord over the tangent of half the turn.
+            let circle = |chord: f64, turn: f64| a * chord * half / turn.max(1e-30);
+            let shorter = p.length.min(q.length);
+            let least = arc.min(circle(shorter, size(turn)));
+            bend = bend.min(if shorter >= 1.0 {
+                row.min(least)
+            } else {
+                // The same corner may come again, by a turn and chords that are known but for their points' errors.
+                let chord = if p.length.max(q.length) >= 1.0 { shorter } else { (p.length + q.length) / 2.0 };
+                let again = circle(chord, size(turn) - 0.0003 * (1.0 / p.length + 1.0 / q.length)).max(0.4 * arc);
+                let is_known = curve < 1.15 * again;
+                arc.min(row).min(if is_known { f64::INFINITY } else { again }).max(least)
+            });
         }
         let speeds = s.axes.map(|a| a.max_speed.to_num::<f64>()).to_array();
         let fastest = along(f64::INFINITY, q.unit, speeds, s.motor_max_speed.to_num()).min(speeds[3] / q.ratio.abs());

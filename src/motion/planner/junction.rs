@@ -20,6 +20,11 @@
 //!   change the velocity by no more than that, plus the change that the acceleration allows in the time between them.
 //!   The sum of the jumps, less the second part, is the lead of `path_curvature`. Corners that are more than
 //!   [`BEND_TIME`] apart are of different bends.
+//! - **A bend has one speed.** It is over before the lead is known, too: a first corner that uses up all of the jump
+//!   makes all others slow. So between short chords the law of long ones bounds the bend from two sides. A corner is
+//!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of both
+//!   chords, because the next corner may be alike; the error of points is taken off t before ([`POINT_ERROR`]). A corner
+//!   that stays a single one loses little, because it keeps [`GOES_ON`] of its `v^2`.
 //!
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.
@@ -53,6 +58,15 @@ const LEAST_TURN_SQ: f32 = 1e-12;
 /// Chords of at least this length, in mm, are rated corner by corner. Shorter ones are rated by the
 /// [curvature](super::path_curvature) of the path, which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
+
+/// The error of a coordinate in thousandths of a millimetre, in mm: 0.001 over the square root of 12. Over the length of
+/// a chord it is the chord's part in the error of a turn.
+const POINT_ERROR: f32 = 0.000_3;
+
+/// The part of the squared speed of junction deviation that a corner between short chords may have whatever follows it.
+/// With a quarter, fine curves with errors take longer; with a half, small fillets shake the tool more (measured on
+/// `tests/motion/fillets.rs` and random curves).
+const GOES_ON: f32 = 0.4;
 
 /// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by
 /// its curvature alone, which rounded coordinates hardly change.
@@ -181,7 +195,8 @@ fn bend(before: &Geometry, after: &Geometry, curvature: &mut PathCurvature, acce
         most
     } else {
         let (leads, base) = (lead_length + past, least(base, first.base));
-        least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, max_accel, base))
+        let of_bend = 8.0 * base / (leads * leads);
+        least(most, corner([most, of_bend], [before, after], turn_sq, max_accel, base))
     };
     // It was no faster at the corner of the greatest lead (the lead with this corner is in `most` already). From rest
     // it accelerates all along.
@@ -195,9 +210,16 @@ fn bend(before: &Geometry, after: &Geometry, curvature: &mut PathCurvature, acce
 }
 
 /// The greatest speed squared, in mm2/s2, of a corner by itself: from junction deviation for the product of
-/// acceleration and deviation in `base`, and from long chords.
+/// acceleration and deviation in `base`, and from its chords. As a part of a curve it has `of_curve`, and as one of a
+/// bend `of_bend`.
 #[inline(always)]
-fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, base: f32) -> f32 {
+fn corner(
+    [of_curve, of_bend]: [f32; 2],
+    [before, after]: [&Geometry; 2],
+    turn_sq: f32,
+    max_accel: f32,
+    base: f32,
+) -> f32 {
     // The angle between the moves is pi minus the change of direction. So the cosine and the sine of its half are half
     // the difference and half the sum of the two directions.
     let sine = 0.5 * root(square(sum(before, after)));
@@ -205,14 +227,31 @@ fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, bas
         return 0.0;
     }
     // 1 - sine without its cancellation.
-    let corner = 4.0 * base * sine * (1.0 + sine) / turn_sq;
-    let size = least(before.size, after.size);
-    if size < LONG_CHORD { corner } else { least(corner, size * max_accel * sine / root(turn_sq)) }
+    let arc = 4.0 * base * sine * (1.0 + sine) / turn_sq;
+    let (p, q, turn, bears) = (before.size, after.size, root(turn_sq), max_accel * sine);
+    let shorter = least(p, q);
+    let circle = least(arc, shorter * bears / turn);
+    if shorter >= LONG_CHORD {
+        return least(of_bend, circle);
+    }
+    // A chord behind a long line may be the first of a curve.
+    let size = if p < LONG_CHORD && q < LONG_CHORD { 0.5 * (p + q) } else { shorter };
+    let known = turn - POINT_ERROR * (p + q) / (p * q);
+    let most = least(of_bend, arc);
+    let goes_on = greatest(GOES_ON * arc, size * bears / known);
+    // Where the curvature is known and says nearly the same it counts, because points' errors disturb it less.
+    let most = if known > 0.0 && of_curve >= MAKING_UP * goes_on { least(most, goes_on) } else { most };
+    greatest(most, circle)
 }
 
 /// The lesser of two limits; a value divided by 0 is infinite, and so is no limit.
 fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+/// The greater of two limits.
+fn greatest(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// The change of direction. It has 30 bits, which single precision would not leave of it.
