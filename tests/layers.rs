@@ -123,7 +123,8 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
 
 /// The parts of the room `machine` that each part may use, only those above it. A command gets the main loop and the
 /// states that it names, and the Console passes them.
-const WITHIN_MACHINE: [(&str, &[&str]); 14] = [
+const WITHIN_MACHINE: [(&str, &[&str]); 15] = [
+    ("apart", &[]),
     ("ports", &[]),
     ("interrupt", &[]),
     ("numbers", &[]),
@@ -138,7 +139,19 @@ const WITHIN_MACHINE: [(&str, &[&str]); 14] = [
     ("resonance", &["answers", "main_loop", "interrupt", "ports", "state"]),
     (
         "commands",
-        &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "probe", "resonance", "state"],
+        &[
+            "answers",
+            "apart",
+            "belt",
+            "main_loop",
+            "hosts",
+            "interrupt",
+            "numbers",
+            "ports",
+            "probe",
+            "resonance",
+            "state",
+        ],
     ),
     ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "probe", "state"]),
 ];

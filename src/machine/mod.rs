@@ -28,6 +28,7 @@
 //! | `hosts` | lines from several hosts, served in turn |
 //! | `release` | when moves leave the look-ahead |
 //! | `ports`, `interrupt`, `numbers` | the needs from a board; why a command ends early; numbers of lines |
+//! | `apart` | futures that are polled by a function of their own |
 //!
 //! Each uses only those below it (`WITHIN_MACHINE` in `tests/layers.rs` has the arrows, and no command may name the
 //! Console).
@@ -43,6 +44,7 @@
 //! | served, urgent, forgotten | see `hosts` |
 
 mod answers;
+mod apart;
 mod belt;
 mod commands;
 mod console;

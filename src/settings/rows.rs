@@ -198,12 +198,16 @@ macro_rules! rows {
         }),+];
 
         fn visit(settings: &mut $crate::settings::Settings, visitor: &mut dyn $crate::settings::rows::Visitor) {
-            let mut rows = ROWS.rows.iter();
-            $(if let Some(row) = rows.next() {
+            // One loop for all rows, not one for each, as images have little room.
+            for row in ROWS.rows {
                 for ($part, part) in $parts(settings).into_iter().zip(0..) {
-                    visitor.visit($crate::settings::rows::Key { row, part }, &mut $field);
+                    let key = $crate::settings::rows::Key { row, part };
+                    match row.id {
+                        $($id => visitor.visit(key, &mut $field),)+
+                        _ => {}
+                    }
                 }
-            })+
+            }
         }
     };
 }

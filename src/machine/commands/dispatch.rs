@@ -6,19 +6,22 @@
 //!
 //! Each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
 //! the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
+//!
+//! Each family is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
 
-use super::detour::{begin_line, end_line};
 use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
 use super::states::States;
 use super::{bed, heat, jobs, motion, motors, probing, refused, reports, resonance, settings};
 use crate::gcode::{BedCommand, Command, Flaw, MotionCommand, MotorCommand, ProbeCommand};
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::kept_line::{Answered, Kept};
 use crate::port::Pend;
+use core::pin::pin;
 
 /// Resumes the print of a kept line, if possible. True: carry out the line now; false: it needs its `ok` alone; `None`:
 /// keep it for longer.
@@ -41,18 +44,17 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     if let Some(answer) = refuse(main_loop, command) {
         return Ok(answer);
     }
-    begin_line(main_loop, &mut states.modal, command);
     let done = match *command {
-        Command::Motion(ref command) => motion::carry_out(main_loop, states, command).await,
-        Command::Job(ref command) => jobs::carry_out(main_loop, states, command).await,
-        Command::Heat(ref command) => heat::carry_out(main_loop, states, command).await,
-        Command::Setting(ref command) => settings::carry_out(main_loop, states, command).await,
-        Command::Motor(ref command) => motors::carry_out(main_loop, states, command).await,
-        Command::Probe(ref command) => probing::carry_out(main_loop, states, command).await,
-        Command::Bed(ref command) => bed::carry_out(main_loop, states, command).await,
-        Command::Resonance(ref command) => resonance::carry_out(main_loop, states, command).await,
-        Command::Report(ref command) => reports::carry_out(main_loop, states, command).await,
-        Command::Refused(command) => Err(refused::end(main_loop, command)),
+        Command::Motion(ref command) => apart(pin!(motion::carry_out(main_loop, states, command))).await,
+        Command::Job(ref command) => apart(pin!(jobs::carry_out(main_loop, states, command))).await,
+        Command::Heat(ref command) => apart(pin!(heat::carry_out(main_loop, states, command))).await,
+        Command::Setting(ref command) => apart(pin!(settings::carry_out(main_loop, states, command))).await,
+        Command::Motor(ref command) => apart(pin!(motors::carry_out(main_loop, states, command))).await,
+        Command::Probe(ref command) => apart(pin!(probing::carry_out(main_loop, states, command))).await,
+        Command::Bed(ref command) => apart(pin!(bed::carry_out(main_loop, states, command))).await,
+        Command::Resonance(ref command) => apart(pin!(resonance::carry_out(main_loop, states, command))).await,
+        Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, states, command))).await,
+        Command::Refused(command) => apart(pin!(refused::carry_out(main_loop, command))).await,
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
         Command::Malformed(flaw) => Ok(Answer::Malformed(flaw)),
@@ -72,12 +74,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
             hold(main_loop, &states.modal, Kept::Lost([true; 3])).await
         }
-        Ok(answer) => {
-            if let Answer::Nothing = answer {
-                end_line(main_loop, &mut states.modal, command);
-            }
-            main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
-        }
+        Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
         Err(interrupt) => {
             if let (Interrupt::QuickStop, Some(name)) = (interrupt, touching(command)) {
                 main_loop.hosts.notify_all(format_args!("echo:{name} was ended by M410. Send it again"));

@@ -13,7 +13,6 @@ mod hosts;
 mod life;
 mod parking;
 mod program;
-mod stream;
 #[path = "../../../../tests/support/mod.rs"]
 mod support;
 
