@@ -145,20 +145,30 @@ impl Receiver {
         });
     }
 
-    /// Answers the reports that wait before any other line, but for the position, which the line that is being carried
-    /// out may change. An emergency has its turn behind the line that it ends.
-    pub fn answer_reports(&mut self) {
+    /// Answers the reports that wait before any other line: all that `is_answered` accepts. An emergency has its turn
+    /// behind the line that it ends.
+    fn answer(&mut self, is_answered: fn(Kind) -> bool) {
         if !self.is_frame_done && self.frame.has_begun() {
             return;
         }
         loop {
             let line = self.ring.line(0);
             let kind = kind_of(&line);
-            if !line.is_whole || matches!(kind, Kind::Position { .. } | Kind::Acted) || !self.owed.takes(kind) {
+            if !line.is_whole || !is_answered(kind) || !self.owed.takes(kind) {
                 return;
             }
             self.skip(line.length);
         }
+    }
+
+    /// Answers the reports that wait before any other line, while the program's position does not change.
+    pub fn answer_reports(&mut self) {
+        self.answer(|kind| kind != Kind::Acted);
+    }
+
+    /// The same while a line may change it: not for the position.
+    pub fn answer_other_reports(&mut self) {
+        self.answer(|kind| !matches!(kind, Kind::Acted | Kind::Position { .. }));
     }
 
     /// What the host is owed for lines that were taken out of their turn. Whoever answers takes it off.

@@ -113,7 +113,8 @@ impl Ring {
         byte.copied().filter(|_| place < self.length)
     }
 
-    /// The line that begins at an entry.
+    /// The line that begins at an entry. Inlined, it would be repeated in each of its four places.
+    #[inline(never)]
     pub(super) fn line(&self, from: usize) -> Line {
         let mut line = Line { head: [0; HEAD], shown: 0, length: 0, is_whole: false };
         while let Some(byte) = self.at(from + line.length)

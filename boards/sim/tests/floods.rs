@@ -157,6 +157,9 @@ fn a_host_that_asks_for_the_temperatures_during_a_filament_change_may_go_on_stop
                 }
                 bench.arrive(word);
                 assert_eq!(bench.count("ok T:"), 600, "each is answered at once");
+                bench.send("M114\nM27\n");
+                bench.rest(10);
+                assert_eq!((bench.count("X:"), bench.count("ok")), (1, 602), "so are these");
                 bench.send(&format!("{word}\n"));
                 bench.arrive(word);
                 bench.rest(100);
@@ -164,7 +167,7 @@ fn a_host_that_asks_for_the_temperatures_during_a_filament_change_may_go_on_stop
                 assert_eq!((halted, ended), if word == "M112" { (true, 0) } else { (false, 1) }, "{word}");
                 bench.rest(3000);
                 if word != "M112" {
-                    assert_eq!(bench.count("ok"), 602, "{word}: {:#?}", bench.heard);
+                    assert_eq!(bench.count("ok"), 604, "{word}: {:#?}", bench.heard);
                 }
             });
         }

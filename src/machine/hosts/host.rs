@@ -79,8 +79,8 @@ impl<S: Serial> Host<S> {
 
     /// Takes in the received bytes. A quick stop or a cancel forgets earlier lines and no later ones.
     ///
-    /// While a command keeps the lines waiting, the line is read on.
-    pub(super) fn receive(&mut self, now: Instant, urgent: &mut Urgent) {
+    /// While a command keeps the lines waiting, the line is read on. The command `rests` if it changes no position.
+    pub(super) fn receive(&mut self, (now, rests): (Instant, bool), urgent: &mut Urgent) {
         self.has_stopped = false;
         self.has_opened = false;
         let is_waiting = now >= self.looked.after_ms(WAITS_MS);
@@ -106,12 +106,15 @@ impl<S: Serial> Host<S> {
             self.ahead += 1;
             self.scan(received, urgent);
         }
-        if is_waiting {
-            self.receiver.answer_reports();
+        match (is_waiting, rests) {
+            (true, true) => self.receiver.answer_reports(),
+            (true, false) => self.receiver.answer_other_reports(),
+            (false, _) => {}
         }
     }
 
-    /// Searches for urgent commands.
+    /// Searches for urgent commands. Inlined, it would be there twice.
+    #[inline(never)]
     fn scan(&mut self, received: Received, urgent: &mut Urgent) {
         match self.receiver.scan(received) {
             Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),

@@ -168,10 +168,10 @@ impl<S: Serial> Hosts<S> {
 
     /// Takes in the received bytes of all hosts. Lines that a quick stop or a cancel has overtaken, even one of
     /// another host, will be answered, but not carried out.
-    pub(in crate::machine) fn receive(&mut self, now: Instant) -> Urgent {
+    pub(in crate::machine) fn receive(&mut self, now: Instant, rests: bool) -> Urgent {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
-            host.receive(now, &mut all);
+            host.receive((now, rests || self.aside == Some(place)), &mut all);
             if host.has_opened {
                 self.is_gone |= self.owes_ok && place == self.serving;
                 self.aside = self.aside.filter(|aside| place != *aside);

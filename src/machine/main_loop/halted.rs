@@ -145,7 +145,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat.send_orders(&self.settings.thermal);
         yield_once(false).await;
         let now = self.now();
-        self.is_to_restart |= self.hosts.receive(now).restart;
+        self.is_to_restart |= self.hosts.receive(now, true).restart;
         self.hosts.note_opened(are_new);
         self.hosts.greet(|replies| replies.line(format_args!("{GREETING}")));
         self.hosts.send();

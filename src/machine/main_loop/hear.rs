@@ -33,10 +33,10 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Takes in the received bytes.
     pub(super) fn receive(&mut self) -> Option<Interrupt> {
-        let urgent = self.hosts.receive(self.turn_began);
         // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is
         // kept.
         let is_for_command = self.pauses.waiting() != Waiting::Nothing;
+        let urgent = self.hosts.receive(self.turn_began, is_for_command);
         self.pauses.note(urgent.go_on, urgent.resume);
         self.job.line_mut().note_answers(urgent.go_on && !is_for_command, urgent.resume);
         if urgent.cancel {
