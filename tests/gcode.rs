@@ -322,9 +322,10 @@ fn custom_code_of_real_profiles() {
     ] {
         assert_eq!(parse(line.as_bytes()), expected, "{line}");
     }
-    for line in ["print_end", "P0 S1", "Q603 X1", "%", "(comment)", "/G1", "T0_PARK"] {
+    for line in ["print_end", "P0 S1", "Q603 X1", "%", "/G1", "T0_PARK"] {
         assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
     }
+    assert_eq!(parse(b"(comment)"), Command::Silent);
 }
 
 /// Codes that accept any text after them, by reason; the last two reasons are checked.

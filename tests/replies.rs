@@ -54,8 +54,8 @@ fn an_unknown_command_is_echoed_without_teeth() {
 }
 
 #[test]
-fn only_printable_ascii_leaves() {
-    assert_eq!(reply(|r| r.line(format_args!("a\nb\r{}~", "\u{fc}"))), "a?b???~\n");
+fn only_text_without_control_characters_leaves() {
+    assert_eq!(reply(|r| r.line(format_args!("a\nb\r\0\x7F{}~", "\u{fc}"))), "a?b???\u{fc}~\n");
 }
 
 #[test]
@@ -186,6 +186,7 @@ fn octoprint_printrun_and_a_btt_screen_act_on_every_action() {
     for (action, both, by_printrun) in [
         (Action::Pause, Some(Deed::Pause), Some(Deed::Pause)),
         (Action::Paused, Some(Deed::NotePaused), None),
+        (Action::PausedAtOnce, Some(Deed::NotePaused), Some(Deed::Pause)),
         (Action::Resumed, Some(Deed::NoteResumed), None),
         (Action::Cancel, Some(Deed::Cancel), Some(Deed::Pause)),
         (Action::PromptBegin("Change the filament"), Some(Deed::Begin), None),

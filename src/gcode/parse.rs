@@ -27,6 +27,7 @@ pub fn parse(line: &[u8]) -> Command<'_> {
         // Most lines are moves: they are written directly to the place of the answer, because a command is large.
         Some((code @ Code { letter: b'G', subcode: 0, number: 0 | 1 }, words)) => return self::line(code, words),
         Some((code, words)) => parse_code(code, words),
+        None if is_comment(line, text) => Some(Command::Silent),
         None => parse_named(text),
     };
     known.unwrap_or_else(|| Command::Unknown(trim(line)))
@@ -71,6 +72,12 @@ fn skip_comments(mut line: &[u8]) -> &[u8] {
         line = skip_past(inside, b')');
     }
     line
+}
+
+/// Whether a line is nothing but comments; `text` is what comes after those in front.
+fn is_comment(line: &[u8], text: &[u8]) -> bool {
+    let is_closed = matches!(trim(line), [.., b')']);
+    text.len() < line.len() && matches!((trim(text), is_closed), ([], true) | ([b';', ..], _))
 }
 
 /// The line without blanks and line ends around it.

@@ -4,7 +4,8 @@
 //! other (Mainboard_AckHandler.c, `ack_starts_with("//action:")`). OctoPrint accepts the line with and without a blank
 //! (comm.py strips the text that follows the `//`). Printrun reads only the text after the first blank of a line, and
 //! only `pause`, `resume`, `cancel` and `disconnect` (pronsole.py, `recvcb_actions`). So a line that asks for one of
-//! these contains it twice, and each of the three hosts acts on it once.
+//! these contains it twice, and each of the three hosts acts on it once. M25 is such a line: it has its `ok`, and
+//! Printrun would send on. Printrun does not read `paused`, so the word for it is `pause`.
 
 use core::fmt;
 
@@ -20,8 +21,10 @@ const BUTTON: usize = 18;
 pub enum Action<'a> {
     /// Hosts shall pause their print, with their own pause scripts.
     Pause,
-    /// The printer has paused by itself.
+    /// The printer has paused by itself, and waits before it sends its `ok`.
     Paused,
+    /// The printer has paused by itself, and hosts shall send nothing more of the print.
+    PausedAtOnce,
     /// The printer continues by itself.
     Resumed,
     /// Hosts shall end their print.
@@ -41,6 +44,7 @@ impl fmt::Display for Action<'_> {
         match self {
             Self::Pause => write!(f, "{ACTION}pause action:pause"),
             Self::Paused => write!(f, "{ACTION}paused"),
+            Self::PausedAtOnce => write!(f, "{ACTION}paused action:pause"),
             Self::Resumed => write!(f, "{ACTION}resumed"),
             Self::Cancel => write!(f, "{ACTION}cancel action:cancel"),
             Self::PromptBegin(text) => write!(f, "{ACTION}prompt_begin {text:.QUESTION$}"),

@@ -1,8 +1,8 @@
 //! Replies: every text of the protocol, and the output ring.
 //!
 //! A line goes into the ring whole or not at all, and so do the lines of one resend request: an `ok` with a temperature
-//! report in the middle has ended prints (OctoPrint issue 4671). Only printable ASCII is sent, because any other byte
-//! ends printcore's reading thread.
+//! report in the middle has ended prints (OctoPrint issue 4671). A byte that is not UTF-8 ends printcore's reading
+//! thread, so only text is sent. The firmware's own is printable ASCII.
 //!
 //! Hosts act on the beginning of a line, and on some words anywhere in it. The fixed texts here avoid every such word
 //! that is not meant; a test checks this.
@@ -61,7 +61,7 @@ impl Replies {
         Self { bytes: Deque::new() }
     }
 
-    /// Adds one line and its line end. Bytes other than printable ASCII become `?`, line ends too.
+    /// Adds one line and its line end. Control characters become `?`, line ends too.
     ///
     /// # Errors
     /// [`NoRoom`] if the whole line does not fit.
@@ -250,7 +250,7 @@ impl Write for Line<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         text.bytes().try_for_each(|byte| {
             // Tabs are between the heights of a table (M420 T1).
-            let byte = if matches!(byte, b' '..=b'~' | b'\t') { byte } else { b'?' };
+            let byte = if matches!(byte, b' '..=b'~' | b'\t' | 0x80..) { byte } else { b'?' };
             self.0.push_back(byte).map_err(|_| fmt::Error)
         })
     }

@@ -84,12 +84,14 @@ class Printer:
                 self.process.wait()
 
 
-def simulate(program, file, settings=None):
-    """The summary that `corehbot run` writes of a file, on a machine if it is not the prototype."""
+def simulate(program, file, settings=None, trace=None):
+    """The summary that `corehbot run` writes of a file, on a machine if it is not the prototype; and the trace, if wanted."""
     with tempfile.NamedTemporaryFile(suffix=".json") as summary:
         command = [program, "run", file, "--json", summary.name]
         if settings:
             command += ["--settings", settings]
+        if trace:
+            command += ["--trace", trace]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
         # It was written beside and renamed, so the open file is still the empty one.
         with open(summary.name, encoding="utf-8") as written:

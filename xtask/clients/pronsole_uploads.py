@@ -12,8 +12,8 @@ import sys
 import tempfile
 import threading
 import time
-import types
 
+import consoles
 import printer
 from printer import check
 
@@ -29,19 +29,6 @@ TARGET = "test.gco"
 LETTERS = "TB"
 
 
-def pronsole_class(folder):
-    """Pronsole, without wxPython, which its settings ask for even where there is no window, and with files of its own in
-    `folder`, not in the user's."""
-    for name in ["wx", "printrun.gui", "printrun.gui.widgets", "platformdirs"]:
-        sys.modules[name] = types.ModuleType(name)
-    sys.modules["printrun.gui.widgets"].get_space = lambda key: 0
-    for name in ["user_cache_dir", "user_config_dir", "user_data_dir"]:
-        setattr(sys.modules["platformdirs"], name, lambda application: os.path.join(folder, application))
-    from printrun.pronsole import pronsole
-
-    return pronsole
-
-
 def run(program, file, _kind):
     machine = str(pathlib.Path(file).with_suffix(".toml"))
     summary = printer.simulate(program, file, machine)
@@ -54,7 +41,7 @@ def run(program, file, _kind):
             # What it tells its user: of each line that it hears, and of its progress.
             shown, sys.stdout = sys.stdout, nowhere
             try:
-                uploaded, printed, cold, off = talk(pronsole_class(folder), device.path, path)
+                uploaded, printed, cold, off = talk(consoles.pronsole_class(folder), device.path, path)
             finally:
                 sys.stdout = shown
         failed = [line for line in uploaded if "open failed" in line]
@@ -115,12 +102,7 @@ def talk(pronsole, port, path):
         off = temperatures()
         return uploaded, list(heard), cold, off
     finally:
-        host.statuscheck = False
-        if host.p.printing:
-            host.p.cancelprint()
-        while not (host.p.send_thread and host.p.send_thread.is_alive()):
-            time.sleep(0.01)
-        host.p.disconnect()
+        consoles.leave(host)
 
 
 logging.disable()

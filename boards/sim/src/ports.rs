@@ -44,7 +44,7 @@ pub struct Wire {
     to_printer: RefCell<VecDeque<Received>>,
     to_host: RefCell<Vec<u8>>,
     /// A line that the printer has begun.
-    spoken: RefCell<String>,
+    spoken: RefCell<Vec<u8>>,
     /// The bytes that the printer has overheard; `None` if it cannot, as behind USB.
     overheard: Cell<Option<usize>>,
 }
@@ -59,10 +59,10 @@ impl Wire {
         let mut spoken = self.spoken.borrow_mut();
         for byte in bytes.drain(..) {
             if byte == b'\n' {
-                host.hear(&spoken);
+                host.hear(&String::from_utf8_lossy(&spoken));
                 spoken.clear();
             } else {
-                spoken.push(char::from(byte));
+                spoken.push(byte);
             }
         }
     }

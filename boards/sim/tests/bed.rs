@@ -213,6 +213,9 @@ fn the_area_and_the_counts_of_a_line_are_obeyed() {
             assert_eq!(corners(life), expected, "{line}: {answer:?}");
             let told = answer.iter().filter(|line| line.starts_with("echo:measures X")).count();
             assert_eq!(told, usize::from(expected != all), "{line}: {answer:?}");
+            // What covers the bed is kept, with as many points as it has.
+            let is_kept = said(life, "M500").iter().any(|line| line == "echo:Mesh stored");
+            assert_eq!(is_kept, expected.0 == all.0, "{line}");
         }
         for line in ["BED_MESH_CALIBRATE MESH_MIN=500,10", "BED_MESH_CALIBRATE MESH_MIN=90,90 MESH_MAX=50,200"] {
             assert!(said(life, line)[0].starts_with("echo:ignored: the probe cannot touch at X"), "{line}");

@@ -64,7 +64,7 @@ fn who_was_there_hears_the_error_and_who_comes_is_greeted() {
         (0, "N0 M17*21\n", 10),
         (0, "M105\n", 5000),
     ]);
-    assert_eq!(heard[2], [KILLED, KILLED.repeat(2).as_str()].map(str::to_owned));
+    assert_eq!(heard[2], [KILLED, KILLED].map(str::to_owned));
     assert_eq!(heard[3], [KILLED, ""].map(str::to_owned));
     assert_eq!(heard[4], ["", GREETING].map(str::to_owned));
     let [ref silence, ref told] = heard[5];

@@ -1,9 +1,9 @@
-//! Commands that are refused in words, because their missing effect matters.
+//! Commands that end the job, because their missing effect matters.
 
 use super::Command;
 use super::row::Described;
 
-/// Commands that are refused in words, because their missing effect matters.
+/// Commands that end the job, because their missing effect matters.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum RefusedCommand {
@@ -21,7 +21,7 @@ pub(super) const ROWS: &[Described] = &[
     .refused("the same"),
 ];
 
-const CONDITION: &str = "a condition: the print is halted, because the firmware cannot skip lines";
+const CONDITION: &str = "a condition: the job ends, because the firmware cannot skip lines";
 
 const fn refused(command: RefusedCommand) -> Option<Command<'static>> {
     Some(Command::Refused(command))

@@ -3,10 +3,10 @@
 use super::Command;
 use super::grammar::Grammar;
 use super::row::Described;
-use crate::gcode::lexer::{is_blank, is_outside, last, number, skip_blanks};
+use crate::gcode::lexer::{last, number};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{Audience, Form};
-use crate::text::trim_end;
+use crate::text::{trim_end, trim_start};
 
 /// Reports and messages.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -72,12 +72,14 @@ const fn report(command: ReportCommand<'_>) -> Option<Command<'_>> {
     Some(Command::Report(command))
 }
 
-/// M118: the message after A1, E1 and P, which precede it (Marlin M118.cpp).
+/// M118: the message after A1, E1 and P, which precede it (Marlin M118.cpp). The bytes of a no-break space are parts
+/// of letters too (`à`, `°`).
 fn tell(text: &[u8]) -> ReportCommand<'_> {
+    let is_space = |byte: u8| byte.is_ascii_whitespace();
     let (mut form, mut to) = (Form::Plain, Audience::Sender);
-    let mut after = skip_blanks(text);
+    let mut after = trim_start(text, is_space);
     while let [letter, digit @ b'0'..=b'9', tail @ ..] = after
-        && tail.first().is_none_or(|byte| is_blank(*byte))
+        && tail.first().is_none_or(|byte| is_space(*byte))
     {
         match (letter.to_ascii_uppercase(), digit) {
             (b'A', b'0') | (b'E', b'0') => {}
@@ -88,9 +90,9 @@ fn tell(text: &[u8]) -> ReportCommand<'_> {
             (b'E', _) => {}
             _ => break,
         }
-        after = skip_blanks(tail);
+        after = trim_start(tail, is_space);
     }
-    ReportCommand::Tell { form, to, text: trim_end(after, is_outside) }
+    ReportCommand::Tell { form, to, text: trim_end(after, is_space) }
 }
 
 #[cfg(test)]

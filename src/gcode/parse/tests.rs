@@ -103,7 +103,7 @@ fn what_is_not_a_command_comes_back_as_it_came() {
         "P0 S1",
         "Q603 X",
         "%",
-        "(comment)",
+        "(a) (never ends",
         "/G1 X5",
         "T",
         "T256",
@@ -118,6 +118,13 @@ fn what_is_not_a_command_comes_back_as_it_came() {
         "(never ends",
     ] {
         assert_eq!(parse(std::format!(" \t{line} \r").as_bytes()), Command::Unknown(line.as_bytes()));
+    }
+}
+
+#[test]
+fn a_line_of_comments_is_no_command() {
+    for line in ["(comment)", "()", "(a) (b)", "(a;b) ", " (M112)\r", "\u{feff}(a)", "(a) ; b"] {
+        assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
     }
 }
 

@@ -7,7 +7,7 @@ use core::fmt::{self, Write};
 const RESERVED: [&[u8]; 10] =
     [b"ok", b"start", b"rs", b"resend", b"wait", b"error", b"fatal", b"!!", b"debug_", b"cap:"];
 
-/// A message; displayed, it is the line, in printable ASCII. A text that a host would take for an answer is an echo.
+/// A message; displayed, it is the line. A text that a host would take for an answer is an echo.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct Message<'a> {
     pub form: Form,
@@ -21,9 +21,12 @@ impl fmt::Display for Message<'_> {
             Form::Plain if !self.is_reserved() => "",
             Form::Plain | Form::Echo => "echo:",
         })?;
-        self.text
-            .iter()
-            .try_for_each(|&byte| f.write_char(if matches!(byte, b' '..=b'~') { byte as char } else { '?' }))
+        match str::from_utf8(self.text) {
+            Ok(text) => f.write_str(text),
+            Err(_) => {
+                self.text.iter().try_for_each(|&byte| f.write_char(if byte.is_ascii() { byte as char } else { '?' }))
+            }
+        }
     }
 }
 

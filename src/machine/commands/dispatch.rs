@@ -9,6 +9,7 @@
 //!
 //! Each family is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
 
+use super::detour::{begin_line, end_line};
 use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
 use super::states::States;
@@ -44,6 +45,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     if let Some(answer) = refuse(main_loop, command) {
         return Ok(answer);
     }
+    begin_line(main_loop, &mut states.modal, command);
     let done = match *command {
         Command::Motion(ref command) => apart(pin!(motion::carry_out(main_loop, states, command))).await,
         Command::Job(ref command) => apart(pin!(jobs::carry_out(main_loop, states, command))).await,
@@ -54,7 +56,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Command::Bed(ref command) => apart(pin!(bed::carry_out(main_loop, states, command))).await,
         Command::Resonance(ref command) => apart(pin!(resonance::carry_out(main_loop, states, command))).await,
         Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, states, command))).await,
-        Command::Refused(command) => apart(pin!(refused::carry_out(main_loop, command))).await,
+        Command::Refused(command) => Err(refused::end(main_loop, command)),
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
         Command::Malformed(flaw) => Ok(Answer::Malformed(flaw)),
@@ -74,7 +76,12 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
             hold(main_loop, &states.modal, Kept::Lost([true; 3])).await
         }
-        Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
+        Ok(answer) => {
+            if let Answer::Nothing = answer {
+                end_line(main_loop, &mut states.modal, command);
+            }
+            main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
+        }
         Err(interrupt) => {
             if let (Interrupt::QuickStop, Some(name)) = (interrupt, touching(command)) {
                 main_loop.hosts.notify_all(format_args!("echo:{name} was ended by M410. Send it again"));

@@ -3,6 +3,7 @@
 use super::pause::{announce, hold};
 use crate::gcode::{
     BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, ProbeCommand, ResonanceCommand,
+    SettingCommand,
 };
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -20,6 +21,10 @@ use crate::settings::OnFailure;
 /// Sent once to the host of a print that the firmware ended.
 const ENDED: Answer<'static> =
     Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
+
+/// The same if a condition has ended it.
+const ENDED_BY_CONDITION: Answer<'static> =
+    Answer::Line("echo:the print was ended: its lines are ignored until M108 or M110");
 
 /// Said when homing or probing fails in a pause: the print can wait for its cure.
 const STAYS_PAUSED: &str = "The print stays paused: home again (G28), then continue it";
@@ -55,7 +60,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     // A command that was cancelled may belong to the start of a print, which is not known from its lines.
     let is_command = main_loop.hosts.owes_ok() && !main_loop.job.is_ended();
     if !is_wanted || main_loop.job.is_under_way() || is_command {
-        main_loop.job.end_early();
+        main_loop.job.end_early(why);
         if is_wanted {
             main_loop.hosts.notify_all(format_args!("echo:print cancelled, heaters are off"));
         } else {
@@ -124,6 +129,8 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     if !main_loop.job.is_ended() {
         return None;
     }
+    // Which lines would run, the condition has decided: none does.
+    let is_by_condition = main_loop.job.why_it_ends() == JobEnd::Conditional;
     let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
     let is_of_print = match *command {
         Command::Job(JobCommand::Continue) => {
@@ -132,7 +139,8 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         }
         Command::Motion(ref command) => {
             use MotionCommand::{Arc, Circulate, Dwell, Line, Recover, Retract};
-            matches!(command, Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. })
+            is_by_condition
+                || matches!(command, Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. })
         }
         Command::Bed(BedCommand::Measure(_) | BedCommand::GoTo { .. })
         | Command::Motor(MotorCommand::LevelScrews(_) | MotorCommand::HandScrews { .. }) => true,
@@ -143,12 +151,19 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         Command::Heat(HeatCommand::HeaterTarget { target, .. } | HeatCommand::HeaterWait { target, .. }) => {
             heats(target)
         }
-        _ => false,
+        Command::Report(_) | Command::Heat(HeatCommand::ReportTemperatures) | Command::Silent => false,
+        Command::Setting(SettingCommand::ReportSettings { .. }) => false,
+        Command::Job(JobCommand::Cancel | JobCommand::EmergencyStop | JobCommand::Restart) => false,
+        _ => is_by_condition,
     };
     if !is_of_print {
         return None;
     }
-    Some(if main_loop.job.tell_of_end() { ENDED } else { Answer::Nothing })
+    Some(match main_loop.job.tell_of_end() {
+        true if is_by_condition => ENDED_BY_CONDITION,
+        true => ENDED,
+        false => Answer::Nothing,
+    })
 }
 
 /// Whether an unknown command name starts a print in other firmware (`START_PRINT`) or ends one (false).

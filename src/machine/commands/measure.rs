@@ -82,7 +82,8 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
         read.to_num::<i32>().clamp(-99, 999) as i16
     });
     let before = main_loop.bed;
-    main_loop.bed.know(StoredMesh { mesh, reference, temperatures }, area != whole);
+    let is_part = (area.x, area.y) != (whole.x, whole.y);
+    main_loop.bed.know(StoredMesh { mesh, reference, temperatures }, is_part);
     main_loop.reply(Answer::Mesh(MeshAnswer::Heights(MeshForm::Grid))).await?;
     let on = if words.is_dry {
         main_loop.bed = before;

@@ -15,7 +15,7 @@
 //! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`waits`] |
 //! | homing | [`motion`] | [`homing`], [`switch`], [`shift_z`] |
 //! | first layer | [`motion`] | [`z_offset`] |
-//! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`] |
+//! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`], [`detour`] |
 //! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
 //! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
@@ -39,6 +39,7 @@ mod belt;
 mod buzz;
 mod circulate;
 mod cold_extrusion;
+mod detour;
 pub(in crate::machine) mod dispatch;
 mod drivers;
 mod fans;

@@ -4,6 +4,7 @@
 
 use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
+use super::detour::is_own;
 use super::heating::heat_again;
 use super::pause::{Going, hold, resume_stream};
 use crate::gcode::{ArcWords, AxisWords, Number};
@@ -15,10 +16,11 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
-use crate::machine::state::commanded::{LEAST_FILAMENT, Wanted};
+use crate::machine::state::commanded::{Commanded, LEAST_FILAMENT, Wanted};
 use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::{Notice, Notices};
+use crate::machine::state::program::Program;
 use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
 use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
@@ -64,6 +66,13 @@ enum Gate {
     Kept(Answer<'static>),
 }
 
+/// Whether a line is straight.
+#[derive(Clone, Copy)]
+enum Course {
+    Straight,
+    Arc,
+}
+
 /// The conditions that a line in a print must meet before it is carried out.
 #[derive(Clone, Copy)]
 struct Asked {
@@ -85,10 +94,13 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G0, G1. A line that is refused changes nothing, F included.
     pub async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<Answer<'static>, Interrupt> {
         let mut wanted = self.wanted(to);
-        let asked = self.asked(&wanted);
-        match self.hold_back(asked).await? {
+        let mut asked = self.asked(&wanted, Course::Straight);
+        match self.hold_back(asked, Some((to, Course::Straight))).await? {
             Gate::Open => {}
-            Gate::Changed => wanted = self.wanted(to),
+            Gate::Changed => {
+                wanted = self.wanted(to);
+                asked = self.asked(&wanted, Course::Straight);
+            }
             Gate::Kept(answer) => return Ok(answer),
         }
         let feed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
@@ -100,7 +112,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if (x || y) && !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.main_loop.commanded.leave_park(wanted.position, to, self.modal);
+        let may_be_script = is_own(self.main_loop);
+        self.main_loop.commanded.leave_park(wanted.position, to, self.modal, may_be_script);
         self.go(wanted.position, feed).await?;
         self.modal.feed = feed;
         self.main_loop.commanded.count_extrusion(wanted.extrusion);
@@ -114,28 +127,49 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         main_loop.commanded.target(to, self.modal, &main_loop.settings, self.cold.is_too_cold(main_loop))
     }
 
-    /// The conditions of a straight line.
-    fn asked(&self, wanted: &Wanted) -> Asked {
-        let commanded = &self.main_loop.commanded;
-        let moves = moving(commanded.position(), wanted.position);
+    /// The conditions of a line to there.
+    fn asked(&self, wanted: &Wanted, course: Course) -> Asked {
+        self.asked_of(&self.main_loop.commanded, self.modal, wanted, course)
+    }
+
+    /// The same of a program that stands there.
+    fn asked_of(&self, commanded: &Commanded, modal: &Modal, wanted: &Wanted, course: Course) -> Asked {
+        let [x, y, z] = moving(commanded.position(), wanted.position);
+        let [in_x, in_y, in_z, _] = match course {
+            Course::Straight => [false; 4],
+            Course::Arc => join(modal.plane, [true, true], [false, false]),
+        };
         let filament = wanted.extrusion.saturating_sub(commanded.extrusion());
-        Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
+        let filament = if self.modal.dry_run { Mm::ZERO } else { filament };
+        Asked { moves: [x || in_x, y || in_y, z || in_z], filament }
+    }
+
+    /// Whether these words, if a print is paused and they may be a line of its stream, print there.
+    fn prints_in_stream(&self, (to, course): (&AxisWords, Course)) -> bool {
+        let main_loop = &*self.main_loop;
+        let Some(Program { commanded, modal, .. }) = main_loop.stream.program() else { return false };
+        if main_loop.job.line().kept().is_some() || !is_own(main_loop) {
+            return false;
+        }
+        let wanted = commanded.target(to, modal, &main_loop.settings, false);
+        self.asked_of(commanded, modal, &wanted, course).prints()
     }
 
     /// In a print, a line waits for a heater that has switched off by itself. A line that cannot be carried out,
     /// because the hotend is too cold for it or an axis has lost its place, is kept. The answer says so. A line that
-    /// prints begins a print, and ends a pause.
-    async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
+    /// prints begins a print. It ends a pause if it prints in the modes of the print's stream.
+    async fn hold_back(&mut self, mut asked: Asked, words: Option<(&AxisWords, Course)>) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
-        if asked.prints() && !self.main_loop.job.is_printing() {
-            let host = self.main_loop.hosts.serving();
-            let job = &self.main_loop.job;
-            if job.is_paused() && job.line().kept().is_none() && job.is_of(host) {
-                gate = Gate::Changed;
-                if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
-                    return self.keep(why).await;
-                }
+        if self.main_loop.job.is_paused() {
+            let Some((to, course)) = words.filter(|words| self.prints_in_stream(*words)) else { return Ok(gate) };
+            gate = Gate::Changed;
+            if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
+                return self.keep(why).await;
             }
+            asked = self.asked(&self.wanted(to), course);
+        }
+        if asked.prints() {
+            let host = self.main_loop.hosts.serving();
             self.main_loop.job.begin(host);
         }
         if !self.main_loop.job.is_printing() {
@@ -170,6 +204,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if asked.prints() {
             let position = self.main_loop.commanded.position();
             self.main_loop.job.note_printed(position);
+            self.main_loop.stream.note_number(self.main_loop.hosts.has_number());
         }
     }
 
@@ -267,12 +302,13 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G2, G3. The axis across the plane and E run evenly along the arc.
     pub async fn arc(&mut self, words: &ArcWords) -> Result<Answer<'static>, Interrupt> {
         let mut wanted = self.wanted(&words.to);
-        let Asked { moves: [x, y, z], filament } = self.asked(&wanted);
-        let [in_x, in_y, in_z, _] = join(self.modal.plane, [true, true], [false, false]);
-        let asked = Asked { moves: [x || in_x, y || in_y, z || in_z], filament };
-        match self.hold_back(asked).await? {
+        let mut asked = self.asked(&wanted, Course::Arc);
+        match self.hold_back(asked, Some((&words.to, Course::Arc))).await? {
             Gate::Open => {}
-            Gate::Changed => wanted = self.wanted(&words.to),
+            Gate::Changed => {
+                wanted = self.wanted(&words.to);
+                asked = self.asked(&wanted, Course::Arc);
+            }
             Gate::Kept(answer) => return Ok(answer),
         }
         let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
@@ -298,7 +334,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.main_loop.commanded.leave_park(wanted.position, &words.to, self.modal);
+        let may_be_script = is_own(self.main_loop);
+        self.main_loop.commanded.leave_park(wanted.position, &words.to, self.modal, may_be_script);
         self.modal.feed = speed;
         let begin = self.main_loop.commanded.extrusion();
         let between = |from: Mm, to: Mm, part: u32| {
@@ -338,7 +375,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         filament: Mm,
     ) -> Result<Answer<'static>, Interrupt> {
         if moves.is_some()
-            && let Gate::Kept(answer) = self.hold_back(Asked { moves: [false; 3], filament }).await?
+            && let Gate::Kept(answer) = self.hold_back(Asked { moves: [false; 3], filament }, None).await?
         {
             return Ok(answer);
         }

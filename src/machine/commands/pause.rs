@@ -88,7 +88,7 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
     parks: bool,
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    announce(main_loop, &[Action::Paused]).await?;
+    announce(main_loop, &[Action::PausedAtOnce]).await?;
     if main_loop.job.is_paused() {
         main_loop.finish().await?;
         return Ok(Answer::Nothing);
@@ -143,7 +143,9 @@ pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
     why: Kept,
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
-    save(main_loop, modal, Mm::ZERO);
+    if !main_loop.job.is_paused() {
+        save(main_loop, modal, Mm::ZERO);
+    }
     report_reason(main_loop, why, Action::Pause).await?;
     main_loop.job.line_mut().keep(why, &main_loop.pauses);
     Ok(Answer::Kept)
@@ -176,6 +178,11 @@ fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, 
     let targets = Heater::ALL.map(|heater| main_loop.heat.target(heater));
     let (host, homed) = (main_loop.hosts.serving(), main_loop.homed.axes());
     main_loop.job.pause(host, Break { program, homed, load }, targets);
+    main_loop.stream.begin(program);
+    if main_loop.job.printed_at().is_none() {
+        // Only this line can tell.
+        main_loop.stream.note_number(main_loop.hosts.has_number());
+    }
     main_loop.heat.note_used(main_loop.now());
 }
 
@@ -321,13 +328,12 @@ async fn go_back<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-/// Heaters get their targets back, and are waited for; the tool goes back, and the print continues. With `restores` the
-/// program's state from before the pause returns; without, the state that lines have set in the pause stays.
+/// Heaters get their targets back, and are waited for; the program is as it was, the tool goes back, and the print
+/// continues.
 async fn go_on<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     cold: &ColdExtrusion,
-    restores: bool,
     kept: Option<Kept>,
 ) -> Result<Going, Interrupt> {
     let Some(Break { program, homed, .. }) = main_loop.job.paused() else { return Ok(Going::On) };
@@ -346,13 +352,15 @@ async fn go_on<P: PortSet, W: Pend>(
         return Ok(Going::Not(Kept::Cold));
     }
     main_loop.finish().await?;
-    let load = main_loop.job.take_load();
-    change(main_loop, modal, cold, load, LOAD_SPEED).await?;
+    // Pushed in once.
+    let load = main_loop.job.paused_mut().map(|paused| core::mem::replace(&mut paused.load, Mm::ZERO));
+    change(main_loop, modal, cold, load.unwrap_or(Mm::ZERO), LOAD_SPEED).await?;
     let now = main_loop.commanded;
     let from = now.of_machine(now.position());
-    if restores {
-        restore(main_loop, modal, &program).await?;
-    }
+    main_loop.commanded = program.commanded;
+    // Filament moved during the pause, as in a filament change, does not count for the print.
+    main_loop.commanded.count_filament_as(&now);
+    put_modes(main_loop, modal, &program);
     // Where an axis is that was lost then and is homed now, the program has never been. The line finds its place
     // itself.
     if kept == Some(Kept::Failed) && main_loop.homed.axes() != homed {
@@ -366,18 +374,10 @@ async fn go_on<P: PortSet, W: Pend>(
     Ok(Going::On)
 }
 
-/// The program is as it was. Filament moved during the pause, as in a filament change, does not count for the print.
-async fn restore<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    modal: &mut Modal,
-    program: &Program,
-) -> Result<(), Interrupt> {
-    let now = main_loop.commanded;
-    main_loop.commanded = program.commanded;
-    main_loop.commanded.count_filament_as(&now);
+/// Modes and limits are those of the program.
+pub(super) fn put_modes<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &mut Modal, program: &Program) {
     *modal = modal.restored(&program.modal);
     main_loop.live_settings().set_dynamics(&program.dynamics);
-    Ok(())
 }
 
 /// Fans that were switched off during the pause, by a script or by the user, run as in the print. A fan speed set
@@ -403,19 +403,22 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     if main_loop.job.line().kept().is_some() {
         return Ok(Answer::Nothing);
     }
-    Ok(match go_on(main_loop, modal, cold, true, None).await? {
+    Ok(match go_on(main_loop, modal, cold, None).await? {
         Going::On => Answer::Nothing,
         Going::Not(_) => Answer::Line("echo:not resumed: axes are no longer homed. Home them (G28), then send M24"),
     })
 }
 
-/// The stream goes on without M24: the changes of its own pause script stay.
+/// The stream goes on without M24, from where it has come in the pause.
 pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     cold: &ColdExtrusion,
 ) -> Result<Going, Interrupt> {
-    go_on(main_loop, modal, cold, false, None).await
+    if let (Some(paused), Some(program)) = (main_loop.job.paused_mut(), main_loop.stream.program()) {
+        paused.program = *program;
+    }
+    go_on(main_loop, modal, cold, None).await
 }
 
 /// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried
@@ -437,7 +440,7 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
     if is_for_user {
         announce(main_loop, &[Action::PromptEnd]).await?;
     }
-    match go_on(main_loop, modal, cold, true, Some(kept)).await? {
+    match go_on(main_loop, modal, cold, Some(kept)).await? {
         Going::On if is_for_user => Ok(Some(false)),
         Going::On => {
             announce(main_loop, &[Action::PromptEnd]).await?;

@@ -1,6 +1,6 @@
 //! After a stop: nothing moves, hosts are answered, and M999 restarts the machine.
 //!
-//! The hosts connected at the stop get the error, which ends their prints, and none of their lines is answered with
+//! The hosts connected at the stop get the error once, which ends their prints, and none of their lines is answered with
 //! `ok` any more. A host that connects later, by opening its line or by saying M110, is greeted with the reason of the
 //! stop. The usual queries of such a host at connection are answered, so that it gets as far as sending M999; every
 //! other command gets the error too.
@@ -83,10 +83,12 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut
             None => main_loop.hosts.notify_all(format_args!("echo:the tool was not parked")),
         }
     }
+    // The message answers the lines that have come so far, that of M112 included.
+    let (mut text, now) = (Text::new(), main_loop.now());
+    while main_loop.hosts.next_line(now, (0, &|| Activity::Paused), &mut text).is_some() {}
     main_loop.hosts.greet(|replies| report_killed(replies, reason));
     // Hosts that came later.
     let mut are_new = [false; LINES];
-    let mut text = Text::new();
     while !main_loop.is_to_restart {
         main_loop.poll_halted(&mut are_new).await;
         let now = main_loop.now();

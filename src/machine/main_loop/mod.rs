@@ -73,6 +73,7 @@ use crate::machine::state::first_layer::FirstLayer;
 use crate::machine::state::job::Job;
 use crate::machine::state::known_bed::KnownBed;
 use crate::machine::state::limping::Limping;
+use crate::machine::state::paused_stream::PausedStream;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::Homed;
 use crate::machine::state::probing::Probing;
@@ -93,6 +94,8 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub hosts: Hosts<P::Serial>,
     /// The state of the print.
     pub job: Job,
+    /// The print's stream in a pause.
+    pub stream: PausedStream,
     /// The wait of the present command.
     pub pauses: Pauses,
     pub settings: SettingsInUse,
@@ -157,6 +160,7 @@ where
         Self {
             hosts: Hosts::new(serial),
             job: Job::new(),
+            stream: PausedStream::new(),
             pauses: Pauses::new(),
             settings: SettingsInUse::new(settings, now),
             motion: Motion::new(link, memory, groupings, &settings, [x, y, z, Mm::ZERO]),

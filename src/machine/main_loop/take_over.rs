@@ -91,6 +91,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         self.motion.set_resolution(&wanted);
         self.commanded.sink(lifted);
+        self.in_pause(|program| program.commanded.sink(lifted));
         let position = self.motion.to_steps(self.commanded.of_machine(self.commanded.position()));
         self.adopt_position(position).await?;
         self.move_mesh(way_of_probe).await

@@ -2,6 +2,7 @@
 
 use super::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::state::program::Program;
 use crate::port::Pend;
 use crate::settings::{HomedAxis, Range, ZStore};
 use crate::units::Mm;
@@ -32,7 +33,7 @@ pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(
 pub(in crate::machine) fn let_z_stand<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) {
     main_loop.settings.shift_z_offset(ZStore::Program, by);
     main_loop.first_layer.shift(-by);
-    main_loop.commanded.move_origin([Mm::ZERO, Mm::ZERO, by]);
+    move_origin(main_loop, [Mm::ZERO, Mm::ZERO, by]);
 }
 
 /// An axis was homed: it has the machine's own zero again but for its home offset, and no shift.
@@ -51,13 +52,31 @@ pub(in crate::machine) fn use_home_offsets<P: PortSet, W: Pend>(main_loop: &mut 
     move_origins(main_loop, before);
 }
 
+/// The program's zero moves by so much, and that of a program which is paused.
+fn move_origin<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: [Mm; 3]) {
+    main_loop.commanded.move_origin(by);
+    main_loop.in_pause(|program| program.commanded.move_origin(by));
+}
+
 /// The program's zero moves, because the home offsets were others `before`.
 pub(super) fn move_origins<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, before: [Mm; 3]) {
     let mut by = before;
     for (by, now) in by.iter_mut().zip(main_loop.settings.home_offsets()) {
         *by = by.saturating_sub(now);
     }
-    main_loop.commanded.move_origin(by);
+    move_origin(main_loop, by);
+}
+
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+    /// The same change for the program that a pause keeps, and as far as its stream has come.
+    pub(super) fn in_pause(&mut self, change: impl Fn(&mut Program)) {
+        self.job
+            .paused_mut()
+            .map(|paused| &mut paused.program)
+            .into_iter()
+            .chain(self.stream.program_mut())
+            .for_each(change);
+    }
 }
 
 /// Tells hosts once that the kept offset is not stored.

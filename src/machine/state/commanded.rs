@@ -116,19 +116,19 @@ impl Commanded {
     }
 
     /// A line is about to send the program to `to` in a pause. An axis that the line names goes to its place,
-    /// independent of where it is parked. A host that pulls filament back has its own pause script: the pause's
-    /// retraction and lift already count for it.
-    pub fn leave_park(&mut self, to: [Mm; 4], words: &AxisWords, modal: &Modal) {
+    /// independent of where it is parked. A host that pulls filament back has its own pause script, unless the line is
+    /// a button's: the pause's retraction and lift already count for it.
+    pub fn leave_park(&mut self, to: [Mm; 4], words: &AxisWords, modal: &Modal, may_be_script: bool) {
         let ([.., from_z, from_e], [.., to_z, to_e]) = (self.position, to);
         let [x, y, z, e] = &mut self.parked;
         let back = from_e.wrapping_sub(to_e);
-        if back > Mm::ZERO && *e < Mm::ZERO {
+        if may_be_script && back > Mm::ZERO && *e < Mm::ZERO {
             *e = e.saturating_add(back).min(Mm::ZERO);
             self.has_taken_over = true;
         }
         if !modal.absolute {
             let up = to_z.saturating_sub(from_z);
-            if self.has_taken_over && up > Mm::ZERO {
+            if may_be_script && self.has_taken_over && up > Mm::ZERO {
                 *z = z.saturating_sub(up).max(Mm::ZERO);
             }
             return;

@@ -128,6 +128,11 @@ impl HeatOrders {
     /// wait until all heaters have a reading (`are_read`): just after the start there is none yet.
     pub fn next(&mut self, settings: &ThermalSettings, period: u32, are_read: impl Fn() -> bool) -> Option<Order> {
         if core::mem::replace(&mut self.is_off, false) {
+            for target in &mut self.targets {
+                if *target == Target::Known {
+                    *target = Target::Left(Celsius::ZERO, period);
+                }
+            }
             return Some(Order::Off);
         }
         if let Some(order) = self.next_settings(settings) {
@@ -267,5 +272,19 @@ mod tests {
         status.heat().count_period();
         status.heat().count_period();
         assert_eq!(orders.target(Heater::Bed, status.heat()), Celsius::ZERO);
+    }
+
+    #[test]
+    fn off_on_its_way_is_off() {
+        let (status, settings) = (Status::new(), ThermalSettings::prototype());
+        let mut orders = HeatOrders::new(&settings);
+        status.heat().set_heater(Heater::Bed, None, Celsius::from_num(60), 0);
+        orders.switch_off();
+        orders.heat(Heater::Hotend, Celsius::from_num(200));
+        let targets = |orders: &HeatOrders| [Heater::Bed, Heater::Hotend].map(|h| orders.target(h, status.heat()));
+        let wanted = [Celsius::ZERO, Celsius::from_num(200)];
+        assert_eq!(targets(&orders), wanted);
+        assert!(matches!(orders.next(&settings, 0, || true), Some(Order::Off)));
+        assert_eq!(targets(&orders), wanted);
     }
 }

@@ -17,7 +17,7 @@
 //!   G28, M108 or M110.
 //!
 //! A pause ends with M24 or M602. If a line is kept, M108 and M876 S end it too; if none is kept, the next line of its
-//! host that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
+//! [stream](super::paused_stream) that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
 
 use super::kept_line::KeptLine;
 use super::level::LevelFailure;
@@ -58,6 +58,8 @@ pub(in crate::machine) enum JobEnd {
     ProbeFailed { why: ProbeFailure },
     /// The screws of z were not levelled.
     NotLevel(LevelFailure),
+    /// A line decides which lines run, and the firmware runs them all.
+    Conditional,
 }
 
 /// Why the probe did not find the bed. Places are z of the nozzle, heights those of the bed.
@@ -178,6 +180,9 @@ impl fmt::Display for JobEnd {
             Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
             Self::ProbeFailed { why } => write!(f, "probing failed: {why}"),
             Self::NotLevel(why) => write!(f, "{why}"),
+            Self::Conditional => f.write_str(
+                "a line decides which lines run, and this firmware cannot skip lines. Slice for Marlin, or remove it",
+            ),
         }
     }
 }
@@ -257,10 +262,10 @@ impl Job {
         *self = Self { line: self.line, ..Self::new() };
     }
 
-    /// The print was ended; its stream may still come.
-    pub const fn end_early(&mut self) {
+    /// The print was ended for that reason; its stream may still come.
+    pub const fn end_early(&mut self, why: JobEnd) {
         self.end();
-        self.phase = Phase::Ended { is_told: false };
+        (self.phase, self.end) = (Phase::Ended { is_told: false }, why);
     }
 
     /// A host that continues after its print was ended knows of the end.
@@ -335,12 +340,9 @@ impl Job {
         self.paused
     }
 
-    /// The length of filament to push in, once.
-    pub const fn take_load(&mut self) -> Mm {
-        match &mut self.paused {
-            Some(paused) => core::mem::replace(&mut paused.load, Mm::ZERO),
-            None => Mm::ZERO,
-        }
+    /// The same, which a later line changes.
+    pub const fn paused_mut(&mut self) -> Option<&mut Break> {
+        self.paused.as_mut()
     }
 
     /// The print continues.

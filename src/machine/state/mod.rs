@@ -14,7 +14,7 @@
 //! | circulation of a belt, alignment of its motors | [`circulation`], [`trimming`] |
 //! | a belt that has lost a motor | [`limping`] |
 //! | the wait of a command | [`pauses`], [`waiting`] |
-//! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`] |
+//! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`], [`paused_stream`] |
 //! | the mesh of the bed, the area that a print needs | [`known_bed`] |
 //! | whether the screws of z are level | [`level`] |
 //! | a line that is kept without `ok` | [`kept_line`] |
@@ -53,6 +53,7 @@ pub(in crate::machine) mod limping;
 pub(in crate::machine) mod machine_pieces;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
+pub(in crate::machine) mod paused_stream;
 pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod position;
 pub(in crate::machine) mod probing;

@@ -29,6 +29,9 @@ const HEAT: &str = "xtask/clients/heat.gcode";
 /// A print that is paused until its heat is off; its machine file is next to it.
 const PAUSE: &str = "xtask/clients/pause.gcode";
 
+/// A print with pauses in which buttons are pressed.
+const BUTTONS: &str = "xtask/clients/buttons.gcode";
+
 /// The example that is most like a sliced file.
 const EXAMPLE: &str = "examples/first-print.gcode";
 
@@ -56,6 +59,8 @@ enum Print {
     Heat,
     /// One that is paused, on a machine with heaters that go off soon.
     Pause,
+    /// One with pauses in which buttons are pressed.
+    Buttons,
 }
 
 /// A client and a line.
@@ -67,7 +72,7 @@ struct Trial {
     print: Print,
 }
 
-const TRIALS: [Trial; 12] = [
+const TRIALS: [Trial; 14] = [
     printcore("clean", Board::Simulator, Print::Sliced),
     printcore("corrupt", Board::Simulator, Print::Sliced),
     printcore("drop", Board::Simulator, Print::Example),
@@ -80,6 +85,8 @@ const TRIALS: [Trial; 12] = [
     heats(PRINTRUN, "pronsole_uploads.py", Board::Simulator),
     heats(OCTOPRINT, "octoprint_heats.py", Board::Simulator),
     Trial { print: Print::Pause, ..heats(OCTOPRINT, "octoprint_pauses.py", Board::Simulator) },
+    Trial { print: Print::Buttons, ..heats(OCTOPRINT, "octoprint_buttons.py", Board::Simulator) },
+    Trial { print: Print::Buttons, ..heats(PRINTRUN, "pronsole_buttons.py", Board::Simulator) },
 ];
 
 const fn printcore(line: &'static str, board: Board, print: Print) -> Trial {
@@ -150,6 +157,7 @@ impl Trial {
             Print::Beginning => beginning(&example(), LINES_IN_QEMU)?,
             Print::Heat => root().join(HEAT),
             Print::Pause => root().join(PAUSE),
+            Print::Buttons => root().join(BUTTONS),
         };
         let mut command = Command::new(self.client.python()?);
         // No compiled files in the sources.

@@ -1,7 +1,6 @@
 //! Effects of a command on the lines after it.
 
-use super::asker::{Asker, answers, before_homing};
-use super::deaf::Deaf;
+use super::asker::{answers, before_homing};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::run;
@@ -49,20 +48,31 @@ fn moves_before_homing_are_warned_of_once_or_refused() {
     assert!(heard[4].starts_with("X:5.00 Y:0.00 Z:0.00"), "{heard:?}");
 }
 
-/// Conditional lines would print something else if they were skipped.
+/// Conditional lines would print something else if they were skipped. The job ends, and the machine prints the next.
 #[test]
-fn conditions_stop_the_print_with_a_reason() {
+fn conditions_end_the_job_with_a_reason_and_nothing_after_them_acts() {
     let names = ["if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"no\""];
     let of_slicers = ["{if layer_num > 2}", "{elsif true}", "{else}", "{endif}"];
+    // The rest of the job: it would begin a print, move, home, heat, blow, and change settings.
+    let rest = "START_PRINT BED=60\nG28\nM75\nM104 S200\nM106 S255\nG1 X120 E5\nG92 X0\nM220 S50\nM92 E500\nM500\n";
+    let asks = "M114\nM503 S0\nM105";
     for line in ["M622 J1", "M623"].into_iter().chain(names).chain(of_slicers) {
-        let lines = ["G1 X110", line, "G1 X120"].map(str::to_owned).to_vec();
-        let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
-        let start = Some([100, 100, 50].map(Mm::from_num));
-        let outcome = run(&Settings::prototype(), start, &mut host, &mut Deaf).unwrap();
-        assert!(outcome.halted, "{line}");
-        let [.., reason, halted] = host.heard.as_slice() else { panic!("{:?}", host.heard) };
-        assert!(reason.starts_with("Error:this line decides which lines run"), "{line}: {reason}");
-        assert!(halted.starts_with("Error:Printer halted. kill() called!"), "{line}: {halted}");
+        for (next, x) in [("M110 N0", "X:130.00"), ("M108", "X:130.00"), ("", "X:110.00")] {
+            let text = format!("G1 X110\n{line}\n{rest}{line}\n{asks}\n{next}\nG1 X130\nM114\nM110 N0\nM220");
+            let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
+            let heard = answers(&lines);
+            let count = |begin: &str| heard.iter().filter(|told| told.starts_with(begin)).count();
+            let ended =
+                "echo:print ended, heaters are off: a line decides which lines run, and this firmware cannot skip";
+            assert_eq!((count(ended), count("//action:cancel action:cancel")), (1, 1), "{line}: {heard:?}");
+            assert_eq!(count("ok"), lines.len(), "{line}: {heard:?}");
+            assert_eq!(count("echo:the print was ended: its lines are ignored until M108 or M110"), 1, "{line}");
+            assert_eq!([count("Error"), count("echo:Unknown")], [0; 2], "{line}: {heard:?}");
+            assert_eq!([count("  M92 X80 Y80 Z800 E400"), count("FR:100%")], [1; 2], "{line}: {heard:?}");
+            let [before, after] = [0, 1].map(|n| heard.iter().filter(|told| told.starts_with("X:")).nth(n).unwrap());
+            assert!(before.starts_with("X:110.00 Y:100.00 Z:50.00 E:0.00"), "{line}: {before}");
+            assert!(after.starts_with(x), "{line}, {next}: {after}");
+        }
     }
 }
 

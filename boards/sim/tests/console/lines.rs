@@ -14,6 +14,35 @@ fn every_line_has_one_ok_and_blank_lines_have_none() {
     assert!(heard.iter().any(|l| l.starts_with("ok T:")), "{heard:?}");
 }
 
+/// Hosts send them as they stand in the file, and wait.
+#[test]
+fn a_line_of_comments_alone_is_answered_and_is_no_command() {
+    let lines = ["(comment)", "(a) (b)", " ( M112 )", "(a;b)", "()", "N1 (comment)*45", "G1 X5 (there)"];
+    let (heard, outcome, _) = talk(&lines);
+    assert_eq!(heard.iter().filter(|line| *line == "ok").count(), lines.len(), "{heard:?}");
+    assert!(!outcome.halted && !heard.iter().any(|line| line.contains("echo:Unknown")), "{heard:?}");
+}
+
+#[test]
+fn texts_pass_letter_by_letter() {
+    for text in
+        ["Größe", "voilà", "à la carte", "°C", "¡Hola!", "Ω\u{a0}5", "Слой 3", "第3層", "🖨 ready", "50 µm (ca.)"]
+    {
+        for (line, told) in [
+            (format!("M118 {text}"), text.to_owned()),
+            (format!("M118 E1 {text} "), format!("echo:{text}")),
+            (format!("M118 A1 P0 {text}"), format!("//{text}")),
+        ] {
+            let (heard, ..) = talk(&[&line]);
+            assert!(heard.contains(&told), "{line}: {heard:?}");
+        }
+        let lines = [format!("M117 {text}"), format!("M1 S1 {text}"), format!("M0 P1 {text}"), format!("M486 A{text}")];
+        let (heard, ..) = talk(&lines.each_ref().map(String::as_str));
+        assert_eq!(heard.iter().filter(|line| *line == "ok").count(), 4, "{heard:?}");
+        assert!(!heard.iter().any(|line| line.starts_with("echo:")), "{heard:?}");
+    }
+}
+
 #[test]
 fn an_advanced_ok_tells_line_and_room() {
     let mut settings = Settings::prototype();

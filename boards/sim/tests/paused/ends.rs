@@ -1,6 +1,6 @@
 //! Prints that end while they are paused, and the state that the next print finds.
 
-use super::{MINUTE, heated, place};
+use super::{MINUTE, heated, place, print};
 use crate::life::live;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -39,6 +39,27 @@ fn a_cancel_while_parked_leaves_nothing_to_the_next_print() {
     }
     // A print that ended as it should, with its filament pulled back.
     assert!(first == steps(&[&["M207 S4 Z1", "G1 X50 E1", "G10", "M84"], &["G1 X50 E1", "G10"]]));
+}
+
+/// The question comes in one packet with the cancel, and behind it.
+#[test]
+fn a_cancelled_print_tells_no_target_that_it_had() {
+    live(&heated(), 1, |life| {
+        print(life);
+        let targets = life.ask("M105", "ok T:");
+        assert!(targets.contains("/200.00") && targets.contains("/40.00"), "{targets}");
+        let before = life.count("ok T:");
+        life.put(0, "M524\nM105");
+        life.await_ok();
+        life.await_ok();
+        for _ in 0..100 {
+            life.say("M105");
+            life.rest(1);
+        }
+        let told: Vec<_> = life.heard.iter().filter(|line| line.starts_with("ok T:")).skip(before).collect();
+        assert_eq!(told.len(), 101);
+        assert!(told.iter().all(|line| line.matches("/0.00").count() == 2), "{told:?}");
+    });
 }
 
 /// Homing fails: in a print it ends the print. In a pause the print waits for the cure.

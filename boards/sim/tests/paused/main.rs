@@ -13,6 +13,7 @@ mod hosts;
 mod life;
 mod parking;
 mod program;
+mod stream;
 #[path = "../../../../tests/support/mod.rs"]
 mod support;
 

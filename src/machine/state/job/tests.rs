@@ -26,7 +26,12 @@ fn ends() -> Vec<JobEnd> {
         ProbeFailure::Spread { spread: far, tolerance: near },
     ];
     let levelling = [LevelFailure::NotNearer { was: near, now: far }, LevelFailure::TooFar { now: far }];
-    let others = [JobEnd::Unreachable { heater, at: 150, target: 200 }, JobEnd::Unread { heater }, JobEnd::Cancelled];
+    let others = [
+        JobEnd::Unreachable { heater, at: 150, target: 200 },
+        JobEnd::Unread { heater },
+        JobEnd::Cancelled,
+        JobEnd::Conditional,
+    ];
     let homing = homing.map(|why| JobEnd::NotHomed { axis, why });
     let probing = probing.map(|why| JobEnd::ProbeFailed { why });
     let levelling = levelling.map(JobEnd::NotLevel);
