@@ -130,7 +130,7 @@ impl HeaterGuards {
             self.window.look(settings.too_hot(), now.measured),
             self.while_off.look(settings.guards.off_rise, &seen),
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
-            self.frozen.look(self.floor, hold, now.measured, now.duty),
+            self.frozen.look(self.floor, [hold, goal], &seen),
             self.gain.look(self.floor, goal, smooth, (given, now.most)),
             self.balance.look(is_heated, &seen, now.power, now.fan, now.filament),
         ];

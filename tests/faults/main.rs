@@ -13,6 +13,7 @@ mod lives;
 #[path = "../thermal/printer.rs"]
 mod printer;
 mod quiet;
+mod rest;
 mod self_test;
 mod sensors;
 #[path = "../support/wild_heat.rs"]

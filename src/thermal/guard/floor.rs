@@ -62,8 +62,12 @@ pub struct Floor {
     falling: u32,
     /// Whether cold plates are laid on it.
     takes_plates: bool,
-    /// Periods for which a reading may stay constant after the power has changed.
+    /// Periods for which a reading may stay constant after the power has changed, or while it must rise.
     pub still: u32,
+    /// Periods between two marks of a reading (`frozen`).
+    pub mark: u32,
+    /// A rise from the oldest mark that cannot end at once: a heater follows its power no faster than its time constant.
+    pub rises: Celsius,
     /// Whether a reading at the target may stay constant at any power. A unit of the converter is 0.02 C and more at a
     /// hotend's temperatures, so a hotend's valid reading moves; it is less at those of beds and chambers.
     pub holds_still: bool,
@@ -84,6 +88,8 @@ impl Floor {
             falling: periods(2),
             takes_plates: false,
             still: periods(30),
+            mark: periods(3),
+            rises: Celsius::const_from_int(2),
             holds_still: false,
             settling: [periods(1), periods(30)],
             overshoot: Celsius::const_from_int(15),
@@ -95,6 +101,8 @@ impl Floor {
             falling: periods(20),
             takes_plates: true,
             still: periods(60),
+            mark: periods(15),
+            rises: Celsius::lit("0.65"),
             holds_still: true,
             settling: [periods(10), periods(300)],
             overshoot: Celsius::const_from_int(15),
@@ -107,6 +115,8 @@ impl Floor {
             falling: periods(600),
             takes_plates: false,
             still: periods(120),
+            mark: periods(30),
+            rises: Celsius::ONE,
             holds_still: true,
             settling: [periods(20), periods(600)],
             overshoot: Celsius::const_from_int(15),
@@ -117,6 +127,13 @@ impl Floor {
             Heater::Chamber => &CHAMBER,
         }
     }
+}
+
+/// Whether a reading is on the first 60 % of the way from the room to the target. A pulse of a self-test has none.
+pub fn is_low(measured: Celsius, target: Option<Celsius>) -> bool {
+    let way = target.unwrap_or(Celsius::MAX).saturating_sub(ROOM) / 5;
+    // Sixty parts of a hundred are three fifths.
+    measured < ROOM.saturating_add(way.saturating_mul_int(3))
 }
 
 /// The guard: power without a gain.
@@ -164,10 +181,7 @@ impl Gain {
             self.given = self.given.saturating_sub(FULL / FORGETS);
             return None;
         }
-        let goal = target.unwrap_or(Celsius::MAX);
-        let way = goal.saturating_sub(ROOM) / 5;
-        // Sixty parts of a hundred are three fifths.
-        let is_low = measured < ROOM.saturating_add(way.saturating_mul_int(3));
+        let (goal, is_low) = (target.unwrap_or(Celsius::MAX), is_low(measured, target));
         let counts = is_low || is_full && goal.saturating_sub(measured) >= NEAR;
         if !counts {
             return None;

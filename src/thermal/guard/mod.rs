@@ -7,7 +7,7 @@
 //! | [`HeatBalance`] | the same, sooner, and a heater that is too weak for its model | while it heats |
 //! | [`AtTarget`] | a reached temperature that is lost, or overshot without power | with a target |
 //! | [`WhileOff`] | a switch that does not switch off | without power |
-//! | [`Frozen`] | a reading that does not change | power has changed |
+//! | [`Frozen`] | a reading that does not change | power has changed, or it must go on to rise |
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
 //! | [`FanTurns`] | a driven fan that does not turn | its connector has a tachometer; none yet (`fan_turns`) |
 //! | [`Reference`] | a converter with a wrong reference or order of channels | always |
