@@ -9,7 +9,7 @@
 //! | 16..32 | x and y of the first point, x and y of the last one, in um |
 //! | 32..40 | x and y of the place where the height is 0, in um |
 //! | 40..44 | the fade height in um |
-//! | 44..48 | temperatures of bed and hotend at the measurement, in C |
+//! | 44..48 | temperatures of bed and hotend at the measurement, in C; -32,768 for none |
 //! | 48..50 | columns, rows |
 //! | 50.. | heights of 2 bytes, row by row |
 //!
@@ -28,6 +28,9 @@ const MAGIC: [u8; 4] = *b"CHBM";
 /// Bytes before the heights.
 const HEAD: usize = 50;
 
+/// The number in place of a temperature without a reading.
+const UNREAD: i16 = i16::MIN;
+
 /// Points that a place has room for: 7 by 7 of them, or 9 by 6.
 pub const MOST_STORED: usize = (ROOM - HEAD) / 2;
 
@@ -42,8 +45,8 @@ pub struct StoredMesh {
     pub mesh: Mesh,
     /// Where the height is 0.
     pub reference: [Mm; 2],
-    /// Temperatures of bed and hotend when it was measured, in C.
-    pub temperatures: [i16; 2],
+    /// Temperatures of bed and hotend when it was measured, in C, where there was a reading.
+    pub temperatures: [Option<i16>; 2],
 }
 
 impl StoredMesh {
@@ -135,7 +138,7 @@ fn encode(stored: &StoredMesh, machine: u32, sequence: u32) -> Option<([u8; ROOM
     );
     let all = head
         .flat_map(u32::to_le_bytes)
-        .chain(temperatures.iter().flat_map(|celsius| celsius.to_le_bytes()))
+        .chain(temperatures.iter().flat_map(|celsius| celsius.unwrap_or(UNREAD).to_le_bytes()))
         .chain([heights.columns() as u8, heights.rows() as u8])
         .chain(heights.points().flat_map(i16::to_le_bytes));
     let payload = bytes.get_mut(8..length)?;
@@ -183,7 +186,7 @@ fn decode(bytes: &[u8; ROOM]) -> Result<Decoded, MeshRejected> {
     let mm = |place: usize| of_um(number(place) as i32);
     let mesh = Mesh::new(heights, [mm(2), mm(3)], [mm(4), mm(5)], mm(8)).map_err(|_| MeshRejected::Damaged)?;
     let warm = number(9);
-    let temperatures = [warm as i16, (warm >> 16) as i16];
+    let temperatures = [warm as i16, (warm >> 16) as i16].map(|celsius| Some(celsius).filter(|is| *is != UNREAD));
     let stored = StoredMesh { mesh, reference: [mm(6), mm(7)], temperatures };
     Ok(Decoded { stored, machine: number(1), sequence: number(0) })
 }

@@ -166,9 +166,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// The reading of each heater's sensor.
+    /// The reading of each heater's sensor, if it can be right.
     fn readings(&self) -> Readings {
-        self.heaters.each_ref().map(|heater| heater.measured().filter(|_| heater.settings().is_fitted))
+        self.heaters.each_ref().map(|heater| heater.believed().filter(|_| heater.settings().is_fitted))
     }
 
     /// Whether the board drives one of them.
@@ -312,7 +312,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// Nothing warms a bed, which is the heaviest.
     fn warmed_to(&self, heater: Heater) -> Celsius {
         let [hotend, bed, _] = &self.heaters;
-        let reading = |near: &HeaterLoop| near.measured().filter(|_| near.settings().is_fitted);
+        let reading = |near: &HeaterLoop| near.believed().filter(|_| near.settings().is_fitted);
         let near = match heater {
             Heater::Hotend => reading(bed),
             Heater::Bed => None,
@@ -355,9 +355,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// All fans of the coming period.
     fn set_fan(&mut self) {
         let [hotend, ..] = &self.heaters;
-        // A hotend without a reading may be hot.
+        // A hotend without a reading that can be right may be hot.
         let is_warm = hotend.settings().is_fitted
-            && hotend.measured().is_none_or(|measured| measured > self.common.hotend_fan_above);
+            && hotend.believed().is_none_or(|measured| measured > self.common.hotend_fan_above);
         let is_busy = self.has_motors || self.heaters.iter().any(HeaterLoop::is_powered);
         self.runs_on = if is_busy {
             u32::from(self.common.fan_run_on_s) * (1000 / PERIOD_MS)

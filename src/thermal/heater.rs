@@ -1,7 +1,7 @@
 //! One heater: its sensor, its controller, its guards.
 
 use super::fixed_point::{duty, share};
-use super::guard::{Alarm, Numbers};
+use super::guard::{Alarm, Numbers, Window};
 use super::heater_guards::{Aim, HeaterGuards, Watched};
 use super::lag_watch::{LagNumbers, LagWatch};
 use super::observer::{Coefficients, Observer, Past};
@@ -38,6 +38,7 @@ pub struct HeaterLoop {
     settings: HeaterSettings,
     curve: Curve,
     filter: Filter,
+    window: Window,
     /// Present after the first reading.
     observer: Option<Observer>,
     lag_watch: LagWatch,
@@ -54,7 +55,7 @@ pub struct HeaterLoop {
     tune: Option<Tune>,
     /// Full power whatever the target, for a self-test.
     is_pulsed: bool,
-    /// Why it must not heat, while it has no target.
+    /// Why it must not heat: its reading is none, or beyond its window. It has no target then.
     ailment: Option<Cause>,
 }
 
@@ -67,6 +68,7 @@ impl HeaterLoop {
             settings,
             curve: Curve::new(settings.thermistor),
             filter: Filter::new(),
+            window: Window::new(),
             observer: None,
             lag_watch: LagWatch::new(&settings.model),
             pid: Pid::new(settings.pid),
@@ -120,7 +122,7 @@ impl HeaterLoop {
         self.target = target;
     }
 
-    /// The nearest legal target: within the limits, and none while the sensor is broken.
+    /// The nearest legal target: within the limits, and none while heating is refused.
     pub fn legal(&self, target: Celsius) -> Celsius {
         if self.ailment.is_some() { Celsius::ZERO } else { target.min(self.settings.most).max(Celsius::ZERO) }
     }
@@ -130,9 +132,14 @@ impl HeaterLoop {
         self.target
     }
 
-    /// The temperature, after the first good reading.
+    /// The temperature, after the first reading: as hosts see it.
     pub const fn measured(&self) -> Option<Celsius> {
         self.measured
+    }
+
+    /// The temperature, unless its sensor cannot be right.
+    pub fn believed(&self) -> Option<Celsius> {
+        self.measured.filter(|_| self.ailment.is_none())
     }
 
     /// The last output duty, of 65,535; averaged for a relay.
@@ -140,7 +147,7 @@ impl HeaterLoop {
         self.wanted
     }
 
-    /// Why it must not heat, although there is no fault yet: its sensor is broken.
+    /// Why it must not heat, although there is no fault: its sensor cannot be right.
     pub const fn ailment(&self) -> Option<Cause> {
         self.ailment
     }
@@ -211,15 +218,20 @@ impl HeaterLoop {
         let good = match contact {
             Contact::Good(measured) => Some(measured),
             Contact::Doubtful => None,
-            Contact::Broken(cause) if self.target == Celsius::ZERO && self.wanted == 0 => {
-                // It is off, so this is not a fault yet; it just must not heat.
-                (self.ailment, self.measured, self.observer) = (Some(cause), None, None);
+            Contact::Broken(cause) if self.is_off() || !self.window.is_seen() => {
+                // It has no power, so this is no fault; it just must not heat.
+                self.refuse(Some(cause));
+                (self.measured, self.observer) = (None, None);
                 self.guards.end();
                 self.guards.follow(&self.settings, false);
                 return Ok(self.put_out(0));
             }
             Contact::Broken(cause) => return Err(alarm(cause, self.measured)),
         };
+        if let Some(measured) = good {
+            let refused = self.window.look(self.settings.too_hot(), measured, self.is_off())?;
+            self.refuse(refused);
+        }
         let power = self.power_at(self.given);
         let past = Past { power, is_free: self.is_free, fan: now.fan, filament: now.filament, measured: good };
         match (&mut self.observer, good) {
@@ -233,7 +245,7 @@ impl HeaterLoop {
             self.guards.follow(&self.settings, wanted > 0);
             return Ok(self.put_out(wanted));
         };
-        (self.measured, self.ailment) = (Some(measured), None);
+        self.measured = Some(measured);
         let is_full = !self.is_free && self.given > 0;
         let seen = self.lag_watch.look(measured, power, is_full, self.guards.is_warming());
         if let (Some(seen), Some(observer)) = (seen, &mut self.observer) {
@@ -244,6 +256,19 @@ impl HeaterLoop {
         Ok(self.put_out(wanted))
     }
 
+    /// Whether it shall have no power, and has none.
+    fn is_off(&self) -> bool {
+        self.target == Celsius::ZERO && self.wanted == 0
+    }
+
+    /// Refuses to heat for that reason, or does so no more.
+    fn refuse(&mut self, why: Option<Cause>) {
+        self.ailment = why;
+        if why.is_some() {
+            self.set_target(Celsius::ZERO);
+        }
+    }
+
     fn watch(&mut self, measured: Celsius, power: Power, now: &Circumstances) -> Result<(), Alarm> {
         let aim = match self.target {
             _ if self.is_pulsed => Aim::Pulse,
@@ -252,7 +277,9 @@ impl HeaterLoop {
             target => Aim::Hold(target),
         };
         let Circumstances { fan, filament, warmed_to, .. } = *now;
-        let watched = Watched { aim, measured, duty: self.wanted, most: self.most(), power, fan, filament, warmed_to };
+        let is_too_hot = self.ailment == Some(Cause::TooHot);
+        let (duty, most) = (self.wanted, self.most());
+        let watched = Watched { aim, measured, duty, most, power, fan, filament, warmed_to, is_too_hot };
         self.guards.look(&self.settings, &watched).map_or(Ok(()), Err)
     }
 
@@ -264,11 +291,11 @@ impl HeaterLoop {
     /// The duty for the next period.
     fn decide(&mut self, measured: Celsius, ahead: Ahead) -> u16 {
         let most = self.most();
-        if self.is_pulsed {
+        if self.is_pulsed && self.ailment.is_none() {
             self.is_free = false;
             return most;
         }
-        if self.target == Celsius::ZERO {
+        if self.target == Celsius::ZERO || self.ailment.is_some() {
             self.is_free = true;
             return 0;
         }

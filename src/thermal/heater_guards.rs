@@ -1,6 +1,6 @@
 //! The guards of one heater, and their inputs.
 
-use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Numbers, Seen, UnderWay, WhileOff, Window};
+use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Numbers, Seen, UnderWay, WhileOff};
 use crate::connectors::Heater;
 use crate::settings::HeaterSettings;
 use crate::units::{Celsius, Power, Ratio};
@@ -41,6 +41,8 @@ pub struct Watched {
     pub filament: I8F24,
     /// Temperature up to which another heater may warm it.
     pub warmed_to: Celsius,
+    /// It reads too hot since the first reading: with or without heat under way, it must not get warmer.
+    pub is_too_hot: bool,
 }
 
 /// The guards of one heater.
@@ -49,7 +51,6 @@ pub struct HeaterGuards {
     under_way: UnderWay,
     /// The reading without its noise, after the first one.
     smooth: Option<Celsius>,
-    window: Window,
     gain: Gain,
     balance: HeatBalance,
     at_target: AtTarget,
@@ -64,7 +65,6 @@ impl HeaterGuards {
             floor: Floor::of(heater),
             under_way: UnderWay::new(),
             smooth: None,
-            window: Window::new(),
             gain: Gain::new(),
             balance: HeatBalance::new(settings),
             at_target: AtTarget::new(),
@@ -81,8 +81,7 @@ impl HeaterGuards {
     /// Ends all episodes, because there is no reading. Given power still counts.
     pub fn end(&mut self) {
         self.smooth = None;
-        (self.window, self.at_target, self.while_off, self.frozen) =
-            (Window::new(), AtTarget::new(), WhileOff::new(), Frozen::new());
+        (self.at_target, self.while_off, self.frozen) = (AtTarget::new(), WhileOff::new(), Frozen::new());
     }
 
     /// Follows the power of a period without a reading.
@@ -115,7 +114,7 @@ impl HeaterGuards {
             measured: now.measured,
             smooth,
             duty: now.duty,
-            is_settled: self.under_way.is_over(),
+            is_settled: self.under_way.is_over() || now.is_too_hot,
             warmed_to: now.warmed_to,
         };
         let (hold, goal, is_believed) = match now.aim {
@@ -127,7 +126,6 @@ impl HeaterGuards {
         // A heater that was just switched off still has the duty of the last period, and no task.
         let given = if now.aim == Aim::Off { 0 } else { now.duty };
         let found = [
-            self.window.look(settings.too_hot(), now.measured),
             self.while_off.look(settings.guards.off_rise, &seen),
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
             self.frozen.look(self.floor, [hold, goal], &seen),

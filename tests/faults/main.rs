@@ -13,6 +13,7 @@ mod lives;
 #[path = "../thermal/printer.rs"]
 mod printer;
 mod quiet;
+mod refusals;
 mod rest;
 mod self_test;
 mod sensors;

@@ -5,6 +5,7 @@ use crate::{break_it, cold, constants, is_off, printing, until_off, until_refuse
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::settings::Thermistor;
+use corehbot::thermal::Order;
 use corehbot::units::Celsius;
 use corehbot_rig::plant::{Plant, SensorFault};
 
@@ -184,7 +185,7 @@ fn f17_channels_that_slip_by_one_are_found() {
 }
 
 #[test]
-fn f19_a_cold_room_is_no_fault_and_colder_than_any_room_is_one() {
+fn f19_a_cold_room_heats_and_colder_than_any_room_is_refused() {
     let mut winter = constants();
     winter.ambient_celsius = -5.0;
     let mut printer = Printer::new(&winter, settings());
@@ -196,19 +197,24 @@ fn f19_a_cold_room_is_no_fault_and_colder_than_any_room_is_one() {
     arctic.ambient_celsius = -25.0;
     let mut printer = Printer::new(&arctic, settings());
     printer.set(Heater::Hotend, 200.0);
-    let (cause, _) = until_off(&mut printer, 5.0);
-    assert_eq!(cause, Cause::TooCold);
-    assert!(is_off(&printer));
+    for _ in 0..250 {
+        printer.period();
+        assert!(is_off(&printer));
+    }
+    assert_eq!((printer.fault(), printer.status.heat().ailment(Heater::Hotend)), (None, Some(Cause::TooCold)));
 }
 
 #[test]
 fn too_hot_is_off_whatever_the_target() {
-    let mut hot = settings();
-    hot.heater_mut(Heater::Hotend).most = Celsius::const_from_int(200);
-    let mut printer = Printer::with(Plant::hot(&constants(), 230.0, 25.0), hot);
+    // It was within its range, and is beyond it now.
+    let mut printer = Printer::with(Plant::hot(&constants(), 230.0, 25.0), settings());
+    printer.run(1.0);
+    let mut hotend = *settings().heater(Heater::Hotend);
+    hotend.most = Celsius::const_from_int(200);
+    printer.order(Order::Heater(Heater::Hotend, hotend));
     let (cause, time) = until_off(&mut printer, 5.0);
-    assert_eq!((cause, time <= 0.5), (Cause::TooHot, true));
-    assert_eq!(hot.heater(Heater::Hotend).thermistor, Thermistor::SEMITEC_104GT2);
+    assert_eq!((cause, time <= 0.5, printer.bench.borrow().supply), (Cause::TooHot, true, false));
+    assert_eq!(hotend.thermistor, Thermistor::SEMITEC_104GT2);
 }
 
 /// Reproducer: while readings were doubtful a heater kept its power, even when it was switched off.

@@ -16,7 +16,7 @@ fn mesh(columns: usize, rows: usize, seed: i16) -> StoredMesh {
     }
     let place = |x: f64, y: f64| [Mm::from_num(x), Mm::from_num(y)];
     let mesh = Mesh::new(heights, place(10.0, 12.5), place(380.0, 400.25), Mm::from_num(20)).unwrap();
-    StoredMesh { mesh, reference: place(195.0, 208.75), temperatures: [60, -3] }
+    StoredMesh { mesh, reference: place(195.0, 208.75), temperatures: [Some(-3), None] }
 }
 
 fn load(eeprom: &mut Eeprom, s: &Settings) -> Result<StoredMesh, MeshRejected> {

@@ -180,6 +180,8 @@ impl Watch {
             if std::mem::replace(&mut self.had_target[heater as usize], has_target) || has_target {
                 powered = powered.with(output);
             }
+            let is_refused = status.heat().ailment(heater).is_some();
+            assert!(!is_refused || duty == 0 && target <= Celsius::ZERO, "{heater:?} has {duty}, and is refused");
             let is_silent = self.silent[place(settings.sensor)] >= SILENT;
             assert!(!is_silent || duty == 0, "{heater:?} has {duty} without a sensor");
             let is_relay = settings.period_ms > 0;

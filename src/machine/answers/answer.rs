@@ -18,6 +18,7 @@ use super::storage_news::StorageNews;
 use super::words::Words;
 use crate::connectors::Heater;
 use crate::driver::{DriverError, Fault, Reading};
+use crate::fault;
 use crate::gcode::{Flaw, Form, Number};
 use crate::machine::state::clamps::Clamp;
 use crate::machine::state::retraction::RetractionSettings;
@@ -89,6 +90,8 @@ pub(in crate::machine) enum Answer<'a> {
     NoRise(Heater),
     /// A heater that a command is for is not fitted, but others are.
     NoHeater(Heater),
+    /// A command would heat with a sensor that cannot be right.
+    NoHeat(&'static str, fault::Fault),
     /// M106 for a fan that no machine has.
     NoFan(u8),
     /// A command for a driver of an axis that has no such driver, or whose drivers have one value.

@@ -64,7 +64,7 @@ impl ColdExtrusion {
         thermal.heater(Heater::Hotend).is_fitted
             && !self.is_allowed
             && thermal.min_extrude > Celsius::ZERO
-            && main_loop.heat.measured()[Heater::Hotend as usize] < thermal.min_extrude
+            && main_loop.heat.believed(Heater::Hotend).is_none_or(|celsius| celsius < thermal.min_extrude)
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::fans::{set_controller_fan, set_fan};
 use super::heater_settings::set_model;
-use super::heating::{await_heaters, heat_and_wait, model_of, set_target, switch_off};
+use super::heating::{await_heaters, await_readings, heat_and_wait, model_of, set_target, switch_off};
 use super::self_test::test_heaters;
 use super::states::States;
 use super::tuning::tune;
+use crate::connectors::HEATERS;
 use crate::gcode::HeatCommand;
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -31,7 +32,10 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             return heat_and_wait(main_loop, notices, clamps, (heater, target), cools).await;
         }
         HeatCommand::AwaitHeaters => return await_heaters(main_loop, notices).await,
-        HeatCommand::ReportTemperatures => Answer::Temperatures,
+        HeatCommand::ReportTemperatures => {
+            await_readings(main_loop, [true; HEATERS]).await?;
+            Answer::Temperatures
+        }
         HeatCommand::FanSpeed { fan, speed } => return set_fan(main_loop, notices, clamps, fan, speed).await,
         HeatCommand::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
         HeatCommand::TuneHeater(ref words) => return tune(main_loop, clamps, words).await,

@@ -4,6 +4,7 @@
 //! leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
 
 use crate::connectors::{HEATERS, Heater};
+use crate::fault::Fault;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -34,15 +35,21 @@ const COOLING_MS: u32 = 60_000;
 /// A heater below its target that gains less than this in the time of its kind does not get there. By the plants: a
 /// heater that can reach its target is at least 1 C below its final temperature at full power. In time t it gains at
 /// least 1 C x t x loss / capacity. The heaviest bed in use (5,500 J/K) loses at least 1 W/K and gains 0.33 C in half
-/// an hour. A hotend (34 J/K at most, 0.05 W/K) gains 0.35 C in four minutes. The guards' floor halts the machine after
-/// ten minutes and an hour without 2 C. The host is warned after a third of it.
+/// an hour. A hotend (34 J/K at most, 0.05 W/K) gains 0.35 C in four minutes. The host is warned after a third of it.
 const LEAST_RISE: Celsius = Celsius::lit("0.2");
 const HOTEND_STUCK_MS: u32 = 240_000;
 const STUCK_MS: u32 = 1_800_000;
 
-/// A heater without a reading for this time has a broken sensor. The guards find a broken sensor of a heater that is on
-/// in half a second; a heater that was just switched on is read after a tenth of one.
-const UNREAD_MS: u32 = 2000;
+/// A chamber that warms with the bed lets it creep on for hours. The guards' floor halts the machine after its time
+/// without 2 C at full power, that far below the target (`thermal::guard::Floor`). A wait ends after five sixths of this
+/// time: the machine stays usable, and the text has the true cause. The heaviest bed that can reach its target needs 42
+/// minutes from there to 2 C below it, of 50.
+const CREEP: Celsius = Celsius::const_from_int(2);
+const CREEP_MS: [u32; HEATERS] = [1_500_000, 3_000_000, 6_000_000];
+
+/// A heater without a reading for this time has a broken sensor. A working one is read a tenth of a second after the
+/// start, and the reason for a missing reading is known after half of one.
+const UNREAD_MS: u32 = 1000;
 
 /// Interval of temperature lines in every wait.
 pub(super) const LINE_MS: u32 = 1000;
@@ -68,26 +75,33 @@ impl Residency {
 /// Whether a heater still cools as fast as waiting for it makes sense.
 struct Cooling {
     /// Start of the interval, and the temperatures then.
-    looked: (Instant, [Celsius; HEATERS]),
+    looked: (Instant, [Option<Celsius>; HEATERS]),
 }
 
 impl Cooling {
     /// Whether none of the heaters that are too hot gets cooler any more.
-    fn has_ended(&mut self, are_hot: [bool; HEATERS], measured: [Celsius; HEATERS], now: Instant) -> bool {
+    fn has_ended(&mut self, are_hot: [bool; HEATERS], measured: [Option<Celsius>; HEATERS], now: Instant) -> bool {
         let (since, before) = self.looked;
         if now < since.after_ms(COOLING_MS) {
             return false;
         }
         self.looked = (now, measured);
-        let stays = |place: usize| before[place].saturating_sub(measured[place]) < LEAST_COOLING;
+        let stays = |place: usize| {
+            let both = before[place].zip(measured[place]);
+            both.is_some_and(|(before, now)| before.saturating_sub(now) < LEAST_COOLING)
+        };
         are_hot.iter().any(|is_hot| *is_hot) && (0..HEATERS).all(|place| !are_hot[place] || stays(place))
     }
 }
 
-/// Whether heaters below their targets still get warmer.
+/// The reading of each heater when it last rose by a step, and its time.
+type Steps = [(Option<Celsius>, Instant); HEATERS];
+
+/// Whether heaters below their targets still get warmer: by a small step within a short time, and by a large one within
+/// a long time.
 struct Rising {
-    /// The highest temperature of each heater, in steps that count as a rise, and its time.
-    best: [(Celsius, Instant); HEATERS],
+    small: Steps,
+    large: Steps,
     is_told: bool,
 }
 
@@ -99,21 +113,31 @@ enum Stuck {
 }
 
 impl Rising {
-    fn new(measured: [Celsius; HEATERS], now: Instant) -> Self {
-        Self { best: measured.map(|measured| (measured, now)), is_told: false }
+    fn new(measured: [Option<Celsius>; HEATERS], now: Instant) -> Self {
+        let steps = measured.map(|measured| (measured, now));
+        Self { small: steps, large: steps, is_told: false }
     }
 
-    /// Follows the heaters that are too cold.
-    fn follow(&mut self, are_cold: [bool; HEATERS], measured: [Celsius; HEATERS], now: Instant) -> Option<Stuck> {
+    /// Follows heaters by the distances below their targets, of those that are waited for.
+    fn follow(
+        &mut self,
+        below: [Option<Celsius>; HEATERS],
+        measured: [Option<Celsius>; HEATERS],
+        now: Instant,
+    ) -> Option<Stuck> {
         for heater in Heater::ALL {
             let place = heater as usize;
-            let (best, since) = &mut self.best[place];
-            if !are_cold[place] || measured[place] >= best.saturating_add(LEAST_RISE) {
-                (*best, *since) = (measured[place], now);
-                continue;
-            }
+            let follow = |(best, since): &mut (Option<Celsius>, Instant), near: Celsius, rise: Celsius| {
+                let is_cold = below[place].is_some_and(|below| below > near);
+                if !is_cold || measured[place] >= best.map(|best| best.saturating_add(rise)) {
+                    (*best, *since) = (measured[place], now);
+                }
+                *since
+            };
             let most_ms = if heater == Heater::Hotend { HOTEND_STUCK_MS } else { STUCK_MS };
-            if now >= since.after_ms(most_ms) {
+            let since = follow(&mut self.small[place], NEAR, LEAST_RISE);
+            let creeps_since = follow(&mut self.large[place], CREEP, CREEP);
+            if now >= since.after_ms(most_ms) || now >= creeps_since.after_ms(CREEP_MS[place]) {
                 return Some(Stuck::End(heater));
             }
             if now >= since.after_ms(most_ms / 3) && !core::mem::replace(&mut self.is_told, true) {
@@ -166,6 +190,9 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
         return Ok(false);
     };
     if target > Celsius::ZERO {
+        if let Some(why) = main_loop.heat.refusal(heater, &main_loop.settings.thermal) {
+            return Err(Answer::NoHeat(code, why));
+        }
         let image = main_loop.storage.image();
         main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
     } else if heater == Heater::Hotend && main_loop.job.is_printing() {
@@ -190,6 +217,7 @@ pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
 ) -> Result<Answer<'static>, Interrupt> {
     let code = ["M109", "M190", "M191"][heater as usize];
     match set_target(main_loop, notices, clamps, code, (heater, target)) {
+        Err(Answer::NoHeat(_, why)) => return Err(no_heat(main_loop, heater, why)),
         Err(answer) => return Ok(answer),
         Ok(false) => {}
         Ok(true) => {
@@ -214,18 +242,50 @@ pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
     Ok(Answer::Nothing)
 }
 
+/// Waits for the first reading of heaters, for as long as a working sensor may take. A machine that was just switched on
+/// has none, and none is a number.
+pub(in crate::machine) async fn await_readings<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    heaters: [bool; HEATERS],
+) -> Result<(), Interrupt> {
+    let end = main_loop.now().after_ms(UNREAD_MS);
+    let are_unread = |main_loop: &MainLoop<'_, P, W>| {
+        let is_unread = |heater| main_loop.heat.is_unread(heater, &main_loop.settings.thermal);
+        Heater::ALL.into_iter().zip(heaters).any(|(heater, counts)| counts && is_unread(heater))
+    };
+    while are_unread(main_loop) && main_loop.now() < end {
+        main_loop.poll().await?;
+    }
+    Ok(())
+}
+
+/// The job ends, because a heater that is waited for must not heat.
+fn no_heat<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, heater: Heater, why: Fault) -> Interrupt {
+    let is_read = main_loop.heat.measured()[heater as usize].is_some();
+    main_loop.job.note_end(if is_read { JobEnd::Refused { why } } else { JobEnd::Unread { heater } });
+    Interrupt::EndJob
+}
+
 /// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
 async fn await_heat<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     heaters: [bool; HEATERS],
     cools: bool,
 ) -> Result<(), Interrupt> {
+    // A first reading that cannot be right takes the target away, and ends this wait.
+    let targets = Heater::ALL.map(|heater| main_loop.heat.target(heater));
+    await_readings(main_loop, heaters).await?;
     let begun = main_loop.now();
     let measured = main_loop.heat.measured();
-    let targets = Heater::ALL.map(|heater| main_loop.heat.target(heater));
+    // A heater that is off has nothing to warm up to, and at 0 C or less it has cooled.
+    let off_by = |place: usize, measured: Celsius| {
+        let by = measured.saturating_sub(targets[place]);
+        if targets[place] > Celsius::ZERO { by } else { by.max(Celsius::ZERO) }
+    };
     let mut awaited = heaters;
-    for ((awaited, measured), target) in awaited.iter_mut().zip(measured).zip(targets) {
-        *awaited &= cools || measured < target;
+    for (place, awaited) in awaited.iter_mut().enumerate() {
+        let is_on = targets[place] > Celsius::ZERO;
+        *awaited &= cools || is_on && measured[place].is_none_or(|measured| measured < targets[place]);
     }
     if awaited == [false; HEATERS] {
         return Ok(());
@@ -233,37 +293,58 @@ async fn await_heat<P: PortSet, W: Pend>(
     main_loop.pauses.begin(Waiting::Heat);
     let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
     let mut rising = Rising::new(measured, begun);
-    let mut read = [begun; HEATERS];
+    let (mut read, mut are_read) = ([begun; HEATERS], measured.map(|measured| measured.is_some()));
     let (mut next_line, mut moves) = (begun, true);
     main_loop.come_again();
     while !main_loop.pauses.is_over() {
         let (now, measured) = (main_loop.now(), main_loop.heat.measured());
-        for heater in Heater::ALL.into_iter().filter(|heater| awaited[*heater as usize]) {
-            if measured[heater as usize] > Celsius::MIN {
-                read[heater as usize] = now;
-            } else if now >= read[heater as usize].after_ms(UNREAD_MS) {
-                main_loop.job.note_end(JobEnd::Unread { heater });
-                return Err(Interrupt::EndJob);
+        for heater in Heater::ALL {
+            let place = heater as usize;
+            if !awaited[place] {
+                continue;
+            }
+            let refusal = main_loop.heat.refusal(heater, &main_loop.settings.thermal);
+            if let Some(why) = refusal.filter(|_| targets[place] > Celsius::ZERO || measured[place].is_none()) {
+                return Err(no_heat(main_loop, heater, why));
+            }
+            match measured[place] {
+                Some(at) => {
+                    // A first reading that comes this late decides as one at the begin does.
+                    let is_first = !core::mem::replace(&mut are_read[place], true);
+                    awaited[place] = !is_first || cools || at < targets[place];
+                    read[place] = now;
+                }
+                None if now >= read[place].after_ms(UNREAD_MS) => {
+                    main_loop.job.note_end(JobEnd::Unread { heater });
+                    return Err(Interrupt::EndJob);
+                }
+                None => {}
             }
         }
-        let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
-        let is_within =
-            |most: Celsius| (0..HEATERS).all(|place| !awaited[place] || off_by(place).saturating_abs() <= most);
+        if awaited == [false; HEATERS] {
+            break;
+        }
+        let off_by = |place: usize| measured[place].filter(|_| awaited[place]).map(|is| off_by(place, is));
+        let is_within = |most: Celsius| {
+            (0..HEATERS).all(|place| !awaited[place] || off_by(place).is_some_and(|by| by.saturating_abs() <= most))
+        };
         let missing = residency.follow(is_within(NEAR), !is_within(FAR), now);
         if now >= next_line {
             next_line = next_line.after_ms(LINE_MS);
             main_loop.reply(Answer::Heating(missing)).await?;
         }
-        let are_hot = [0, 1, 2].map(|place| awaited[place] && off_by(place) > NEAR);
+        let are_hot = [0, 1, 2].map(|place| off_by(place).is_some_and(|by| by > NEAR));
         if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
             break;
         }
-        let are_cold = [0, 1, 2].map(|place| awaited[place] && off_by(place) < -NEAR);
-        match rising.follow(are_cold, measured, now) {
+        let below = [0, 1, 2].map(|place| off_by(place).map(|by| Celsius::ZERO.saturating_sub(by)));
+        match rising.follow(below, measured, now) {
             Some(Stuck::End(heater)) => {
-                let [at, target] = [measured, targets].map(|degrees| degrees[heater as usize].to_num::<i32>());
-                main_loop.job.note_end(JobEnd::Unreachable { heater, at, target });
-                return Err(Interrupt::EndJob);
+                if let Some(at) = measured[heater as usize] {
+                    let [at, target] = [at, targets[heater as usize]].map(Celsius::to_num::<i32>);
+                    main_loop.job.note_end(JobEnd::Unreachable { heater, at, target });
+                    return Err(Interrupt::EndJob);
+                }
             }
             Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
             None => {}
@@ -287,7 +368,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
             main_loop.heat.set_target(heater, target);
             is_new = true;
         }
-        awaited[heater as usize] = measured[heater as usize] < target.saturating_sub(NEAR);
+        awaited[heater as usize] = measured[heater as usize] < Some(target.saturating_sub(NEAR));
     }
     if is_new {
         main_loop.reply(Answer::Line("echo:Heating again")).await?;
@@ -346,8 +427,8 @@ mod tests {
     fn a_wait_ends_when_nothing_gets_warmer_and_never_while_a_heavy_bed_still_does() {
         let at = |s: u32| Instant(0).after_ms(s * 1000);
         let celsius = Celsius::from_num::<f64>;
-        let bed = |degrees: f64| [celsius(25.0), celsius(degrees), celsius(25.0)];
-        let cold = [false, true, false];
+        let bed = |degrees: f64| [celsius(25.0), celsius(degrees), celsius(25.0)].map(Some);
+        let below = |degrees: f64| [None, Some(celsius(99.0 - degrees)), None];
         // A bed of 5,500 J/K that loses 1 W/K and is heated to a degree above the target: seen until it is a degree
         // below.
         let mut rising = Rising::new(bed(25.0), at(0));
@@ -355,19 +436,38 @@ mod tests {
         while degrees < 99.0 {
             degrees += (100.0 - degrees) / 5500.0;
             s += 1;
-            let stuck = rising.follow(cold, bed(degrees), at(s));
+            let stuck = rising.follow(below(degrees), bed(degrees), at(s));
             assert!(!matches!(stuck, Some(Stuck::End(_))), "{degrees} after {s} s");
         }
         // One that stays where it is.
         let mut rising = Rising::new(bed(80.0), at(0));
-        let found: Vec<_> = (0..=1800).filter_map(|s| Some((s, rising.follow(cold, bed(80.1), at(s))?))).collect();
+        let found: Vec<_> =
+            (0..=1800).filter_map(|s| Some((s, rising.follow(below(80.1), bed(80.1), at(s))?))).collect();
         assert_eq!(found, [(600, Stuck::Tell(Heater::Bed)), (1800, Stuck::End(Heater::Bed))]);
-        assert_eq!(rising.follow([false; HEATERS], bed(80.1), at(9000)), None);
+        assert_eq!(rising.follow([None; HEATERS], bed(80.1), at(9000)), None);
+    }
+
+    /// Reproducer: a bed at full power crept on by a degree in an hour, as its chamber warmed, and was a fault (E08).
+    #[test]
+    fn a_bed_that_creeps_on_far_below_its_target_ends_the_wait_before_the_guards_halt_the_machine() {
+        let celsius = |degrees: f64| Some(Celsius::from_num(degrees));
+        let follow = |from: f64, slope_h: f64, target: f64| {
+            let bed = |s: u32| from + slope_h * f64::from(s) / 3600.0;
+            let mut rising = Rising::new([None, celsius(from), None], Instant(0));
+            (0..20_000).find(|s| {
+                let (below, bed) = ([None, celsius(target - bed(*s)), None], [None, celsius(bed(*s)), None]);
+                let stuck = rising.follow(below, bed, Instant(0).after_ms(s * 1000));
+                matches!(stuck, Some(Stuck::End(_)))
+            })
+        };
+        assert_eq!(follow(72.0, 1.0, 79.0), Some(3000));
+        assert_eq!(follow(72.0, 2.5, 79.0), None);
+        assert_eq!(follow(77.5, 0.5, 79.0), None, "near it, a small step is enough");
     }
 
     #[test]
     fn cooling_ends_when_it_takes_too_long() {
-        let celsius = Celsius::const_from_int;
+        let celsius = |degrees: i32| Some(Celsius::from_num(degrees));
         let mut cooling = Cooling { looked: (Instant(0), [celsius(60); HEATERS]) };
         let hot = [true, false, false];
         assert!(!cooling.has_ended(hot, [celsius(60); HEATERS], Instant(0).after_ms(59_999)));

@@ -23,7 +23,7 @@ use crate::port::Pend;
 use crate::settings::{Range, Settings};
 use crate::storage::StoredMesh;
 use crate::surface::{Heights, MOST_POINTS, Mesh};
-use crate::units::{Celsius, Mm};
+use crate::units::Mm;
 
 /// Distance of an adaptive mesh's border from the objects, in mm: Klipper's documentation has 5 in its examples.
 const MARGIN: Mm = Mm::const_from_int(5);
@@ -77,10 +77,8 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     let Ok(flat) = flat else { return Ok(Answer::Nothing) };
     let mesh = with_heights(main_loop, &flat, heights).await?;
     let reference = home_place(&main_loop.settings);
-    let temperatures = [crate::connectors::Heater::Bed, crate::connectors::Heater::Hotend].map(|heater| {
-        let read = main_loop.status.heat().measured(heater).unwrap_or(Celsius::ZERO);
-        read.to_num::<i32>().clamp(-99, 999) as i16
-    });
+    let temperatures = [crate::connectors::Heater::Bed, crate::connectors::Heater::Hotend]
+        .map(|heater| main_loop.heat.believed(heater).map(|celsius| celsius.to_num::<i32>().clamp(-99, 999) as i16));
     let before = main_loop.bed;
     let is_part = (area.x, area.y) != (whole.x, whole.y);
     main_loop.bed.know(StoredMesh { mesh, reference, temperatures }, is_part);

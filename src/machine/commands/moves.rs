@@ -5,8 +5,9 @@
 use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
 use super::detour::is_own;
-use super::heating::heat_again;
+use super::heating::{await_readings, heat_again};
 use super::pause::{Going, hold, resume_stream};
+use crate::connectors::Heater;
 use crate::gcode::{ArcWords, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
@@ -160,6 +161,11 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// prints begins a print. It ends a pause if it prints in the modes of the print's stream.
     async fn hold_back(&mut self, mut asked: Asked, words: Option<(&AxisWords, Course)>) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
+        if asked.filament != Mm::ZERO && self.main_loop.heat.is_unread(Heater::Hotend, &self.main_loop.settings.thermal)
+        {
+            await_readings(self.main_loop, Heater::ALL.map(|heater| heater == Heater::Hotend)).await?;
+            gate = Gate::Changed;
+        }
         if self.main_loop.job.is_paused() {
             let Some((to, course)) = words.filter(|words| self.prints_in_stream(*words)) else { return Ok(gate) };
             gate = Gate::Changed;

@@ -1,6 +1,6 @@
 //! Tuning: M303 finds out how a heater behaves, and with U1 takes it over.
 
-use super::heating::{LINE_MS, model_of};
+use super::heating::{LINE_MS, await_readings, model_of};
 use super::self_test::await_self_test;
 use crate::connectors::Heater;
 use crate::gcode::{Number, TuningWords};
@@ -33,7 +33,11 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         Ok(heater) => heater,
         Err(answer) => return Ok(answer),
     };
-    if main_loop.status.heat().measured(heater).is_none() {
+    await_readings(main_loop, Heater::ALL.map(|other| other == heater)).await?;
+    if let Some(why) = main_loop.heat.refusal(heater, &main_loop.settings.thermal) {
+        return Ok(Answer::NoHeat("M303", why));
+    }
+    if main_loop.heat.believed(heater).is_none() {
         return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
     }
     let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };

@@ -7,12 +7,13 @@
 //! [`heat_turn`]: super::heat_turn
 
 use crate::connectors::{FANS, HEATERS, Heater};
+use crate::fault::{Cause, Fault};
 use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::self_tests::SelfTests;
 use crate::settings::ThermalSettings;
 use crate::status::{Heat, SelfTest};
-use crate::thermal::{Orders, test_subject};
+use crate::thermal::{Orders, refusal, test_subject};
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND, part_of};
 
 /// Interval of the heat work, in ms: a quarter of a control period.
@@ -31,6 +32,8 @@ pub(in crate::machine) struct Heaters<'m> {
     self_tests: SelfTests,
     /// Fans that stand still and were told, a bit each.
     still_fans: u8,
+    /// The refusal of each heater that was told last. A target that is accepted forgets it.
+    told: [Option<Cause>; HEATERS],
     /// When heaters were last used.
     used: Instant,
     /// When the heat work, and the filament report to the heater control, are due next.
@@ -47,15 +50,41 @@ impl<'m> Heaters<'m> {
             fans: FanSchedule::new(),
             self_tests: SelfTests::new(),
             still_fans: 0,
+            told: [None; HEATERS],
             used: now,
             due: now,
             ahead_due: now,
         }
     }
 
-    /// The temperature of each heater; the lowest possible value without a reading.
-    pub fn measured(&self) -> [Celsius; HEATERS] {
-        Heater::ALL.map(|heater| self.status.measured(heater).unwrap_or(Celsius::MIN))
+    /// The temperature of each heater that has a reading.
+    pub fn measured(&self) -> [Option<Celsius>; HEATERS] {
+        Heater::ALL.map(|heater| self.status.measured(heater))
+    }
+
+    /// The temperature of a heater, if its sensor can be right.
+    pub fn believed(&self, heater: Heater) -> Option<Celsius> {
+        self.status.measured(heater).filter(|_| self.status.ailment(heater).is_none())
+    }
+
+    /// Whether a heater has no reading yet, and no known reason for that.
+    pub fn is_unread(&self, heater: Heater, thermal: &ThermalSettings) -> bool {
+        let heat = self.status;
+        thermal.heater(heater).is_fitted && heat.measured(heater).is_none() && heat.ailment(heater).is_none()
+    }
+
+    /// Why a heater must not heat, if so: its reading is none, or one that cannot be right.
+    pub fn refusal(&self, heater: Heater, thermal: &ThermalSettings) -> Option<Fault> {
+        refusal(self.status, heater, thermal)
+    }
+
+    /// A refusal that was not told yet.
+    pub fn follow_refusals(&mut self, thermal: &ThermalSettings) -> Option<Fault> {
+        Heater::ALL.into_iter().find_map(|heater| {
+            let fault = refusal(self.status, heater, thermal)?;
+            let told = &mut self.told[heater as usize];
+            (told.replace(fault.cause) != Some(fault.cause)).then_some(fault)
+        })
     }
 
     /// The target of a heater; 0 is off.
@@ -66,6 +95,9 @@ impl<'m> Heaters<'m> {
     /// Sets the target of a heater; 0 is off. It is sent with the next orders.
     pub fn set_target(&mut self, heater: Heater, target: Celsius) {
         self.orders.heat(heater, target);
+        if target > Celsius::ZERO {
+            self.told[heater as usize] = None;
+        }
     }
 
     /// The heaters are in use.

@@ -27,6 +27,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.watch_idleness(now);
         self.heat.send_orders(&self.settings.thermal);
         self.follow_self_test();
+        if let Some(fault) = self.heat.follow_refusals(&self.settings.thermal) {
+            self.hosts.notify_all(format_args!("echo:heating is refused, {fault}"));
+        }
         if let Some(fan) = self.heat.follow_still_fans() {
             self.hosts.notify_all(format_args!("echo:fan{fan} stands still: free it, or plug it in"));
         }

@@ -133,6 +133,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 ));
             }
             Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
+            Answer::NoHeat(code, fault) => to.say(format_args!("echo:{code} ignored: {fault}")),
             Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
             Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),
             Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),

@@ -2,13 +2,15 @@
 
 use super::fan_report::report_fans;
 use super::report::Hundredths;
-use super::sensors::{Extra, ExtraReadings, extra_readings, report_extra, report_sensors};
+use super::sensors::{Extra, ExtraReadings, extra_readings, report_extra, report_sensors, what_is_wrong};
 use crate::connectors::{HEATERS, Heater};
-use crate::fault::Latch;
+use crate::fault::{Cause, Latch};
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
 use crate::settings::Settings;
 use crate::status::{Heat, Tuned};
+use crate::thermal::refusal;
+use crate::thermal::sensor::Reading;
 use crate::units::{Celsius, Ratio};
 use core::fmt;
 
@@ -18,8 +20,8 @@ const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
 /// The temperatures of the heaters and sensors that are fitted, as M105 has them. Without heaters hosts take the form
 /// of the line as a sign of life.
 pub(in crate::machine) struct Temperatures {
-    /// Measured, target, and duty of 127.
-    heaters: [Option<(Celsius, Celsius, u16)>; HEATERS],
+    /// Measured or why not, target, and duty of 127.
+    heaters: [Option<(Result<Celsius, Reading>, Celsius, u16)>; HEATERS],
     extra: ExtraReadings,
 }
 
@@ -30,7 +32,11 @@ impl Temperatures {
         Self {
             extra: extra_readings(settings, heat),
             heaters: Heater::ALL.map(|heater| {
-                let measured = heat.measured(heater).unwrap_or(Celsius::ZERO);
+                let measured = heat.measured(heater).ok_or_else(|| match heat.ailment(heater) {
+                    Some(Cause::SensorOpen) => Reading::Open,
+                    Some(Cause::SensorShort) => Reading::Short,
+                    _ => Reading::Silent,
+                });
                 let is_fitted = thermal.heater(heater).is_fitted;
                 is_fitted.then(|| (measured, target(heater), heat.duty(heater) >> 9))
             }),
@@ -47,8 +53,12 @@ impl fmt::Display for Temperatures {
         let mut gap = "";
         for (letter, (measured, target, _)) in LETTERS.into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?)))
         {
-            let [measured, target] = [measured, target].map(Hundredths::of);
-            write!(f, "{gap}{letter}:{measured} /{target}")?;
+            write!(f, "{gap}{letter}:")?;
+            match measured {
+                Ok(measured) => write!(f, "{}", Hundredths::of(measured))?,
+                Err(broken) => f.write_str(what_is_wrong(broken))?,
+            }
+            write!(f, " /{}", Hundredths::of(target))?;
             gap = " ";
         }
         write!(f, "{}", Extra(&self.extra))?;
@@ -81,6 +91,9 @@ pub(in crate::machine) fn report_heat(
                 to.say(format_args!("echo:heater {name} {measured} C, target {target} C, duty {duty} %"));
             }
             None => to.say(format_args!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
+        }
+        if let Some(fault) = refusal(heat, heater, thermal) {
+            to.say(format_args!("echo:heating is refused, {fault}"));
         }
     }
     report_extra(to, &extra_readings(settings, heat));

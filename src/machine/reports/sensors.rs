@@ -59,7 +59,7 @@ pub(super) fn report_extra(to: &mut Speaker<'_>, readings: &ExtraReadings) {
 }
 
 /// Why there is no temperature, in a word.
-const fn what_is_wrong(reading: Reading) -> &'static str {
+pub(super) const fn what_is_wrong(reading: Reading) -> &'static str {
     match reading {
         Reading::Open => "open",
         Reading::Short => "short",

@@ -23,6 +23,7 @@ use super::kept_line::KeptLine;
 use super::level::LevelFailure;
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
+use crate::fault::Fault;
 use crate::gcode::Number;
 use crate::machine::numbers::shortest_with;
 use crate::settings::HomedAxis;
@@ -52,6 +53,8 @@ pub(in crate::machine) enum JobEnd {
     Unreachable { heater: Heater, at: i32, target: i32 },
     /// A heater that is waited for has no reading: its sensor broke while it was off, which is no fault.
     Unread { heater: Heater },
+    /// A heater that is waited for has a reading that cannot be right, which is no fault as long as nothing heats.
+    Refused { why: Fault },
     /// An axis was not homed: a print with a wrong origin would be worse than none.
     NotHomed { axis: HomedAxis, why: HomingFailure },
     /// The probe did not find the bed.
@@ -177,6 +180,7 @@ impl fmt::Display for JobEnd {
             Self::Unread { heater } => {
                 write!(f, "{} has no reading. Check its sensor, its plug and its wire", heater.name())
             }
+            Self::Refused { why } => write!(f, "{why}"),
             Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
             Self::ProbeFailed { why } => write!(f, "probing failed: {why}"),
             Self::NotLevel(why) => write!(f, "{why}"),

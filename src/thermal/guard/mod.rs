@@ -2,7 +2,7 @@
 //!
 //! | guard | finds | when |
 //! |---|---|---|
-//! | [`Window`] | readings that no working machine has | always |
+//! | [`Window`] | readings that no working machine has; some only refuse to heat | always |
 //! | [`Gain`] | a heater or sensor that is loose or open, whatever the settings | while it heats |
 //! | [`HeatBalance`] | the same, sooner, and a heater that is too weak for its model | while it heats |
 //! | [`AtTarget`] | a reached temperature that is lost, or overshot without power | with a target |
@@ -22,7 +22,8 @@
 //!
 //! | guard | begins with | ends with |
 //! |---|---|---|
-//! | [`Window`], [`Frozen`] | a reading | a sensor that is broken while off; for `Frozen` a reading that moves |
+//! | [`Window`] | a reading beyond it | readings within it |
+//! | [`Frozen`] | a reading | a reading that moves; a sensor that is broken while off |
 //! | [`Gain`] | power | a gain of 2 C; power that is off for four times as long |
 //! | [`HeatBalance`] | power | the arrival of all heat; something cold; M303 and self-test, which ignore the model |
 //! | [`AtTarget`] | a target | another target, off, M303, a self-test, a fault |

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 /// The name of a capability, lines that need it, and the beginning of a reply that only a machine with it gives.
 const TRIALS: [(&str, &[&str], &str); 34] = [
     ("EEPROM", &["M500"], "echo:Settings Stored"),
-    ("CHAMBER_TEMPERATURE", &["M141 S40", "M105"], "ok C:0.00 /40.00"),
+    ("CHAMBER_TEMPERATURE", &["M141 S40", "M105"], "ok C:2"),
     ("PAREN_COMMENTS", &["G1 X110 (Y300) F6000", "M114"], "X:110.00 Y:100.00"),
     ("QUOTED_STRINGS", &["M593 P\"mzv\" F60", "M593"], "  M593 X F60 D0.1 T2"),
     ("SERIAL_XON_XOFF", &["M575"], "echo:XON"),
