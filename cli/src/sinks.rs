@@ -60,11 +60,13 @@ struct Batch {
     events: Vec<Event>,
     /// Where z of the program begins to be known by a mesh, or no longer is: before the event of this place.
     mesh: Vec<(usize, Option<f64>)>,
+    /// Where something has ended all motion: before the event of this place, and when.
+    stops: Vec<(usize, u64)>,
 }
 
 impl Batch {
     fn new() -> Self {
-        Self { events: Vec::with_capacity(BATCH), mesh: Vec::new() }
+        Self { events: Vec::with_capacity(BATCH), mesh: Vec::new(), stops: Vec::new() }
     }
 }
 
@@ -103,7 +105,17 @@ impl Judges {
 
     #[inline(never)]
     fn judge(&mut self, batch: &Batch) {
-        batch.events.iter().for_each(|event| self.judge.event(event.tick, event.steps, event.forward));
+        let mut from = 0;
+        for (place, tick) in &batch.stops {
+            self.judge_events(&batch.events[from..*place]);
+            self.judge.stopped(*tick);
+            from = *place;
+        }
+        self.judge_events(&batch.events[from..]);
+    }
+
+    fn judge_events(&mut self, events: &[Event]) {
+        events.iter().for_each(|event| self.judge.event(event.tick, event.steps, event.forward));
     }
 
     #[inline(never)]
@@ -206,6 +218,10 @@ impl<W: Write + Send + 'static> Sink for Relay<W> {
         if self.batch.events.len() >= BATCH {
             self.hand_over();
         }
+    }
+
+    fn stopped(&mut self, tick: u64) {
+        self.batch.stops.push((self.batch.events.len(), tick));
     }
 
     fn stand_on_mesh(&mut self, z: Option<f64>) {

@@ -159,6 +159,10 @@ impl Sink for Sinks {
         self.path.event(tick, steps, forward);
     }
 
+    fn stopped(&mut self, tick: u64) {
+        self.judge.stopped(tick);
+    }
+
     fn stand_on_mesh(&mut self, z: Option<f64>) {
         self.path.stand_on_mesh(z);
     }

@@ -23,8 +23,12 @@
 //!
 //! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis reaches its
 //! speed limit. A short window (T = sqrt(2Q / A)), where the sum of the three terms is smallest, finds a jump. For 80
-//! steps/mm, 5 m/s2 and d = 0.013 mm it finds any jump above 65 mm/s. Within 4 ms the speeds of x and y are checked
-//! step by step (`changes.rs`), which finds an oscillation that is too short for both windows.
+//! steps/mm, 5 m/s2 and d = 0.013 mm it finds any jump above 65 mm/s. Within 4 ms the speeds of all axes and belt motors
+//! are checked step by step (`changes.rs`). That finds an oscillation that is too short for both windows, and an axis
+//! that starts without its ramp.
+//!
+//! A switch or the probe may stop an axis at once. That counts in windows in which something has ended all motion
+//! ([`Checker::stopped`]), and in no other.
 
 use self::changes::Changes;
 use self::gauge::Gauge;
@@ -87,7 +91,19 @@ pub struct Checker {
     /// The last event's tick, and the latest of all: where time falls, steps count as made then.
     last_tick: u64,
     latest: u64,
+    stops: Stops,
     findings: Findings,
+}
+
+/// When something has ended all motion at once, the last two times: samples are judged a little later.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stops([Option<u64>; 2]);
+
+impl Stops {
+    /// Whether it was within so many ticks before `tick`.
+    fn is_within(self, tick: u64, ticks: u64) -> bool {
+        self.0.into_iter().flatten().any(|stop| stop <= tick && tick <= stop + ticks)
+    }
 }
 
 impl Checker {
@@ -103,6 +119,7 @@ impl Checker {
             together: Together::new(s, limits),
             last_tick: 0,
             latest: 0,
+            stops: Stops::default(),
             findings: Findings::default(),
         }
     }
@@ -115,7 +132,7 @@ impl Checker {
     /// One instant like [`Checker::event`]; `each` sees the samples before it too.
     #[inline]
     pub fn event_between(&mut self, tick: u64, steps: MotorSet, forward: MotorSet, mut each: impl FnMut(&Sample)) {
-        let Self { sampler, names, gauge, changes, spacing, together, last_tick, latest, findings } = self;
+        let Self { sampler, names, gauge, changes, spacing, together, last_tick, latest, stops, findings } = self;
         let before = std::mem::replace(last_tick, tick);
         if tick < before {
             findings.add(tick, || format!("time falls from tick {before}"));
@@ -123,12 +140,17 @@ impl Checker {
         let tick = tick.max(*latest);
         *latest = tick;
         spacing.event(findings, names, tick, steps);
-        changes.event(findings, tick, steps, forward);
+        changes.event(findings, *stops, tick, steps, forward);
         sampler.event(tick, steps, forward, |sample| {
-            gauge.measure(findings, sample);
+            gauge.measure(findings, *stops, sample);
             each(sample);
         });
         together.event(findings, tick, steps, forward, sampler.counts());
+    }
+
+    /// A switch, the probe or a halt has just ended all motion at once.
+    pub const fn stopped(&mut self, tick: u64) {
+        self.stops = Stops([self.stops.0[1], Some(tick)]);
     }
 
     /// The sampler, after the last event.
@@ -140,14 +162,14 @@ impl Checker {
     /// Ends the run, which should have made `expected` steps.
     #[must_use]
     pub fn finish(mut self, expected: Option<[i32; MOTORS]>) -> Findings {
-        let Self { sampler, names, gauge, changes, together, findings, latest, .. } = &mut self;
+        let Self { sampler, names, gauge, changes, together, findings, latest, stops, .. } = &mut self;
         let (strain, residual) = together.at_rest(sampler.counts());
         if residual != 0 {
             findings.add(*latest, || format!("motors rest {residual} steps against each other"));
         }
         let rest = *latest + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
-        changes.advance(findings, rest);
-        sampler.advance(rest, |sample| gauge.measure(findings, sample));
+        changes.advance(findings, *stops, rest);
+        sampler.advance(rest, |sample| gauge.measure(findings, *stops, sample));
         if let Some((sum, most)) = strain
             && sum.abs() >= most
         {

@@ -9,6 +9,8 @@ use corehbot::units::Celsius;
 pub trait Sink {
     /// The motors of `steps` step at `tick`, each forward if it is in `forward`.
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
+    /// A switch, the probe or a stop of the machine has just ended all motion at once, at this tick.
+    fn stopped(&mut self, _tick: u64) {}
     /// From the next event on z follows a mesh and leads to this z of the program, in mm; or it follows none.
     fn stand_on_mesh(&mut self, _z: Option<f64>) {}
     /// Whether moves are to be followed for [`moved`](Self::moved) and [`reshaped`](Self::reshaped); asked once.

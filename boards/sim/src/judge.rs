@@ -26,6 +26,11 @@ impl Judge {
         tally.event(steps);
     }
 
+    /// Something has just ended all motion at once.
+    pub const fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
+
     /// Ends a run that lasted `ticks` and should have made `expected` steps.
     #[must_use]
     pub fn finish(self, ticks: u64, expected: [i32; MOTORS]) -> (Figures, Findings) {

@@ -8,7 +8,23 @@
 //! A corner may change the speed at once. Under junction deviation d, a corner of half angle t (between the moves) is
 //! taken at `v^2 = a d s / (1 - s)` with `s = sin t`. The change of velocity is `2 v cos t`. Its square is
 //! `4 a d s (1 + s)`, at most `8 a d` however flat the corner. So along an axis that bears the acceleration a, no more
-//! than `sqrt(8 a d)` may jump. A square-corner velocity w is the same law with `a d = w^2 (sqrt 2 - 1)`.
+//! than `sqrt(8 a d)` may jump: for a turn with the share n of the axis, a is at most `A / n`, and the jump of the axis
+//! n times that of the tool. No corner is taken with more than the commanded acceleration c, either. A square-corner
+//! velocity w is the same law with `d = w^2 (sqrt 2 - 1) / c`, so an axis that bears less than c gets less than w.
+//!
+//! This is the table of corners ([`Corners`]): it is computed from the print's own words, and shares nothing with the
+//! planner. The terms of a jump are
+//!
+//! | term | what it is |
+//! |---|---|
+//! | corner | the law above, for x, y, z and belt motors; the jerk for the extruder |
+//! | cap | the jerk of z (M205 Z), if that is less |
+//! | mesh | where z is capped: the jump of x and y in a corner, on a slope of [`STEEPEST`] |
+//! | advance | the jump of the extruder enters and leaves the window of the pressure advance |
+//! | stop | the speed of a touch, while something ends all motion (`Checker::stopped`) |
+//!
+//! A live offset of z (M290) stays within z's acceleration together with the moves, so it has no term. A rule for
+//! corners counts if something moved under it: the block at a slicer's begin replaces the rules of the settings.
 //!
 //! # Shaping
 //! An input shaper is a mean of the path at several times, which is no faster than the path. Pressure advance K over a
@@ -24,7 +40,7 @@ use crate::file_line::{command_of, words};
 use corehbot::gcode::{Command, MotionCommand, MotorCommand, Number, SettingCommand, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
-use corehbot::units::{Mm, Seconds};
+use corehbot::units::{Mm, MmPerSec, MmPerSec2, Seconds};
 use corehbot_rig::bed::has_probe;
 use corehbot_twin::math::square;
 use std::f64::consts::SQRT_2;
@@ -42,7 +58,7 @@ pub struct Limit {
     pub acceleration: f64,
     /// Greatest sudden change of speed in a corner.
     pub jump: f64,
-    /// Greatest speed at which it may fall when an endstop stops the motion at once; 0 if nothing does.
+    /// Greatest speed at which it may fall when an endstop stops the motion at once, then alone; 0 if nothing does.
     pub hard_stop: f64,
     /// The same if it grows.
     pub hard_stop_up: f64,
@@ -63,27 +79,126 @@ pub struct Limits {
     pub levels: bool,
 }
 
-/// Settings of corners and of the advance, the widest that were in force.
-struct Widest {
-    deviation: f64,
-    square: f64,
+/// The steepest slope of a mesh: 4 mm over 200 mm.
+const STEEPEST: f64 = 0.02;
+
+/// What is in force for corners: the rule, and the limits that count beside it.
+#[derive(Clone, Copy, PartialEq)]
+struct Corners {
+    rule: CornerRule,
+    /// Accelerations of moves that print, and of others.
+    commanded: [f64; 2],
+    /// Accelerations of x, y, z and e.
+    own: [f64; 4],
+    z: f64,
     extruder: f64,
+}
+
+impl Corners {
+    fn of(s: &Settings) -> Self {
+        Self {
+            rule: s.corner,
+            commanded: [s.print_acceleration, s.travel_acceleration].map(|a| a.to_num()),
+            own: s.axes.map(|axis| axis.max_acceleration.to_num()).to_array(),
+            z: s.z_jerk.to_num(),
+            extruder: s.extruder_jerk.to_num(),
+        }
+    }
+
+    /// The greatest jump of a coordinate that bears this acceleration and moves by `reach` for one of the tool.
+    fn jump(&self, reach: f64, acceleration: f64) -> f64 {
+        let of = |deviation: f64, commanded: f64| {
+            let (own, tool) = (8.0 * reach * acceleration * deviation, 8.0 * commanded * deviation);
+            own.sqrt().min(reach * tool.sqrt())
+        };
+        let jumps = self.commanded.map(|commanded| match self.rule {
+            CornerRule::JunctionDeviation(d) => of(d.to_num(), commanded),
+            CornerRule::SquareCorner(w) => of(square(w.to_num()) * (SQRT_2 - 1.0) / commanded, commanded),
+        });
+        jumps[0].max(jumps[1])
+    }
+
+    /// The greatest jump of z with this acceleration, where a corner makes x and y jump so.
+    fn jump_of_z(&self, acceleration: f64, of_others: f64) -> f64 {
+        self.jump(1.0, acceleration).min(self.z + STEEPEST * of_others)
+    }
+
+    /// Takes in a line of M204 (P, T, S) or M205. The firmware leaves a line alone of which a value is illegal.
+    fn set(&mut self, code: f64, words: &[(char, f64)]) {
+        let legal = |(letter, value): &(char, f64)| match (code as u32, letter) {
+            (204, _) => ranges::ACCELERATION.holds(MmPerSec2::saturating_from_num(*value)),
+            (_, 'J') => ranges::TOLERANCE.holds(Mm::saturating_from_num(*value)),
+            (_, 'X' | 'Y' | 'E') => ranges::SPEED.holds(MmPerSec::saturating_from_num(*value)),
+            _ => (0.0..=3000.0).contains(value),
+        };
+        if !words.iter().all(legal) {
+            return;
+        }
+        let word = |wanted: char| words.iter().find(|(letter, _)| *letter == wanted).map(|(_, value)| *value);
+        if code == 204.0 {
+            let [print, travel] = self.commanded;
+            self.commanded =
+                [('P', print), ('T', travel)].map(|(letter, old)| word(letter).or(word('S')).unwrap_or(old));
+            return;
+        }
+        let old = if let CornerRule::SquareCorner(w) = self.rule { w.to_num() } else { f64::INFINITY };
+        let square = match (word('X'), word('Y')) {
+            (Some(x), y) => Some(x.min(y.unwrap_or(x))),
+            (None, y) => y.map(|y| y.min(old)),
+        };
+        if let Some(deviation) = word('J') {
+            self.rule = CornerRule::JunctionDeviation(Mm::saturating_from_num(deviation));
+        } else if let Some(w) = square {
+            self.rule = CornerRule::SquareCorner(MmPerSec::saturating_from_num(w));
+        }
+        (self.z, self.extruder) = (word('Z').unwrap_or(self.z), word('E').unwrap_or(self.extruder));
+    }
+}
+
+/// The rules for corners under which something may have moved.
+struct Widest {
+    now: Corners,
+    /// Whether [`now`](Self::now) is among those that were used.
+    is_used: bool,
+    used: Vec<Corners>,
+    /// The greatest accelerations under which the print has homed.
+    homed: [f64; 4],
     /// Whether there is a pressure advance.
     has_advance: bool,
 }
 
 impl Widest {
-    const NONE: Self = Self { deviation: 0.0, square: 0.0, extruder: 0.0, has_advance: false };
-
-    /// Takes in the limits of one set of settings.
-    fn widen(&mut self, s: &Settings) {
-        self.extruder = self.extruder.max(s.extruder_jerk.to_num());
-        match s.corner {
-            CornerRule::JunctionDeviation(d) => self.deviation = self.deviation.max(d.to_num()),
-            CornerRule::SquareCorner(w) => self.square = self.square.max(w.to_num()),
-        }
-        self.has_advance |= s.advance.time > Seconds::ZERO;
+    fn new(s: &Settings) -> Self {
+        let has_advance = s.advance.time > Seconds::ZERO;
+        Self { now: Corners::of(s), is_used: false, used: Vec::new(), homed: [0.0; 4], has_advance }
     }
+
+    /// Something moves.
+    fn use_it(&mut self) {
+        if !std::mem::replace(&mut self.is_used, true) && !self.used.contains(&self.now) {
+            self.used.push(self.now);
+        }
+    }
+
+    fn change(&mut self, change: impl FnOnce(&mut Corners)) {
+        change(&mut self.now);
+        self.is_used = false;
+    }
+}
+
+/// Lines under which no corner is passed: settings, modes, fans, temperatures, reports. In homing each move begins and
+/// ends at rest.
+fn stands(letter: char, code: f64) -> bool {
+    let codes: &[f64] = match letter {
+        'G' => &[17.0, 20.0, 21.0, 28.0, 90.0, 91.0, 92.0],
+        'M' => &[
+            73.0, 82.0, 83.0, 84.0, 92.0, 104.0, 105.0, 106.0, 107.0, 109.0, 110.0, 115.0, 117.0, 118.0, 140.0, 155.0,
+            190.0, 201.0, 203.0, 204.0, 205.0, 220.0, 221.0, 413.0, 500.0, 503.0, 572.0, 593.0, 862.0, 900.0, 907.0,
+        ],
+        _ => &[],
+    };
+    // M862.3 is a number of its own.
+    codes.contains(&code) || codes.contains(&code.trunc()) && letter == 'M' && code.trunc() == 862.0
 }
 
 /// Limits of the settings alone.
@@ -126,9 +241,8 @@ fn belt_name(s: &Settings, group: &Group) -> String {
 
 /// Limits that grow with the commands of a print.
 pub struct Widening {
-    settings: [Option<Settings>; 2],
+    settings: [Option<(Settings, Widest)>; 2],
     limits: Limits,
-    widest: Widest,
     /// mm in the unit of the print.
     unit: f64,
 }
@@ -144,11 +258,8 @@ impl Widening {
     pub fn new(s: &Settings, stored: Option<&Settings>) -> Self {
         let mut limits =
             Limits { of: limits_of(s), is_judged: true, circulates: false, trims: has_phases(s), levels: false };
-        let mut widest = Widest::NONE;
-        widest.widen(s);
         if let Some(stored) = stored {
             limits.is_judged = stored.axes.map(|a| a.steps_per_mm) == s.axes.map(|a| a.steps_per_mm);
-            widest.widen(stored);
             limits.trims |= has_phases(stored);
             for (limit, other) in limits.of.iter_mut().zip(limits_of(stored)) {
                 limit.speed = limit.speed.max(other.speed);
@@ -159,13 +270,14 @@ impl Widening {
         for s in [Some(s), stored].into_iter().flatten().filter(|s| has_probe(s)) {
             limits.allow_stops(s, [0.0, 0.0, s.probe.fast.to_num()], [AxisEnd::Min; 3]);
         }
-        Self { settings: [Some(*s), stored.copied()], limits, widest, unit: 1.0 }
+        let settings = [Some(s), stored].map(|s| s.map(|s| (*s, Widest::new(s))));
+        Self { settings, limits, unit: 1.0 }
     }
 
     /// Takes in the limits set by a command of the print, without its comments.
     pub fn command(&mut self, command: &str) {
-        let Self { settings, limits, widest, unit } = self;
-        for s in settings.iter().flatten() {
+        let Self { settings, limits, unit } = self;
+        for (s, widest) in settings.iter_mut().flatten() {
             limits.widen(command, s, widest, unit);
         }
     }
@@ -173,10 +285,22 @@ impl Widening {
     /// The limits of the whole print.
     #[must_use]
     pub fn finish(self) -> Limits {
-        let Self { settings, mut limits, widest, .. } = self;
-        let belts = settings[0].as_ref().map(belts).unwrap_or_default();
-        limits.set_jumps(&widest, &belts);
-        limits.add_advance(&widest);
+        let Self { settings, mut limits, .. } = self;
+        let belts = settings[0].as_ref().map(|(s, _)| belts(s)).unwrap_or_default();
+        let mut has_advance = false;
+        limits.of.iter_mut().take(4).for_each(|limit| limit.acceleration = 0.0);
+        for (_, mut widest) in settings.into_iter().flatten() {
+            widest.use_it();
+            has_advance |= widest.has_advance;
+            for accelerations in widest.used.iter().map(|corners| corners.own).chain([widest.homed]) {
+                let both = limits.of.iter_mut().zip(accelerations);
+                both.for_each(|(limit, a)| limit.acceleration = limit.acceleration.max(a));
+            }
+            widest.used.iter().for_each(|corners| limits.widen_jumps(corners, &belts));
+        }
+        if has_advance {
+            limits.add_advance();
+        }
         limits
     }
 }
@@ -203,7 +327,19 @@ impl Limits {
         if let Command::Setting(SettingCommand::VelocityLimit(VelocityWords { square_corner: Some(number), .. })) =
             parse(command.as_bytes())
         {
-            widest.square = widest.square.max(number.value().to_num());
+            let w = MmPerSec::saturating_from_num(number.value());
+            if ranges::SPEED.holds(w) {
+                widest.change(|corners| corners.rule = CornerRule::SquareCorner(w));
+            }
+        }
+        if let Command::Setting(SettingCommand::VelocityLimit(VelocityWords { acceleration, .. })) =
+            parse(command.as_bytes())
+        {
+            if let Some(a) = acceleration.map(|number| MmPerSec2::saturating_from_num(number.value()))
+                && ranges::ACCELERATION.holds(a)
+            {
+                widest.change(|corners| corners.commanded = [a.to_num(); 2]);
+            }
             return;
         }
         match parse(command.as_bytes()) {
@@ -215,13 +351,22 @@ impl Limits {
             self.circulates |= s.belt.is_closed;
         }
         let mut words = words(command);
-        let Some((letter, Some(code))) = words.next() else { return };
+        let Some((letter, Some(code))) = words.next() else {
+            widest.use_it();
+            return;
+        };
         let wide = |slot: &mut f64, value: f64| *slot = slot.max(value);
+        if !stands(letter, code) {
+            widest.use_it();
+        }
         match (letter, code) {
+            ('M', 501.0 | 502.0) => widest.change(|corners| *corners = Corners::of(s)),
             ('G', 20.0) => *unit = 25.4,
             ('G', 21.0) => *unit = 1.0,
             ('M', 915.0) => self.trims = true,
             ('G', 28.0) => {
+                let both = widest.homed.iter_mut().zip(widest.now.own);
+                both.for_each(|(most, a)| *most = most.max(a));
                 self.trims |= s.belt.alignment == Alignment::Automatic;
                 self.circulates |= s.belt.is_closed && s.belt.homing_advance > Mm::ZERO;
                 let homing = s.homing.to_array().map(|h| h.fast.to_num::<f64>());
@@ -237,20 +382,16 @@ impl Limits {
                 // With one value out of range the firmware leaves the line alone.
                 let legal = named.iter().all(|(_, v)| *v > 0.0 && *v <= most);
                 for (i, v) in named.into_iter().filter(|_| legal) {
-                    let limit = &mut self.of[i];
-                    wide(if code == 201.0 { &mut limit.acceleration } else { &mut limit.speed }, v);
-                }
-            }
-            ('M', 205.0) => {
-                for (what, value) in words {
-                    let v = value.unwrap_or(0.0) * *unit;
-                    match what {
-                        'J' => wide(&mut widest.deviation, v),
-                        'X' | 'Y' => wide(&mut widest.square, v),
-                        'E' => wide(&mut widest.extruder, v),
-                        _ => {}
+                    if code == 201.0 {
+                        widest.change(|corners| corners.own[i] = v);
+                    } else {
+                        wide(&mut self.of[i].speed, v);
                     }
                 }
+            }
+            ('M', 204.0 | 205.0) => {
+                let words: Vec<_> = words.filter_map(|(what, value)| Some((what, value? * *unit))).collect();
+                widest.change(|corners| corners.set(code, &words));
             }
             _ => {}
         }
@@ -277,26 +418,28 @@ impl Limits {
         }
     }
 
-    fn set_jumps(&mut self, widest: &Widest, belts: &[Group]) {
-        let law = |reach: f64, acceleration: f64| {
-            let deviation = (8.0 * reach * acceleration * widest.deviation).sqrt();
-            let square = reach * widest.square * (8.0 * (SQRT_2 - 1.0)).sqrt();
-            deviation.max(square)
-        };
+    /// Takes in the jumps of speed under these rules.
+    fn widen_jumps(&mut self, corners: &Corners, belts: &[Group]) {
+        let of_others = corners.own[0..2].iter().map(|own| corners.jump(1.0, *own)).sum();
         for (i, limit) in self.of.iter_mut().enumerate() {
             // A unit vector of the tool reaches the length of the row in a belt coordinate: sqrt 2 if it sums two axes.
             let belt = i.checked_sub(4).and_then(|i| belts.get(i));
             let reach = belt.map_or(1.0, |belt| {
                 direction(belt.row).map(|times| square(f64::from(times))).iter().sum::<f64>().sqrt()
             });
-            limit.jump = if i == 3 { widest.extruder } else { law(reach, limit.acceleration) };
+            let own = corners.own.get(i).copied().unwrap_or(limit.acceleration);
+            let jump = match i {
+                2 => corners.jump_of_z(own, of_others),
+                3 => corners.extruder,
+                _ => corners.jump(reach, own),
+            };
+            limit.jump = limit.jump.max(jump);
         }
     }
 
     /// Adds the jumps of pressure advance.
-    fn add_advance(&mut self, widest: &Widest) {
-        let e = &mut self.of[3];
-        e.jump *= if widest.has_advance { 3.0 } else { 1.0 };
+    fn add_advance(&mut self) {
+        self.of[3].jump *= 3.0;
     }
 }
 

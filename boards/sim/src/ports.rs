@@ -315,7 +315,10 @@ impl Pins<'_> {
     }
 
     /// These switches have ended a motion.
-    pub(crate) fn meet(&mut self, met: EndstopSet) {
+    pub(crate) fn meet(&mut self, met: EndstopSet, tick: u64) {
+        if !met.is_empty() {
+            self.sink.stopped(tick);
+        }
         if let Mechanics::Belt(plant) = &mut self.mechanics {
             plant.meet(met);
         }

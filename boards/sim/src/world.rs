@@ -131,6 +131,8 @@ pub struct World<'w> {
     console: Option<Pin<Box<dyn Future<Output = Restart> + 'w>>>,
     /// The switches that had ended a motion when the pins were last updated.
     met: EndstopSet,
+    /// Whether the sink knows of a halt.
+    was_halted: bool,
     wakes: Arc<Wakes>,
     waker: Waker,
     odometer: Odometer,
@@ -247,6 +249,7 @@ impl<'w> World<'w> {
             next_period: shared.now.get(),
             console: Some(console),
             met: EndstopSet::NONE,
+            was_halted: false,
             waker: Waker::from(Arc::clone(&wakes)),
             wakes,
             odometer: Odometer::default(),
@@ -280,6 +283,7 @@ impl<'w> World<'w> {
             self.turned.recouple(coupling, self.counts.read());
         }
         let mut moved = false;
+        self.tell_halt();
         // The Console may have switched motors.
         self.stepper.port().attend();
         let end_of_turn = shared.now.get() + TURN;
@@ -376,7 +380,17 @@ impl<'w> World<'w> {
         if met != self.met {
             let fresh = EndstopSet(met.0 & !self.met.0);
             self.met = met;
-            self.stepper.port().meet(fresh);
+            let tick = self.stepper.tick();
+            self.stepper.port().meet(fresh, tick);
+        }
+    }
+
+    /// Tells the sink that the machine has halted.
+    fn tell_halt(&mut self) {
+        let is_halted = self.status.is_halted();
+        if std::mem::replace(&mut self.was_halted, is_halted) != is_halted {
+            let tick = self.stepper.tick();
+            self.stepper.port().sink.stopped(tick);
         }
     }
 

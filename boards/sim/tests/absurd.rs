@@ -49,6 +49,10 @@ impl Sink for Steps {
             *reach = [reach[0].min(at), reach[1].max(at)];
         }
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 struct Printed {

@@ -26,6 +26,10 @@ impl Sink for Steps {
             }
         }
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 fn shapers() -> impl Strategy<Value = Shaper> {

@@ -46,6 +46,10 @@ impl Sink for Steps {
         let after = bench.tool();
         bench.path += before.iter().zip(after).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.0.borrow_mut().checker.stopped(tick);
+    }
 }
 
 /// Motion time, path and place.

@@ -42,6 +42,10 @@ impl Sink for Steps {
             self.moved = Some((first, tick));
         }
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 /// Sends a line for each answer, and some lines when the motion has come so far, whatever was answered.

@@ -118,6 +118,10 @@ impl Sink for Steps<'_> {
             }
         }
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 /// Prints lines, and changes overrides during the print, each after a motion time.

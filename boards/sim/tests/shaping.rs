@@ -31,6 +31,10 @@ impl Sink for Steps<'_> {
             }
         }
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 /// Sends a line for each `ok`, and M410 when so much motion time has passed.

@@ -28,6 +28,10 @@ impl Sink for Steps {
         }
         self.all.push((tick, self.at));
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 impl Steps {

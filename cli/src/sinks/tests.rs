@@ -19,6 +19,7 @@ fn tell(sink: &mut impl Sink, mut each: impl FnMut()) {
     for i in 0..EVENTS {
         if i % 1000 == 0 {
             sink.stand_on_mesh((i % 3000 != 0).then_some(i as f64 / 1e6));
+            sink.stopped(i * 1250 - i.min(7));
         }
         let steps = if i % 10_000 == 17 { 0x4D } else { 0x4F };
         sink.event(i * 1250, MotorSet(steps), MotorSet(if i / 5000 % 2 == 0 { 0x4C } else { 0x43 }));
@@ -56,6 +57,10 @@ impl Sink for Direct {
         self.0.trace.event(tick, steps, forward);
         self.1.judge.event(tick, steps, forward);
         self.1.path.as_mut().unwrap().event(tick, steps, forward);
+    }
+
+    fn stopped(&mut self, tick: u64) {
+        self.1.judge.stopped(tick);
     }
 
     fn stand_on_mesh(&mut self, z: Option<f64>) {

@@ -1,15 +1,17 @@
-//! Changes of speed: how much the speeds of x and y vary within 4 ms.
+//! Changes of speed: how much the speeds of all axes and belt motors vary within 4 ms.
 //!
 //! Sampled positions are only exact to one step of length q. Over 4 ms that error would hide a curve driven several
 //! times too fast. The instants of steps are known to a tick, and between two of them a motor goes one step. So its
 //! mean speed is known there, and the motor has had that speed at some moment. Where a motor reverses or starts, up to
 //! `sqrt(A q)` of its speed cannot be seen.
 //!
-//! Within a window T an axis may change its speed by `1.3 A T + J + sqrt(A q)`: J is the jump of one corner (see
-//! [`limits`](crate::limits)), and the factor leaves room for braking in a curve.
+//! Within a window T a coordinate may change its speed by `f A T + J + sqrt(A q)`. A is its own acceleration. J is what
+//! may change at once, from a table that is computed from the print's words (see [`limits`](crate::limits)). The factor
+//! f leaves room for braking in a curve (x, y and belts: 1.3) or for the rounding of times (z and e). A touch adds its
+//! speed in the windows in which something ends all motion, and in no other.
 
-use super::{EPISODE, Findings};
-use crate::limits::{Limit, Limits};
+use super::{EPISODE, Findings, Stops};
+use crate::limits::{Limit, Limits, belts};
 use crate::sampler::{SAMPLE_TICKS, SAMPLES_PER_SECOND};
 use corehbot::kinematics::{Group, Groups};
 use corehbot::motors::{Motor, MotorSet};
@@ -18,8 +20,11 @@ use corehbot::settings::Settings;
 /// Samples of the window: 4 ms.
 const WINDOW_SAMPLES: usize = 8;
 
-/// A change of speed may exceed the one by the acceleration by this factor.
+/// A change of speed may exceed the one by the acceleration by this factor, where the tool may curve.
 const BEND: f64 = 1.3;
+
+/// And for z and e.
+const STRAIGHT: f64 = 1.05;
 
 /// Two steps farther apart than this are a rest.
 const REST: u64 = 20 * SAMPLES_PER_SECOND as u64 * SAMPLE_TICKS / 1000;
@@ -31,8 +36,6 @@ const _: () = assert!(KEPT as u64 >= REST / SAMPLE_TICKS + 3);
 /// A coordinate of motors. Between two steps it has a mean speed, and so a place at each instant.
 struct Line {
     lead: Motor,
-    /// mm of x and of y for half a step of it, all other coordinates standing.
-    weights: [f64; 2],
     /// Its last step: when, and 1 or -1 for its direction; 0 before the first one.
     tick: u64,
     direction: i64,
@@ -49,9 +52,9 @@ struct Line {
 }
 
 impl Line {
-    fn new(lead: Motor, weights: [f64; 2]) -> Self {
+    fn new(lead: Motor) -> Self {
         let (tick, direction, place, end, ahead) = (0, 0, 0, None, 0);
-        Self { lead, weights, tick, direction, place, end, ahead, passed: [0.0; KEPT], judged: 0.0 }
+        Self { lead, tick, direction, place, end, ahead, passed: [0.0; KEPT], judged: 0.0 }
     }
 
     /// Its lead steps; `next` is the begin of the next sample, and earlier ones are not asked for any more.
@@ -103,96 +106,133 @@ fn short(ticks: u64) -> f64 {
     f64::from(ticks as u32)
 }
 
-/// An axis, and its excesses.
-struct Axis {
+/// A coordinate with its last speeds: an axis, or a motor that makes a sum of them.
+struct Judged {
     name: String,
-    /// The most that its speeds may differ.
+    /// The lines that it consists of, each with mm for half a step.
+    parts: Vec<(usize, f64)>,
+    /// The most that its speeds may differ, and that a touch adds.
     most: f64,
+    stop: f64,
+    /// The last speeds in a ring; the first one fills it.
+    speeds: Option<[f64; WINDOW_SAMPLES]>,
+    oldest: usize,
+    /// In so many of the last samples no speed has changed by much.
+    calm: usize,
     /// Samples for which a further excess belongs to the last one.
     quiet: u32,
 }
 
-impl Axis {
-    fn new(limit: &Limit) -> Self {
+impl Judged {
+    fn new(limit: &Limit, bend: f64, parts: Vec<(usize, f64)>, unseen: f64) -> Self {
         let window = WINDOW_SAMPLES as f64 / f64::from(SAMPLES_PER_SECOND);
-        let most = BEND * limit.acceleration * window
-            + limit.jump
-            + limit.hard_stop.max(limit.hard_stop_up)
-            + (limit.acceleration * limit.step).sqrt();
-        Self { name: limit.name.clone(), most, quiet: 0 }
+        let most = bend * limit.acceleration * window + limit.jump + unseen;
+        let (name, stop) = (limit.name.clone(), limit.hard_stop.max(limit.hard_stop_up));
+        Self { name, parts, most, stop, speeds: None, oldest: 0, calm: 0, quiet: 0 }
     }
 
-    /// Whether this change of speed is a new excess.
-    #[inline]
-    fn exceeds(&mut self, change: f64) -> bool {
-        let (is_over, is_new) = (change > self.most, self.quiet == 0);
-        self.quiet = if is_over { EPISODE } else { self.quiet.saturating_sub(1) };
-        is_over && is_new
-    }
-}
-
-/// The last speeds of x and y.
-struct Speeds {
-    /// In a ring; the first speed fills it.
-    last: Option<[[f64; 2]; WINDOW_SAMPLES]>,
-    oldest: usize,
-}
-
-impl Speeds {
-    /// Takes in the next speeds, and returns the greatest change of each within the window.
-    #[inline]
-    fn change(&mut self, speeds: [f64; 2]) -> [f64; 2] {
-        let last = self.last.get_or_insert([speeds; WINDOW_SAMPLES]);
-        last[self.oldest] = speeds;
+    /// Takes in the next speed.
+    #[inline(always)]
+    fn put(&mut self, speed: f64) {
+        let speeds = self.speeds.get_or_insert([speed; WINDOW_SAMPLES]);
+        let before = speeds[(self.oldest + WINDOW_SAMPLES - 1) % WINDOW_SAMPLES];
+        // Eight changes of less than an eighth are less than all.
+        let is_calm = (speed - before).abs() * WINDOW_SAMPLES as f64 <= self.most;
+        speeds[self.oldest] = speed;
         self.oldest = (self.oldest + 1) % WINDOW_SAMPLES;
-        // Comparisons: `f64::max` has more instructions, for what is no number.
-        let (mut greatest, mut least) = (speeds, speeds);
-        for speeds in last {
-            for ((speed, greatest), least) in speeds.iter().zip(&mut greatest).zip(&mut least) {
-                *greatest = if speed > greatest { *speed } else { *greatest };
-                *least = if speed < least { *speed } else { *least };
-            }
+        self.calm = if is_calm { self.calm + 1 } else { 0 };
+    }
+
+    /// The greatest change of speed within the window.
+    fn change(&self) -> f64 {
+        let speeds = self.speeds.iter().flatten().copied();
+        speeds.clone().fold(f64::MIN, f64::max) - speeds.fold(f64::MAX, f64::min)
+    }
+
+    /// Looks at the sample that ends at `tick`.
+    #[inline(always)]
+    fn judge(&mut self, findings: &mut Findings, stops: Stops, tick: u64) {
+        if self.calm >= WINDOW_SAMPLES {
+            self.quiet = self.quiet.saturating_sub(1);
+        } else {
+            self.compare(findings, stops, tick);
         }
-        [greatest[0] - least[0], greatest[1] - least[1]]
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn compare(&mut self, findings: &mut Findings, stops: Stops, tick: u64) {
+        let has_stopped = stops.is_within(tick, (WINDOW_SAMPLES as u64 + 1) * SAMPLE_TICKS);
+        let (change, most) = (self.change(), if has_stopped { self.most + self.stop } else { self.most });
+        let (is_over, is_new) = (change > most, self.quiet == 0);
+        self.quiet = if is_over { EPISODE } else { self.quiet.saturating_sub(1) };
+        if is_over && is_new {
+            let name = &self.name;
+            findings.add(tick, || {
+                format!("{name} changes its speed by {change:.1} mm/s within 4 ms, {most:.1} is the most")
+            });
+        }
     }
 }
 
-/// Measures the changes of speed of x and y.
+/// Measures the changes of speed.
 pub(super) struct Changes {
-    /// The coordinates that move x or y.
     lines: Vec<Line>,
-    speeds: Speeds,
+    /// Their ways in the present sample.
+    ways: Vec<f64>,
     /// Empty if there is nothing to judge.
-    axes: Vec<Axis>,
+    judged: Vec<Judged>,
     /// Begin of the next sample.
     next: u64,
 }
 
+/// The coordinates that are judged: each axis with its limit, and each motor that makes a sum of axes, with that of its
+/// belt.
+fn judged(s: &Settings, limits: &Limits, lines: &[Group]) -> Vec<Judged> {
+    let back = s.mechanism.forward_kinematics();
+    let scale = s.axes.map(|axis| axis.steps_per_mm.to_num::<f64>()).to_array();
+    let weights = lines.iter().map(|group| {
+        let counts = Motor::ALL.map(|motor| i64::from(group.with.has(motor)) - i64::from(group.against.has(motor)));
+        let axes = back.as_ref().map_or([(0, 1); 4], |back| back.fractions(&counts));
+        std::array::from_fn(|i| 0.5 * axes[i].0 as f64 / axes[i].1 as f64 / scale[i])
+    });
+    let weights: Vec<[f64; 4]> = weights.collect();
+    // mm of a motor for half a step of it.
+    let half = |line: usize| 0.5 / s.steps_per_mm(lines[line].lead).to_num::<f64>();
+    let (of_axes, of_belts) = limits.of.split_at(4);
+    let axes = of_axes.iter().enumerate().map(|(axis, limit)| {
+        let parts: Vec<_> = (0..lines.len()).map(|line| (line, weights[line][axis])).collect();
+        let parts: Vec<_> = parts.into_iter().filter(|(_, weight)| *weight != 0.0).collect();
+        let own = (limit.acceleration * limit.step).sqrt();
+        // Of a z that several belts make, each hides a part.
+        let hidden = |(line, weight): &(usize, f64)| {
+            let belt = of_belts.first().map_or(limit.acceleration, |belt| belt.acceleration);
+            weight.abs() * (belt * 2.0 * half(*line)).sqrt() / half(*line)
+        };
+        let unseen = if axis == 2 && parts.len() > 1 { parts.iter().map(hidden).sum::<f64>().max(own) } else { own };
+        Judged::new(limit, if axis < 2 { BEND } else { STRAIGHT }, parts, unseen)
+    });
+    let sums = belts(s).into_iter().zip(of_belts).filter_map(|(belt, limit)| {
+        let line = lines.iter().position(|group| group.lead == belt.lead)?;
+        let is_sum = weights[line].iter().filter(|weight| **weight != 0.0).count() > 1;
+        let unseen = (limit.acceleration * limit.step).sqrt();
+        is_sum.then(|| Judged::new(limit, BEND, vec![(line, half(line))], unseen))
+    });
+    axes.chain(sums).collect()
+}
+
 impl Changes {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
-        let back = s.mechanism.forward_kinematics();
-        let line = |group: &Group| {
-            let counts = Motor::ALL.map(|motor| i64::from(group.with.has(motor)) - i64::from(group.against.has(motor)));
-            let [x, y, ..] = back.as_ref().map_or([(0, 1); 4], |back| back.fractions(&counts));
-            let weights = [(x, s.axes.x), (y, s.axes.y)]
-                .map(|((sum, over), axis)| 0.5 * sum as f64 / over as f64 / axis.steps_per_mm.to_num::<f64>());
-            Line::new(group.lead, weights)
-        };
         let groups = Groups::new(&s.mechanism);
-        let lines = groups.iter().filter(|group| !group.motors().is_empty()).map(line);
-        let lines = lines.filter(|line| line.weights != [0.0; 2]).collect();
-        let judged = if limits.is_judged { 2 } else { 0 };
-        Self {
-            lines,
-            speeds: Speeds { last: None, oldest: 0 },
-            axes: limits.of.iter().take(judged).map(Axis::new).collect(),
-            next: 0,
-        }
+        let of: Vec<Group> = groups.iter().filter(|group| !group.motors().is_empty()).copied().collect();
+        let lines: Vec<_> = of.iter().map(|group| Line::new(group.lead)).collect();
+        let judged = if limits.is_judged { judged(s, limits, &of) } else { Vec::new() };
+        Self { ways: vec![0.0; lines.len()], lines, judged, next: 0 }
     }
 
     #[inline]
-    pub fn event(&mut self, findings: &mut Findings, tick: u64, steps: MotorSet, forward: MotorSet) {
-        self.advance(findings, tick);
+    pub fn event(&mut self, findings: &mut Findings, stops: Stops, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.advance(findings, stops, tick);
         for line in &mut self.lines {
             if steps.has(line.lead) {
                 line.event(tick, forward.has(line.lead), self.next);
@@ -202,35 +242,29 @@ impl Changes {
 
     /// Checks all samples that are fully known at `tick`.
     #[inline]
-    pub fn advance(&mut self, findings: &mut Findings, tick: u64) {
+    pub fn advance(&mut self, findings: &mut Findings, stops: Stops, tick: u64) {
         while self.next + SAMPLE_TICKS + REST < tick {
             if self.lines.iter().all(|line| line.rests(self.next)) {
                 // It rests: nothing begins before the last of these samples.
                 let skipped = ((tick - REST - self.next) / SAMPLE_TICKS).saturating_sub(1);
                 self.next += skipped * SAMPLE_TICKS;
-                for axis in &mut self.axes {
-                    axis.quiet = axis.quiet.saturating_sub(u32::try_from(skipped).unwrap_or(u32::MAX));
+                for judged in &mut self.judged {
+                    judged.quiet = judged.quiet.saturating_sub(u32::try_from(skipped).unwrap_or(u32::MAX));
                 }
             }
-            self.sample(findings);
+            self.sample(findings, stops);
         }
     }
 
-    fn sample(&mut self, findings: &mut Findings) {
+    fn sample(&mut self, findings: &mut Findings, stops: Stops) {
         self.next += SAMPLE_TICKS;
-        let mut ways = [0.0; 2];
-        for line in &mut self.lines {
-            let way = line.take_way(self.next);
-            ways.iter_mut().zip(line.weights).for_each(|(sum, weight)| *sum += weight * way);
+        for (way, line) in self.ways.iter_mut().zip(&mut self.lines) {
+            *way = line.take_way(self.next) * f64::from(SAMPLES_PER_SECOND);
         }
-        let changes = self.speeds.change(ways.map(|way| way * f64::from(SAMPLES_PER_SECOND)));
-        for (axis, change) in self.axes.iter_mut().zip(changes) {
-            if axis.exceeds(change) {
-                let Axis { name, most, .. } = &*axis;
-                findings.add(self.next, || {
-                    format!("{name} changes its speed by {change:.1} mm/s within 4 ms, {most:.1} is the most")
-                });
-            }
+        for judged in &mut self.judged {
+            let speed = judged.parts.iter().map(|(line, weight)| weight * self.ways[*line]).sum();
+            judged.put(speed);
+            judged.judge(findings, stops, self.next);
         }
     }
 }

@@ -3,10 +3,10 @@
 //! Nearly all samples are far from any limit. Whole numbers tell so: a difference of positions that is a step smaller
 //! than the bound keeps it, whatever the rounding of the comparison in floating point. Only the others are compared.
 
-use super::{EPISODE, Findings};
+use super::{EPISODE, Findings, Stops};
 use crate::axis_sums::AxisSums;
 use crate::limits::{Limit, Limits, belts};
-use crate::sampler::{LONGEST_WINDOW, SAMPLES_PER_SECOND, Sample};
+use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample};
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use std::f64::consts::SQRT_2;
@@ -45,14 +45,14 @@ impl Gauge {
 
     /// Measures what the next sample shows.
     #[inline]
-    pub fn measure(&mut self, findings: &mut Findings, sample: &Sample) {
+    pub fn measure(&mut self, findings: &mut Findings, stops: Stops, sample: &Sample) {
         let axes = self.coordinates.len().min(sample.sums.len());
         let (axes, belts) = self.coordinates.split_at_mut(axes);
         for (axis, at) in axes.iter_mut().zip(sample.sums) {
-            axis.measure(findings, sample.tick, at);
+            axis.measure(findings, stops, sample.tick, at);
         }
         for (belt, lead) in belts.iter_mut().zip(&self.belts) {
-            belt.measure(findings, sample.tick, sample.counts[lead.index()]);
+            belt.measure(findings, stops, sample.tick, sample.counts[lead.index()]);
         }
     }
 }
@@ -142,7 +142,7 @@ impl Coordinate {
 
     /// Takes in the next position, and finds a new excess of the recent ones.
     #[inline(always)]
-    fn measure(&mut self, findings: &mut Findings, tick: u64, at: i64) {
+    fn measure(&mut self, findings: &mut Findings, stops: Stops, tick: u64, at: i64) {
         if self.resting >= LONGEST_WINDOW && at == self.past(0) {
             // All positions are the same, and the last excess is long ago.
             return;
@@ -151,13 +151,13 @@ impl Coordinate {
         if self.is_harmless() {
             self.quiet = self.quiet.saturating_sub(1);
         } else {
-            self.judge(findings, tick);
+            self.judge(findings, stops, tick);
         }
     }
 
     #[cold]
-    fn judge(&mut self, findings: &mut Findings, tick: u64) {
-        let (excess, is_new) = (self.excess(), self.quiet == 0);
+    fn judge(&mut self, findings: &mut Findings, stops: Stops, tick: u64) {
+        let (excess, is_new) = (self.excess(stops, tick), self.quiet == 0);
         self.quiet = if excess.is_some() { EPISODE } else { self.quiet.saturating_sub(1) };
         if let Some(excess) = excess.filter(|_| is_new) {
             findings.add(tick, || excess.to_string());
@@ -189,8 +189,12 @@ impl Coordinate {
     }
 
     /// The excess of the recent positions.
-    pub fn excess(&self) -> Option<Excess> {
-        self.speed().or_else(|| self.acceleration(self.short)).or_else(|| self.acceleration(self.long))
+    pub fn excess(&self, stops: Stops, tick: u64) -> Option<Excess> {
+        let accelerated = |samples: usize| {
+            let has_stopped = stops.is_within(tick, (2 * samples as u64 + 1) * SAMPLE_TICKS);
+            self.acceleration(samples, has_stopped)
+        };
+        self.speed().or_else(|| accelerated(self.short)).or_else(|| accelerated(self.long))
     }
 
     /// The greatest way in mm within the long window.
@@ -213,12 +217,15 @@ impl Coordinate {
         is_over.then(|| Excess { limit: self.limit.clone(), kind: Kind::Speed, value: way / window, window })
     }
 
-    fn acceleration(&self, samples: usize) -> Option<Excess> {
+    /// The excess over two windows, in which something has ended all motion or not.
+    fn acceleration(&self, samples: usize, has_stopped: bool) -> Option<Excess> {
         let limit = &self.limit;
         let window = self.seconds(samples);
         let (before, after) = (self.travel(samples, 2 * samples), self.travel(0, samples));
         // An endstop at the low end stops a motion towards it.
-        let stop = if limit.hard_stop.is_infinite() || (before < 0.0 && after > before) {
+        let stop = if !has_stopped {
+            0.0
+        } else if limit.hard_stop.is_infinite() || (before < 0.0 && after > before) {
             limit.hard_stop
         } else if before > 0.0 && after < before {
             limit.hard_stop_up

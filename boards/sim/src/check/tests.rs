@@ -148,16 +148,76 @@ fn an_axis_above_its_speed_is_found() {
 }
 
 #[test]
-fn a_homing_stop_is_hard_but_only_if_the_print_homes() {
-    let stop = |gcode: &str| {
+fn a_homing_stop_is_hard_in_a_touch_alone() {
+    let stop = |gcode: &str, is_touch: bool| {
         let mut m = Motion::new(gcode);
         let down = |t: f64| -8.0 * (t - 0.05 + 0.05 * (-t / 0.05).exp());
         m.follow(0.5, |t| [0.0, 0.0, down(t), 0.0]);
+        if is_touch {
+            m.checker.stopped(m.time);
+        }
         m.follow(0.1, |t| [0.0, 0.0, down(0.5) + trapezoid(t, 0.2, 5.0, 200.0), 0.0]);
         m.findings()
     };
-    assert_eq!(stop("G28"), Findings::default());
-    assert!(found(&stop("G1"), "z accelerates"));
+    assert_eq!(stop("G28", true), Findings::default());
+    // The print has homed, and nothing was touched.
+    assert!(found(&stop("G28", false), "z accelerates"));
+    assert!(found(&stop("G1", true), "z accelerates"));
+}
+
+/// Moves along x, then z starts at `first` mm/s with its own acceleration from there on.
+fn hop(gcode: &str, first: f64) -> Findings {
+    let mut m = Motion::new(gcode);
+    m.follow(0.5, |t| [trapezoid(t, 30.0, 100.0, 1250.0), 0.0, 0.0, 0.0]);
+    let (a, ramp) = (200.0, 0.01);
+    let up = move |t: f64| {
+        let (rise, fall) = (first * ramp + a * ramp * ramp / 2.0, first + a * ramp);
+        if t < ramp { first * t + a * t * t / 2.0 } else { rise + trapezoid_end(t - ramp, fall, a) }
+    };
+    m.follow(0.3, |t| [30.0, 0.0, up(t), 0.0]);
+    m.findings()
+}
+
+/// Brakes from `v` to rest.
+fn trapezoid_end(t: f64, v: f64, a: f64) -> f64 {
+    let t = t.min(v / a);
+    v * t - a * t * t / 2.0
+}
+
+/// The law that gave z the speed of the corner: 8 mm/s of w, whatever z bears. What its own acceleration explains
+/// passes.
+#[test]
+fn a_z_that_starts_without_its_ramp_is_found_though_the_print_has_homed() {
+    let limits = "M201 X1000 Y1000 Z200 E5000\nM204 P1250 R1250 T1250\n";
+    for (jerks, w, cap) in [
+        ("M205 X8.00 Y8.00 Z0.40 E4.50\n", 8.0, 0.4),
+        ("M205 X8\n", 8.0, f64::INFINITY),
+        ("M205 X5\n", 5.0, f64::INFINITY),
+        ("SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=20\n", 20.0, f64::INFINITY),
+    ] {
+        let gcode = format!("{limits}{jerks}G28\nG1 X30\nG1 Z5\n");
+        let findings = hop(&gcode, w);
+        assert!(found(&findings, "z changes its speed"), "{jerks}: {findings:?}");
+        let sound: f64 = w * (200.0f64 / 1250.0).sqrt();
+        assert_eq!(hop(&gcode, sound.min(cap)), Findings::default(), "{jerks}");
+    }
+    // The same where homing came before the limits of the file, under the rule of the settings.
+    assert!(found(&hop(&format!("G28\n{limits}M205 X8 Z0.4\nG1 X30\n"), 8.0), "z changes its speed"));
+}
+
+#[test]
+fn a_heavy_y_that_starts_without_its_ramp_is_found() {
+    let start = |first: f64| {
+        let mut s = Settings::prototype();
+        s.axes.y.max_acceleration = corehbot::units::MmPerSec2::from_num(300);
+        let limits = Limits::new(&s, None, "M204 P3000 T3000\nM205 X20\nG28\nG1 X30\n");
+        let mut m = Motion { checker: Checker::new(&s, &limits), ..Motion::new("") };
+        m.follow(0.5, |t| [trapezoid(t, 30.0, 100.0, 3000.0), 0.0, 0.0, 0.0]);
+        m.follow(0.3, |t| [30.0, trapezoid_end(t, first, 300.0), 0.0, 0.0]);
+        m.findings()
+    };
+    assert!(found(&start(20.0), "y changes its speed"));
+    assert_eq!(start(20.0 * 0.1f64.sqrt()), Findings::default());
 }
 
 #[test]

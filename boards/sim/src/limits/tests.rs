@@ -62,3 +62,31 @@ fn no_corner_jumps_by_more_than_the_square_root_of_8_a_d() {
         assert!(jump <= (8.0 * a * d).sqrt());
     }
 }
+
+/// A right-angled corner of w gives each axis w times the root of its part of the commanded acceleration; flat corners
+/// give up to `sqrt(8 (sqrt 2 - 1))` times as much.
+#[test]
+fn slow_axes_jump_by_what_their_own_acceleration_explains() {
+    let limits = |gcode: &str| Limits::new(&Settings::prototype(), None, gcode).of;
+    let flat = (8.0 * (2f64.sqrt() - 1.0)).sqrt();
+    let block = "M204 P1250 T1250\nM205 X8 Y9\n";
+    let square = limits(&format!("{block}G28\n"));
+    assert!((square[2].jump - flat * 8.0 * (200.0f64 / 1250.0).sqrt()).abs() < 0.01, "{}", square[2].jump);
+    assert!((square[0].jump - flat * 8.0).abs() < 0.01, "x bears what is commanded");
+    // Something moved under the rule of the settings before.
+    let widest = limits("M204 P1250 T1250\nG1 X5\nM205 X1\nG1 X6\n");
+    assert!((widest[2].jump - (8.0 * 200.0 * 0.013f64).sqrt()).abs() < 0.01);
+    // The jerk of z, and 0.02 of what x and y jump by, on a mesh.
+    let capped = limits(&format!("{block}M205 Z0.4 E4.5\nG28\n"));
+    assert!((capped[2].jump - (0.4 + 0.02 * 2.0 * flat * 8.0)).abs() < 0.01, "{}", capped[2].jump);
+    assert_eq!(capped[3].jump, 4.5);
+    // Y alone lowers, a line with an illegal value does nothing.
+    assert_eq!(limits("M205 X8\nM205 Y12\nG28"), limits("M205 X8\nG28"));
+    assert_eq!(limits("M205 X8\nM205 X2 E0\nG28"), limits("M205 X8\nG28"));
+    // Homing passes no corner, and has the accelerations of its time.
+    let block = "M201 Y300\nM204 P3000 T3000\nM205 X20\n";
+    assert_eq!(limits(&format!("{block}G28\nG1 X5"))[1].acceleration, 300.0);
+    let homed = limits(&format!("G28\n{block}G1 X5"));
+    assert_eq!(homed[1].acceleration, 5000.0);
+    assert!((homed[1].jump - flat * 20.0 * 0.1f64.sqrt()).abs() < 0.01, "{}", homed[1].jump);
+}

@@ -44,6 +44,10 @@ impl Sink for Steps {
         }
         self.events += u64::from(!steps.is_empty());
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.checker.stopped(tick);
+    }
 }
 
 pub struct Print {

@@ -63,6 +63,10 @@ impl Sink for Counted<'_> {
         self.0.event(tick, steps, forward);
         self.1.set(self.0.events);
     }
+
+    fn stopped(&mut self, tick: u64) {
+        self.0.stopped(tick);
+    }
 }
 
 /// After a quick stop the motors of a slanted move stand between positions. The reported place is the true one, and no

@@ -35,8 +35,8 @@ struct Plain {
     trimmed: [i64; MOTORS],
     is_consistent: bool,
     lines: Vec<Line>,
-    /// Of x and y: the last speeds, and the quiet samples.
-    speeds: [(Vec<f64>, u32); 2],
+    /// Of each limit: the last speeds, and the quiet samples.
+    speeds: Vec<(Vec<f64>, u32)>,
     next: u64,
     findings: Findings,
 }
@@ -61,7 +61,7 @@ impl Plain {
             trimmed: [0; MOTORS],
             is_consistent: true,
             lines: lines.collect(),
-            speeds: Default::default(),
+            speeds: vec![(Vec::new(), 0); limits.of.len()],
             next: 0,
             findings: Findings::default(),
         }
@@ -157,7 +157,7 @@ impl Plain {
             let places = axes.into_iter().chain(belts.iter().map(|belt| sample.counts[belt.lead.index()]));
             for ((coordinate, quiet), at) in coordinates.iter_mut().zip(places) {
                 coordinate.put(at);
-                let excess = coordinate.excess();
+                let excess = coordinate.excess(Stops::default(), sample.tick);
                 let is_new = *quiet == 0;
                 *quiet = if excess.is_some() { EPISODE } else { quiet.saturating_sub(1) };
                 if let Some(excess) = excess.filter(|_| is_new) {
@@ -181,33 +181,69 @@ impl Plain {
             }
             let (from, to) = (self.next, self.next + SAMPLE_TICKS);
             self.next = to;
-            let mut ways = [0.0; 2];
+            let mut ways = [0.0; 4];
+            let mut of_belts = Vec::new();
             for Line { group, pieces, .. } in &self.lines {
                 let within = pieces.iter().filter(|(begin, end, _)| *begin < to && *end > from);
                 let parts = within.map(|(begin, end, speed)| ((*end).min(to) - (*begin).max(from)) as f64 * speed);
                 let way: f64 = parts.sum();
-                let counts =
-                    Motor::ALL.map(|motor| i64::from(group.with.has(motor)) - i64::from(group.against.has(motor)));
-                let [x, y, ..] = self.back.fractions(&counts);
-                let axes = [self.settings.axes.x, self.settings.axes.y];
-                for ((sum, (part, over)), axis) in ways.iter_mut().zip([x, y]).zip(axes) {
-                    *sum += part as f64 / over as f64 / axis.steps_per_mm.to_num::<f64>() * way;
+                let axes = [self.settings.axes.x, self.settings.axes.y, self.settings.axes.z, self.settings.axes.e];
+                for ((sum, weight), axis) in ways.iter_mut().zip(self.shares(group)).zip(axes) {
+                    *sum += weight / axis.steps_per_mm.to_num::<f64>() * way;
+                }
+                let is_belt = crate::limits::belts(&self.settings).iter().any(|belt| belt.lead == group.lead);
+                if is_belt {
+                    of_belts.push(way / self.settings.steps_per_mm(group.lead).to_num::<f64>());
                 }
             }
-            self.judge_speeds(to, ways);
+            let all: Vec<f64> = ways.into_iter().chain(of_belts).collect();
+            self.judge_speeds(to, &all);
         }
     }
 
-    fn judge_speeds(&mut self, tick: u64, ways: [f64; 2]) {
+    /// Steps of each axis for a step of the motors of a group.
+    fn shares(&self, group: &Group) -> [f64; 4] {
+        let counts = Motor::ALL.map(|motor| i64::from(group.with.has(motor)) - i64::from(group.against.has(motor)));
+        self.back.fractions(&counts).map(|(part, over)| part as f64 / over as f64)
+    }
+
+    /// The factor of the acceleration and the hidden speed of a coordinate; `None` for a belt that is an axis.
+    fn kept(&self, place: usize) -> Option<(f64, f64)> {
+        let limit = &self.limits.of[place];
+        let own = (limit.acceleration * limit.step).sqrt();
+        let moved = |group: &Group| self.shares(group).iter().filter(|share| **share != 0.0).count();
+        match place {
+            2 => {
+                let belt = self.limits.of.get(4).unwrap_or(limit).acceleration;
+                let of_z = self.lines.iter().filter(|line| self.shares(&line.group)[2] != 0.0);
+                let hidden = of_z.clone().map(|line| {
+                    let mm = 1.0 / self.settings.steps_per_mm(line.group.lead).to_num::<f64>();
+                    let z = self.shares(&line.group)[2].abs() / self.settings.axes.z.steps_per_mm.to_num::<f64>();
+                    z / mm * (belt * mm).sqrt()
+                });
+                Some((1.05, if of_z.count() > 1 { hidden.sum::<f64>().max(own) } else { own }))
+            }
+            3 => Some((1.05, own)),
+            0 | 1 => Some((1.3, own)),
+            _ => {
+                let belt = crate::limits::belts(&self.settings)[place - 4];
+                (moved(&belt) > 1).then_some((1.3, own))
+            }
+        }
+    }
+
+    fn judge_speeds(&mut self, tick: u64, ways: &[f64]) {
         if !self.limits.is_judged {
             return;
         }
-        for ((limit, (speeds, quiet)), way) in self.limits.of.iter().zip(&mut self.speeds).zip(ways) {
+        for (place, way) in ways.iter().enumerate() {
+            let kept = self.kept(place);
+            let (limit, (speeds, quiet)) = (&self.limits.of[place], &mut self.speeds[place]);
             speeds.push(way * f64::from(TICKS_PER_SECOND) / SAMPLE_TICKS as f64);
             let last = &speeds[speeds.len().saturating_sub(8)..];
             let change = last.iter().copied().fold(f64::MIN, f64::max) - last.iter().copied().fold(f64::MAX, f64::min);
-            let stop = limit.hard_stop.max(limit.hard_stop_up);
-            let most = 1.3 * limit.acceleration * 0.004 + limit.jump + stop + (limit.acceleration * limit.step).sqrt();
+            let Some((factor, hidden)) = kept else { continue };
+            let most = factor * limit.acceleration * 0.004 + limit.jump + hidden;
             let (is_over, is_new) = (change > most, *quiet == 0);
             *quiet = if is_over { EPISODE } else { quiet.saturating_sub(1) };
             if is_over && is_new {
