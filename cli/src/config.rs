@@ -35,7 +35,7 @@ pub(crate) enum Config {
     New(New),
     /// Writes a machine file from Klipper's printer.cfg or from a printer with Marlin, and reports what became of it.
     From(from::From),
-    /// Reports errors and doubtful values in a machine file; the exit status is 1 if it is not a machine.
+    /// Reports errors and doubtful values in a machine file; the exit status is 1 if there are errors.
     Check(Check),
     /// Sends a machine to a board, which checks it and stores it.
     #[cfg(unix)]
@@ -134,7 +134,7 @@ fn report(path: &Path) -> Result<u8> {
         None => format!("{file}: no machine; {counts}\n"),
     };
     say(&printable::lines(&lines))?;
-    Ok(if machine.is_some() { DONE } else { FAILED })
+    Ok(if machine.is_some() && errors == 0 { DONE } else { FAILED })
 }
 
 /// A number of things.

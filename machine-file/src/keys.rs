@@ -1,6 +1,7 @@
 //! Keys: every key of a machine file, from the rows of all settings, and the few keys without a setting.
 
 use corehbot::motors::MotorName;
+use corehbot::settings::ranges;
 use corehbot::settings::rows::{Kind, Legal, Row, Text};
 use corehbot::settings::table::described;
 use corehbot_twin::description::Routing;
@@ -242,6 +243,7 @@ pub(crate) const fn fraction(kind: Kind) -> u32 {
         Kind::Fixed(bits) | Kind::Auto(bits) => bits,
         Kind::Whole
         | Kind::OfMotor
+        | Kind::Place
         | Kind::Switch
         | Kind::Choice(_)
         | Kind::Name
@@ -254,8 +256,10 @@ pub(crate) const fn fraction(kind: Kind) -> u32 {
 
 /// The legal numbers, in words.
 pub(crate) fn legal_words(legal: Legal, kind: Kind) -> String {
-    let [least, most] = [legal.least, legal.most].map(|bits| shortest(bits, fraction(kind)));
-    let whole = if matches!(kind, Kind::Whole | Kind::OfMotor) { "the whole numbers " } else { "" };
+    // The greatest of these is no place.
+    let most = if matches!(kind, Kind::Place) { legal.most.min(ranges::SCREW_PLACE.most.into()) } else { legal.most };
+    let [least, most] = [legal.least, most].map(|bits| shortest(bits, fraction(kind)));
+    let whole = if matches!(kind, Kind::Whole | Kind::OfMotor | Kind::Place) { "the whole numbers " } else { "" };
     // Files say this 0 by a word, or by nothing.
     let is_hidden = matches!(kind, Kind::Auto(_) | Kind::OfMotor);
     let zero = if legal.may_be_zero && legal.least > 0 && !is_hidden { "0 and " } else { "" };

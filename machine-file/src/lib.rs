@@ -20,7 +20,7 @@
 //! | `marlin` | answers of a printer with Marlin |
 //! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
-//! | `problems`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
+//! | `problems`, `unreached`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
 //!
 //! `examples/machines/prototype.toml` shows every key. A file that names a `board` must use its connectors.
 
@@ -42,6 +42,7 @@ mod schema;
 pub mod short;
 pub mod template;
 mod translation;
+mod unreached;
 mod unwise;
 mod value;
 mod written;

@@ -1,7 +1,7 @@
 //! Problems: all errors and warnings of a machine file.
 
 use super::reader::Given;
-use super::{Machine, MachineFileError, Place, together, unwise};
+use super::{Machine, MachineFileError, Place, together, unreached, unwise};
 use std::fmt::{self, Display};
 use toml::de::DeTable;
 
@@ -10,7 +10,7 @@ use toml::de::DeTable;
 pub struct Problem {
     /// Where in the file, if it is at one place.
     pub place: Option<Place>,
-    /// The file is not a machine with this problem. Otherwise it is one, with a warning.
+    /// The file is not a machine with this problem, or commands refuse a place that it names. Otherwise it is a warning.
     pub is_error: bool,
     /// The problem in words.
     pub text: String,
@@ -45,15 +45,16 @@ fn search(text: &str) -> (Option<Machine>, Vec<Problem>) {
         Ok(given) => return (None, given.errors.iter().map(|error| problem(text, error)).collect()),
         Err(error) => return (None, vec![problem(text, &error)]),
     };
+    let has_screws = given.has("screws");
     match together(given) {
         Ok(machine) => {
-            let unwise = unwise::warnings(&machine).into_iter();
-            let warning = |(key, said): (String, String)| Problem {
-                place: Place::of_key(text, &key),
-                is_error: false,
-                text: said,
+            let said = |is_error: bool| {
+                move |(key, said): (String, String)| Problem { place: Place::of_key(text, &key), is_error, text: said }
             };
-            (Some(machine), unwise.map(warning).collect())
+            let unreached = unreached::places(&machine.settings, has_screws).into_iter().map(said(true));
+            let unwise = unwise::warnings(&machine).into_iter().map(said(false));
+            let found = unreached.chain(unwise).collect();
+            (Some(machine), found)
         }
         Err(error) => (None, vec![problem(text, &error)]),
     }

@@ -4,9 +4,10 @@ use crate::error::MachineFileError;
 use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in, numbered, routings};
 use crate::value;
 use corehbot::connectors::BoardConnectors;
+use corehbot::kinematics::SCREWS;
 use corehbot::motors::{MOTORS, MotorName, prototype};
 use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
-use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Settings, Wiring, ranges};
+use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Screw, Settings, Wiring, ranges};
 use corehbot::units::Mm;
 use corehbot_boards as boards;
 use corehbot_twin::description::{Description, Routing};
@@ -144,6 +145,8 @@ impl Given {
             // Motors that it does not list are not fitted. Rows do not show one belt from two, and the name is another.
             s.mechanism.rows = Default::default();
             s.belt.is_closed = false;
+            // Its screws are where it says, or nowhere.
+            s.screws = [Screw::UNKNOWN; SCREWS];
             s.name = MachineName::NONE;
         }
         if self.has("belt.phases") {

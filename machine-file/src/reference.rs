@@ -83,7 +83,7 @@ fn keys(row: &Row) -> String {
 /// The legal values.
 fn range(row: &Row, text: &Text) -> String {
     let of = |part| match text.kind {
-        Kind::Fixed(_) | Kind::Whole | Kind::OfMotor => legal_words(row.legal(part), text.kind),
+        Kind::Fixed(_) | Kind::Whole | Kind::OfMotor | Kind::Place => legal_words(row.legal(part), text.kind),
         Kind::Auto(_) => format!("\"auto\" or {}", legal_words(row.legal(part), text.kind)),
         Kind::Switch => "true, false".to_owned(),
         Kind::Choice(name) => names_of(name).join(", "),

@@ -131,6 +131,7 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
     match kind {
         Kind::Fixed(_) => number("number", kind, legal),
         Kind::Whole => number("integer", kind, legal),
+        Kind::Place => number("integer", kind, Legal { most: legal.most - 1, ..legal }),
         Kind::OfMotor => number("integer", kind, Legal { may_be_zero: false, ..legal }),
         Kind::Auto(_) => {
             let number = number("number", kind, Legal { may_be_zero: false, ..legal });

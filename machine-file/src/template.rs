@@ -117,6 +117,10 @@ pub fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<St
     if !example.contains_key("belt") {
         text.set("belt", "closed", &false.into())?;
     }
+    if example.contains_key("mechanism") && !example.contains_key("screws") {
+        // Its screws are nowhere until someone has measured them.
+        text.remove_tables("screws.1", "screws.4");
+    }
     if !example.contains_key("bed") {
         // The bed is the tool's reach.
         for (side, axis) in [("width", "x"), ("depth", "y")] {
@@ -230,6 +234,16 @@ impl Text {
         if let Some(line) = self.line(table, key) {
             self.0.remove(line);
         }
+    }
+
+    /// Removes the tables from one to another, with the comment above them and the blank line below.
+    fn remove_tables(&mut self, first: &str, last: &str) {
+        let (Some(first), Some(last)) = (self.table(first), self.table(last)) else { return };
+        let header = first.start - 1;
+        let above = self.0[..header].iter().rev().take_while(|line| line.starts_with('#')).count();
+        let keys = self.0[last.clone()].iter().rposition(|line| line.contains('=')).map_or(0, |at| at + 1);
+        let end = (last.start + keys + 1).min(self.0.len());
+        self.0.drain(header - above..end);
     }
 
     /// Puts another comment above the header of a table.

@@ -9,6 +9,9 @@ use corehbot::settings::{EndstopPlug, MachineName, Range, Thermistor, ranges};
 use corehbot_twin::params::{Each, MOST_PARTS, Row as TwinRow};
 use toml::Value as Toml;
 
+/// The number 0 of a setting whose bits 0 are "auto": the least number above it.
+const PLAIN_ZERO: i64 = 1;
+
 /// The value of a setting.
 ///
 /// # Errors
@@ -18,12 +21,16 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
         Kind::Fixed(_) | Kind::Whole => number(key, toml, kind, legal).map(Value::Number),
         Kind::Auto(_) => match toml {
             Toml::String(word) if word == "auto" => Ok(Value::Number(0)),
-            // 0 is "auto", which a file says by that word.
+            // 0 is "auto", which a file says by that word. Where 0 is a legal number too, the least one above it says 0.
             Toml::Integer(_) | Toml::Float(_) => {
-                number(key, toml, kind, Legal { may_be_zero: false, ..legal }).map(Value::Number)
+                let bits = number(key, toml, kind, Legal { may_be_zero: false, ..legal })?;
+                Ok(Value::Number(if bits == 0 { PLAIN_ZERO } else { bits }))
             }
+            other if legal.least < 0 => Err(MachineFileError::kind(key, "\"auto\" or a number", other)),
             other => Err(MachineFileError::kind(key, "\"auto\" or a number of seconds", other)),
         },
+        // The greatest is no place, which a file does not say.
+        Kind::Place => number(key, toml, kind, Legal { most: legal.most - 1, ..legal }).map(Value::Number),
         // 0 is the value of the group, which a file does not say.
         Kind::OfMotor => number(key, toml, kind, Legal { may_be_zero: false, ..legal }).map(Value::Number),
         Kind::Switch => match toml {
@@ -62,7 +69,7 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
 /// The problem of the value.
 pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
     let number = float(key, toml)?;
-    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole | Kind::OfMotor);
+    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole | Kind::OfMotor | Kind::Place);
     match bits_of(number, fraction(kind)) {
         Some(bits) if is_whole && legal.holds(bits) => Ok(bits),
         _ => Err(MachineFileError::Range { key: key.to_owned(), value: number, legal: legal_words(legal, kind) }),
@@ -167,7 +174,9 @@ pub(crate) const FULL_STEPS: Range<u16> = Range { least: 20, most: 800 };
 pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
     Some(match (value, kind) {
         (Value::Absent, _) | (Value::Number(0), Kind::OfMotor) => return None,
+        (Value::Number(number), Kind::Place) if *number == i64::from(ranges::NOWHERE) => return None,
         (Value::Number(0), Kind::Auto(_)) => "auto".into(),
+        (Value::Number(PLAIN_ZERO), Kind::Auto(_)) => 0.into(),
         (Value::Number(bits), Kind::Fixed(fraction) | Kind::Auto(fraction)) => float_toml(shortest(*bits, fraction)),
         (Value::Number(number), Kind::Switch) => (*number != 0).into(),
         (Value::Number(number), Kind::Choice(name)) => name(usize::try_from(*number).ok()?)?.into(),
@@ -187,9 +196,10 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
             row.set(value).then_some(())?;
             Toml::Array(row.map(|times| i64::from(times).into()).to_vec())
         }
-        (Value::Number(number), Kind::Whole | Kind::OfMotor | Kind::Name | Kind::MotorName | Kind::Plug) => {
-            (*number).into()
-        }
+        (
+            Value::Number(number),
+            Kind::Whole | Kind::OfMotor | Kind::Place | Kind::Name | Kind::MotorName | Kind::Plug,
+        ) => (*number).into(),
         (Value::Text(text), _) => text.as_str().into(),
     })
 }

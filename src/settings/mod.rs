@@ -43,6 +43,7 @@ mod plugged;
 mod probe;
 mod range;
 pub mod ranges;
+mod reach;
 pub mod rows;
 mod screws;
 mod sensors;
@@ -281,6 +282,7 @@ impl Settings {
                     homes_z: _,
                     home: _,
                     quiet: _,
+                    bed_heater_off: _,
                 },
             belt:
                 Belt {
@@ -347,14 +349,6 @@ impl Settings {
     #[must_use]
     pub const fn homes_z_by_probe(&self) -> bool {
         self.probe.homes_z && self.probe.is_fitted()
-    }
-
-    /// Where an axis can be.
-    #[must_use]
-    pub fn reach(&self, axis: HomedAxis) -> Range<Mm> {
-        let Axes { x, y, z, .. } = self.axes;
-        let (least, length) = (self.axis_min.of(axis), Cartesian { x, y, z }.of(axis).length);
-        Range { least, most: least.saturating_add(length) }
     }
 
     /// What the program counts more than the machine after homing: x, y, z.

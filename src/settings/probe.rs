@@ -1,6 +1,6 @@
 //! The Z probe: its kind, its offset from the nozzle, and how it touches the bed.
 
-use super::rows::{Choice, Chosen, Spec, rows};
+use super::rows::{Choice, Chosen, Field, Spec, Value, rows};
 use super::{Cartesian, Settings, ranges};
 use crate::units::{Mm, MmPerSec, Seconds};
 use serde::{Deserialize, Serialize};
@@ -48,10 +48,12 @@ pub struct Probe {
     pub travel: MmPerSec,
     /// Whether G28 homes z by the probe.
     pub homes_z: bool,
-    /// Where the probe touches for that, in x and y; 0 is the middle of the bed.
-    pub home: [Mm; 2],
+    /// Where the probe touches for that, in x and y; by default in the middle of the bed.
+    pub home: [Option<Mm>; 2],
     /// Rest before a touch.
     pub quiet: Seconds,
+    /// Whether the bed's heater is off while a touch is awaited.
+    pub bed_heater_off: bool,
 }
 
 impl Probe {
@@ -71,8 +73,9 @@ impl Probe {
             deploy_clearance: Mm::const_from_int(10),
             travel: MmPerSec::const_from_int(133),
             homes_z: false,
-            home: [Mm::ZERO; 2],
+            home: [None; 2],
             quiet: const { Seconds::lit("0.2") },
+            bed_heater_off: false,
         }
     }
 
@@ -127,17 +130,67 @@ rows! {
     118 "deploy_clearance" = probe.deploy_clearance, "mm", [ranges::PROBE_CLEARANCE.spec()];
     /// Speed from place to place.
     119 "travel" = probe.travel, "mm/s", [ranges::SPEED.spec()];
-    /// Whether G28 homes z by the probe instead of a switch.
-    120 "z_home" = probe.homes_z, "", [Spec::SWITCH];
-    /// Rest before a touch.
-    121 "quiet" = probe.quiet, "s", [ranges::PROBE_QUIET.spec()];
+}
+
+/// Rows of the switches: two parts of one row, because a record has hardly room for another row.
+pub(super) mod switches {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut bool; 2] {
+        [&mut s.probe.homes_z, &mut s.probe.bed_heater_off]
+    }
+
+    rows! {
+        for is_on in parts, named &["probe.z_home", "probe.bed_heater_off"];
+
+        /// z_home: whether G28 homes z by the probe instead of a switch. bed_heater_off: whether the bed's heater is
+        /// off while a touch is awaited, because its current is noise for some probes.
+        120 "" = *is_on, "", [Spec::SWITCH];
+    }
+}
+
+/// Row of the rest, apart because ids that follow each other are shorter.
+pub(super) mod quiet {
+    use super::*;
+
+    fn parts(s: &mut Settings) -> [&mut Probe; 1] {
+        [&mut s.probe]
+    }
+
+    rows! {
+        for probe in parts, named &["probe"];
+
+        /// Rest before a touch.
+        121 "quiet" = probe.quiet, "s", [ranges::PROBE_QUIET.spec()];
+    }
+}
+
+/// A place, or the middle of the bed. Records say 0 for the middle, so they say the least number above 0 for the place
+/// 0: earlier records and earlier firmware mean the same by their numbers.
+struct Place<'a>(&'a mut Option<Mm>);
+
+impl Field for Place<'_> {
+    fn get(&self) -> Value {
+        let zero = if self.0.is_some() { Mm::DELTA } else { Mm::ZERO };
+        self.0.filter(|place| *place != Mm::ZERO).unwrap_or(zero).get()
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let mut place = Mm::ZERO;
+        let is_one = place.set(value);
+        if is_one {
+            let place = (place != Mm::ZERO).then_some(place);
+            *self.0 = place.map(|place| if place == Mm::DELTA { Mm::ZERO } else { place });
+        }
+        is_one
+    }
 }
 
 /// Rows of the place where z is homed.
 pub(super) mod home {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Mm; 2] {
+    fn parts(s: &mut Settings) -> [&mut Option<Mm>; 2] {
         s.probe.home.each_mut()
     }
 
@@ -145,7 +198,7 @@ pub(super) mod home {
         for place in parts, named &["probe.home.x", "probe.home.y"];
 
         /// Where the probe touches to home z; "auto" is the middle of the bed.
-        122 "" = *place, "mm", [ranges::PLACE.spec().or_auto()];
+        122 "" = Place(place), "mm", [ranges::PLACE.spec().or_auto()];
     }
 }
 

@@ -46,6 +46,8 @@ pub const MESH_FADE: Range<Mm> = Range { least: Mm::ONE, most: Mm::const_from_in
 pub const MESH_HEIGHT: Range<Mm> = Range { least: Mm::const_from_int(-10), most: Mm::const_from_int(10) };
 /// Places of screws of z, which may stand outside of what the tool reaches: those of an axis, in whole mm.
 pub const SCREW_PLACE: Range<i16> = Range { least: -5000, most: 5000 };
+/// Such a place that nothing has said.
+pub const NOWHERE: i16 = SCREW_PLACE.most + 1;
 /// Milliseconds between two motors of a belt that get power: the longest time is twice the largest age of a driver's
 /// proof.
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };

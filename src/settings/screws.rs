@@ -1,7 +1,7 @@
 //! Screws of z: where each of several z motors carries the bed or the gantry, and where the bed is probed for it (G34).
 
-use super::rows::rows;
-use super::{Range, Settings, ranges};
+use super::rows::{Spec, rows};
+use super::{Settings, ranges};
 use crate::kinematics::SCREWS;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,17 @@ pub struct WholePlace {
     pub y: i16,
 }
 
+impl WholePlace {
+    /// A place that nothing has said.
+    pub const NOWHERE: Self = Self { x: ranges::NOWHERE, y: ranges::NOWHERE };
+
+    /// Whether something has said both numbers.
+    #[must_use]
+    pub const fn is_known(self) -> bool {
+        self.x != ranges::NOWHERE && self.y != ranges::NOWHERE
+    }
+}
+
 /// A screw, or the belt of a gantry's corner.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Screw {
@@ -24,6 +35,15 @@ pub struct Screw {
 }
 
 impl Screw {
+    /// A screw of a machine that says no places.
+    pub const UNKNOWN: Self = Self { place: WholePlace::NOWHERE, point: WholePlace::NOWHERE };
+
+    /// Whether both places are known.
+    #[must_use]
+    pub const fn is_known(self) -> bool {
+        self.place.is_known() && self.point.is_known()
+    }
+
     /// Two ball screws 25 mm next to the bed at half its depth, and two points of the bed. The other two are not used.
     #[must_use]
     pub const fn prototype() -> [Self; SCREWS] {
@@ -38,17 +58,17 @@ fn parts(s: &mut Settings) -> [&mut Screw; SCREWS] {
     s.screws.each_mut()
 }
 
-const PLACE: Range<i16> = ranges::SCREW_PLACE;
+const PLACE: Spec = ranges::SCREW_PLACE.spec().or_nowhere();
 
 rows! {
     for screw in parts, named &["screws.1", "screws.2", "screws.3", "screws.4"];
 
     /// x of the screw that the first, second.. motor of z turns (M422 W).
-    140 "x" = screw.place.x, "mm", [PLACE.spec()];
+    140 "x" = screw.place.x, "mm", [PLACE];
     /// y of the screw.
-    141 "y" = screw.place.y, "mm", [PLACE.spec()];
+    141 "y" = screw.place.y, "mm", [PLACE];
     /// x of the point that is probed for the screw (M422 S).
-    142 "point_x" = screw.point.x, "mm", [PLACE.spec()];
+    142 "point_x" = screw.point.x, "mm", [PLACE];
     /// y of the point.
-    143 "point_y" = screw.point.y, "mm", [PLACE.spec()];
+    143 "point_y" = screw.point.y, "mm", [PLACE];
 }

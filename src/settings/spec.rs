@@ -21,6 +21,8 @@ pub enum Kind {
     Auto(u32),
     /// A whole number of one motor. It is left out for 0: the value of its group counts.
     OfMotor,
+    /// A whole place in mm. It is left out for the greatest legal number, which is no place.
+    Place,
     /// The name of a machine.
     Name,
     /// The name of a motor.
@@ -116,6 +118,12 @@ impl Spec {
     #[must_use]
     pub const fn or_group(self) -> Self {
         Self { kind: Kind::OfMotor, ..self.or_zero() }
+    }
+
+    /// The same, and the next number above them as well, which is none.
+    #[must_use]
+    pub const fn or_nowhere(self) -> Self {
+        Self { kind: Kind::Place, legal: Legal { most: self.legal.most + 1, ..self.legal } }
     }
 
     /// The same, and 0 as well.

@@ -46,6 +46,8 @@ files! {
     endstops::order,
     pause,
     probe,
+    probe::switches,
+    probe::quiet,
     probe::home,
     job,
     fan_plugs,

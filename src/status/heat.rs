@@ -3,7 +3,7 @@
 use crate::connectors::{FANS, HEATERS, Heater, SENSORS, Sensor};
 use crate::fault::Cause;
 use crate::units::Celsius;
-use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 
 /// Progress of a tuning (M303).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -106,6 +106,8 @@ pub struct Heat {
     /// the Console.
     coming: AtomicU32,
     then: AtomicU32,
+    /// Whether the bed gets no power for now; written by the Console.
+    bed_rests: AtomicBool,
     /// Heartbeats of the Console.
     console_beats: AtomicU8,
     /// Heartbeats of the StepGenerator.
@@ -145,9 +147,19 @@ impl Heat {
             extruded_um: AtomicU32::new(0),
             coming: AtomicU32::new(0),
             then: AtomicU32::new(0),
+            bed_rests: AtomicBool::new(false),
             console_beats: AtomicU8::new(0),
             generator_beats: AtomicU8::new(0),
         }
+    }
+
+    /// Whether the bed gets no power for now.
+    pub(crate) fn bed_rests(&self) -> bool {
+        self.bed_rests.load(Relaxed)
+    }
+
+    pub(crate) fn set_bed_rests(&self, rests: bool) {
+        self.bed_rests.store(rests, Relaxed);
     }
 
     /// The last sample of a sensor, in units of 1/65,536 of the reference.

@@ -236,7 +236,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             }
             let (output, sensor) = (settings.output, settings.sensor);
             let now = if heater == Heater::Hotend { of_hotend } else { of_others };
-            let now = Circumstances { warmed_to: warmed_to[heater as usize], ..now };
+            let rests = heater == Heater::Bed && self.status.heat().bed_rests();
+            let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, ..now };
             match looped.period(self.status.heat().sample(sensor), &now) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
                 Ok(_) => {}
@@ -301,6 +302,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         let fan = share(self.part_fan);
         Circumstances {
             warmed_to: Celsius::MIN,
+            rests: false,
             fan,
             filament: I8F24::from_bits(saturated(filament.into())),
             ahead: Ahead { coming, then },

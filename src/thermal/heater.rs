@@ -27,6 +27,8 @@ pub struct Circumstances {
     pub ahead: Ahead,
     /// Temperature up to which another heater may warm it: a bed warms its chamber, and a hotend that is off.
     pub warmed_to: Celsius,
+    /// It gets no power for now: a touch of the probe is awaited.
+    pub rests: bool,
 }
 
 /// The ceiling: a heater gets no power this far above its target, whatever the model or the gains say.
@@ -241,7 +243,7 @@ impl HeaterLoop {
         }
         let Some(measured) = good else {
             // A doubtful reading never raises the duty, and a heater that shall be off gets none.
-            let wanted = if self.target == Celsius::ZERO { 0 } else { self.wanted };
+            let wanted = if self.target == Celsius::ZERO || now.rests { 0 } else { self.wanted };
             self.guards.follow(&self.settings, wanted > 0);
             return Ok(self.put_out(wanted));
         };
@@ -252,7 +254,7 @@ impl HeaterLoop {
             observer.take_lag(&self.settings, seen, measured);
         }
         self.watch(measured, power, now)?;
-        let wanted = self.decide(measured, now.ahead);
+        let wanted = self.decide(measured, now);
         Ok(self.put_out(wanted))
     }
 
@@ -276,10 +278,10 @@ impl HeaterLoop {
             target if self.tune.is_some() => Aim::Tune(target),
             target => Aim::Hold(target),
         };
-        let Circumstances { fan, filament, warmed_to, .. } = *now;
+        let Circumstances { fan, filament, warmed_to, rests, .. } = *now;
         let is_too_hot = self.ailment == Some(Cause::TooHot);
         let (duty, most) = (self.wanted, self.most());
-        let watched = Watched { aim, measured, duty, most, power, fan, filament, warmed_to, is_too_hot };
+        let watched = Watched { aim, measured, duty, most, power, fan, filament, warmed_to, rests, is_too_hot };
         self.guards.look(&self.settings, &watched).map_or(Ok(()), Err)
     }
 
@@ -289,7 +291,7 @@ impl HeaterLoop {
     }
 
     /// The duty for the next period.
-    fn decide(&mut self, measured: Celsius, ahead: Ahead) -> u16 {
+    fn decide(&mut self, measured: Celsius, now: &Circumstances) -> u16 {
         let most = self.most();
         if self.is_pulsed && self.ailment.is_none() {
             self.is_free = false;
@@ -304,6 +306,10 @@ impl HeaterLoop {
             self.is_free = false;
             return wanted;
         }
+        if now.rests {
+            self.is_free = false;
+            return 0;
+        }
         if measured >= self.target.saturating_add(CEILING) {
             self.is_free = false;
             self.pid.rest();
@@ -311,7 +317,7 @@ impl HeaterLoop {
         }
         let wanted = match (self.settings.control, &self.observer) {
             (Control::Model, Some(observer)) => {
-                duty(predictive::power(observer, self.target, ahead), self.power_at(u16::MAX)).min(most)
+                duty(predictive::power(observer, self.target, now.ahead), self.power_at(u16::MAX)).min(most)
             }
             _ => self.pid.duty(self.target, measured, most),
         };

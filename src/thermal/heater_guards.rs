@@ -43,6 +43,8 @@ pub struct Watched {
     pub warmed_to: Celsius,
     /// It reads too hot since the first reading: with or without heat under way, it must not get warmer.
     pub is_too_hot: bool,
+    /// It gets no power for now.
+    pub rests: bool,
 }
 
 /// The guards of one heater.
@@ -116,6 +118,7 @@ impl HeaterGuards {
             duty: now.duty,
             is_settled: self.under_way.is_over() || now.is_too_hot,
             warmed_to: now.warmed_to,
+            rests: now.rests,
         };
         let (hold, goal, is_believed) = match now.aim {
             Aim::Off | Aim::Pulse => (None, None, now.aim == Aim::Off),

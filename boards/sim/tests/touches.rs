@@ -3,8 +3,12 @@
 
 #[path = "touches/ended.rs"]
 mod ended;
+#[path = "touches/heat.rs"]
+mod heat;
 #[path = "common/heated.rs"]
 mod heated;
+#[path = "touches/known.rs"]
+mod known;
 #[path = "common/life.rs"]
 #[allow(dead_code, reason = "other tests need all of it")]
 mod life;
@@ -13,5 +17,7 @@ mod machine;
 #[path = "common/on_bed.rs"]
 #[allow(dead_code, reason = "other tests need all of it")]
 mod on_bed;
+#[path = "touches/reach.rs"]
+mod reach;
 #[path = "touches/refused.rs"]
 mod refused;

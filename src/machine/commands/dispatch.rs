@@ -83,7 +83,9 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
             main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
         }
         Err(interrupt) => {
-            if let (Interrupt::QuickStop, Some(name)) = (interrupt, touching(command)) {
+            if let (Interrupt::QuickStop, false, Some(name)) =
+                (interrupt, main_loop.job.is_cancelled(), touching(command))
+            {
                 main_loop.hosts.notify_all(format_args!("echo:{name} was ended by M410. Send it again"));
             }
             Err(interrupt)

@@ -23,7 +23,7 @@ use crate::machine::main_loop::phase::keep_phases;
 use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::main_loop::z_offset::{name_home, z_reach};
 use crate::machine::ports::PortSet;
-use crate::machine::probe::touch::find_zero;
+use crate::machine::probe::touch::{clear_of_bed, find_zero};
 use crate::machine::state::job::{HomingFailure, JobEnd};
 use crate::machine::state::notices::{Notice, Notices};
 use crate::port::{EndstopSet, Pend};
@@ -73,9 +73,11 @@ fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags
         let is_probed = by_probe && axis == HomedAxis::Z;
         let input = if is_probed { EndstopSet::PROBE } else { switch_of(axis) };
         let lacks_others = is_probed && !all && main_loop.homed.lacks_one_of([!flags.x, !flags.y, false]);
+        let (s, at) = (&*main_loop.settings, main_loop.settings.probe_home());
         let why = match main_loop.status.inputs().has(input) {
             false => HomingFailure::NotConnected,
             true if lacks_others => HomingFailure::NeedsOthers,
+            true if is_probed && !s.can_touch(at) => HomingFailure::OutOfReach { at },
             true => continue,
         };
         main_loop.job.note_end(JobEnd::NotHomed { axis, why });
@@ -91,13 +93,9 @@ fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, flags: AxisF
     if !(is_meant && main_loop.settings.homes_z_by_probe()) {
         return Mm::ZERO;
     }
-    match main_loop.homed.axes() {
-        [.., true] => {
-            let [.., z, _] = main_loop.motion.end_mm();
-            probe.nozzle_at(probe.deploy_clearance).saturating_sub(z)
-        }
-        _ => probe.deploy_clearance,
-    }
+    let [.., z, _] = main_loop.motion.end_mm();
+    let clear = clear_of_bed(main_loop, probe.deploy_clearance);
+    clear.map_or(probe.deploy_clearance, |clear| clear.saturating_sub(z))
 }
 
 /// Of the axes that a line means, those that are not homed.
@@ -190,6 +188,9 @@ async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
     stand_at(main_loop, z, place?).await?;
     main_loop.homed.arrive(z);
     name_home(main_loop, z);
+    let trigger = main_loop.first_layer.probe(&main_loop.settings).trigger_height();
+    let [.., trigger, _] = main_loop.motion.to_steps([trigger; 4]);
+    main_loop.homed.note_bed(Some(trigger));
     Ok(())
 }
 

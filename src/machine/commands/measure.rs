@@ -1,6 +1,6 @@
 //! G29: the bed is measured at the points of a grid, and from then on z follows it.
 //!
-//! Heights are relative to the place where z is 0 ([`home_place`]), which is touched first. So a mesh changes nothing
+//! Heights are relative to the place where z is 0 ([`Settings::probe_home`]), which is touched first. So a mesh changes nothing
 //! there, and the height of the first layer stays right.
 
 use super::homing::home;
@@ -15,7 +15,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::area::{Area, LEAST_POINTS};
-use crate::machine::probe::reach::{has_probe, home_place, reach};
+use crate::machine::probe::reach::{area_reach, has_probe, nozzle_for};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::level::Level;
 use crate::machine::state::modal::Modal;
@@ -42,6 +42,9 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     }
     if words.only_without && main_loop.settings.mesh.is_on && main_loop.bed.mesh().is_some() {
         return Ok(Answer::Line("echo:G29 O: a mesh is in use, nothing is measured"));
+    }
+    if let Err(answer) = nozzle_for(&main_loop.settings, main_loop.settings.probe_home()) {
+        return Ok(Answer::Probe(answer));
     }
     main_loop.finish().await?;
     if words.homes {
@@ -76,7 +79,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     let flat = Mesh::new(heights, [area.x.least, area.y.least], [area.x.most, area.y.most], Mm::ZERO);
     let Ok(flat) = flat else { return Ok(Answer::Nothing) };
     let mesh = with_heights(main_loop, &flat, heights).await?;
-    let reference = home_place(&main_loop.settings);
+    let reference = main_loop.settings.probe_home();
     let temperatures = [crate::connectors::Heater::Bed, crate::connectors::Heater::Hotend]
         .map(|heater| main_loop.heat.believed(heater).map(|celsius| celsius.to_num::<i32>().clamp(-99, 999) as i16));
     let before = main_loop.bed;
@@ -95,7 +98,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
 
 /// All that the probe reaches.
 fn whole_area(s: &Settings) -> Area {
-    let [x, y] = reach(s);
+    let [x, y] = area_reach(s);
     Area { x, y, points: [s.mesh.columns, s.mesh.rows].map(usize::from) }
 }
 
@@ -168,7 +171,7 @@ async fn touch_grid<P: PortSet, W: Pend>(
     words: &GridWords,
 ) -> Result<Heights, Interrupt> {
     let between = if words.takes_in { AfterTouch::In } else { AfterTouch::Out };
-    let place = home_place(&main_loop.settings);
+    let place = main_loop.settings.probe_home();
     let zero = touch_bed(main_loop, Some(place), between).await?;
     let [columns, rows] = area.points;
     let mut heights = Heights::flat(columns, rows).unwrap_or(Heights::NONE);

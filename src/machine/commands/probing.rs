@@ -8,7 +8,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::deploy::set_servo;
-use crate::machine::probe::reach::{has_probe, reach};
+use crate::machine::probe::reach::{has_probe, nozzle_for};
 use crate::machine::probe::repeatability::Repeatability;
 use crate::machine::probe::touch::{AfterTouch, find_bed, set_out, touch_again, touch_bed};
 use crate::machine::state::clamps::Clamps;
@@ -194,10 +194,5 @@ fn place<P: PortSet, W: Pend>(
         word.map_or_else(|| at.saturating_add(offset), |number| modal.length(number))
     };
     let at = [of(x, offset.x, wanted_x), of(y, offset.y, wanted_y)];
-    let reaches = reach(s);
-    if at.iter().zip(reaches).all(|(at, reach)| reach.holds(*at)) {
-        Ok(at)
-    } else {
-        Err(NoPlace::OutOfReach(ProbeAnswer::OutOfReach { at, reaches }))
-    }
+    nozzle_for(s, at).map(|_| at).map_err(NoPlace::OutOfReach)
 }

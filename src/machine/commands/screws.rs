@@ -16,7 +16,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::turn_screw;
 use crate::machine::ports::PortSet;
-use crate::machine::probe::reach::{has_probe, home_place, reach};
+use crate::machine::probe::reach::{has_probe, nozzle_for};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::job::JobEnd;
@@ -124,17 +124,25 @@ pub(super) async fn level_screws<P: PortSet, W: Pend>(
     let within = within.map_or(Some(WITHIN), |asked| clamps.plain_of(["G34", "T"], asked, WITHIN_RANGE, None));
     let share = share.map_or(Some(SHARE), |asked| clamps.near_of(["G34", "A"], asked, SHARE_RANGE, None));
     let (Some(rounds), Some(within), Some(share)) = (rounds, within, share) else { return Ok(Answer::Nothing) };
-    let screws = Screws::new(&main_loop.settings, home_place(&main_loop.settings));
+    let screws = Screws::new(&main_loop.settings, main_loop.settings.probe_home());
     if main_loop.homed.lacks_one_of([true; 3]) {
         return Ok(Answer::NotHomed);
     }
     if screws.motors.len() < 2 {
         return Ok(Answer::Line("echo:G34 ignored: a single motor moves z"));
     }
+    if !main_loop.settings.screws.iter().take(screws.motors.len()).all(|screw| screw.is_known()) {
+        return Ok(Answer::Line("echo:G34 ignored: a screw or its point has no place. Set them by M422"));
+    }
     if screws.find(&[0.0; SCREWS][..screws.points.len()]).is_err() {
         return Ok(Answer::Line(
             "echo:G34 ignored: its points do not show a tilt between the screws. Place them by M422",
         ));
+    }
+    for point in &screws.points {
+        if let Err(answer) = nozzle_for(&main_loop.settings, point.map(f32_to_mm)) {
+            return Ok(Answer::Probe(answer));
+        }
     }
     let end = if keeps_out { AfterTouch::Out } else { AfterTouch::In };
     let mut before: Option<(Mm, [i32; SCREWS])> = None;
@@ -234,13 +242,18 @@ pub(super) async fn tell_hand_screws<P: PortSet, W: Pend>(
         return Ok(Answer::NotHomed);
     }
     let is_reversed = thread % 10 == 1;
-    let [x, y] = reach(&main_loop.settings);
+    let [x, y] = main_loop.settings.probe_reach(Mm::ZERO);
     let bed = main_loop.settings.bed;
     let inside = |from: Mm, size: Mm, reach: Range<Mm>| {
         let (least, most) = (from.saturating_add(INSET), from.saturating_add(size).saturating_sub(INSET));
         [least, most].map(|at| reach.clamp(at))
     };
     let (columns, rows) = (inside(bed.left, bed.width, x), inside(bed.front, bed.depth, y));
+    for (x, y) in columns.into_iter().zip(rows) {
+        if let Err(answer) = nozzle_for(&main_loop.settings, [x, y]) {
+            return Ok(Answer::Probe(answer));
+        }
+    }
     let mut first = None;
     for corner in Corner::ALL {
         let [is_right, is_back] = corner.sides();

@@ -22,6 +22,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             let (queued, done) = self.motion.work();
             self.heat.follow_fans(self.motion.moves_left(), queued, done);
         }
+        let rests = self.settings.probe.bed_heater_off && self.probing.is_touching();
+        self.status.heat().set_bed_rests(rests);
         self.heat.note_motors(!self.power.powered().is_empty());
         self.watch_heaters(now);
         self.watch_idleness(now);

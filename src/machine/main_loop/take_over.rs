@@ -89,10 +89,14 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.follow().await?;
             return self.move_mesh(way_of_probe).await;
         }
+        let [.., stood, _] = self.motion.end();
         self.motion.set_resolution(&wanted);
         self.commanded.sink(lifted);
         self.in_pause(|program| program.commanded.sink(lifted));
         let position = self.motion.to_steps(self.commanded.of_machine(self.commanded.position()));
+        // The bed gets another name with the tool.
+        let [.., stands, _] = position;
+        self.homed.note_shifted(stood.wrapping_sub(stands));
         self.adopt_position(position).await?;
         self.move_mesh(way_of_probe).await
     }

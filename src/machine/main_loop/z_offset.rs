@@ -26,6 +26,8 @@ pub(in crate::machine) fn shift_z<P: PortSet, W: Pend>(
         Some(ZStore::Probe) => main_loop.first_layer.shift_with_probe(by),
         None => main_loop.first_layer.shift(by),
     }
+    let [.., steps, _] = main_loop.motion.to_steps([by; 4]);
+    main_loop.homed.note_shifted(steps);
     main_loop.motion.shift_z(by, &main_loop.settings.axes.z);
 }
 
@@ -42,6 +44,7 @@ pub(in crate::machine) fn name_home<P: PortSet, W: Pend>(main_loop: &mut MainLoo
     if axis == HomedAxis::Z as usize {
         main_loop.motion.forget_shifts();
         main_loop.first_layer.forget();
+        main_loop.homed.note_bed(None);
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::shift_axis::shift_axis;
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
@@ -24,7 +25,7 @@ pub(super) async fn approach<P: PortSet, W: Pend>(
 /// Raises the nozzle to `z`, unless it is higher already, as far as the axis goes.
 pub(super) async fn raise_to<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, z: Mm) -> Result<(), Interrupt> {
     let [_, _, at, _] = main_loop.motion.end_mm();
-    let top = main_loop.settings.reach(HomedAxis::Z).most;
+    let top = z_reach(main_loop).most;
     raise_by(main_loop, z.min(top).saturating_sub(at)).await
 }
 

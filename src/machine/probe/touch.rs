@@ -4,15 +4,19 @@
 //! The time from contact to the last step is the same for all of them, so the offset has it in. A fast touch in the
 //! mean, as in Marlin's (3 slow + 2 fast) / 5, would add a share of a longer way.
 //!
+//! The bed is known from the moment when z was homed, or found, until a motor of z loses its power; touches that failed
+//! do not change that ([`expected`]). It bounds every touch from above and below.
+//!
 //! Every function that another room calls ends a touch that failed: the probe is taken in, and the job ends.
 
 use super::approach::{approach, is_triggered, raise_by, raise_to, travel};
 use super::deploy::{after_touch, put_out, take_in, take_in_at_once};
 use super::error::ProbeError;
-use super::reach::home_place;
+use super::reach::nozzle_for;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::leave_surface;
+use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{JobEnd, ProbeFailure};
 use crate::port::Pend;
@@ -39,9 +43,8 @@ pub(in crate::machine) enum AfterTouch {
     In,
 }
 
-/// The height of the bed below the probe, which goes `at` a place first if there is one. All axes are homed, and the
-/// place is within [`reach`](super::reach::reach). If it fails, the tool is raised, the probe taken in, and the job
-/// ends.
+/// The height of the bed below the probe, which goes `at` a place first if there is one. All axes are homed. If it
+/// fails, the tool is raised, the probe taken in, and the job ends.
 pub(in crate::machine) async fn touch_bed<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
@@ -65,7 +68,7 @@ pub(in crate::machine) async fn touch_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Mm, Interrupt> {
     let probe = main_loop.first_layer.probe(&main_loop.settings);
-    let height = touch_once(main_loop, &probe, floor_of(&probe), probe.slow).await;
+    let height = touch_once(main_loop, &probe, probe.slow).await.map(|z| height_of(&probe, z));
     conclude(main_loop, height, AfterTouch::Out).await
 }
 
@@ -74,10 +77,9 @@ pub(in crate::machine) async fn set_out<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     end: AfterTouch,
 ) -> Result<(), Interrupt> {
-    let probe = main_loop.first_layer.probe(&main_loop.settings);
     let is_set = async {
         if let [.., true] = main_loop.homed.axes() {
-            raise_to(main_loop, probe.nozzle_at(probe.deploy_clearance)).await?;
+            rise(main_loop, main_loop.settings.probe.deploy_clearance).await?;
         }
         if end == AfterTouch::Out {
             put_out(main_loop).await?;
@@ -89,7 +91,7 @@ pub(in crate::machine) async fn set_out<P: PortSet, W: Pend>(
 }
 
 /// Finds the bed where z is to be homed, and returns z of the nozzle as it is then. X and y are homed; z is not, so
-/// the tool may go down by all of z.
+/// the tool may go down by all of z unless the place of the bed is known.
 pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Mm, Interrupt> {
@@ -128,6 +130,7 @@ async fn conclude<P: PortSet, W: Pend>(
     if let Err(ProbeError::Interrupted(interrupt)) = result {
         return Err(interrupt);
     }
+    main_loop.probing.take_touch();
     let is_over = end == AfterTouch::In || result.is_err();
     main_loop.probing.note_series(!is_over);
     if is_over {
@@ -147,7 +150,8 @@ async fn conclude<P: PortSet, W: Pend>(
 
 /// A nozzle that has gone to the floor may have pressed the bed: z may have skipped steps.
 fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFailure) {
-    if let ProbeFailure::NotMet { .. } | ProbeFailure::NotFound { .. } = why {
+    use ProbeFailure::{NotFound, NotMet, NotWhereItWas};
+    if let NotMet { .. } | NotWhereItWas { .. } | NotFound { .. } = why {
         let mechanism = main_loop.motion.groups().mechanism();
         let z = HomedAxis::Z as usize;
         main_loop.homed.fail(z, mechanism.motors_of(z), mechanism);
@@ -155,9 +159,36 @@ fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFa
     main_loop.job.note_end(JobEnd::ProbeFailed { why });
 }
 
-/// The lowest place of the nozzle in a touch.
-fn floor_of(probe: &Probe) -> Mm {
-    probe.trigger_height().saturating_sub(LOW)
+/// z of the nozzle at which the probe is to trigger, as far as the place of the bed is known.
+fn expected<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Option<Mm> {
+    let found = main_loop.homed.found_bed().map(|z| {
+        let [.., z, _] = main_loop.motion.to_mm([z; 4]);
+        z
+    });
+    let [.., is_homed] = main_loop.homed.axes();
+    found.or_else(|| is_homed.then(|| main_loop.first_layer.probe(&main_loop.settings).trigger_height()))
+}
+
+/// The height of the bed by a touch with the nozzle at this z.
+fn height_of(probe: &Probe, z: Mm) -> Mm {
+    z.saturating_add(probe.offset.z)
+}
+
+/// z of the nozzle at which it clears the bed by so much, and so does the probe; `None` if the bed may be anywhere.
+pub(in crate::machine) fn clear_of_bed<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    clearance: Mm,
+) -> Option<Mm> {
+    let probe = &main_loop.first_layer.probe(&main_loop.settings);
+    expected(main_loop).map(|z| height_of(probe, z).saturating_add(probe.nozzle_at(clearance)))
+}
+
+/// Raises the tool to such a clearance, where the bed is known.
+async fn rise<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, clearance: Mm) -> Result<(), Interrupt> {
+    match clear_of_bed(main_loop, clearance) {
+        Some(z) => raise_to(main_loop, z).await,
+        None => Ok(()),
+    }
 }
 
 /// The height at a place, found with the probe out. The tool ends above the bed.
@@ -167,7 +198,7 @@ async fn height_at<P: PortSet, W: Pend>(
 ) -> Result<Mm, ProbeError> {
     seek(main_loop, at).await?;
     let probe = main_loop.first_layer.probe(&main_loop.settings);
-    mean_of_touches(main_loop, &probe, floor_of(&probe)).await
+    mean_of_touches(main_loop, &probe).await
 }
 
 /// Goes over a place, and touches the bed fast.
@@ -176,46 +207,56 @@ async fn seek<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: Optio
     leave_surface(main_loop).await?;
     let probe = main_loop.first_layer.probe(&main_loop.settings);
     let clearance = if main_loop.probing.is_in_series() { probe.clearance } else { probe.deploy_clearance };
-    raise_to(main_loop, probe.nozzle_at(clearance)).await?;
-    if let Some([x, y]) = at {
-        travel(main_loop, [x.saturating_sub(probe.offset.x), y.saturating_sub(probe.offset.y)]).await?;
+    rise(main_loop, clearance).await?;
+    if let Some(at) = at {
+        go_over(main_loop, at).await?;
     }
-    let mut height = touch_once(main_loop, &probe, floor_of(&probe), probe.fast).await?;
-    if height > TOO_EARLY {
-        height = touch_once(main_loop, &probe, floor_of(&probe), probe.fast).await?;
+    find(main_loop, &probe).await
+}
+
+/// Takes the probe over a place, where it can touch.
+async fn go_over<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: [Mm; 2]) -> Result<(), ProbeError> {
+    let nozzle = nozzle_for(&main_loop.settings, at).map_err(|_| ProbeFailure::OutOfReach { at })?;
+    Ok(travel(main_loop, nozzle).await?)
+}
+
+/// Touches the bed fast below the tool. A touch far above a bed that is known is tried again.
+async fn find<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, probe: &Probe) -> Result<Mm, ProbeError> {
+    let bed = expected(main_loop);
+    let mut z = touch_once(main_loop, probe, probe.fast).await?;
+    let Some(expected) = bed else {
+        let [.., steps, _] = main_loop.motion.to_steps([z; 4]);
+        main_loop.homed.note_bed(Some(steps));
+        return Ok(height_of(probe, z));
+    };
+    let too_early = expected.saturating_add(TOO_EARLY);
+    if z > too_early {
+        z = touch_once(main_loop, probe, probe.fast).await?;
     }
-    if height > TOO_EARLY {
-        return Err(ProbeFailure::Early { height, expected: probe.trigger_height() }.into());
+    if z > too_early {
+        return Err(ProbeFailure::Early { height: z.saturating_sub(expected), expected }.into());
     }
-    Ok(height)
+    Ok(height_of(probe, z))
 }
 
 /// The height of the bed at the place where z is homed, in the coordinates that z has before.
 async fn zero<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, ProbeError> {
     let probe = main_loop.settings.probe_in_program();
-    let [x, y] = home_place(&main_loop.settings);
-    travel(main_loop, [x.saturating_sub(probe.offset.x), y.saturating_sub(probe.offset.y)]).await?;
-    let reach = main_loop.settings.reach(HomedAxis::Z);
-    let way = reach.most.saturating_sub(reach.least).saturating_add(LOW).saturating_add(BEYOND);
-    let [.., from, _] = main_loop.motion.end_mm();
-    let height = match touch_once(main_loop, &probe, from.saturating_sub(way), probe.fast).await {
-        Err(ProbeError::Failed(ProbeFailure::NotMet { .. })) => Err(ProbeFailure::NotFound { way }.into()),
-        result => result,
-    }?;
-    mean_of_touches(main_loop, &probe, height.saturating_add(floor_of(&probe))).await
+    go_over(main_loop, main_loop.settings.probe_home()).await?;
+    find(main_loop, &probe).await?;
+    mean_of_touches(main_loop, &probe).await
 }
 
 /// The mean of the touches that count.
 async fn mean_of_touches<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     probe: &Probe,
-    floor: Mm,
 ) -> Result<Mm, ProbeError> {
     let mut tries = 0;
     loop {
         let (mut sum, mut least, mut most) = (Mm::ZERO, Mm::MAX, Mm::MIN);
         for _ in 0..probe.samples {
-            let height = touch_once(main_loop, probe, floor, probe.slow).await?;
+            let height = height_of(probe, touch_once(main_loop, probe, probe.slow).await?);
             (sum, least, most) = (sum.saturating_add(height), least.min(height), most.max(height));
         }
         let spread = most.saturating_sub(least);
@@ -229,28 +270,46 @@ async fn mean_of_touches<P: PortSet, W: Pend>(
     }
 }
 
-/// Touches the bed once, and raises the tool. The nozzle goes down to `floor` at most.
+/// Touches the bed once, and raises the tool. Returns z of the nozzle at the touch. It goes hardly below a bed that is
+/// known; else, by all of z and a little more.
 async fn touch_once<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     probe: &Probe,
-    floor: Mm,
     speed: MmPerSec,
 ) -> Result<Mm, ProbeError> {
     put_out(main_loop).await?;
+    let [.., from, _] = main_loop.motion.end_mm();
+    main_loop.probing.begin_touch(from);
     let rest_ms = (u64::from(probe.quiet.to_bits()) * 1000) >> Seconds::FRAC_NBITS;
     main_loop.settle(main_loop.now().after_ms(rest_ms as u32)).await?;
     if is_triggered(main_loop).await? {
         return Err(ProbeFailure::Triggered.into());
     }
-    let [.., from, _] = main_loop.motion.end_mm();
-    main_loop.probing.begin_touch(from);
-    let has_met = approach(main_loop, from.saturating_sub(floor), speed).await?;
+    let (bed, reach) = (expected(main_loop), main_loop.settings.reach(HomedAxis::Z));
+    let axis = reach.most.saturating_sub(reach.least);
+    let (way, unmet) = match bed {
+        Some(expected) => {
+            let floor = expected.saturating_sub(LOW);
+            let unmet = match main_loop.homed.axes() {
+                [.., true] => ProbeFailure::NotMet { floor, expected },
+                _ => ProbeFailure::NotWhereItWas { floor, expected },
+            };
+            (from.saturating_sub(floor).max(Mm::ZERO), unmet)
+        }
+        None => {
+            let way = axis.saturating_add(LOW).saturating_add(BEYOND);
+            (way, ProbeFailure::NotFound { way })
+        }
+    };
+    let has_met = approach(main_loop, way, speed).await?;
     let [.., to, _] = main_loop.motion.end_mm();
-    raise_by(main_loop, probe.clearance).await?;
+    // Where the axis is short its end is nearer.
+    let top = height_of(probe, bed.unwrap_or(to)).saturating_add(z_reach(main_loop).most);
+    raise_by(main_loop, probe.clearance.min(top.saturating_sub(to))).await?;
     main_loop.probing.take_touch();
     if !has_met {
-        return Err(ProbeFailure::NotMet { floor, expected: probe.trigger_height() }.into());
+        return Err(unmet.into());
     }
     after_touch(main_loop).await?;
-    Ok(to.saturating_add(probe.offset.z))
+    Ok(to)
 }

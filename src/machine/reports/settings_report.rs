@@ -66,7 +66,8 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
         // A single screw needs no place.
         Setting::Screws if s.screw_motors().len() > 1 => {
             for (number, screw) in s.screws.iter().take(s.screw_motors().len()).enumerate() {
-                for (letter, WholePlace { x, y }) in [('S', screw.point), ('W', screw.place)] {
+                let places = [('S', screw.point), ('W', screw.place)];
+                for (letter, WholePlace { x, y }) in places.into_iter().filter(|(_, place)| place.is_known()) {
                     to.setting(format_args!("M422 {letter}{} X{x} Y{y}", number + 1));
                 }
             }

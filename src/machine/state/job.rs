@@ -68,10 +68,14 @@ pub(in crate::machine) enum JobEnd {
 /// Why the probe did not find the bed. Places are z of the nozzle, heights those of the bed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum ProbeFailure {
+    /// It cannot touch there.
+    OutOfReach { at: [Mm; 2] },
     /// It has triggered before it moved down.
     Triggered,
     /// It has not triggered down to the floor.
     NotMet { floor: Mm, expected: Mm },
+    /// The same with z not homed, where the bed was found before.
+    NotWhereItWas { floor: Mm, expected: Mm },
     /// It has not triggered on this way down, with z not homed.
     NotFound { way: Mm },
     /// It still reads as triggered after it was taken in.
@@ -90,6 +94,7 @@ fn um(length: Mm) -> Number {
 impl fmt::Display for ProbeFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
+            Self::OutOfReach { at: [x, y] } => write!(f, "the probe cannot touch at X{} Y{}", um(x), um(y)),
             Self::Triggered => f.write_str(
                 "the probe reads as triggered above the bed. Check that it is out, its wire, and the ! of \
                 endstops.probe (M119)",
@@ -97,6 +102,13 @@ impl fmt::Display for ProbeFailure {
             Self::NotMet { floor, expected } => write!(
                 f,
                 "the probe did not trigger down to Z{}, expected at Z{}. Check its wire, and its offset (M851)",
+                um(floor),
+                um(expected)
+            ),
+            Self::NotWhereItWas { floor, expected } => write!(
+                f,
+                "the probe did not trigger down to Z{}, expected at Z{}. Check its wire. If the bed is lower now, send \
+                M84 and home again",
                 um(floor),
                 um(expected)
             ),
@@ -130,6 +142,8 @@ pub(in crate::machine) enum HomingFailure {
     NotConnected,
     /// Z is homed by the probe, and x or y is not homed.
     NeedsOthers,
+    /// Z is homed by the probe, and it cannot touch at its place.
+    OutOfReach { at: [Mm; 2] },
     /// The switch was not met on this way, which is longer than the axis.
     NotMet { way: i32 },
     /// The switch was still pressed after backing off so far.
@@ -139,7 +153,7 @@ pub(in crate::machine) enum HomingFailure {
 impl HomingFailure {
     /// Whether it was known before anything moved.
     const fn is_refusal(self) -> bool {
-        matches!(self, Self::NotConnected | Self::NeedsOthers)
+        matches!(self, Self::NotConnected | Self::NeedsOthers | Self::OutOfReach { .. })
     }
 }
 
@@ -155,6 +169,9 @@ impl fmt::Display for HomingFailure {
         match self {
             Self::NotConnected => f.write_str("has no endstop on this board. Name its connector in the machine file"),
             Self::NeedsOthers => f.write_str("is homed by the probe, and X or Y is not homed. Home them too (G28)"),
+            Self::OutOfReach { at: [x, y] } => {
+                write!(f, "is homed by the probe, which cannot touch at X{} Y{}. Correct probe.home", um(*x), um(*y))
+            }
             Self::NotMet { way } => {
                 write!(f, "endstop was not met within {way} mm. Check its switch, its plug and its wire")
             }
@@ -398,6 +415,11 @@ impl Job {
     /// M524 has arrived.
     pub const fn note_cancel(&mut self) {
         self.is_cancelled = true;
+    }
+
+    /// Whether it has, and is not acted on yet.
+    pub const fn is_cancelled(&self) -> bool {
+        self.is_cancelled
     }
 
     /// Whether it has.

@@ -24,12 +24,16 @@ pub(in crate::machine) struct Homed {
     failed: [bool; 3],
     /// Whether the screws of z are level.
     level: Level,
+    /// Where the probe has found the bed: z of the planner when it triggered. It is known until a motor of z loses its
+    /// power, although z may not be homed any more.
+    found_bed: Option<Steps>,
 }
 
 impl Homed {
     /// These of x, y and z are homed.
     pub const fn new(axes: [bool; 3]) -> Self {
-        Self { axes, is_under_way: false, met: [None; 2], ever: axes, failed: [false; 3], level: Level::Unknown }
+        let (failed, level) = ([false; 3], Level::Unknown);
+        Self { axes, is_under_way: false, met: [None; 2], ever: axes, failed, level, found_bed: None }
     }
 
     /// Whether x, y and z are homed.
@@ -90,6 +94,21 @@ impl Homed {
         self.level
     }
 
+    /// Z of the planner when the probe has found the bed, as long as that is where the bed is.
+    pub const fn found_bed(&self) -> Option<Steps> {
+        self.found_bed
+    }
+
+    /// The probe has found the bed with the planner's z there; or z has another zero, and the bed is where that says.
+    pub const fn note_bed(&mut self, z: Option<Steps>) {
+        self.found_bed = z;
+    }
+
+    /// The tool stands so much higher above the bed from now on, with the same z of the planner.
+    pub fn note_shifted(&mut self, by: Steps) {
+        self.found_bed = self.found_bed.map(|z| z.wrapping_sub(by));
+    }
+
     /// The axis met its endstop when the path of the tool was so long.
     pub fn note_met(&mut self, axis: usize, path_mm: u32) {
         if let Some(met) = self.met.get_mut(axis) {
@@ -114,9 +133,10 @@ impl Homed {
         }
     }
 
-    /// Restores the homed flags from before; the times when the axes met their switches since then stay.
+    /// Restores the homed flags from before, and where the bed was; the times when the axes met their switches since then
+    /// stay.
     pub const fn believe(&mut self, before: &Self) {
-        self.axes = before.axes;
+        (self.axes, self.found_bed) = (before.axes, before.found_bed);
     }
 
     /// No axis is being homed any more; true if one was.
@@ -126,8 +146,11 @@ impl Homed {
 
     /// These motors lose their power: the axes that they held are no longer homed.
     pub fn release(&mut self, motors: MotorSet, mechanism: &Mechanism) {
-        if self.level == Level::Kept && mechanism.motors_of(2).intersects(motors) {
-            self.level = Level::Lost;
+        if mechanism.motors_of(2).intersects(motors) {
+            self.found_bed = None;
+            if self.level == Level::Kept {
+                self.level = Level::Lost;
+            }
         }
         for (axis, (is_homed, failed)) in self.axes.iter_mut().zip(&mut self.failed).enumerate() {
             let own = mechanism.motors_of(axis);

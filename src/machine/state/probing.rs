@@ -49,6 +49,11 @@ impl Probing {
         self.touch_from.take()
     }
 
+    /// Whether a touch is under way.
+    pub const fn is_touching(&self) -> bool {
+        self.touch_from.is_some()
+    }
+
     /// Whether a BLTouch is not taken in between touches (M401 S1).
     pub const fn is_quick(&self) -> bool {
         self.is_quick

@@ -48,7 +48,7 @@ impl AtTarget {
         let hold = self.0.follow(target, begin)?;
         let target = target?;
         hold.is_reached |= magnitude(seen.measured, target) <= REACHED;
-        let lost = hold.lost(guards, target, seen.measured);
+        let lost = hold.lost(guards, target, seen);
         // The floor's number limits the setting. A warm neighbour may warm it up to its own temperature: a hot bed
         // takes a chamber far above its target.
         let limit = target.saturating_add(guards.overshoot.min(floor.overshoot)).max(seen.warmed_to);
@@ -57,8 +57,10 @@ impl AtTarget {
 }
 
 impl Hold {
-    fn lost(&mut self, guards: &Guards, target: Celsius, measured: Celsius) -> Option<Alarm> {
-        let limit = target.saturating_sub(guards.lost);
+    fn lost(&mut self, guards: &Guards, target: Celsius, seen: &Seen) -> Option<Alarm> {
+        let (measured, limit) = (seen.measured, target.saturating_sub(guards.lost));
+        // What cools without power by order is not lost: it warms up again after.
+        self.is_reached &= !(seen.rests && measured < limit);
         self.far = if self.is_reached && measured < limit { self.far + 1 } else { 0 };
         let is_lost = self.far >= periods(guards.lost_s.into());
         is_lost.then_some(Alarm { cause: Cause::TemperatureLost, value: measured, limit })
@@ -108,6 +110,22 @@ mod tests {
         assert_eq!(run(&mut guard, 200, FULL, |_| 200), None);
         assert_eq!(run(&mut guard, 200, FULL, |_| 191), None);
         assert_eq!(run(&mut guard, 200, FULL, |_| 189), Some((249, Cause::TemperatureLost)));
+    }
+
+    #[test]
+    fn what_cools_while_it_rests_warms_up_again_and_may_be_lost_again() {
+        let (mut guard, floor) = (AtTarget::new(), Floor::of(Heater::Bed));
+        let mut alarms = |rests: bool, at: &dyn Fn(u32) -> i32| {
+            let look = |n: u32| {
+                let seen = Seen { duty: if rests { 0 } else { FULL }, rests, ..Seen::quiet(c(at(n))) };
+                guard.look(&Guards::bed(), floor, Some(c(60)), &seen)
+            };
+            (0..3000).find_map(look).map(|alarm| alarm.cause)
+        };
+        assert_eq!(alarms(false, &|_| 60), None);
+        assert_eq!(alarms(true, &|n| 60 - (n / 100) as i32), None);
+        assert_eq!(alarms(false, &|n| 31 + (n / 100) as i32), None, "it warms up");
+        assert_eq!(alarms(false, &|_| 31), Some(Cause::TemperatureLost));
     }
 
     /// Reproducer: a target that was reached stayed reached while the heater was off, so the second heating to it was

@@ -87,13 +87,15 @@ pub struct Seen {
     pub is_settled: bool,
     /// Temperature up to which another heater may warm it: a bed warms its chamber, and a hotend that is off.
     pub warmed_to: Celsius,
+    /// It gets no power for now, whatever its target: a touch of the probe is awaited.
+    pub rests: bool,
 }
 
 impl Seen {
     /// A heater without power, with its last heat still under way.
     #[must_use]
     pub const fn quiet(measured: Celsius) -> Self {
-        Self { measured, smooth: measured, duty: 0, is_settled: false, warmed_to: Celsius::MIN }
+        Self { measured, smooth: measured, duty: 0, is_settled: false, warmed_to: Celsius::MIN, rests: false }
     }
 
     /// Whether it has any power.

@@ -5,6 +5,7 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::surface::Mesh;
 use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::plant::SensorFault;
 use corehbot_sim::drivers::Drivers;
@@ -254,9 +255,9 @@ impl Life<'_> {
         self.world.bed().unwrap().fail(fault);
     }
 
-    /// Whether the probe's pin is out.
-    pub fn is_probe_out(&mut self) -> bool {
-        self.world.bed().unwrap().is_out()
+    /// The bed, and its probe.
+    pub fn bed(&mut self) -> &mut BedPlant {
+        self.world.bed().unwrap()
     }
 
     /// Where the nozzle is, in mm.

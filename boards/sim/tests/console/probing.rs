@@ -109,10 +109,11 @@ fn a_probe_that_reads_as_triggered_moves_nothing_down() {
 
 #[test]
 fn a_place_out_of_reach_is_refused_and_so_is_a_machine_that_is_not_homed() {
-    let (heard, _) = talk(&with_probe(), ProbeFault::Dead, &["G30 X375", "G30 Y1", "M84", "G30"]);
-    let reach = "but from X10.00 Y10.00 to X350.00 Y407.60";
+    let (heard, _) = talk(&with_probe(), ProbeFault::Dead, &["G30 X375", "G30 Y-1", "M84", "G30"]);
+    // A single place may be at the very edge of the bed.
+    let reach = "but from X0.00 Y0.00 to X350.00 Y417.60";
     assert_eq!(heard[0], format!("echo:ignored: the probe cannot touch at X375.00 Y200.00, {reach}"));
-    assert_eq!(heard[2], format!("echo:ignored: the probe cannot touch at X160.00 Y1.00, {reach}"));
+    assert_eq!(heard[2], format!("echo:ignored: the probe cannot touch at X160.00 Y-1.00, {reach}"));
     assert!(heard.contains(&"echo:move ignored: home its axes first (G28)".to_owned()), "{heard:?}");
 }
 

@@ -35,7 +35,7 @@ fn a_quick_stop_in_a_touch_raises_the_tool_and_tells_what_was_ended() {
                 let [.., z] = life.nozzle();
                 // By the clearance, but not above where the touch began.
                 assert!(z > low + 4.0 && z < low + 6.5, "{line}: {low} to {z}\n{:?}", life.heard);
-                assert!(!life.is_probe_out(), "{line}");
+                assert!(!life.bed().is_out(), "{line}");
                 assert_eq!(life.count(&format!("echo:{name} was ended by M410")), 1, "{:?}", life.heard);
                 // The position is true, and the machine is as before.
                 let told = life.ask("M114", "X:");
@@ -83,5 +83,25 @@ fn a_second_quick_stop_ends_the_rise() {
         life.forget_answers();
         life.say("G30");
         assert_eq!(life.count("Bed X:"), 1, "{:?}", life.heard);
+    });
+}
+
+/// M524 has its own text, and the same rise.
+#[test]
+fn a_cancel_in_a_touch_raises_the_tool_too_and_says_so_once() {
+    begin(&machine(ProbeKind::BlTouch), |life| {
+        life.say("G28");
+        life.forget_answers();
+        life.put(0, "G29");
+        while life.nozzle()[2] > 1.9 {
+            life.rest(1);
+        }
+        let [.., low] = life.nozzle();
+        life.put(0, "M524");
+        life.rest(3000);
+        let [.., z] = life.nozzle();
+        assert!(z > low + 4.0 && z < low + 6.5, "{low} to {z}: {:?}", life.heard);
+        assert!(!life.bed().is_out());
+        assert_eq!([life.count("echo:print cancelled"), life.count("echo:G29 was ended")], [1, 0], "{:?}", life.heard);
     });
 }
