@@ -12,6 +12,7 @@
 
 mod counted;
 mod heat;
+mod known;
 mod overload;
 mod print_progress;
 mod steps;
@@ -20,9 +21,10 @@ mod stream;
 mod z_offset;
 
 use crate::fault::Latch;
-use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32};
+use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU32};
 use counted::Counted;
 pub use heat::{Heat, SelfTest, Tuned, Tuning, TuningFailure};
+pub use known::Known;
 use overload::Lateness;
 pub use overload::{Late, Overload};
 use print_progress::PrintProgress;
@@ -87,6 +89,10 @@ pub struct Status {
     /// Endstop reads of the Stepper because it was pended; written by the Stepper.
     looks: AtomicU32,
     z_offset: ZOffset,
+    /// What the Console knows of the place of the tool, in bits; whether the ends of axes do not hold; and an offset of z.
+    known: AtomicU8,
+    is_free: AtomicBool,
+    below_um: AtomicI32,
     heat: Heat,
     fault: Latch,
 }
@@ -130,6 +136,9 @@ impl Status {
             made: Counted::new(),
             looks: AtomicU32::new(0),
             z_offset: ZOffset::new(),
+            known: AtomicU8::new(0),
+            is_free: AtomicBool::new(false),
+            below_um: AtomicI32::new(0),
             heat: Heat::new(),
             fault: Latch::new(),
         }

@@ -203,6 +203,7 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
         let mut desk = Desk::at(1, now);
         (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
         (desk.bed, desk.probe_accidents) = (bed.take(), std::mem::take(&mut probe_accidents));
+        desk.is_strict = false;
         let mut sink = Unseen;
         let mut world = World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink);
         let (mut is_reset, mut is_off) = (false, false);

@@ -43,8 +43,8 @@ impl AxisSums {
     }
 
     /// x, y, z and e at these counts, in parts of a step: so many times what a step of each motor alone adds.
-    #[cfg(test)]
-    pub(crate) fn at(&self, counts: &Counts) -> [i64; 4] {
+    #[must_use]
+    pub fn at(&self, counts: &Counts) -> [i64; 4] {
         let mut sums = [0; 4];
         for (motor, count) in corehbot::motors::Motor::ALL.into_iter().zip(counts) {
             let mut one = [0; 4];

@@ -31,6 +31,7 @@ pub mod not_gcode;
 mod odometer;
 pub mod plugs;
 mod ports;
+pub mod reach;
 pub mod sampler;
 pub mod script;
 pub mod series;

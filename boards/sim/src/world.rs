@@ -18,14 +18,16 @@ use crate::moves::Tap;
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
+use crate::reach::{Beyond, Reach};
 use corehbot::app::{Parts, StepPorts, assemble};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
-use corehbot::motion::{StepCounts, StepGenerator, Stepper};
+use corehbot::motion::{StepCounts, StepGenerator, Stepper, SurfaceFrame};
 use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
 use corehbot::port::Storage;
 use corehbot::settings::Settings;
 use corehbot::status::Status;
+use corehbot::surface::{Heights, UNITS_PER_MM};
 use corehbot::thermal::ThermalControl;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
@@ -109,6 +111,14 @@ impl Turned {
     }
 }
 
+/// The greatest height or depth of a surface that z follows, in mm.
+fn greatest_height(surface: Option<(&SurfaceFrame, &Heights)>) -> f64 {
+    let Some((_, heights)) = surface.filter(|(frame, _)| !frame.is_none()) else { return 0.0 };
+    let each = (0..heights.rows()).flat_map(|row| (0..heights.columns()).map(move |column| heights.get(column, row)));
+    // A smooth surface goes beyond its points by a quarter at most.
+    1.25 * each.map(|height| f64::from(height).abs()).fold(0.0, f64::max) / f64::from(UNITS_PER_MM)
+}
+
 /// The firmware and its machine.
 pub struct World<'w> {
     shared: &'w Shared,
@@ -141,6 +151,11 @@ pub struct World<'w> {
     z_shifts: &'w mut ZShifts,
     /// The firmware's position of each group, less its steps.
     origin: [i32; MOST_GROUPS],
+    /// The ends of the axes, and the motors' coupling for which they hold.
+    reach: Reach,
+    tool: Coupling,
+    /// mm of a step of z.
+    step_of_z: f64,
 }
 
 impl<'w> World<'w> {
@@ -192,6 +207,7 @@ impl<'w> World<'w> {
             plugs,
             sensor,
             heat,
+            is_strict,
             plant: left,
         } = desk;
         let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
@@ -256,6 +272,9 @@ impl<'w> World<'w> {
             tap,
             z_shifts,
             origin: [0; MOST_GROUPS],
+            reach: Reach::new(settings, *is_strict),
+            tool: groups.coupling(),
+            step_of_z: 1.0 / settings.axes.z.steps_per_mm.to_num::<f64>(),
         }
     }
 
@@ -311,8 +330,33 @@ impl<'w> World<'w> {
         if !moved {
             shared.now.set(end_of_turn);
         }
+        if moved {
+            self.hold_to_reach();
+        }
         self.keep_heat();
         moved
+    }
+
+    /// Holds the place of the tool to the ends of its axes.
+    fn hold_to_reach(&mut self) {
+        if self.status.is_free() {
+            self.reach.end();
+        }
+        if self.turned.coupling != self.tool {
+            return;
+        }
+        let (made, origin) = (self.counts.read(), self.generator.origin());
+        let groups = std::array::from_fn(|group| made[group].wrapping_add(origin[group]));
+        let counts = self.tool.motor_counts(groups).map(i64::from);
+        let (generator, shifts) = (&self.generator, &self.z_shifts);
+        let offset = || greatest_height(generator.surface()) + shifts.way() * self.step_of_z;
+        self.reach.look(self.stepper.tick(), self.status.known(), &counts, offset);
+    }
+
+    /// The first homed axis that went beyond its end.
+    #[must_use]
+    pub const fn beyond(&self) -> Option<Beyond> {
+        self.reach.found()
     }
 
     /// The generator has its turns, and their moves are followed. A function of its own, because most events need no

@@ -137,6 +137,7 @@ impl Prepared {
             let mut desk = Desk::at(1, now);
             (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
             (desk.bed, desk.probe_accidents) = (bed.take(), std::mem::take(&mut probe_accidents));
+            desk.is_strict = false;
             desk.plugs.clone_from(&plugs);
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {
@@ -148,6 +149,9 @@ impl Prepared {
             screen.close();
             let outcome = world.outcome();
             total.add(&outcome);
+            if let Some(beyond) = world.beyond() {
+                println(format_args!("violation: {beyond}"))?;
+            }
             let ended = world.now();
             plant = world.take_plant();
             drop(world);

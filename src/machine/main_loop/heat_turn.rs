@@ -5,6 +5,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use crate::settings::Settings;
 use crate::status::SelfTest;
 use crate::units::Instant;
 
@@ -24,6 +25,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         let rests = self.settings.probe.bed_heater_off && self.probing.is_touching();
         self.status.heat().set_bed_rests(rests);
+        let (s, made) = (&*self.settings, self.settings.defaults());
+        let ends = |s: &Settings| s.axes.map(|axis| (axis.steps_per_mm, axis.length));
+        self.status.set_free(!s.soft_endstops || ends(s) != ends(made) || s.axis_min != made.axis_min);
         self.heat.note_motors(!self.power.powered().is_empty());
         self.watch_heaters(now);
         self.watch_idleness(now);

@@ -62,6 +62,7 @@ use self::motion::Motion;
 use self::motion::hand_on::Fed;
 use self::power::Power;
 use self::settings::SettingsInUse;
+use self::z_offset::z_reach;
 use crate::kinematics::Groupings;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::serving::Hosts;
@@ -81,8 +82,8 @@ use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
-use crate::settings::Settings;
-use crate::status::Status;
+use crate::settings::{HomedAxis, Settings};
+use crate::status::{Known, Status};
 use crate::thermal::Orders;
 use crate::units::{Instant, Mm};
 use core::future::poll_fn;
@@ -235,6 +236,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.turn_began = now;
         let emergency = self.receive();
         self.hosts.greet(Replies::start);
+        self.tell_known();
         self.tend_drivers(now)?;
         self.feed_motion(now);
         self.scrub(now);
@@ -264,6 +266,17 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
                 self.come_again();
             }
         }
+    }
+}
+
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+    /// Tells the other contexts what is known of the place of the tool.
+    fn tell_known(&self) {
+        let below = self.settings.reach(HomedAxis::Z).least.saturating_sub(z_reach(self).least);
+        let touches = self.probing.is_touching();
+        let probe = if touches { self.settings.probe.offset.z.max(Mm::ZERO) } else { Mm::ZERO };
+        let below_um = ((below.saturating_add(probe).to_bits() * 1000) >> 32) as i32;
+        self.status.set_known(Known { homed: self.homed.axes(), touches, below_um });
     }
 }
 

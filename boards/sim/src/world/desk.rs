@@ -39,6 +39,9 @@ pub struct Desk {
     pub sensor: Option<SensorTruth>,
     /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
+    /// Whether a homed axis beyond its end ends the program: in tests. Otherwise [`World::beyond`](super::World::beyond)
+    /// tells of it.
+    pub is_strict: bool,
     /// The heat left by an earlier world; without it, everything is as warm as the room.
     pub plant: Option<Box<Plant>>,
 }
@@ -58,6 +61,7 @@ impl Desk {
             bed: None,
             probe_accidents: Vec::new(),
             mesh: None,
+            is_strict: true,
             mesh_log: None,
             z_shifts: ZShifts::default(),
             belt: None,

@@ -4,21 +4,25 @@ use super::{Desk, Outcome, World};
 use crate::any_storage::AnyStorage;
 use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
+use crate::reach::Beyond;
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 
 /// Why a run has no outcome.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WorldError {
     /// The printer waits for input and the host is silent, for ten virtual minutes.
     Stalled,
+    /// A homed axis went beyond its end.
+    Beyond(Beyond),
 }
 
 impl std::fmt::Display for WorldError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Stalled => f.write_str("printer and host wait for each other"),
+            Self::Beyond(beyond) => write!(f, "{beyond}"),
         }
     }
 }
@@ -31,7 +35,7 @@ const PATIENCE_MS: u32 = 600_000;
 /// Prints what `host` sends on a machine that stands at `start` (x, y, z) as if homed, or somewhere.
 ///
 /// # Errors
-/// If printer and host wait for each other.
+/// If printer and host wait for each other, or a homed axis goes beyond its end.
 pub fn run(
     settings: &Settings,
     start: Option<[Mm; 3]>,
@@ -45,7 +49,7 @@ pub fn run(
 /// storage; the mechanism stays the one of `settings`.
 ///
 /// # Errors
-/// If printer and hosts wait for each other.
+/// If printer and hosts wait for each other, or a homed axis goes beyond its end.
 pub fn run_with(
     settings: &Settings,
     start: Option<[Mm; 3]>,
@@ -59,7 +63,7 @@ pub fn run_with(
 /// The same on drivers that the caller shares.
 ///
 /// # Errors
-/// If printer and host wait for each other.
+/// If printer and host wait for each other, or a homed axis goes beyond its end.
 pub fn run_on(
     settings: &Settings,
     start: Option<[Mm; 3]>,
@@ -74,7 +78,7 @@ pub fn run_on(
 /// The same at that desk, which has a line for each host.
 ///
 /// # Errors
-/// If printer and host wait for each other.
+/// If printer and host wait for each other, or a homed axis goes beyond its end.
 pub fn run_at(
     desk: &mut Desk,
     settings: &Settings,
@@ -136,5 +140,12 @@ fn print(
     for (host, wire) in hosts.iter_mut().zip(world.wires()) {
         wire.deliver(*host);
     }
-    Ok(world.outcome())
+    // Whoever runs it hears of it by the result.
+    match world.beyond() {
+        Some(beyond) => {
+            world.reach.is_strict = false;
+            Err(WorldError::Beyond(beyond))
+        }
+        None => Ok(world.outcome()),
+    }
 }

@@ -37,6 +37,11 @@ impl ZShifts {
         Self { again: shifts.into_iter().collect(), ..Self::default() }
     }
 
+    /// The way of all shifts that were made, up and down, in steps.
+    pub(super) fn way(&self) -> f64 {
+        self.made.iter().map(|shift| f64::from(shift.steps.unsigned_abs())).sum()
+    }
+
     /// A new life of the board counts from 0.
     pub(super) const fn restart(&mut self) {
         self.seen = 0;

@@ -1,0 +1,49 @@
+//! What the Console takes for granted about the place of the tool. No context acts on it: a simulator holds the steps to
+//! it.
+
+use super::Status;
+use core::sync::atomic::Ordering::Relaxed;
+
+/// The Console's knowledge, as of its last turn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Known {
+    /// Which of x, y and z are homed.
+    pub homed: [bool; 3],
+    /// Whether a touch of the probe is under way.
+    pub touches: bool,
+    /// By how much offsets of z or of the probe let the program go below the axis, in um.
+    pub below_um: i32,
+}
+
+/// The bit of a touch, after those of the axes.
+const TOUCHES: u8 = 8;
+
+impl Status {
+    /// What the Console knows.
+    #[must_use]
+    pub fn known(&self) -> Known {
+        let bits = self.known.load(Relaxed);
+        Known {
+            homed: [1, 2, 4].map(|bit| bits & bit != 0),
+            touches: bits & TOUCHES != 0,
+            below_um: self.below_um.load(Relaxed),
+        }
+    }
+
+    pub(crate) fn set_known(&self, known: Known) {
+        let [x, y, z] = known.homed.map(u8::from);
+        self.known.store(x | y << 1 | z << 2 | u8::from(known.touches) * TOUCHES, Relaxed);
+        self.below_um.store(known.below_um, Relaxed);
+    }
+
+    /// Whether the ends of the axes that the machine was made with do not hold: soft endstops are off, or settings have
+    /// changed ends or steps.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.is_free.load(Relaxed)
+    }
+
+    pub(crate) fn set_free(&self, is_free: bool) {
+        self.is_free.store(is_free, Relaxed);
+    }
+}
