@@ -137,7 +137,7 @@ impl Receiver {
             let is_passed_over = kind == Kind::Numbered && place + line.length > NUMBERED;
             *is_skipping |= is_passed_over && !line.is_whole;
             *missing += u32::from(is_passed_over && line.is_whole);
-            let stays = !is_passed_over && !(line.is_whole && owed.takes(kind));
+            let stays = !(is_passed_over || line.is_whole && owed.takes(kind));
             if stays && line.is_whole {
                 *sorted = place + line.length;
             }

@@ -3,7 +3,7 @@
 //!
 //! The host is at the end of USB, which holds it up, or of a UART, which does not. Both are modelled by their buffers:
 //! 512 bytes on the board for USB (`chips/board-support`, `usb_pump`), 2,048 for a UART (`ring`).
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/heated.rs"]
 mod heated;
