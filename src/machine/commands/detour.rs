@@ -21,7 +21,7 @@ fn leave_detour<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: 
 
 /// Whether the line that is carried out may be one of the print's stream.
 pub(super) fn is_own<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
-    main_loop.job.is_of(main_loop.hosts.serving()) && main_loop.stream.may_hold(main_loop.hosts.has_number())
+    main_loop.job.is_of(main_loop.hosts.serving()) && main_loop.stream.may_hold(main_loop.hosts.window().0.is_some())
 }
 
 /// A line comes; in a pause, one of the stream finds the state that the stream has left.

@@ -210,7 +210,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if asked.prints() {
             let position = self.main_loop.commanded.position();
             self.main_loop.job.note_printed(position);
-            self.main_loop.stream.note_number(self.main_loop.hosts.has_number());
+            self.main_loop.stream.note_number(self.main_loop.hosts.window().0.is_some());
         }
     }
 

@@ -181,7 +181,7 @@ fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, 
     main_loop.stream.begin(program);
     if main_loop.job.printed_at().is_none() {
         // Only this line can tell.
-        main_loop.stream.note_number(main_loop.hosts.has_number());
+        main_loop.stream.note_number(main_loop.hosts.window().0.is_some());
     }
     main_loop.heat.note_used(main_loop.now());
 }

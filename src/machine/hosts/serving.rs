@@ -166,11 +166,6 @@ impl<S: Serial> Hosts<S> {
         self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
     }
 
-    /// Whether the line being served has a number.
-    pub(in crate::machine) fn has_number(&self) -> bool {
-        self.window().0.is_some()
-    }
-
     /// Takes in the received bytes of all hosts. Lines that a quick stop or a cancel has overtaken, even one of
     /// another host, will be answered, but not carried out.
     pub(in crate::machine) fn receive(&mut self, now: Instant, rests: bool) -> Urgent {

@@ -2,8 +2,6 @@
 
 use super::asker::{answers, before_homing};
 use corehbot::settings::Settings;
-use corehbot::units::Mm;
-use corehbot_sim::world::run;
 
 #[test]
 fn a_dry_run_moves_everything_but_the_filament() {

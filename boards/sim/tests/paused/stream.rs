@@ -6,23 +6,23 @@
 use crate::life::{Life, live};
 use corehbot::settings::Settings;
 
-/// How a host sends its file, and the lines of its buttons.
+/// What a host numbers of its file and the lines of its buttons.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Sender {
-    /// As OctoPrint 1.11 and Pronterface: numbers for the file only.
-    NumbersFile,
+enum Numbers {
+    /// As OctoPrint 1.11 and Pronterface.
+    File,
     /// As Repetier-Host, and OctoPrint with `alwaysSendChecksum`.
-    NumbersAll,
+    All,
     /// As a terminal.
-    NumbersNothing,
+    Nothing,
 }
 
-const SENDERS: [Sender; 3] = [Sender::NumbersFile, Sender::NumbersAll, Sender::NumbersNothing];
+const SENDERS: [Numbers; 3] = [Numbers::File, Numbers::All, Numbers::Nothing];
 
 /// Sends lines.
 struct Host<'l, 'w> {
     life: &'l mut Life<'w>,
-    sender: Sender,
+    sender: Numbers,
     number: i32,
 }
 
@@ -39,12 +39,12 @@ impl Host<'_, '_> {
 
     /// A line of the file.
     fn stream(&mut self, line: &str) {
-        self.say(line, self.sender != Sender::NumbersNothing);
+        self.say(line, self.sender != Numbers::Nothing);
     }
 
     /// A line of a button.
     fn press(&mut self, line: &str) {
-        self.say(line, self.sender == Sender::NumbersAll);
+        self.say(line, self.sender == Numbers::All);
     }
 
     /// A line of the file, and the steps that it has caused: ticks before its end, motors, directions.
@@ -109,7 +109,7 @@ fn prints(line: &str) -> bool {
 fn undisturbed(settings: &Settings, file: &[&str]) -> Vec<Vec<(u64, u32, u32)>> {
     let mut all = Vec::new();
     live(settings, 1, |life| {
-        let mut host = Host { life, sender: Sender::NumbersNothing, number: 0 };
+        let mut host = Host { life, sender: Numbers::Nothing, number: 0 };
         all = file.iter().map(|line| host.steps(line)).collect();
     });
     all
@@ -250,7 +250,7 @@ fn a_stream_that_cannot_go_on_yet_goes_on_later_as_it_was() {
         for file in files(relative) {
             let whole = undisturbed(&settings, &file);
             live(&settings, 2, |life| {
-                let mut host = Host { life, sender: Sender::NumbersFile, number: 0 };
+                let mut host = Host { life, sender: Numbers::File, number: 0 };
                 file[..PAUSE].iter().for_each(|line| host.stream(line));
                 host.stream("M25");
                 BUTTONS[1].1.iter().for_each(|line| host.press(line));
