@@ -12,6 +12,7 @@ mod parts;
 mod phases;
 mod power;
 mod printer;
+mod pulleys;
 mod quiet;
 mod routings;
 mod skips;
