@@ -10,7 +10,6 @@
 //! A probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
 use super::proof::prove;
-use super::settings::stored::note_belt_loads;
 use super::shift_z::shift_z;
 use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::{AxisFlags, HomeWords};
@@ -20,7 +19,7 @@ use crate::machine::belt::align::{BeltError, align, lacks_alignment};
 use crate::machine::belt::circulate::advance_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::phase::keep_findings;
+use crate::machine::main_loop::phase::keep_phases;
 use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::main_loop::z_offset::{name_home, z_reach};
 use crate::machine::ports::PortSet;
@@ -209,8 +208,7 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
     };
     match proved {
         Ok(()) => {
-            keep_findings(main_loop, true).await?;
-            note_belt_loads(main_loop).await?;
+            keep_phases(main_loop);
             main_loop.reply(Answer::Belt(BeltAnswer::Aligned)).await
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),

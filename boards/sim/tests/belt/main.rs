@@ -12,7 +12,6 @@ mod parts;
 mod phases;
 mod power;
 mod printer;
-mod pulleys;
 mod quiet;
 mod routings;
 mod skips;
