@@ -105,6 +105,10 @@ impl Cause {
     /// The cause with this number.
     #[must_use]
     pub fn of(number: u8) -> Option<Self> {
+        // The Console asks in every turn, and hardly ever is there one.
+        if number == 0 {
+            return None;
+        }
         Self::all().find(|cause| *cause as u8 == number)
     }
 

@@ -13,6 +13,7 @@
 use crate::gcode;
 use crate::kinematics::Groupings;
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::belt::align::end_measuring;
 use crate::machine::belt::circulate::end_circulation;
 use crate::machine::commands::dispatch::{carry_out, go_on_with};
@@ -41,6 +42,7 @@ use crate::surface::Mesh;
 use crate::thermal::Orders;
 use crate::units::Mm;
 use core::convert::Infallible;
+use core::pin::pin;
 
 /// The Console.
 pub struct Console<'m, P: PortSet, W: Pend> {
@@ -101,7 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 limp(&mut self.main_loop).await;
             }
             if stopped.is_err() {
-                return stay_halted(&mut self.main_loop).await;
+                return apart(pin!(stay_halted(&mut self.main_loop))).await;
             }
         }
     }
@@ -144,7 +146,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             keep_to_surface(main_loop).await?;
             if main_loop.job.take_cancel() {
-                end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
+                apart(pin!(end_job(main_loop, &mut states.modal, JobEnd::Cancelled))).await?;
             }
             let now = main_loop.turn_began();
             if let Some(answered) = take_answer(&main_loop.hosts, &mut main_loop.job, now) {
@@ -197,7 +199,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             main_loop.reply(Answer::Line("echo:homing was interrupted, the position of the axis is unknown")).await?;
         }
         if main_loop.job.take_cancel() {
-            end_job(main_loop, &mut states.modal, JobEnd::Cancelled).await?;
+            apart(pin!(end_job(main_loop, &mut states.modal, JobEnd::Cancelled))).await?;
         }
         Ok(())
     }
@@ -231,7 +233,7 @@ async fn take_up<'a, P: PortSet, W: Pend>(
         Ok(None) => Answer::Kept,
         Err(Interrupt::EndJob) => {
             let why = main_loop.job.why_it_ends();
-            end_job(main_loop, &mut states.modal, why).await?
+            apart(pin!(end_job(main_loop, &mut states.modal, why))).await?
         }
         Err(interrupt) => return Err(interrupt),
     };

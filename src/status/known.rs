@@ -32,7 +32,7 @@ impl Status {
 
     pub(crate) fn set_known(&self, known: Known) {
         let [x, y, z] = known.homed.map(u8::from);
-        self.known.store(x | y << 1 | z << 2 | u8::from(known.touches) * TOUCHES, Relaxed);
+        self.known.store(x | (y << 1) | (z << 2) | (u8::from(known.touches) * TOUCHES), Relaxed);
         self.below_um.store(known.below_um, Relaxed);
     }
 

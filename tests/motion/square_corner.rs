@@ -53,7 +53,8 @@ fn at_corner(moves: [[f64; 4]; 2], s: &Settings) -> f64 {
     let [first, second] = moves;
     let end: [f64; 4] = std::array::from_fn(|i| first[i] + second[i]);
     let planned = plan(&[(first, 300.0), (end, 300.0)], s);
-    let [_, after] = planned.as_slice() else { panic!("{} moves", planned.len()) };
+    assert_eq!(planned.len(), 2);
+    let after = &planned[1];
     let length = second[..3].iter().map(|v| v * v).sum::<f64>().sqrt();
     speeds(after, length)[0]
 }

@@ -13,6 +13,7 @@ use super::load_curve::{
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
 use crate::machine::answers::belt_answer::AlignError;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::find_phase;
@@ -23,6 +24,7 @@ use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::{Mm, MmPerSec, Steps};
+use core::pin::pin;
 
 /// Speed of a stroke: one turn a second of a pulley of 40 mm. Far below, load readings are too coarse (section 11: "a
 /// few 10 rpm").
@@ -121,7 +123,7 @@ async fn align_each<P: PortSet, W: Pend>(
     residuals: &Residuals,
 ) -> Result<(), BeltError> {
     for (number, residual) in residuals.iter().enumerate() {
-        let Some(found) = find_apex(main_loop, residual).await? else { continue };
+        let Some(found) = apart(pin!(find_apex(main_loop, residual))).await? else { continue };
         let phase = find_phase(main_loop, residual).await?;
         leave_at(main_loop, number, residual, found, phase).await?;
     }
@@ -230,7 +232,7 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
 ) -> Result<Option<ApexFound>, BeltError> {
     let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
     let mut scan = Scan::new(main_loop, motor, residual);
-    let found = climb(main_loop, &mut scan).await;
+    let found = apart(pin!(climb(main_loop, &mut scan))).await;
     if let Err(BeltError::Align(_)) = found {
         // Nothing is known, so the motor returns.
         trim(main_loop, motor, -scan.at).await?;

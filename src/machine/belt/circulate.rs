@@ -1,6 +1,7 @@
 //! Circulation: the belt circulates with the tool at rest or moving in x and y. `commands::circulate` has the command.
 
 use crate::kinematics::Grouping;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::regroup::regroup;
@@ -8,6 +9,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::port::Pend;
 use crate::units::{Mm, MmPerSec, Steps};
+use core::pin::pin;
 
 /// Lets a belt that can circulate do so a little after homing, so that it does not always bend at the same teeth.
 pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
@@ -23,7 +25,7 @@ pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     // Wrapped within the range of numbers.
     let target =
         if FARTHEST.holds(farther) { farther } else { main_loop.circulation.commanded() - belt.homing_advance };
-    run_round(main_loop, [x, y], target, belt.max_speed).await?;
+    apart(pin!(run_round(main_loop, [x, y], target, belt.max_speed))).await?;
     main_loop.commanded.go_to(position);
     Ok(())
 }

@@ -8,11 +8,13 @@ use super::states::States;
 use crate::gcode::{BedCommand, Forgets};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::known_bed::PrintArea;
 use crate::port::Pend;
+use core::pin::pin;
 
 /// Carries out a command about the bed.
 pub(super) async fn carry_out<P: PortSet, W: Pend>(
@@ -21,7 +23,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     command: &BedCommand<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(match *command {
-        BedCommand::Measure(ref words) => return measure(main_loop, states, words).await,
+        BedCommand::Measure(ref words) => return apart(pin!(measure(main_loop, states, words))).await,
         BedCommand::Forget(which) => {
             let was_there = main_loop.bed.mesh().is_some();
             use_mesh(main_loop, false).await?;
@@ -38,7 +40,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         BedCommand::Tilt => {
             Answer::Line("echo:G29 J ignored: this firmware does not tilt a mesh. G29 measures it again")
         }
-        BedCommand::Levelling(ref words) => return level(main_loop, states, words).await,
+        BedCommand::Levelling(ref words) => return apart(pin!(level(main_loop, states, words))).await,
         BedCommand::Report => report(main_loop, MeshForm::Grid),
         BedCommand::Save => Answer::Mesh(keep_mesh(main_loop).await?.unwrap_or(MeshAnswer::State)),
         BedCommand::Point(ref words) => return change_point(main_loop, &states.modal, &mut states.clamps, words).await,

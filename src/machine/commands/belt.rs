@@ -8,6 +8,7 @@ use crate::gcode::AxisFlags;
 use crate::kinematics::{Mechanism, Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
+use crate::machine::apart::apart;
 use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, find_apex, leave_at};
 use crate::machine::belt::diagnosis::{Touched, diagnose};
 use crate::machine::interrupt::Interrupt;
@@ -19,6 +20,7 @@ use crate::machine::state::notices::Notices;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::units::Mm;
+use core::pin::pin;
 
 /// Lift of z while the tool goes to the switches, so that the nozzle does not touch the print.
 const LIFT: Mm = Mm::const_from_int(5);
@@ -84,7 +86,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     } else if repairs && is_known {
         main_loop.reply(Answer::Belt(answer)).await?;
         home_and_align(main_loop, notices, BELT_AXES, false).await?;
-        answer = match prove(main_loop).await {
+        answer = match apart(pin!(prove(main_loop))).await {
             Ok(aside) => BeltAnswer::Repaired(aside),
             Err(BeltError::Align(error)) => BeltAnswer::NotRepaired(error),
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
@@ -146,7 +148,7 @@ async fn examine_each<P: PortSet, W: Pend>(
     for (number, residual) in residuals.iter().enumerate() {
         let Some((motor, times)) = trimmed(residual) else { continue };
         let preload = main_loop.settings.preload_steps();
-        let Some(apex) = find_apex(main_loop, residual).await? else { continue };
+        let Some(apex) = apart(pin!(find_apex(main_loop, residual))).await? else { continue };
         let step = apex.step;
         let found = aside.diagnose(&main_loop.settings.mechanism, residual, -step * times - preload, full_step);
         said = found.graver(said);

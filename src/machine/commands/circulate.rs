@@ -3,6 +3,7 @@
 use super::moves::{Moves, moving};
 use crate::gcode::{AxisWords, Flaw, Number};
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::belt::circulate::run_round;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::surface::leave_surface;
@@ -11,6 +12,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::machine::state::soft_endstops::clamp;
 use crate::port::Pend;
+use core::pin::pin;
 
 impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G0, G1 with C. The move begins and ends at rest.
@@ -46,7 +48,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             self.tell_of_edge().await?;
         }
         let [x, y, ..] = inside;
-        run_round(self.main_loop, [x, y], FARTHEST.clamp(target), speed).await?;
+        apart(pin!(run_round(self.main_loop, [x, y], FARTHEST.clamp(target), speed))).await?;
         self.modal.feed = speed;
         self.main_loop.commanded.go_to(inside);
         Ok(Answer::Nothing)

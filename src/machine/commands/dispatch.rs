@@ -32,7 +32,7 @@ pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
     kept: Kept,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
-    end_keeping(main_loop, &mut states.modal, &states.cold, kept, answered).await
+    apart(pin!(end_keeping(main_loop, &mut states.modal, &states.cold, kept, answered))).await
 }
 
 /// Carries out a command, reports values out of range, and returns the answer to send before its `ok`.
@@ -70,7 +70,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
         Err(Interrupt::EndJob) => {
             let why = main_loop.job.why_it_ends();
-            end_job(main_loop, &mut states.modal, why).await
+            apart(pin!(end_job(main_loop, &mut states.modal, why))).await
         }
         // A print that goes on without it would print on an unknown bed.
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {

@@ -9,11 +9,13 @@ use super::tuning::tune;
 use crate::connectors::HEATERS;
 use crate::gcode::HeatCommand;
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::ThermalSettings;
+use core::pin::pin;
 
 /// Carries out a command about heat.
 pub(super) async fn carry_out<P: PortSet, W: Pend>(
@@ -38,7 +40,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         }
         HeatCommand::FanSpeed { fan, speed } => return set_fan(main_loop, notices, clamps, fan, speed).await,
         HeatCommand::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
-        HeatCommand::TuneHeater(ref words) => return tune(main_loop, clamps, words).await,
+        HeatCommand::TuneHeater(ref words) => return apart(pin!(tune(main_loop, clamps, words))).await,
         HeatCommand::HeaterModel { heater, is_named, ref words } => match model_of(&main_loop.settings.thermal, heater)
         {
             Ok(heater) => change_heat(main_loop, |s, _| set_model(heater, is_named, words, s, clamps)),

@@ -7,6 +7,7 @@ use crate::connectors::{HEATERS, Heater};
 use crate::fault::Fault;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -17,6 +18,7 @@ use crate::machine::state::waiting::Waiting;
 use crate::port::{Pend, Storage};
 use crate::settings::{Range, ThermalSettings};
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
+use core::pin::pin;
 
 /// Within the first distance of its target a heater has reached it; beyond the second it has lost it again: Marlin's
 /// TEMP_WINDOW and TEMP_HYSTERESIS (Configuration.h, 2.1).
@@ -223,7 +225,7 @@ pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
         Ok(true) => {
             // Report clamped values before the wait, not minutes later.
             main_loop.reply_clamps(clamps).await?;
-            await_heat(main_loop, Heater::ALL.map(|other| other == heater), cools).await?;
+            apart(pin!(await_heat(main_loop, Heater::ALL.map(|other| other == heater), cools))).await?;
         }
     }
     Ok(Answer::Nothing)
@@ -238,7 +240,7 @@ pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
         return Ok(missing(main_loop, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
     }
     let are_on = Heater::ALL.map(|heater| main_loop.heat.target(heater) > Celsius::ZERO);
-    await_heat(main_loop, are_on, true).await?;
+    apart(pin!(await_heat(main_loop, are_on, true))).await?;
     Ok(Answer::Nothing)
 }
 
@@ -375,7 +377,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
         main_loop.heat.note_used(main_loop.now());
         main_loop.heat.send_orders(&main_loop.settings.thermal);
     }
-    await_heat(main_loop, awaited, false).await?;
+    apart(pin!(await_heat(main_loop, awaited, false))).await?;
     main_loop.job.forget_targets();
     Ok(())
 }

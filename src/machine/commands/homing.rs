@@ -15,6 +15,7 @@ use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::{AxisFlags, HomeWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
+use crate::machine::apart::apart;
 use crate::machine::belt::align::{BeltError, align, lacks_alignment};
 use crate::machine::belt::circulate::advance_belt;
 use crate::machine::interrupt::Interrupt;
@@ -29,6 +30,7 @@ use crate::machine::state::notices::{Notice, Notices};
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{Alignment, AxisEnd, HomedAxis};
 use crate::units::Mm;
+use core::pin::pin;
 
 /// Whether a line names an axis.
 const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
@@ -62,7 +64,7 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     raise_z(main_loop, raise).await?;
     // As motors got power they may have been aligned by their phases.
     let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
-    home_axes(main_loop, notices, flags, aligns).await
+    apart(pin!(home_axes(main_loop, notices, flags, aligns))).await
 }
 
 /// Refuses axes that cannot be homed, before anything moves. Z is homed by the probe only if X and Y are known then.
@@ -124,7 +126,7 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
     aligns: bool,
 ) -> Result<(), Interrupt> {
     power_up(main_loop).await?;
-    home_axes(main_loop, notices, flags, aligns).await
+    apart(pin!(home_axes(main_loop, notices, flags, aligns))).await
 }
 
 /// Power first: without it, nothing is homed and the axes stay homed.
@@ -159,7 +161,7 @@ async fn home_axes<P: PortSet, W: Pend>(
         if let [true, true, _] = is_home
             && core::mem::take(&mut aligns)
         {
-            align_at_home(main_loop).await?;
+            apart(pin!(align_at_home(main_loop))).await?;
         }
     }
     if let [true, true, _] = is_home {
@@ -203,7 +205,7 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
     }
     home_both(main_loop).await?;
     let proved = match aligned {
-        Ok(()) => prove(main_loop).await.map(|_| ()),
+        Ok(()) => apart(pin!(prove(main_loop))).await.map(|_| ()),
         error => error,
     };
     match proved {

@@ -11,6 +11,7 @@ use crate::gcode::{GridWords, HomeWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::answers::probe_answer::ProbeAnswer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -24,6 +25,7 @@ use crate::settings::{Range, Settings};
 use crate::storage::StoredMesh;
 use crate::surface::{Heights, MOST_POINTS, Mesh};
 use crate::units::Mm;
+use core::pin::pin;
 
 /// Distance of an adaptive mesh's border from the objects, in mm: Klipper's documentation has 5 in its examples.
 const MARGIN: Mm = Mm::const_from_int(5);
@@ -48,7 +50,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     }
     main_loop.finish().await?;
     if words.homes {
-        home(main_loop, &mut states.notices, HomeWords::default(), None).await?;
+        apart(pin!(home(main_loop, &mut states.notices, HomeWords::default(), None))).await?;
     }
     if main_loop.homed.lacks_one_of([true; 3]) {
         return Ok(Answer::NotHomed);

@@ -10,6 +10,7 @@ use super::z_offset::set_home_offsets;
 use crate::gcode::{AxisWords, MotionCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -17,6 +18,7 @@ use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::{FARTHEST, Modal, PERCENT};
 use crate::port::Pend;
 use crate::units::Mm;
+use core::pin::pin;
 
 /// Carries out a command of motion.
 pub(super) async fn carry_out<P: PortSet, W: Pend>(
@@ -30,15 +32,17 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             return Moves { main_loop, modal, clamps, notices, cold }.line(to, feed).await;
         }
         MotionCommand::Circulate { ref to, belt, feed } => {
-            return Moves { main_loop, modal, clamps, notices, cold }.circulate(to, belt, feed).await;
+            return apart(pin!(Moves { main_loop, modal, clamps, notices, cold }.circulate(to, belt, feed))).await;
         }
-        MotionCommand::Arc(ref words) => return Moves { main_loop, modal, clamps, notices, cold }.arc(words).await,
+        MotionCommand::Arc(ref words) => {
+            return apart(pin!(Moves { main_loop, modal, clamps, notices, cold }.arc(words))).await;
+        }
         MotionCommand::Dwell { ms } => dwell(main_loop, ms).await?,
         MotionCommand::Retract => return Moves { main_loop, modal, clamps, notices, cold }.retract(retraction).await,
         MotionCommand::Recover => return Moves { main_loop, modal, clamps, notices, cold }.recover(retraction).await,
         MotionCommand::Home(words) => {
             let raise = words.raise.map(|raise| modal.length(raise));
-            home(main_loop, notices, words, raise).await?;
+            apart(pin!(home(main_loop, notices, words, raise))).await?;
             if words.drops_mesh && main_loop.settings.mesh.is_on {
                 use_mesh(main_loop, false).await?;
                 return Ok(Answer::Mesh(MeshAnswer::State));

@@ -12,11 +12,13 @@ use crate::gcode::{AxisFlags, MotorCommand};
 use crate::kinematics::Groups;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::apart::apart;
 use crate::machine::belt::report::report_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, MotorSet, Pend};
+use core::pin::pin;
 
 /// Carries out a command about motors.
 pub(super) async fn carry_out<P: PortSet, W: Pend>(
@@ -48,10 +50,12 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             return align_belt(main_loop, &mut states.notices).await;
         }
         MotorCommand::AlignBelt { diagnoses: _, repairs } => {
-            return examine_belt(main_loop, &mut states.notices, repairs).await;
+            return apart(pin!(examine_belt(main_loop, &mut states.notices, repairs))).await;
         }
-        MotorCommand::LevelScrews(ref words) => return level_screws(main_loop, &mut states.clamps, words).await,
-        MotorCommand::HandScrews { thread } => return tell_hand_screws(main_loop, thread).await,
+        MotorCommand::LevelScrews(ref words) => {
+            return apart(pin!(level_screws(main_loop, &mut states.clamps, words))).await;
+        }
+        MotorCommand::HandScrews { thread } => return apart(pin!(tell_hand_screws(main_loop, thread))).await,
         MotorCommand::ScrewPlace(ref words) => place_screw(main_loop, &states.modal, &mut states.clamps, words),
         MotorCommand::Buzz { motor, free } => return buzz(main_loop, &mut states.notices, motor, free).await,
     })

@@ -11,6 +11,7 @@ use crate::connectors::Heater;
 use crate::gcode::{ArcWords, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
+use crate::machine::apart::apart;
 use crate::machine::belt::align::lacks_alignment;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -28,6 +29,7 @@ use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{Alignment, HomedAxis};
 use crate::units::{Mm, MmPerSec, part_of};
+use core::pin::pin;
 
 /// Keeps the tool within the reach of any machine; a point of an arc may lie beyond.
 fn bounded(position: [Mm; 4]) -> [Mm; 4] {
@@ -191,7 +193,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         if self.main_loop.job.targets().is_some() {
             gate = Gate::Changed;
-            heat_again(self.main_loop).await?;
+            apart(pin!(heat_again(self.main_loop))).await?;
         }
         if asked.filament > Mm::ZERO && self.cold.is_too_cold(self.main_loop) {
             return self.keep(Kept::Cold).await;

@@ -19,6 +19,7 @@ use super::heating::heat_again;
 use crate::connectors::Heater;
 use crate::gcode::ParkWords;
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
@@ -32,6 +33,7 @@ use crate::port::{EndstopSet, Pend};
 use crate::protocol::Action;
 use crate::settings::HomedAxis;
 use crate::units::{Celsius, Instant, Mm, MmPerSec};
+use core::pin::pin;
 
 /// At this distance above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to
 /// 0.8 mm).
@@ -93,7 +95,7 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
         main_loop.finish().await?;
         return Ok(Answer::Nothing);
     }
-    save_and_park(main_loop, modal, cold, parks, words).await?;
+    apart(pin!(save_and_park(main_loop, modal, cold, parks, words))).await?;
     Ok(not_obeyed("M125", words))
 }
 
@@ -111,7 +113,7 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     ask(main_loop, Action::Paused, if filament { FILAMENT } else { PAUSED }).await?;
     if !main_loop.job.is_paused() {
-        save_and_park(main_loop, modal, cold, false, words).await?;
+        apart(pin!(save_and_park(main_loop, modal, cold, false, words))).await?;
     }
     if let told @ Answer::NotObeyed(..) = not_obeyed("M600", words) {
         main_loop.reply(told).await?;
@@ -206,7 +208,7 @@ async fn save_and_park<P: PortSet, W: Pend>(
     }
     let says = [words.x, words.y, words.z, words.e].iter().any(Option::is_some);
     if was_printing || parks || says {
-        park(main_loop, modal, cold, words).await?;
+        apart(pin!(park(main_loop, modal, cold, words))).await?;
     }
     let unload = other.saturating_abs().max(load.saturating_neg());
     change(main_loop, modal, cold, unload.saturating_neg(), UNLOAD_SPEED).await
@@ -347,7 +349,7 @@ async fn go_on<P: PortSet, W: Pend>(
     if main_loop.homed.lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
-    heat_again(main_loop).await?;
+    apart(pin!(heat_again(main_loop))).await?;
     if kept == Some(Kept::Cold) && cold.is_too_cold(main_loop) {
         return Ok(Going::Not(Kept::Cold));
     }

@@ -3,11 +3,13 @@
 use super::states::States;
 use crate::gcode::ResonanceCommand;
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::resonance::test::{examine_sensor, tell_samples, test_resonances};
 use crate::port::Pend;
+use core::pin::pin;
 
 /// Carries out a command about resonances.
 pub(super) async fn carry_out<P: PortSet, W: Pend>(
@@ -21,6 +23,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             let count = count.map_or(1000, |count| count.to_u32());
             tell_samples(main_loop, count).await
         }
-        ResonanceCommand::Sweep(words) => test_resonances(main_loop, &mut states.clamps, words).await,
+        ResonanceCommand::Sweep(words) => apart(pin!(test_resonances(main_loop, &mut states.clamps, words))).await,
     }
 }

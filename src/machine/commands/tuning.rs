@@ -5,6 +5,7 @@ use super::self_test::await_self_test;
 use crate::connectors::Heater;
 use crate::gcode::{Number, TuningWords};
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -14,6 +15,7 @@ use crate::port::{Pend, Storage};
 use crate::settings::{HeaterSettings, Pid, Range, ranges};
 use crate::status::{Tuned, Tuning, TuningFailure};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
+use core::pin::pin;
 
 /// M303 without C, and its range: the relay experiment throws the first swing away.
 const CYCLES: u16 = 5;
@@ -56,7 +58,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
     await_self_test(main_loop).await?;
     main_loop.heat.tune(heater, target, cycles as u8);
-    let found = await_tuning(main_loop, heater).await;
+    let found = apart(pin!(await_tuning(main_loop, heater))).await;
     main_loop.pauses.end();
     // Done, failed or ended by M108, M410: in any case it is over.
     main_loop.heat.set_target(heater, Celsius::ZERO);

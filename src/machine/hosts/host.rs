@@ -37,6 +37,8 @@ pub(super) struct Host<S> {
     pub(super) number: Option<i32>,
     /// When the Console looked last for a line of it.
     looked: Instant,
+    /// Whether its lines waited for long when it was last received, and then whether the command rested.
+    wait: Option<bool>,
     /// Bytes that were overheard and not received.
     ahead: u32,
 }
@@ -73,6 +75,7 @@ impl<S: Serial> Host<S> {
             is_new: false,
             number: None,
             looked: now,
+            wait: None,
             ahead: 0,
         }
     }
@@ -84,12 +87,18 @@ impl<S: Serial> Host<S> {
         self.has_stopped = false;
         self.has_opened = false;
         let is_waiting = now >= self.looked.after_ms(WAITS_MS);
+        let wait = is_waiting.then_some(rests);
+        let mut has_news = self.wait != wait || !self.receiver.owed().is_empty();
+        self.wait = wait;
+        let mut is_drained = false;
         while self.receiver.has_spare() || (is_waiting && self.receiver.makes_room()) {
-            let was_overheard = self.line.was_overheard();
-            self.ahead = if was_overheard { self.ahead.saturating_sub(1) } else { 0 };
+            let was_overheard = self.ahead > 0 && self.line.was_overheard();
+            self.ahead = if was_overheard { self.ahead - 1 } else { 0 };
             let Some(received) = self.line.recv() else {
+                is_drained = true;
                 break;
             };
+            has_news = true;
             if received == Received::Opened {
                 self.replies = Replies::new();
                 self.schedule = Schedule::new();
@@ -102,14 +111,17 @@ impl<S: Serial> Host<S> {
                 self.scan(received, urgent);
             }
         }
-        while let Some(received) = self.line.overhear() {
-            self.ahead += 1;
-            self.scan(received, urgent);
+        if !is_drained {
+            while let Some(received) = self.line.overhear() {
+                self.ahead += 1;
+                self.scan(received, urgent);
+            }
         }
-        match (is_waiting, rests) {
-            (true, true) => self.receiver.answer_reports(),
-            (true, false) => self.receiver.answer_other_reports(),
-            (false, _) => {}
+        // Lines are looked at once, not in every turn.
+        match wait.filter(|_| has_news) {
+            Some(true) => self.receiver.answer_reports(),
+            Some(false) => self.receiver.answer_other_reports(),
+            None => {}
         }
     }
 

@@ -18,6 +18,7 @@
 use crate::driver;
 use crate::fault::{self, Cause};
 use crate::kinematics::Grouping;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
@@ -26,6 +27,7 @@ use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
+use core::pin::pin;
 
 /// Speed of the tool on its path to its place. There is no hurry once z is raised. A motor at a turn a second of a
 /// pulley of 40 mm has all its torque (docs/research/twin.md, torque at speed).
@@ -45,7 +47,7 @@ const RING_MS: u32 = 200;
 /// Parks the tool, if no other fault comes. Afterwards all power is to be cut.
 pub(in crate::machine) async fn limp<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
     main_loop.limping.go();
-    let parked = main_loop.park().await;
+    let parked = apart(pin!(main_loop.park())).await;
     // In both cases nothing moves from here on.
     main_loop.stop_and_cut();
     if let Ok(raised) = parked {

@@ -62,7 +62,6 @@ use self::motion::Motion;
 use self::motion::hand_on::Fed;
 use self::power::Power;
 use self::settings::SettingsInUse;
-use self::z_offset::z_reach;
 use crate::kinematics::Groupings;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::serving::Hosts;
@@ -82,7 +81,7 @@ use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
-use crate::settings::{HomedAxis, Settings};
+use crate::settings::Settings;
 use crate::status::{Known, Status};
 use crate::thermal::Orders;
 use crate::units::{Instant, Mm};
@@ -272,7 +271,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Tells the other contexts what is known of the place of the tool.
     fn tell_known(&self) {
-        let below = self.settings.reach(HomedAxis::Z).least.saturating_sub(z_reach(self).least);
+        let below = self.first_layer.below();
         let touches = self.probing.is_touching();
         let probe = if touches { self.settings.probe.offset.z.max(Mm::ZERO) } else { Mm::ZERO };
         let below_um = ((below.saturating_add(probe).to_bits() * 1000) >> 32) as i32;

@@ -4,12 +4,14 @@
 use super::phase::{align_by_phases, meet_phases};
 use crate::driver::{DriverError, Fault, Job, News, Reading};
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motors::MOTORS;
 use crate::port::{Motor, MotorSet, Pend};
 use crate::units::Instant;
+use core::pin::pin;
 
 /// Proofs requested until motors have power. Usually a configuration and a quick proof of each suffice. If the first
 /// proofs expire before the last ones arrive, the wire is too bad to print with.
@@ -27,7 +29,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let residuals = self.settings.residuals();
         self.power.watch_closely(residuals.motors());
         let before = self.power.powered();
-        let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
+        let mut result = apart(pin!(self.power_in_turn(residuals.with_opponents(motors), before))).await;
         // A phase does not show a skip: it applies to rotors that have just come to rest.
         if result.is_ok() && !residuals.motors().without(before).is_empty() {
             result = align_by_phases(self, &residuals).await;
@@ -46,7 +48,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.unpower(motors);
         self.power.watch_closely(motors);
         self.trimming.begin_buzz(motors);
-        self.power_in_turn(motors, self.power.powered()).await
+        apart(pin!(self.power_in_turn(motors, self.power.powered()))).await
     }
 
     async fn power_in_turn(&mut self, motors: MotorSet, before: MotorSet) -> Result<(), Interrupt> {

@@ -17,11 +17,13 @@ use core::fmt;
 /// The letters of heaters in reports.
 const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
 
+/// Measured or why not, target, and duty of 127.
+type Heated = (Result<Celsius, Reading>, Celsius, u16);
+
 /// The temperatures of the heaters and sensors that are fitted, as M105 has them. Without heaters hosts take the form
 /// of the line as a sign of life.
 pub(in crate::machine) struct Temperatures {
-    /// Measured or why not, target, and duty of 127.
-    heaters: [Option<(Result<Celsius, Reading>, Celsius, u16)>; HEATERS],
+    heaters: [Option<Heated>; HEATERS],
     extra: ExtraReadings,
 }
 

@@ -12,6 +12,7 @@ use crate::accelerometer::SensorFault;
 use crate::gcode::{SweepAxis, SweepWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::resonance_answer::{ResonanceAnswer, Suggested};
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::sweep::sweep as start_sweep;
@@ -21,6 +22,7 @@ use crate::motion::{Sweep, Target};
 use crate::port::{Accelerometer, EndstopSet, Pend};
 use crate::settings::{Shaper, Shapers};
 use crate::units::{Instant, Mm};
+use core::pin::pin;
 
 /// Rest before the noise counts, and its time: the sensor starts in some ms.
 const NOISE_MS: u32 = 1000;
@@ -32,7 +34,7 @@ pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Pend>(
     main_loop.finish().await?;
     let mut response = Response::new();
     let Some(kind) = main_loop.settings.accelerometer.kind else { return Ok(ResonanceAnswer::NoSensor) };
-    let heard = hear_noise(main_loop, SweepAxis::X, &mut response).await;
+    let heard = apart(pin!(hear_noise(main_loop, SweepAxis::X, &mut response))).await;
     main_loop.accelerometer.stop();
     Ok(match heard? {
         Ok(listener) => ResonanceAnswer::Sensor { kind, rate: listener.rate(), noise: listener.noise.deviation() },
@@ -59,7 +61,7 @@ async fn tell<P: PortSet, W: Pend>(
     count: u32,
 ) -> Result<Result<(), SensorFault>, Interrupt> {
     let mut response = Response::new();
-    let mut listener = match hear_noise(main_loop, SweepAxis::X, &mut response).await? {
+    let mut listener = match apart(pin!(hear_noise(main_loop, SweepAxis::X, &mut response))).await? {
         Ok(listener) => listener,
         Err(fault) => return Ok(Err(fault)),
     };
@@ -69,7 +71,7 @@ async fn tell<P: PortSet, W: Pend>(
     let mut told = 0;
     while told < count && !main_loop.pauses.is_over() {
         main_loop.poll().await?;
-        match hear(main_loop, &mut listener, &mut response, Some(begin)).await? {
+        match apart(pin!(hear(main_loop, &mut listener, &mut response, Some(begin)))).await? {
             Ok(taken) => told += taken,
             Err(fault) => return Ok(Err(fault)),
         }
@@ -166,7 +168,7 @@ async fn test<P: PortSet, W: Pend>(
     let kind = main_loop.settings.accelerometer.kind;
     let mut listener = None;
     if let Some(kind) = kind {
-        let heard = match hear_noise(main_loop, axis, response).await? {
+        let heard = match apart(pin!(hear_noise(main_loop, axis, response))).await? {
             Ok(listener) => listener,
             Err(fault) => return Ok(Tested::Answer(ResonanceAnswer::Failed(kind, fault))),
         };
@@ -188,7 +190,7 @@ async fn test<P: PortSet, W: Pend>(
     while main_loop.motion.has_motion() && failure.is_none() {
         main_loop.poll().await?;
         if let Some(listener) = &mut listener {
-            failure = hear(main_loop, listener, response, wants_raw.then_some(begin)).await?.err();
+            failure = apart(pin!(hear(main_loop, listener, response, wants_raw.then_some(begin)))).await?.err();
         }
     }
     if failure.is_some() {
@@ -215,7 +217,7 @@ async fn hear_noise<P: PortSet, W: Pend>(
     let end = main_loop.now().after_ms(NOISE_MS);
     while main_loop.now() < end {
         main_loop.poll().await?;
-        if let Err(fault) = hear(main_loop, &mut listener, response, None).await? {
+        if let Err(fault) = apart(pin!(hear(main_loop, &mut listener, response, None))).await? {
             return Ok(Err(fault));
         }
     }

@@ -72,7 +72,12 @@ impl FirstLayer {
     /// Where the planner may send z: up to the end of its axis, and down to where the bed is.
     pub fn reach(&self, s: &Settings) -> Range<Mm> {
         let Range { least, most } = s.reach(HomedAxis::Z);
-        Range { least: least.saturating_sub(self.passing().max(Mm::ZERO)), most: most.saturating_sub(self.aside(s)) }
+        Range { least: least.saturating_sub(self.below()), most: most.saturating_sub(self.aside(s)) }
+    }
+
+    /// How far below the end of its axis z may go.
+    pub fn below(&self) -> Mm {
+        self.passing().max(Mm::ZERO)
     }
 
     /// These settings are in storage.

@@ -24,10 +24,12 @@ use super::shaping::{change_advance, change_shapers};
 use super::states::States;
 use crate::gcode::SettingCommand;
 use crate::machine::answers::answer::Answer;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use core::pin::pin;
 use kept_mesh::{keep_mesh, take_mesh_to_use};
 use machine_record::exchange_machine;
 use plain::set_plain;
@@ -56,7 +58,9 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         SettingCommand::PowerLossRecovery(Some(true)) => {
             Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it")
         }
-        SettingCommand::Shaper(ref words) => return change_shapers(main_loop, &mut states.clamps, words).await,
+        SettingCommand::Shaper(ref words) => {
+            return apart(pin!(change_shapers(main_loop, &mut states.clamps, words))).await;
+        }
         SettingCommand::Advance { time, window } => {
             return change_advance(main_loop, &mut states.clamps, time, window).await;
         }
@@ -75,6 +79,8 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
         SettingCommand::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
         SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: states.retraction, for_replay },
-        SettingCommand::MachineRecord(order) => return exchange_machine(main_loop, &mut states.pieces, order).await,
+        SettingCommand::MachineRecord(order) => {
+            return apart(pin!(exchange_machine(main_loop, &mut states.pieces, order))).await;
+        }
     })
 }
