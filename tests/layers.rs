@@ -133,10 +133,10 @@ const WITHIN_MACHINE: [(&str, &[&str]); 15] = [
     ("state", &["numbers"]),
     ("answers", &["hosts", "numbers", "state"]),
     ("reports", &["answers", "numbers", "state"]),
-    ("main_loop", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
-    ("belt", &["answers", "main_loop", "interrupt", "ports", "state"]),
+    ("main_loop", &["answers", "apart", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
+    ("belt", &["answers", "apart", "main_loop", "interrupt", "ports", "state"]),
     ("probe", &["answers", "main_loop", "interrupt", "ports", "state"]),
-    ("resonance", &["answers", "main_loop", "interrupt", "ports", "state"]),
+    ("resonance", &["answers", "apart", "main_loop", "interrupt", "ports", "state"]),
     (
         "commands",
         &[
@@ -153,7 +153,10 @@ const WITHIN_MACHINE: [(&str, &[&str]); 15] = [
             "state",
         ],
     ),
-    ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "probe", "state"]),
+    (
+        "console",
+        &["answers", "apart", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "probe", "state"],
+    ),
 ];
 
 /// The parts of the room `motion` that each part may use, only those above it. The planner, the generator and the

@@ -200,14 +200,13 @@ impl Receiver {
 
     /// The same as [`feed`](Self::feed) of what was searched before.
     pub fn put(&mut self, received: Received) {
-        if !self.is_skipping {
+        if received == Received::Opened {
+            *self = Self::new();
+        } else if !self.is_skipping {
             self.ring.push(received);
         } else if matches!(received, Received::Byte(b'\n' | b'\r')) {
             self.is_skipping = false;
             self.missing += 1;
-        }
-        if received == Received::Opened {
-            *self = Self::new();
         }
     }
 

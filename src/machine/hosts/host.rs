@@ -106,15 +106,18 @@ impl<S: Serial> Host<S> {
                 self.has_opened = true;
                 self.is_new = true;
             }
-            self.receiver.put(received);
-            if !was_overheard {
-                self.scan(received, urgent);
+            if was_overheard {
+                self.receiver.put(received);
+            } else if let Some(emergency) = self.receiver.feed(received) {
+                self.act(emergency, urgent);
             }
         }
         if !is_drained {
             while let Some(received) = self.line.overhear() {
                 self.ahead += 1;
-                self.scan(received, urgent);
+                if let Some(emergency) = self.receiver.scan(received) {
+                    self.act(emergency, urgent);
+                }
             }
         }
         // Lines are looked at once, not in every turn.
@@ -125,23 +128,22 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    /// Searches for urgent commands. Inlined, it would be there twice.
+    /// Notes an urgent command. Inlined, it would be there twice.
     #[inline(never)]
-    fn scan(&mut self, received: Received, urgent: &mut Urgent) {
-        match self.receiver.scan(received) {
-            Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
-            Some(Emergency::Restart) => urgent.restart = true,
-            Some(Emergency::QuickStop) => {
+    const fn act(&mut self, emergency: Emergency, urgent: &mut Urgent) {
+        match emergency {
+            Emergency::Stop => (urgent.stop, urgent.restart) = (true, false),
+            Emergency::Restart => urgent.restart = true,
+            Emergency::QuickStop => {
                 self.forget();
                 urgent.quick_stop = true;
             }
-            Some(Emergency::Continue) => urgent.go_on = true,
-            Some(Emergency::Resume) => urgent.resume = true,
-            Some(Emergency::Cancel) => {
+            Emergency::Continue => urgent.go_on = true,
+            Emergency::Resume => urgent.resume = true,
+            Emergency::Cancel => {
                 self.forget();
                 urgent.cancel = true;
             }
-            None => {}
         }
     }
 

@@ -60,7 +60,8 @@ fn a_record_of_the_first_release_reads_back() {
 }
 
 /// If an id or the shape of a value has changed, stored settings would be lost: that must not be. The values are
-/// spelled out, so that new defaults do not matter. A later setting has an element more.
+/// spelled out, so that new defaults do not matter. A later setting has an element more, or is a part more of an element:
+/// an older reader takes the parts that it knows.
 #[test]
 fn ids_and_values_are_written_as_in_the_first_release() {
     let file = std::fs::read(FILE).unwrap();
@@ -71,6 +72,13 @@ fn ids_and_values_are_written_as_in_the_first_release() {
     // Each says its id, so their order is not a part of the format.
     released.sort_unstable();
     written.sort_unstable();
+    // The first byte has the kind and the number of parts.
+    for ((_, first), (_, now)) in released.iter().zip(&mut written) {
+        if now[0] & 0xF0 == first[0] & 0xF0 && now[0] > first[0] {
+            now[0] = first[0];
+            now.truncate(first.len());
+        }
+    }
     assert_eq!(released, written);
 }
 

@@ -29,6 +29,8 @@ fn ends() -> Vec<JobEnd> {
     let others = [
         JobEnd::Unreachable { heater, at: 150, target: 200 },
         JobEnd::Unread { heater },
+        JobEnd::Refused { why: Fault::plain(crate::fault::Cause::TooCold) },
+        JobEnd::Refused { why: Fault::plain(crate::fault::Cause::TooHot) },
         JobEnd::Cancelled,
         JobEnd::Conditional,
     ];
