@@ -281,9 +281,7 @@ impl Clamps {
     /// A length a minute, as a speed.
     fn speed_of(&mut self, modal: &Modal, word: Word, asked: Number, old: MmPerSec) -> Option<MmPerSec> {
         let value = modal.unit(asked.value()) / 60;
-        // The nearest speed: cut off, every feed that is no whole number of them would be slow.
-        let half = const { I32F32::from_bits(1 << 31 >> MmPerSec::FRAC_NBITS) };
-        let asked = Asked::new(word, asked, value, MmPerSec::saturating_from_num(value.saturating_add(half)));
+        let asked = Asked::new(word, asked, value, MmPerSec::saturating_from_num(value));
         let scale = |told: I32F32| to_thousandth(modal.in_words(told.saturating_mul_int(60)));
         self.judge_typed(&asked, ranges::SPEED, Some(old), &scale)
     }
