@@ -89,7 +89,8 @@ pub struct Status {
     /// Endstop reads of the Stepper because it was pended; written by the Stepper.
     looks: AtomicU32,
     z_offset: ZOffset,
-    /// What the Console knows of the place of the tool, in bits; whether the ends of axes do not hold; and an offset of z.
+    /// What the Console knows of the place of the tool, in bits; whether the ends of axes do not hold; and an offset of
+    /// z.
     known: AtomicU8,
     is_free: AtomicBool,
     below_um: AtomicI32,

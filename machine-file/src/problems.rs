@@ -10,7 +10,8 @@ use toml::de::DeTable;
 pub struct Problem {
     /// Where in the file, if it is at one place.
     pub place: Option<Place>,
-    /// The file is not a machine with this problem, or commands refuse a place that it names. Otherwise it is a warning.
+    /// The file is not a machine with this problem, or commands refuse a place that it names. Otherwise it is a
+    /// warning.
     pub is_error: bool,
     /// The problem in words.
     pub text: String,

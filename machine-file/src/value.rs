@@ -21,7 +21,8 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
         Kind::Fixed(_) | Kind::Whole => number(key, toml, kind, legal).map(Value::Number),
         Kind::Auto(_) => match toml {
             Toml::String(word) if word == "auto" => Ok(Value::Number(0)),
-            // 0 is "auto", which a file says by that word. Where 0 is a legal number too, the least one above it says 0.
+            // 0 is "auto", which a file says by that word. Where 0 is a legal number too, the least one above it says
+            // 0.
             Toml::Integer(_) | Toml::Float(_) => {
                 let bits = number(key, toml, kind, Legal { may_be_zero: false, ..legal })?;
                 Ok(Value::Number(if bits == 0 { PLAIN_ZERO } else { bits }))

@@ -1,5 +1,5 @@
-//! What the Console takes for granted about the place of the tool. No context acts on it: a simulator holds the steps to
-//! it.
+//! What the Console takes for granted about the place of the tool. No context acts on it: a simulator holds the steps
+//! to it.
 
 use super::Status;
 use core::sync::atomic::Ordering::Relaxed;

@@ -86,8 +86,8 @@ fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
     assert!((centre - 1.0 - deviation).abs() < 1e-9 * centre);
     let bend = match s.corner {
         CornerRule::JunctionDeviation(d) => bears * d.to_num::<f64>() / deviation,
-        // The deviation for which a corner of 90 degrees gives that speed at the commanded acceleration. Each move has its
-        // own, and what it bears.
+        // The deviation for which a corner of 90 degrees gives that speed at the commanded acceleration. Each move has
+        // its own, and what it bears.
         CornerRule::SquareCorner(w) => {
             let square = |w: f64, bears: f64, commanded: f64| w.powi(2) * (2f64.sqrt() - 1.0) * bears / commanded;
             let w = w.to_num();

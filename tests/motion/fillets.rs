@@ -181,8 +181,8 @@ fn contour_at(course: &[Knot], targets: &Targets, frequency: f64) -> [f64; 2] {
 }
 
 /// A rounded corner at one speed shakes the tool less than one that is entered fast and left slowly. Klipper's plan of
-/// the same path is the rival again: it has one speed in the bend. In chords of 0.03 mm it is slower than the tool here,
-/// by up to 1.4 %, because the points' errors look like corners; so one path has a third more error.
+/// the same path is the rival again: it has one speed in the bend. In chords of 0.03 mm it is slower than the tool
+/// here, by up to 1.4 %, because the points' errors look like corners; so one path has a third more error.
 #[test]
 fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     let s = machine();

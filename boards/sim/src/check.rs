@@ -23,9 +23,9 @@
 //!
 //! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis reaches its
 //! speed limit. A short window (T = sqrt(2Q / A)), where the sum of the three terms is smallest, finds a jump. For 80
-//! steps/mm, 5 m/s2 and d = 0.013 mm it finds any jump above 65 mm/s. Within 4 ms the speeds of all axes and belt motors
-//! are checked step by step (`changes.rs`). That finds an oscillation that is too short for both windows, and an axis
-//! that starts without its ramp.
+//! steps/mm, 5 m/s2 and d = 0.013 mm it finds any jump above 65 mm/s. Within 4 ms the speeds of all axes and belt
+//! motors are checked step by step (`changes.rs`). That finds an oscillation that is too short for both windows, and an
+//! axis that starts without its ramp.
 //!
 //! A switch or the probe may stop an axis at once. That counts in windows in which something has ended all motion
 //! ([`Checker::stopped`]), and in no other.

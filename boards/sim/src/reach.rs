@@ -20,8 +20,8 @@ use crate::counts::Counts;
 use corehbot::settings::{HomedAxis, Settings};
 use corehbot::status::Known;
 
-/// A touch is given up 2 mm below the place where the probe should have triggered (docs/explanation/probing.md), which is
-/// no lower than z = 0 unless its offset says so.
+/// A touch is given up 2 mm below the place where the probe should have triggered (docs/explanation/probing.md), which
+/// is no lower than z = 0 unless its offset says so.
 const TOUCH: f64 = 2.0;
 
 /// Rounding, and the way on after an endstop, in mm.

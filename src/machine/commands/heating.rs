@@ -43,9 +43,9 @@ const HOTEND_STUCK_MS: u32 = 240_000;
 const STUCK_MS: u32 = 1_800_000;
 
 /// A chamber that warms with the bed lets it creep on for hours. The guards' floor halts the machine after its time
-/// without 2 C at full power, that far below the target (`thermal::guard::Floor`). A wait ends after five sixths of this
-/// time: the machine stays usable, and the text has the true cause. The heaviest bed that can reach its target needs 42
-/// minutes from there to 2 C below it, of 50.
+/// without 2 C at full power, that far below the target (`thermal::guard::Floor`). A wait ends after five sixths of
+/// this time: the machine stays usable, and the text has the true cause. The heaviest bed that can reach its target
+/// needs 42 minutes from there to 2 C below it, of 50.
 const CREEP: Celsius = Celsius::const_from_int(2);
 const CREEP_MS: [u32; HEATERS] = [1_500_000, 3_000_000, 6_000_000];
 
@@ -244,8 +244,8 @@ pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
     Ok(Answer::Nothing)
 }
 
-/// Waits for the first reading of heaters, for as long as a working sensor may take. A machine that was just switched on
-/// has none, and none is a number.
+/// Waits for the first reading of heaters, for as long as a working sensor may take. A machine that was just switched
+/// on has none, and none is a number.
 pub(in crate::machine) async fn await_readings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     heaters: [bool; HEATERS],

@@ -1,7 +1,7 @@
 //! G29: the bed is measured at the points of a grid, and from then on z follows it.
 //!
-//! Heights are relative to the place where z is 0 ([`Settings::probe_home`]), which is touched first. So a mesh changes nothing
-//! there, and the height of the first layer stays right.
+//! Heights are relative to the place where z is 0 ([`Settings::probe_home`]), which is touched first. So a mesh changes
+//! nothing there, and the height of the first layer stays right.
 
 use super::homing::home;
 use super::levelling::{units, use_mesh, with_heights};

@@ -1,9 +1,9 @@
 //! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET); and home offsets
 //! (M428; M206 is plain).
 //!
-//! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). SET_GCODE_OFFSET changes
-//! the program's offset and no other. M290 changes that of the probe where it homes z, otherwise the program's. Without
-//! P0 the change is kept over homing, and M500 stores it.
+//! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). SET_GCODE_OFFSET
+//! changes the program's offset and no other. M290 changes that of the probe where it homes z, otherwise the program's.
+//! Without P0 the change is kept over homing, and M500 stores it.
 
 use super::moves::Moves;
 use crate::gcode::{Number, OffsetWords};

@@ -1,8 +1,8 @@
 //! After a stop: nothing moves, hosts are answered, and M999 restarts the machine.
 //!
-//! The hosts connected at the stop get the error once, which ends their prints, and none of their lines is answered with
-//! `ok` any more. A host that connects later, by opening its line or by saying M110, is greeted with the reason of the
-//! stop. The usual queries of such a host at connection are answered, so that it gets as far as sending M999; every
+//! The hosts connected at the stop get the error once, which ends their prints, and none of their lines is answered
+//! with `ok` any more. A host that connects later, by opening its line or by saying M110, is greeted with the reason of
+//! the stop. The usual queries of such a host at connection are answered, so that it gets as far as sending M999; every
 //! other command gets the error too.
 
 use crate::driver;

@@ -101,8 +101,8 @@ pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
     Ok(z.saturating_sub(height))
 }
 
-/// Ends a touch that something has interrupted: motion rests. The tool rises from the bed, not above the place where the
-/// touch began, and the probe is to go in. A second interrupt ends the rise.
+/// Ends a touch that something has interrupted: motion rests. The tool rises from the bed, not above the place where
+/// the touch began, and the probe is to go in. A second interrupt ends the rise.
 pub(in crate::machine) async fn end_touch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {

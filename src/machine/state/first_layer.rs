@@ -4,8 +4,8 @@
 //! a homed machine really stands at `position + kept + unkept`. SET_GCODE_OFFSET adds to the kept part. M290 does so
 //! too where a switch homes z, with P0 to the other one, and z moves. An order that lets z stand until its next move
 //! (SET_GCODE_OFFSET without MOVE) takes from one and adds to the other. Where z homes by the probe, M290 changes the
-//! probe's offset: it takes part in homing, and until then ends with it. With another offset of M851 the place of z gets
-//! another name at once, as if it were homed again.
+//! probe's offset: it takes part in homing, and until then ends with it. With another offset of M851 the place of z
+//! gets another name at once, as if it were homed again.
 
 use crate::settings::{HomedAxis, Probe, Range, Settings};
 use crate::units::Mm;

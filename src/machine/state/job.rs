@@ -17,7 +17,8 @@
 //!   G28, M108 or M110.
 //!
 //! A pause ends with M24 or M602. If a line is kept, M108 and M876 S end it too; if none is kept, the next line of its
-//! [stream](super::paused_stream) that prints ends it. The kept line gets no `ok` during the pause, and other hosts are served.
+//! [stream](super::paused_stream) that prints ends it. The kept line gets no `ok` during the pause, and other hosts are
+//! served.
 
 use super::kept_line::KeptLine;
 use super::level::LevelFailure;

@@ -133,8 +133,8 @@ impl Homed {
         }
     }
 
-    /// Restores the homed flags from before, and where the bed was; the times when the axes met their switches since then
-    /// stay.
+    /// Restores the homed flags from before, and where the bed was; the times when the axes met their switches since
+    /// then stay.
     pub const fn believe(&mut self, before: &Self) {
         (self.axes, self.found_bed) = (before.axes, before.found_bed);
     }

@@ -59,8 +59,8 @@ const LEAST_TURN_SQ: f32 = 1e-12;
 /// [curvature](super::path_curvature) of the path, which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
-/// The error of a coordinate in thousandths of a millimetre, in mm: 0.001 over the square root of 12. Over the length of
-/// a chord it is the chord's part in the error of a turn.
+/// The error of a coordinate in thousandths of a millimetre, in mm: 0.001 over the square root of 12. Over the length
+/// of a chord it is the chord's part in the error of a turn.
 const POINT_ERROR: f32 = 0.000_3;
 
 /// The part of the squared speed of junction deviation that a corner between short chords may have whatever follows it.

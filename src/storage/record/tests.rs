@@ -60,8 +60,8 @@ fn a_record_of_the_first_release_reads_back() {
 }
 
 /// If an id or the shape of a value has changed, stored settings would be lost: that must not be. The values are
-/// spelled out, so that new defaults do not matter. A later setting has an element more, or is a part more of an element:
-/// an older reader takes the parts that it knows.
+/// spelled out, so that new defaults do not matter. A later setting has an element more, or is a part more of an
+/// element: an older reader takes the parts that it knows.
 #[test]
 fn ids_and_values_are_written_as_in_the_first_release() {
     let file = std::fs::read(FILE).unwrap();

@@ -66,7 +66,8 @@ pub struct Floor {
     pub still: u32,
     /// Periods between two marks of a reading (`frozen`).
     pub mark: u32,
-    /// A rise from the oldest mark that cannot end at once: a heater follows its power no faster than its time constant.
+    /// A rise from the oldest mark that cannot end at once: a heater follows its power no faster than its time
+    /// constant.
     pub rises: Celsius,
     /// Whether a reading at the target may stay constant at any power. A unit of the converter is 0.02 C and more at a
     /// hotend's temperatures, so a hotend's valid reading moves; it is less at those of beds and chambers.

@@ -1,7 +1,7 @@
 //! A reading that does not change after the heater power changed is invalid: the converter, or its input, has stopped.
 //!
-//! At a constant power a reading may come to rest: the losses take all of it. A bed that cannot reach its target does so
-//! at full power. So such a reading counts only while it must move:
+//! At a constant power a reading may come to rest: the losses take all of it. A bed that cannot reach its target does
+//! so at full power. So such a reading counts only while it must move:
 //!
 //! - on the first 60 % of the way to a target, as for [`Gain`](super::Gain);
 //! - just after its power has risen;

@@ -19,8 +19,8 @@ use crate::units::Celsius;
 /// garage is not a fault, as it is with limits of 0 or 5 C.
 pub const LEAST: Celsius = Celsius::const_from_int(-15);
 
-/// Periods outside the window that are a fault, and periods inside of it that end a refusal: 0.2 s, so that noise at its
-/// edge is neither.
+/// Periods outside the window that are a fault, and periods inside of it that end a refusal: 0.2 s, so that noise at
+/// its edge is neither.
 const MOST: u8 = 10;
 
 /// The guard of a sensor's window.

@@ -39,8 +39,8 @@ pub struct Desk {
     pub sensor: Option<SensorTruth>,
     /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
-    /// Whether a homed axis beyond its end ends the program: in tests. Otherwise [`World::beyond`](super::World::beyond)
-    /// tells of it.
+    /// Whether a homed axis beyond its end ends the program: in tests. Otherwise
+    /// [`World::beyond`](super::World::beyond) tells of it.
     pub is_strict: bool,
     /// The heat left by an earlier world; without it, everything is as warm as the room.
     pub plant: Option<Box<Plant>>,
