@@ -9,9 +9,10 @@ use core::sync::atomic::Ordering::Relaxed;
 pub struct Known {
     /// Which of x, y and z are homed.
     pub homed: [bool; 3],
-    /// Whether a touch of the probe is under way.
+    /// Whether a touch of the probe is under way, on a bed that is known.
     pub touches: bool,
-    /// By how much offsets of z or of the probe let the program go below the axis, in um.
+    /// By how much offsets of z let the program go below the axis, in um. In such a touch, how far below 0 the probe is
+    /// to trigger.
     pub below_um: i32,
 }
 

@@ -6,7 +6,8 @@
 //! there it may only come in.
 //!
 //! - x and y hold to a step.
-//! - z may go below its axis in a touch: [`TOUCH`].
+//! - An axis may go on to its switch, in a move that the switch ends: M915 meets it to see how far motors have skipped.
+//! - z may go below its axis in a touch: [`TOUCH`]. The touch that homes it is held to a bed that is known, too.
 //! - A mesh lowers z by its deepest point, and offsets by their sum. Both are inputs.
 //! - With soft endstops off (M211 S0) or other ends or steps than the machine was made with (M92, settings in storage)
 //!   the rule ends ([`Status::is_free`](corehbot::status::Status::is_free)). Nothing is known while motors are grouped
@@ -17,11 +18,11 @@
 
 use crate::axis_sums::AxisSums;
 use crate::counts::Counts;
-use corehbot::settings::{HomedAxis, Settings};
+use corehbot::motors::EndstopSet;
+use corehbot::settings::{AxisEnd, HomedAxis, Settings};
 use corehbot::status::Known;
 
-/// A touch is given up 2 mm below the place where the probe should have triggered (docs/explanation/probing.md), which
-/// is no lower than z = 0 unless its offset says so.
+/// A touch is given up 2 mm below the place where the probe should have triggered (docs/explanation/probing.md).
 const TOUCH: f64 = 2.0;
 
 /// Rounding, and the way on after an endstop, in mm.
@@ -29,6 +30,9 @@ const SLACK: f64 = 0.05;
 
 /// Offsets of the first layer that are kept move the upper end of z by at most 2 mm each (M290).
 const TOP: f64 = 2.0;
+
+/// The switch of each axis.
+const SWITCHES: [EndstopSet; 3] = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
 
 /// An axis beyond its end.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -56,57 +60,80 @@ pub struct Reach {
     /// mm of a unit of the sums.
     units: [f64; 3],
     ends: [[f64; 2]; 3],
-    /// How far each axis was beyond each end at the last look, while it was homed.
-    outside: [Option<[f64; 2]>; 3],
+    /// The end at which the switch of each axis sits.
+    switches: [AxisEnd; 3],
+    /// Where each axis may go on to at either end, at the last look: to its place then, if that was beyond the end.
+    within: [Option<[f64; 2]>; 3],
     is_over: bool,
     found: Option<Beyond>,
-    /// Whether an axis beyond its end ends the program when the world ends.
-    pub is_strict: bool,
 }
 
 impl Reach {
     /// The rule for a machine with these settings.
     #[must_use]
-    pub fn new(s: &Settings, is_strict: bool) -> Self {
+    pub fn new(s: &Settings) -> Self {
         let axes = AxisSums::new(&s.mechanism);
         let over = axes.over();
         let steps = [s.axes.x, s.axes.y, s.axes.z].map(|axis| axis.steps_per_mm.to_num::<f64>());
         let units = std::array::from_fn(|axis| 1.0 / (over[axis] as f64 * steps[axis]));
         let ends =
             HomedAxis::ALL.map(|axis| s.reach(axis)).map(|reach| [reach.least, reach.most].map(|end| end.to_num()));
-        Self { axes, units, ends, outside: [None; 3], is_over: over.contains(&0), found: None, is_strict }
+        let switches = HomedAxis::ALL.map(|axis| s.endstops.of(axis).end);
+        Self { axes, units, ends, switches, within: [None; 3], is_over: over.contains(&0), found: None }
     }
 
-    /// The motors, grouped as in a print, are at these counts by the firmware's names. `offset` is by how much z may be
-    /// lower or higher for a mesh that it follows, and for its shifts, in mm; it is asked beyond an end alone.
-    pub fn look(&mut self, tick: u64, known: Known, counts: &Counts, offset: impl Fn() -> f64) {
+    /// The motors, grouped as in a print, are at these counts by the firmware's names, in a move that `watched` ends.
+    /// `offset` is by how much z may be lower or higher for a mesh that it follows, and for its shifts, in mm; it is
+    /// asked beyond an end alone. Returns the first axis that went beyond its end.
+    pub fn look(
+        &mut self,
+        tick: u64,
+        known: Known,
+        watched: EndstopSet,
+        counts: &Counts,
+        offset: impl Fn() -> f64,
+    ) -> Option<Beyond> {
         if self.is_over {
-            return;
+            return self.found;
         }
         let sums = self.axes.at(counts);
-        for (axis, outside) in self.outside.iter_mut().enumerate() {
-            if !known.homed[axis] {
-                *outside = None;
-                continue;
-            }
+        for axis in 0..3 {
             let at = sums[axis] as f64 * self.units[axis];
-            let [mut least, mut most] = self.ends[axis];
+            let Some([mut least, mut most]) = self.ends_of(axis, known) else {
+                self.within[axis] = None;
+                continue;
+            };
             if axis == 2 && !(least..=most).contains(&at) {
-                let touch = if known.touches { TOUCH } else { 0.0 };
-                let offset = offset() + f64::from(known.below_um) / 1000.0;
-                (least, most) = (least - touch - offset, most + TOP + offset);
+                let offset = offset();
+                (least, most) = (least - offset, most + TOP + offset);
             }
-            let now = [least - at, at - most].map(|beyond| beyond.max(0.0));
-            let before = outside.replace(now).unwrap_or(now);
-            for (side, end) in [least, most].into_iter().enumerate() {
-                if now[side] > before[side] + SLACK && self.found.is_none() {
-                    self.found = Some(Beyond { axis: char::from(b"XYZ"[axis]), at, end, tick });
-                }
-                // Slow ways out add up.
-                if now[side] > 0.0 && now[side] > before[side] {
-                    outside.get_or_insert(now)[side] = before[side];
+            if watched.has(SWITCHES[axis]) {
+                match self.switches[axis] {
+                    AxisEnd::Min => least = f64::NEG_INFINITY,
+                    AxisEnd::Max => most = f64::INFINITY,
                 }
             }
+            let [low, high] = self.within[axis].unwrap_or([at; 2]);
+            let (low, high) = (low.min(least), high.max(most));
+            let end = if at < low - SLACK { Some(least) } else { (at > high + SLACK).then_some(most) };
+            if let Some(end) = end.filter(|_| self.found.is_none()) {
+                self.found = Some(Beyond { axis: char::from(b"XYZ"[axis]), at, end, tick });
+            }
+            // Slow ways out add up.
+            self.within[axis] =
+                Some([if at < least { at.max(low) } else { at }, if at > most { at.min(high) } else { at }]);
+        }
+        self.found
+    }
+
+    /// The ends of an axis, as far as its place is known.
+    fn ends_of(&self, axis: usize, known: Known) -> Option<[f64; 2]> {
+        let [least, most] = self.ends[axis];
+        let below = f64::from(known.below_um) / 1000.0;
+        match (axis, known.homed[axis]) {
+            (2, is_homed) if known.touches => Some([-below - TOUCH, if is_homed { most } else { f64::INFINITY }]),
+            (2, true) => Some([least - below, most + below]),
+            (_, is_homed) => is_homed.then_some([least, most]),
         }
     }
 
@@ -119,13 +146,6 @@ impl Reach {
     #[must_use]
     pub const fn found(&self) -> Option<Beyond> {
         self.found
-    }
-}
-
-impl Drop for Reach {
-    fn drop(&mut self) {
-        let beyond = self.found.filter(|_| self.is_strict && !std::thread::panicking());
-        assert!(beyond.is_none(), "{}", beyond.map(|beyond| beyond.to_string()).unwrap_or_default());
     }
 }
 
@@ -149,16 +169,20 @@ mod tests {
             }
             counts
         };
-        (Reach::new(&s, false), counts)
+        (Reach::new(&s), counts)
     }
 
     /// The axis that is found on a way through these places.
     fn found(known: Known, way: &[[f64; 3]]) -> Option<char> {
+        found_in(known, &way.iter().map(|at| (EndstopSet::NONE, *at)).collect::<Vec<_>>())
+    }
+
+    /// The same in moves that these switches end.
+    fn found_in(known: Known, way: &[(EndstopSet, [f64; 3])]) -> Option<char> {
         let (mut rule, counts) = rule();
-        for (tick, at) in way.iter().enumerate() {
-            rule.look(tick as u64, known, &counts(*at), || 0.0);
-        }
-        rule.found().map(|beyond| beyond.axis)
+        let mut looks = way.iter().zip(0..);
+        let beyond = looks.find_map(|((watched, at), tick)| rule.look(tick, known, *watched, &counts(*at), || 0.0));
+        beyond.map(|beyond| beyond.axis)
     }
 
     #[test]
@@ -187,6 +211,24 @@ mod tests {
         assert_eq!(found(HOMED, &[[-5.0, 5.0, 5.0], [1.0, 5.0, 5.0], [-4.0, 5.0, 5.0]]), Some('X'));
     }
 
+    /// Motors have skipped, so the switch of x is 0.3 mm beyond its place, by the firmware's names.
+    #[test]
+    fn an_axis_goes_beyond_its_end_to_meet_its_own_switch_there_and_comes_back() {
+        use EndstopSet as Switch;
+        let at = |x: f64| [x, 5.0, 5.0];
+        assert_eq!(found_in(HOMED, &[(Switch::NONE, at(5.0)), (Switch::X, at(-0.3)), (Switch::NONE, at(4.7))]), None);
+        // From there, by another switch, at the other end, and another time, it may not.
+        for way in [
+            [(Switch::X, at(-0.3)), (Switch::NONE, at(-0.4))],
+            [(Switch::Y, at(5.0)), (Switch::Y, at(-0.3))],
+            [(Switch::X, at(389.0)), (Switch::X, at(390.3))],
+        ] {
+            assert_eq!(found_in(HOMED, &way), Some('X'), "{way:?}");
+        }
+        let again = [(Switch::X, at(-0.3)), (Switch::NONE, at(4.7)), (Switch::NONE, at(-0.3))];
+        assert_eq!(found_in(HOMED, &again), Some('X'));
+    }
+
     #[test]
     fn a_touch_goes_down_to_its_floor() {
         let touch = Known { touches: true, ..HOMED };
@@ -194,5 +236,24 @@ mod tests {
         assert_eq!([found(touch, &down(-2.0)), found(touch, &down(-2.2))], [None, Some('Z')]);
         assert_eq!(found(HOMED, &down(-2.0)), Some('Z'));
         assert_eq!(found(Known { below_um: 500, ..HOMED }, &down(-0.5)), None);
+        // Of a probe that triggers 3 mm above 0, or below it.
+        for (below_um, floor) in [(-3000, 1.0), (3000, -5.0)] {
+            let touch = Known { below_um, ..touch };
+            assert_eq!([found(touch, &down(floor)), found(touch, &down(floor - 0.2))], [None, Some('Z')]);
+        }
+        // It rises again.
+        let (mut rule, counts) = rule();
+        for (known, z) in [(touch, 5.0), (touch, -1.5), (HOMED, -1.5), (HOMED, -0.5), (HOMED, 5.0)] {
+            assert_eq!(rule.look(0, known, EndstopSet::PROBE, &counts([100.0, 100.0, z]), || 0.0), None, "{z}");
+        }
+    }
+
+    /// The height that z had by another name, before it is homed.
+    #[test]
+    fn a_touch_that_homes_z_goes_down_to_the_floor_of_a_known_bed() {
+        let homes = Known { homed: [true, true, false], touches: true, below_um: 120_000 };
+        let down = |z: f64| [[100.0, 100.0, -100.0], [100.0, 100.0, z]];
+        assert_eq!([found(homes, &down(-122.0)), found(homes, &down(-122.2))], [None, Some('Z')]);
+        assert_eq!(found(Known { touches: false, ..homes }, &down(-400.0)), None);
     }
 }

@@ -154,6 +154,8 @@ pub struct World<'w> {
     /// The ends of the axes, and the motors' coupling for which they hold.
     reach: Reach,
     tool: Coupling,
+    /// Whether a homed axis beyond its end ends the program.
+    is_strict: bool,
     /// mm of a step of z.
     step_of_z: f64,
 }
@@ -272,7 +274,8 @@ impl<'w> World<'w> {
             tap,
             z_shifts,
             origin: [0; MOST_GROUPS],
-            reach: Reach::new(settings, *is_strict),
+            reach: Reach::new(settings),
+            is_strict: *is_strict,
             tool: groups.coupling(),
             step_of_z: 1.0 / settings.axes.z.steps_per_mm.to_num::<f64>(),
         }
@@ -295,6 +298,9 @@ impl<'w> World<'w> {
     }
 
     /// Lets time pass: by a millisecond, or by a number of step events. Returns whether there was motion.
+    ///
+    /// # Panics
+    /// If a homed axis has gone beyond its end, at a desk that [is strict](Desk::is_strict).
     pub fn advance(&mut self) -> bool {
         let shared = self.shared;
         if let Some(coupling) = self.drivers.take_coupling() {
@@ -350,7 +356,11 @@ impl<'w> World<'w> {
         let counts = self.tool.motor_counts(groups).map(i64::from);
         let (generator, shifts) = (&self.generator, &self.z_shifts);
         let offset = || greatest_height(generator.surface()) + shifts.way() * self.step_of_z;
-        self.reach.look(self.stepper.tick(), self.status.known(), &counts, offset);
+        let (known, watched) = (self.status.known(), self.generator.watched());
+        let beyond = self.reach.look(self.stepper.tick(), known, watched, &counts, offset);
+        if self.is_strict {
+            assert_eq!(beyond.map(|beyond| beyond.to_string()), None);
+        }
     }
 
     /// The first homed axis that went beyond its end.

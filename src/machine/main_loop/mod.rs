@@ -271,10 +271,10 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Tells the other contexts what is known of the place of the tool.
     fn tell_known(&self) {
-        let below = self.first_layer.below();
-        let touches = self.probing.is_touching();
-        let probe = if touches { self.settings.probe.offset.z.max(Mm::ZERO) } else { Mm::ZERO };
-        let below_um = ((below.saturating_add(probe).to_bits() * 1000) >> 32) as i32;
+        let bed = self.probing.awaited();
+        let below = bed.map_or_else(|| self.first_layer.below(), |z| -z);
+        let below_um = ((below.to_bits() * 1000) >> 32) as i32;
+        let touches = bed.is_some();
         self.status.set_known(Known { homed: self.homed.axes(), touches, below_um });
     }
 }

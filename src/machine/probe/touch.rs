@@ -279,13 +279,14 @@ async fn touch_once<P: PortSet, W: Pend>(
 ) -> Result<Mm, ProbeError> {
     put_out(main_loop).await?;
     let [.., from, _] = main_loop.motion.end_mm();
-    main_loop.probing.begin_touch(from);
+    let bed = expected(main_loop);
+    main_loop.probing.begin_touch(from, bed);
     let rest_ms = (u64::from(probe.quiet.to_bits()) * 1000) >> Seconds::FRAC_NBITS;
     main_loop.settle(main_loop.now().after_ms(rest_ms as u32)).await?;
     if is_triggered(main_loop).await? {
         return Err(ProbeFailure::Triggered.into());
     }
-    let (bed, reach) = (expected(main_loop), main_loop.settings.reach(HomedAxis::Z));
+    let reach = main_loop.settings.reach(HomedAxis::Z);
     let axis = reach.most.saturating_sub(reach.least);
     let (way, unmet) = match bed {
         Some(expected) => {

@@ -11,12 +11,14 @@ pub(in crate::machine) struct Probing {
     servo: Option<u16>,
     /// z of the nozzle at the begin of the touch that is under way.
     touch_from: Option<Mm>,
+    /// Where the probe is to trigger then, if the bed is known.
+    awaited: Option<Mm>,
 }
 
 impl Probing {
     /// As after a reset: it is in.
     pub const fn new() -> Self {
-        Self { is_out: false, is_in_series: false, is_quick: false, servo: None, touch_from: None }
+        Self { is_out: false, is_in_series: false, is_quick: false, servo: None, touch_from: None, awaited: None }
     }
 
     /// Whether it is out.
@@ -39,14 +41,20 @@ impl Probing {
         self.is_in_series = goes_on;
     }
 
-    /// A touch begins with the nozzle at this z.
-    pub const fn begin_touch(&mut self, from: Mm) {
-        self.touch_from = Some(from);
+    /// A touch begins with the nozzle at this z; `awaited` is z at which the probe is to trigger, if that is known.
+    pub const fn begin_touch(&mut self, from: Mm, awaited: Option<Mm>) {
+        (self.touch_from, self.awaited) = (Some(from), awaited);
     }
 
     /// No touch is under way any more. Returns where it began, if one was.
     pub const fn take_touch(&mut self) -> Option<Mm> {
+        self.awaited = None;
         self.touch_from.take()
+    }
+
+    /// Z of the nozzle at which the probe is to trigger, in a touch of a bed that is known.
+    pub const fn awaited(&self) -> Option<Mm> {
+        self.awaited
     }
 
     /// Whether a touch is under way.

@@ -217,6 +217,12 @@ impl<'m> StepGenerator<'m> {
         self.trajectory.surface()
     }
 
+    /// The endstops that end the present move; for a simulator.
+    #[must_use]
+    pub const fn watched(&self) -> EndstopSet {
+        self.watch
+    }
+
     /// The position that each group has, in steps, less the steps that it has made: a new name for a position is no
     /// step. It is for a simulator, and holds in motion.
     #[must_use]

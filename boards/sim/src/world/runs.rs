@@ -101,6 +101,8 @@ fn print(
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
     let mut world = World::switched_on(desk, settings, start, start, storage, drivers, sink);
+    // The caller hears of it by the result, after the whole run.
+    world.is_strict = false;
     let mut idle_ms = 0;
     while !(hosts.iter().all(|host| host.is_done()) || world.status().is_halted()) {
         world.poll();
@@ -140,12 +142,5 @@ fn print(
     for (host, wire) in hosts.iter_mut().zip(world.wires()) {
         wire.deliver(*host);
     }
-    // Whoever runs it hears of it by the result.
-    match world.beyond() {
-        Some(beyond) => {
-            world.reach.is_strict = false;
-            Err(WorldError::Beyond(beyond))
-        }
-        None => Ok(world.outcome()),
-    }
+    world.beyond().map_or_else(|| Ok(world.outcome()), |beyond| Err(WorldError::Beyond(beyond)))
 }
