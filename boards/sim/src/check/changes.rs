@@ -9,6 +9,8 @@
 //! may change at once, from a table that is computed from the print's words (see [`limits`](crate::limits)). The factor
 //! f leaves room for braking in a curve (x, y and belts: 1.3) or for the rounding of times (z and e). A touch adds its
 //! speed in the windows in which something ends all motion, and in no other.
+//!
+//! Where motors of z turn alone (G34), each of them is held to the limits of z.
 
 use super::{EPISODE, Findings, Stops};
 use crate::limits::{Limit, Limits, belts};
@@ -186,9 +188,21 @@ pub(super) struct Changes {
     next: u64,
 }
 
-/// The coordinates that are judged: each axis with its limit, and each motor that makes a sum of axes, with that of its
-/// belt.
-fn judged(s: &Settings, limits: &Limits, lines: &[Group]) -> Vec<Judged> {
+/// The motors that are followed: one of each group, and those that turn alone.
+fn followed(s: &Settings, limits: &Limits) -> (Vec<Group>, Vec<Motor>) {
+    let groups: Vec<Group> =
+        Groups::new(&s.mechanism).iter().filter(|group| !group.motors().is_empty()).copied().collect();
+    let makes_z = |motor: &Motor| {
+        let mut of_z = groups.iter().filter(|group| group.row[2] != 0);
+        of_z.next().is_some_and(|group| group.lead == *motor) && of_z.next().is_none()
+    };
+    let screws = s.screw_motors().into_iter().filter(|motor| limits.levels && !makes_z(motor)).collect();
+    (groups, screws)
+}
+
+/// The coordinates that are judged: each axis with its limit, each motor that makes a sum of axes, with that of its
+/// belt, and each motor that turns alone.
+fn judged(s: &Settings, limits: &Limits, lines: &[Group], screws: &[Motor]) -> Vec<Judged> {
     let back = s.mechanism.forward_kinematics();
     let scale = s.axes.map(|axis| axis.steps_per_mm.to_num::<f64>()).to_array();
     let weights = lines.iter().map(|group| {
@@ -218,15 +232,21 @@ fn judged(s: &Settings, limits: &Limits, lines: &[Group]) -> Vec<Judged> {
         let unseen = (limit.acceleration * limit.step).sqrt();
         is_sum.then(|| Judged::new(limit, BEND, vec![(line, half(line))], unseen))
     });
-    axes.chain(sums).collect()
+    let alone = screws.iter().zip(lines.len()..).map(|(motor, line)| {
+        let (name, mm) = (s.name_of(*motor).as_str().to_owned(), 1.0 / s.steps_per_mm(*motor).to_num::<f64>());
+        let limit = Limit { name, ..of_axes[2].clone() };
+        let unseen = (limit.acceleration * mm).sqrt();
+        Judged::new(&limit, STRAIGHT, vec![(line, 0.5 * mm)], unseen)
+    });
+    axes.chain(sums).chain(alone).collect()
 }
 
 impl Changes {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
-        let groups = Groups::new(&s.mechanism);
-        let of: Vec<Group> = groups.iter().filter(|group| !group.motors().is_empty()).copied().collect();
-        let lines: Vec<_> = of.iter().map(|group| Line::new(group.lead)).collect();
-        let judged = if limits.is_judged { judged(s, limits, &of) } else { Vec::new() };
+        let (groups, screws) = followed(s, limits);
+        let lines: Vec<_> =
+            groups.iter().map(|group| group.lead).chain(screws.iter().copied()).map(Line::new).collect();
+        let judged = if limits.is_judged { judged(s, limits, &groups, &screws) } else { Vec::new() };
         Self { ways: vec![0.0; lines.len()], lines, judged, next: 0 }
     }
 

@@ -205,6 +205,27 @@ fn a_z_that_starts_without_its_ramp_is_found_though_the_print_has_homed() {
     assert!(found(&hop(&format!("G28\n{limits}M205 X8 Z0.4\nG1 X30\n"), 8.0), "z changes its speed"));
 }
 
+/// *Reproducer*: G34 turned each screw with the belt's 1500 mm/s^2 instead of z's 200. The checker saw the first one,
+/// which it took for z, and not the second.
+#[test]
+fn a_screw_that_turns_alone_is_held_to_the_limits_of_z_whichever_it_is() {
+    for (motor, name) in [(0x10, "z "), (0x20, "z2 ")] {
+        let turn = |acceleration: f64| {
+            let (mut m, mut stands) = (Motion::new("G34"), 0);
+            for i in 1..=30_000 {
+                let wanted = (trapezoid(f64::from(i) / 1e5, 0.5, 8.0, acceleration) * 800.0 + 0.5).floor() as i64;
+                if wanted > std::mem::replace(&mut stands, wanted) {
+                    m.event(i as u64 * 100, motor, motor);
+                }
+            }
+            m.findings()
+        };
+        assert_eq!(turn(200.0), Findings::default(), "{name}");
+        let findings = turn(1500.0);
+        assert!(found(&findings, &format!("{name}changes its speed")), "{findings:?}");
+    }
+}
+
 #[test]
 fn a_heavy_y_that_starts_without_its_ramp_is_found() {
     let start = |first: f64| {

@@ -7,7 +7,7 @@
 //! docs/explanation/flow.md, docs/reference/host-protocol.md, README.md, its row in `settings` and
 //! `examples/machines/prototype.toml` describe it. M220 is here too.
 
-use super::{Motion, circulating};
+use super::{Motion, of_grouping};
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::Settings;
@@ -19,13 +19,13 @@ impl<W: Pend> Motion<'_, W> {
         self.planner.feed_percent()
     }
 
-    /// Plans a move to the whole steps next to a position, where the counts of all motors agree, while the belt has the
-    /// place of z.
+    /// Plans a move to the whole steps next to a position, where the counts of all motors agree, while the belt or a
+    /// motor has the place of z.
     pub fn plan_whole(&mut self, position: [Steps; 4], speed: MmPerSec, has_overrides: bool, settings: &Settings) {
         let [x, y, c, e] = position;
         let [x, y, c] = [x, y, c].map(Steps::wrapping_round);
         let target = Target { position: self.planner.mm([x, y, c, e]), speed, has_overrides, watch: EndstopSet::NONE };
-        self.push(&target, &circulating(settings));
+        of_grouping(self.real.grouping(), settings, |settings| self.push(&target, settings));
     }
 
     /// All planned moves leave, because a command waits for them.

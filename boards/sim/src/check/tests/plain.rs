@@ -3,6 +3,7 @@
 
 use super::super::gauge::Coordinate;
 use super::super::*;
+use crate::limits::Limit;
 use corehbot::kinematics::{ForwardKinematics, Group, Groups, Residuals};
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::Motor;
@@ -35,7 +36,9 @@ struct Plain {
     trimmed: [i64; MOTORS],
     is_consistent: bool,
     lines: Vec<Line>,
-    /// Of each limit: the last speeds, and the quiet samples.
+    /// Motors of z that turn alone, and are not all of z.
+    screws: Vec<Line>,
+    /// Of each limit, and of each such motor: the last speeds, and the quiet samples.
     speeds: Vec<(Vec<f64>, u32)>,
     next: u64,
     findings: Findings,
@@ -48,7 +51,13 @@ impl Plain {
     fn new(s: &Settings, limits: &Limits) -> Self {
         let groups = Groups::new(&s.mechanism);
         let lines = groups.iter().filter(|group| !group.motors().is_empty());
-        let lines = lines.map(|group| Line { group: *group, count: 0, last: None, pieces: Vec::new() });
+        let line = |group: Group| Line { group, count: 0, last: None, pieces: Vec::new() };
+        let lines: Vec<Line> = lines.map(|group| line(*group)).collect();
+        let leads: Vec<Motor> =
+            lines.iter().filter(|line| line.group.row[2] != 0).map(|line| line.group.lead).collect();
+        let screws = s.screw_motors().into_iter().filter(|motor| limits.levels && leads != [*motor]);
+        let screws: Vec<Line> = screws.map(|lead| line(Group { lead, ..lines[0].group })).collect();
+        let count = limits.of.len() + screws.len();
         Self {
             settings: *s,
             limits: limits.clone(),
@@ -60,8 +69,9 @@ impl Plain {
             last_pulse: [None; MOTORS],
             trimmed: [0; MOTORS],
             is_consistent: true,
-            lines: lines.collect(),
-            speeds: vec![(Vec::new(), 0); limits.of.len()],
+            lines,
+            screws,
+            speeds: vec![(Vec::new(), 0); count],
             next: 0,
             findings: Findings::default(),
         }
@@ -83,7 +93,7 @@ impl Plain {
             }
         }
         self.change(tick);
-        for Line { group, count, last, pieces } in &mut self.lines {
+        for Line { group, count, last, pieces } in self.lines.iter_mut().chain(&mut self.screws) {
             if steps.has(group.lead) {
                 let way = if forward.has(group.lead) { 1 } else { -1 };
                 let middle = *count as f64 + 0.5 * f64::from(way);
@@ -172,7 +182,7 @@ impl Plain {
         while self.next + SAMPLE_TICKS + REST < tick {
             let ended = self.next.checked_sub(10 * SAMPLE_TICKS);
             let rests = |pieces: &[Piece]| pieces.iter().all(|(_, to, _)| ended.is_some_and(|ended| *to <= ended));
-            if self.lines.iter().all(|line| rests(&line.pieces)) {
+            if self.lines.iter().chain(&self.screws).all(|line| rests(&line.pieces)) {
                 let rest = (tick - REST - self.next) / SAMPLE_TICKS;
                 self.next += rest.saturating_sub(8) * SAMPLE_TICKS;
                 for (_, quiet) in &mut self.speeds {
@@ -183,10 +193,12 @@ impl Plain {
             self.next = to;
             let mut ways = [0.0; 4];
             let mut of_belts = Vec::new();
-            for Line { group, pieces, .. } in &self.lines {
+            let way_of = |pieces: &[Piece]| -> f64 {
                 let within = pieces.iter().filter(|(begin, end, _)| *begin < to && *end > from);
-                let parts = within.map(|(begin, end, speed)| ((*end).min(to) - (*begin).max(from)) as f64 * speed);
-                let way: f64 = parts.sum();
+                within.map(|(begin, end, speed)| ((*end).min(to) - (*begin).max(from)) as f64 * speed).sum()
+            };
+            for Line { group, pieces, .. } in &self.lines {
+                let way = way_of(pieces);
                 let axes = [self.settings.axes.x, self.settings.axes.y, self.settings.axes.z, self.settings.axes.e];
                 for ((sum, weight), axis) in ways.iter_mut().zip(self.shares(group)).zip(axes) {
                     *sum += weight / axis.steps_per_mm.to_num::<f64>() * way;
@@ -196,7 +208,10 @@ impl Plain {
                     of_belts.push(way / self.settings.steps_per_mm(group.lead).to_num::<f64>());
                 }
             }
-            let all: Vec<f64> = ways.into_iter().chain(of_belts).collect();
+            let of_screws = self.screws.iter().map(|Line { group, pieces, .. }| {
+                way_of(pieces) / self.settings.steps_per_mm(group.lead).to_num::<f64>()
+            });
+            let all: Vec<f64> = ways.into_iter().chain(of_belts).chain(of_screws).collect();
             self.judge_speeds(to, &all);
         }
     }
@@ -207,14 +222,25 @@ impl Plain {
         self.back.fractions(&counts).map(|(part, over)| part as f64 / over as f64)
     }
 
+    /// The limit of a coordinate, or of a motor that turns alone.
+    fn limit(&self, place: usize) -> Limit {
+        let screw = |motor: Motor| Limit {
+            name: self.settings.name_of(motor).as_str().to_owned(),
+            step: 1.0 / self.settings.steps_per_mm(motor).to_num::<f64>(),
+            ..self.limits.of[2].clone()
+        };
+        let of = &self.limits.of;
+        of.get(place).cloned().unwrap_or_else(|| screw(self.screws[place - of.len()].group.lead))
+    }
+
     /// The factor of the acceleration and the hidden speed of a coordinate; `None` for a belt that is an axis.
     fn kept(&self, place: usize) -> Option<(f64, f64)> {
-        let limit = &self.limits.of[place];
+        let limit = self.limit(place);
         let own = (limit.acceleration * limit.step).sqrt();
         let moved = |group: &Group| self.shares(group).iter().filter(|share| **share != 0.0).count();
         match place {
             2 => {
-                let belt = self.limits.of.get(4).unwrap_or(limit).acceleration;
+                let belt = self.limits.of.get(4).unwrap_or(&limit).acceleration;
                 let of_z = self.lines.iter().filter(|line| self.shares(&line.group)[2] != 0.0);
                 let hidden = of_z.clone().map(|line| {
                     let mm = 1.0 / self.settings.steps_per_mm(line.group.lead).to_num::<f64>();
@@ -225,10 +251,10 @@ impl Plain {
             }
             3 => Some((1.05, own)),
             0 | 1 => Some((1.3, own)),
-            _ => {
-                let belt = crate::limits::belts(&self.settings)[place - 4];
-                (moved(&belt) > 1).then_some((1.3, own))
-            }
+            _ => match crate::limits::belts(&self.settings).get(place - 4) {
+                Some(belt) => (moved(belt) > 1).then_some((1.3, own)),
+                None => Some((1.05, own)),
+            },
         }
     }
 
@@ -237,8 +263,8 @@ impl Plain {
             return;
         }
         for (place, way) in ways.iter().enumerate() {
-            let kept = self.kept(place);
-            let (limit, (speeds, quiet)) = (&self.limits.of[place], &mut self.speeds[place]);
+            let (kept, limit) = (self.kept(place), self.limit(place));
+            let (speeds, quiet) = &mut self.speeds[place];
             speeds.push(way * f64::from(TICKS_PER_SECOND) / SAMPLE_TICKS as f64);
             let last = &speeds[speeds.len().saturating_sub(8)..];
             let change = last.iter().copied().fold(f64::MIN, f64::max) - last.iter().copied().fold(f64::MAX, f64::min);
