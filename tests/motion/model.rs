@@ -218,7 +218,7 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
                 // The same corner may come again, by a turn and chords that are known but for their points' errors.
                 let chord = if p.length.max(q.length) >= 1.0 { shorter } else { (p.length + q.length) / 2.0 };
                 let again = circle(chord, size(turn) - 0.0003 * (1.0 / p.length + 1.0 / q.length)).max(0.4 * arc);
-                let is_known = curve < 1.15 * again;
+                let is_known = curve < 1.05 * again;
                 arc.min(row).min(if is_known { f64::INFINITY } else { again }).max(least)
             });
         }

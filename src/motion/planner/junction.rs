@@ -68,6 +68,10 @@ const POINT_ERROR: f32 = 0.000_3;
 /// `tests/motion/fillets.rs` and random curves).
 const GOES_ON: f32 = 0.4;
 
+/// Where the curvature allows less than this times what the two chords allow, it counts alone. With 1.15, rounded corners
+/// in twelve chords shake the tool more, and curves with errors take as long (measured likewise).
+const NEARLY: f32 = 1.05;
+
 /// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by
 /// its curvature alone, which rounded coordinates hardly change.
 const MAKING_UP: f32 = 1.15;
@@ -240,7 +244,7 @@ fn corner(
     let most = least(of_bend, arc);
     let goes_on = greatest(GOES_ON * arc, size * bears / known);
     // Where the curvature is known and says nearly the same it counts, because points' errors disturb it less.
-    let most = if known > 0.0 && of_curve >= MAKING_UP * goes_on { least(most, goes_on) } else { most };
+    let most = if known > 0.0 && of_curve >= NEARLY * goes_on { least(most, goes_on) } else { most };
     greatest(most, circle)
 }
 
