@@ -251,8 +251,8 @@ fn the_window_follows_the_shapers_in_the_middle_of_a_print() {
     assert_eq!((print.way, print.findings.total), (WAY, 0), "{:?}", print.findings.first);
     let told: Vec<_> = print.heard.iter().filter_map(|line| line.strip_prefix("echo:  M572 ")).collect();
     let auto = |seconds: &str| format!("W0 ; auto: {seconds} s");
-    let expected = ["0.0171", "0.0149", "0.0218", "0.012", "0.012"].map(auto).into_iter();
-    let expected: Vec<_> = expected.chain(["W0.03".to_owned(), auto("0.012"), auto("0.0171")]).collect();
+    let expected = ["0.0133", "0.0116", "0.017", "0.012", "0.012"].map(auto).into_iter();
+    let expected: Vec<_> = expected.chain(["W0.03".to_owned(), auto("0.012"), auto("0.0133")]).collect();
     assert_eq!(told, expected);
 }
 
@@ -292,11 +292,11 @@ fn stored_windows_come_back() {
     let lines = "M593 F57.8 T2\nM900 K.05\nM572 W.03\nM500\nM503\nM502\nM503\nM501\nM503\nM572 W0\nM500\nM503\n";
     let heard = play(&Settings::prototype(), &mut eeprom, lines, None).heard;
     let told: Vec<_> = heard.iter().filter_map(|line| line.strip_prefix("echo:  M572 ")).collect();
-    assert_eq!(told, ["W0.03", "W0 ; auto: 0.012 s", "W0.03", "W0 ; auto: 0.0171 s"]);
+    assert_eq!(told, ["W0.03", "W0 ; auto: 0.012 s", "W0.03", "W0 ; auto: 0.0133 s"]);
     let gcode = format!("M501\n{}M503\n", rounds(|_| String::new()));
     let print = play(&Settings::prototype(), &mut eeprom, &gcode, None);
     assert_eq!((print.way, print.findings.total), (WAY, 0), "{:?}", print.findings.first);
-    assert_eq!(window(&print.heard), "W0 ; auto: 0.0171 s");
+    assert_eq!(window(&print.heard), "W0 ; auto: 0.0133 s");
 }
 
 #[test]

@@ -7,9 +7,8 @@
 //!
 //! The nozzle follows the pressed-in filament with a lag: `dQ/dt = (v - Q) / T`. Here v is the speed of the filament at
 //! the extruder, which is even from step to step. With K = T and no window, Q would be the planned speed of the
-//! filament. The tool follows its shaper, so the wanted flow is the planned flow through the same taps. With one ratio
-//! of filament to path, that is this ratio times the speed of the tool, where it goes straight. Both are compared at
-//! the times of the second run.
+//! filament. The tool follows its shapers, so the wanted flow is the planned ratio of filament to path, times the speed
+//! of the tool with x and y through their taps. Both are compared at the times of the second run.
 //!
 //! Only motion is taken from a file: lines that move, and lines that set modes, places and limits. Moves of the
 //! filament alone are left out, because the effect of a retraction in a nozzle does not depend on its lag. So neither
@@ -34,8 +33,14 @@ use std::path::PathBuf;
 const EXAMPLE: &str = include_str!("../../../examples/first-print.gcode");
 
 /// Shapers that are tried.
-const SHAPERS: [(&str, ShaperKind); 4] =
-    [("none", ShaperKind::None), ("ZV", ShaperKind::Zv), ("MZV", ShaperKind::Mzv), ("EI", ShaperKind::Ei)];
+const SHAPERS: [(&str, ShaperKind); 6] = [
+    ("none", ShaperKind::None),
+    ("ZV", ShaperKind::Zv),
+    ("ZVD", ShaperKind::Zvd),
+    ("MZV", ShaperKind::Mzv),
+    ("EI", ShaperKind::Ei),
+    ("2HUMP_EI", ShaperKind::TwoHumpEi),
+];
 
 /// Steps of the extruder for 1 mm: the instant of a step gives the filament's place, and more steps give its speed more
 /// exactly.
@@ -46,6 +51,9 @@ const SAMPLE: u64 = 1000;
 
 /// Beads are compared in pieces of this many mm of path.
 const PIECE: f64 = 1.0;
+
+/// A piece with less than this part of the wanted filament is starved.
+const ENOUGH: f64 = 0.9;
 
 /// `twin flow`.
 #[derive(Args)]
@@ -111,6 +119,8 @@ struct Figure {
     flow_error_percent: f64,
     /// By how much the worst millimetres have too much and too little, in percent.
     worst_percent: [f64; 2],
+    /// Length of the bead with less than nine tenths of the wanted filament, in mm.
+    starved_mm: f64,
 }
 
 #[derive(Serialize)]
@@ -130,16 +140,29 @@ impl Display for Answer {
         )?;
         writeln!(
             f,
-            "{:28}{:>7}{:>12}{:>9}{:>13}{:>24}",
-            "", "shaper", "window ms", "late ms", "flow error", "worst mm of bead"
+            "{:28}{:>9}{:>12}{:>9}{:>13}{:>24}{:>12}",
+            "", "shaper", "window ms", "late ms", "flow error", "worst mm of bead", "starved mm"
         )?;
         for figure in &self.figures {
-            let Figure { path, shaper, is_auto, window_ms, delay_ms, flow_error_percent, worst_percent, .. } = figure;
+            let Figure {
+                path,
+                shaper,
+                is_auto,
+                window_ms,
+                delay_ms,
+                flow_error_percent,
+                worst_percent,
+                starved_mm,
+                ..
+            } = figure;
             let mark = if *is_auto { "auto " } else { "" };
             let window = format!("{mark}{window_ms:.1}");
             let [most, least] = worst_percent;
             let worst = format!("{most:+.0} %, {least:+.0} %");
-            writeln!(f, "{path:28}{shaper:>7}{window:>12}{delay_ms:>9.1}{flow_error_percent:>11.1} %{worst:>24}")?;
+            writeln!(
+                f,
+                "{path:28}{shaper:>9}{window:>12}{delay_ms:>9.1}{flow_error_percent:>11.1} %{worst:>24}{starved_mm:>12}"
+            )?;
         }
         Ok(())
     }
@@ -176,6 +199,7 @@ impl Flow {
         // So quick an extruder hardly slows a move down. Where it does, the plan is another, and nothing is compared.
         s.axes.e.max_speed = MmPerSec::from_num(100);
         s.axes.e.max_acceleration = MmPerSec2::from_num(20_000);
+        s.extruder_jerk = MmPerSec::from_num(100);
         s
     }
 
@@ -202,6 +226,7 @@ impl Flow {
                     delay_ms: filament.first().map_or(0.0, |tap| f64::from(tap.delay) / 256.0 / 10_000.0),
                     flow_error_percent: 100.0 * found.error,
                     worst_percent: found.worst.map(|part| 100.0 * part),
+                    starved_mm: found.starved,
                 });
             }
         }
@@ -277,11 +302,25 @@ impl Sink for Print {
     }
 }
 
-/// Path and filament of a print, sampled.
+/// Path and filament of a print, sampled, in mm.
 struct Samples {
-    /// In mm.
+    /// Where the tool is.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// How far it has come.
     path: Vec<f64>,
     filament: Vec<f64>,
+}
+
+/// The way along places.
+fn path(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let ways = x.windows(2).zip(y.windows(2)).map(|(x, y)| (x[1] - x[0]).hypot(y[1] - y[0]));
+    std::iter::once(0.0)
+        .chain(ways.scan(0.0, |sum, way| {
+            *sum += way;
+            Some(*sum)
+        }))
+        .collect()
 }
 
 impl Print {
@@ -329,15 +368,14 @@ impl Print {
         let count = (self.end() / SAMPLE) as usize + 2;
         let [u, v, e] = &self.lines;
         let (u, v) = (Self::sampled(u, self.xy_step, count), Self::sampled(v, self.xy_step, count));
-        let mut path = vec![0.0; count];
-        for i in 1..count {
-            let (du, dv) = (u[i] - u[i - 1], v[i] - v[i - 1]);
-            path[i] = path[i - 1] + (0.5 * (du * du + dv * dv)).sqrt();
-        }
-        Samples { path, filament: Self::sampled(e, self.e_step, count) }
+        let places = |sign: f64| u.iter().zip(&v).map(|(u, v)| 0.5 * (u + sign * v)).collect::<Vec<_>>();
+        let (x, y) = (places(1.0), places(-1.0));
+        Samples { path: path(&x, &y), x, y, filament: Self::sampled(e, self.e_step, count) }
     }
 
-    /// Path and filament through the taps of an axis.
+    /// The tool's place through the taps of x and y, and the filament that it wants. It wants as much for each
+    /// millimetre of its real path as the plan has for a millimetre. In a corner both axes are between two speeds, so
+    /// the path is shorter there, and less filament is wanted than the plan has.
     fn through(&self, taps: &[Tap]) -> Samples {
         let plain = self.samples();
         let samples = |tap: &Tap| (f64::from(tap.delay) / 256.0 / SAMPLE as f64, f64::from(tap.weight));
@@ -353,7 +391,15 @@ impl Print {
             };
             (0..count).map(|i| taps.iter().map(|(late, weight)| weight * at(i as f64 - late)).sum()).collect()
         };
-        Samples { path: filtered(&plain.path), filament: filtered(&plain.filament) }
+        let (x, y) = (filtered(&plain.x), filtered(&plain.y));
+        let (path, planned, meant) = (path(&x, &y), filtered(&plain.path), filtered(&plain.filament));
+        let mut filament = meant.clone();
+        for i in 1..count {
+            let way = planned[i] - planned[i - 1];
+            let share = if way > 0.0 { (path[i] - path[i - 1]) / way } else { 0.0 };
+            filament[i] = filament[i - 1] + (meant[i] - meant[i - 1]) * share;
+        }
+        Samples { x, y, path, filament }
     }
 }
 
@@ -361,6 +407,8 @@ impl Print {
 struct Found {
     error: f64,
     worst: [f64; 2],
+    /// Millimetres of path with less than [`ENOUGH`] of the wanted filament.
+    starved: f64,
 }
 
 /// The flow that steps make through a nozzle against the wanted one.
@@ -397,33 +445,62 @@ fn compare(wanted: &Samples, pressed: &Print, nozzle: f64) -> Result<Found> {
     let usual = sum * dt / pieces.iter().filter(|[asked, _]| *asked > 0.0).count() as f64;
     let errors = pieces.iter().filter(|[asked, _]| *asked > 0.5 * usual).map(|[asked, made]| made / asked - 1.0);
     let (most, least) = errors.fold((f64::MIN, f64::MAX), |(most, least), error| (most.max(error), least.min(error)));
-    Ok(Found { error: (sum_sq / f64::from(count)).sqrt() / mean, worst: [most, least] })
+    let starved =
+        pieces.iter().filter(|[asked, made]| *asked > 0.5 * usual && *made < ENOUGH * asked).count() as f64 * PIECE;
+    Ok(Found { error: (sum_sq / f64::from(count)).sqrt() / mean, worst: [most, least], starved })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Rectangles of 4 to 22 mm with a line of 1 mm filament for 30 mm of path, at 100 mm/s.
+    fn corners() -> String {
+        let mut gcode = "M83\nG90\nG1 X100 Y100 F6000\nG91\n".to_owned();
+        for round in 0..7 {
+            let side = f64::from(4 + 3 * round);
+            for [x, y] in [[1.0, 0.0], [0.0, 0.6], [-1.0, 0.0], [0.0, -0.6]].map(|way: [f64; 2]| way.map(|v| v * side))
+            {
+                gcode += &format!("G1 X{x} Y{y} E{}\n", (x.abs() + y.abs()) / 30.0);
+            }
+        }
+        gcode + "M400\n"
+    }
+
+    /// Reproducer: MZV at 57.8 Hz had 17.1 ms and 1.4 times the least error, EI 21.8 ms and 1.5 times it.
+    /// Windows are parts of a period; docs/explanation/shaping.md#the-window has the two figures.
+    #[test]
+    fn the_automatic_window_is_as_good_as_the_best_of_a_scan() {
+        for (frequency, acceleration) in [(40.0, 3000.0), (57.8, 10_000.0), (80.0, 3000.0)] {
+            let windows = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2].map(|part| part * 1000.0 / frequency).into();
+            let (files, nozzle, json) = (Vec::new(), 0.05, Json::default());
+            let flow = Flow { files, nozzle, frequency, acceleration, windows, json };
+            let figures = flow.figures("corners", &corners()).unwrap();
+            for (shaper, _) in SHAPERS.into_iter().filter(|(_, kind)| *kind != ShaperKind::None) {
+                let of = || figures.iter().filter(|figure| figure.shaper == shaper);
+                let auto = of().find(|figure| figure.is_auto).unwrap();
+                let best = of().min_by(|p, q| p.flow_error_percent.total_cmp(&q.flow_error_percent)).unwrap();
+                let told = |figure: &Figure| {
+                    let Figure { window_ms, flow_error_percent, starved_mm, .. } = figure;
+                    format!("{window_ms:.1} ms has {flow_error_percent:.2} %, {starved_mm} mm")
+                };
+                let told = format!("{shaper}, {frequency} Hz: {}, {}", told(auto), told(best));
+                assert!(auto.flow_error_percent <= 1.1 * best.flow_error_percent, "{told}");
+                assert!(auto.starved_mm <= best.starved_mm, "{told}");
+            }
+        }
+    }
+
     #[test]
     fn the_window_that_suits_the_shaper_is_far_better_than_the_old_one() {
-        let (windows, json) = (vec![12.0, 15.0, 17.0, 22.0, 40.0], Json::default());
+        let (windows, json) = (vec![40.0], Json::default());
         let flow = Flow { files: Vec::new(), nozzle: 0.05, frequency: 57.8, acceleration: 10_000.0, windows, json };
         let figures = flow.figures("lines", &lines()).unwrap();
-        let error = |shaper, window: f64| {
-            let figure =
-                figures.iter().find(|f| f.shaper == shaper && (f.window_ms - window).abs() < 0.3 && !f.is_auto);
-            figure.unwrap().flow_error_percent
-        };
-        for figure in figures.iter().filter(|figure| figure.is_auto) {
-            assert!(figure.flow_error_percent < 0.5 * error(figure.shaper, 40.0), "{}", figure.shaper);
+        for figure in figures.iter().filter(|figure| figure.is_auto && figure.shaper != "2HUMP_EI") {
+            let old = figures.iter().find(|f| f.shaper == figure.shaper && !f.is_auto).unwrap().flow_error_percent;
+            assert!(figure.flow_error_percent < 0.5 * old, "{}: {}", figure.shaper, figure.flow_error_percent);
         }
         let auto = |shaper| figures.iter().find(|f| f.is_auto && f.shaper == shaper).unwrap();
-        assert!((auto("MZV").window_ms - 17.0).abs() < 0.5 && (auto("MZV").delay_ms - 8.5).abs() < 0.3);
-        // The best of the windows that are tried is not much better.
-        for shaper in ["ZV", "MZV", "EI"] {
-            let best =
-                figures.iter().filter(|f| f.shaper == shaper).map(|f| f.flow_error_percent).fold(f64::MAX, f64::min);
-            assert!(auto(shaper).flow_error_percent < 1.15 * best, "{shaper}: {best}");
-        }
+        assert!((auto("MZV").window_ms - 13.3).abs() < 0.05 && (auto("MZV").delay_ms - 6.65).abs() < 0.05);
     }
 }

@@ -119,8 +119,13 @@ fn spread(impulses: &Impulses) -> f32 {
 /// A uniform window of length h has a standard deviation of h over this, the square root of 12.
 const EVEN: f32 = 3.464_102;
 
-/// Window without a shaper, in s. The extruder's motor must not be asked for jumps, and the nozzle itself smooths over
-/// about 50 ms. Measured: 12 to 15 ms lose nothing (docs/explanation/shaping.md#the-window).
+/// The part of that length which suits a shaper. Where the tool turns, x and y are both between two speeds, so its path
+/// is slower than the speed of the plan through the shaper, and a shorter window follows it better. A still shorter one
+/// starves the bead behind corners. Measured: `corehbot twin flow`, docs/explanation/shaping.md#the-window.
+const FITTING: f32 = 0.78;
+
+/// Window where an axis has no shaper, in s. The extruder's motor must not be asked for jumps, and the nozzle itself
+/// smooths over about 50 ms. Measured: 12 to 15 ms lose nothing (docs/explanation/shaping.md#the-window).
 const LEAST_WINDOW: f32 = 0.012;
 
 /// Filament per length of path that the window must support: a line of 0.5 by 0.24 mm from filament of 1.75 mm. The
@@ -138,9 +143,9 @@ const LONGEST_FOR_EXTRUDER: f32 = 0.04;
 /// The window of the pressure advance: from the settings, or else from the spread of the slower shaper.
 ///
 /// A shaper delays by different times with different weights. A uniform window with the same standard deviation follows
-/// the shaped motion best: both agree up to the second order. It is longer if the extruder could not otherwise follow a
-/// heavy line at the highest acceleration of x or y. Both ends of the window may see K a, which it spreads over its
-/// length.
+/// the shaped motion of one axis best: both agree up to the second order. For the tool's path it is [`FITTING`] of that.
+/// It is longer if the extruder could not otherwise follow a heavy line at the highest acceleration of x or y. Both ends
+/// of the window may see K a, which it spreads over its length.
 #[must_use]
 pub fn advance_window(s: &Settings) -> Seconds {
     if let Some(window) = s.advance.window {
@@ -155,7 +160,8 @@ pub fn advance_window(s: &Settings) -> Seconds {
     let left = a - HEAVY_LINE * path;
     let needed = if left * LONGEST_FOR_EXTRUDER > 2.0 * push { 2.0 * push / left } else { LONGEST_FOR_EXTRUDER };
     let needed = if push > 0.0 { needed } else { 0.0 };
-    let seconds = (EVEN * x.max(y)).max(LEAST_WINDOW).max(needed);
+    let least = if x.min(y) > 0.0 { 0.0 } else { LEAST_WINDOW };
+    let seconds = (const { FITTING * EVEN } * x.max(y)).max(least).max(needed);
     // In whole tenths of a millisecond, which are easier to read and much finer than needed.
     let tenths = u64::from(((seconds * 10_000.0 + 0.5) as u32).min(10_000));
     ranges::ADVANCE_WINDOW.clamp(Seconds::from_bits((((tenths << Seconds::FRAC_NBITS) + 5000) / 10_000) as u32))
