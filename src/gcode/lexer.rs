@@ -119,16 +119,33 @@ impl<'a> Iterator for Words<'a> {
             Some((number, after)) => (Some(number), after),
             None => (None, self.remaining),
         };
-        self.remaining = skip_glued(glued);
-        let glued = glued.get(..glued.len() - self.remaining.len()).unwrap_or_default();
-        let is_odd = !glued.is_empty();
-        self.has_odd |= is_odd;
-        self.has_loose |= glued.iter().any(|byte| !byte.is_ascii_graphic());
+        self.remaining = glued;
+        // Most words end here.
+        let is_odd = glued.first().is_some_and(|byte| !may_follow(*byte));
+        if is_odd {
+            self.skip_glued();
+        }
         Some(Word { letter, number, quoted: None, is_odd })
     }
 }
 
 impl<'a> Words<'a> {
+    /// Skips what is glued to a word that ends here: characters of numbers and of lists, and anything else up to the next
+    /// blank.
+    #[cold]
+    #[inline(never)]
+    fn skip_glued(&mut self) {
+        let is_of_list = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b':' | b',');
+        let mut after = skip_until(self.remaining, |byte| !is_of_list(byte));
+        if after.first().is_some_and(|byte| !may_follow(*byte)) {
+            after = skip_until(after, ends_rubbish);
+        }
+        let glued = self.remaining.get(..self.remaining.len() - after.len()).unwrap_or_default();
+        self.has_odd = true;
+        self.has_loose |= glued.iter().any(|byte| !byte.is_ascii_graphic());
+        self.remaining = after;
+    }
+
     /// The text up to the quotes that end it, and the text after them.
     fn skip_quoted(&mut self, text: &'a [u8]) -> (&'a [u8], &'a [u8]) {
         let quoted = text.split(|byte| *byte == b'"').next().unwrap_or_default();
@@ -145,13 +162,6 @@ pub(super) fn last(text: &[u8], letter: u8) -> Option<Word<'_>> {
 /// The number of the last word with this `letter`.
 pub(super) fn number(text: &[u8], letter: u8) -> Option<Number> {
     last(text, letter)?.number
-}
-
-/// `text` without what is glued to a word that ends there: characters of numbers and of lists, and anything else up to
-/// the next blank.
-fn skip_glued(text: &[u8]) -> &[u8] {
-    let after = skip_until(text, |byte| !(byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b':' | b',')));
-    if after.first().is_some_and(|byte| !may_follow(*byte)) { skip_until(after, ends_rubbish) } else { after }
 }
 
 /// Whether text that is no word ends before this byte.

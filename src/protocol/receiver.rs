@@ -57,8 +57,8 @@ pub struct Receiver {
     is_frame_done: bool,
     numbering: Numbering,
     silence: Silence,
-    /// Entries at the beginning of the ring that are sorted.
-    sorted: usize,
+    /// The place in the stream up to which lines are sorted, if that is not behind.
+    sorted: u32,
     /// The line that arrives is passed over: there is no room for it, and it has a number.
     is_skipping: bool,
     /// Lines that were passed over, and have to be asked for again.
@@ -116,22 +116,24 @@ impl Receiver {
     /// and lines have to wait: some are taken out of their turn ([`owed`](Self::owed)), or asked for again later.
     pub fn makes_room(&mut self) -> bool {
         self.sort_out();
-        let tail = self.ring.line(self.sorted);
+        let tail = self.ring.line(self.ring.entries_up_to(self.sorted));
         self.has_spare() || (kind_of(&tail) == Kind::Unknown && self.ring.has_room())
     }
 
     /// Takes out the lines that need not stay.
     fn sort_out(&mut self) {
         let Self { ring, sorted, is_skipping, missing, overtaken, owed, .. } = self;
-        if *sorted == 0 && !self.is_frame_done && self.frame.has_begun() {
+        let (_, oldest) = ring.places();
+        let mut from = ring.entries_up_to(*sorted);
+        if from == 0 && !self.is_frame_done && self.frame.has_begun() {
             // The rest of a line that has begun before.
             let rest = ring.line(0);
             if !rest.is_whole {
                 return;
             }
-            *sorted = rest.length;
+            from = rest.length;
         }
-        let from = *sorted;
+        *sorted = oldest.wrapping_add(from as u32);
         ring.retain(from, overtaken, |place, line| {
             let kind = kind_of(line);
             let is_passed_over = kind == Kind::Numbered && place + line.length > NUMBERED;
@@ -139,36 +141,31 @@ impl Receiver {
             *missing += u32::from(is_passed_over && line.is_whole);
             let stays = !(is_passed_over || line.is_whole && owed.takes(kind));
             if stays && line.is_whole {
-                *sorted = place + line.length;
+                *sorted = oldest.wrapping_add((place + line.length) as u32);
             }
             stays
         });
     }
 
-    /// Answers the reports that wait before any other line: all that `is_answered` accepts. An emergency has its turn
-    /// behind the line that it ends.
-    fn answer(&mut self, is_answered: fn(Kind) -> bool) {
+    /// Answers the reports that wait before any other line; for the position only while the program `rests` at it. An
+    /// emergency has its turn behind the line that it ends.
+    pub fn answer_reports(&mut self, rests: bool) {
         if !self.is_frame_done && self.frame.has_begun() {
             return;
         }
         loop {
             let line = self.ring.line(0);
             let kind = kind_of(&line);
-            if !line.is_whole || !is_answered(kind) || !self.owed.takes(kind) {
+            let waits = match kind {
+                Kind::Acted => true,
+                Kind::Position { .. } => !rests,
+                _ => false,
+            };
+            if !line.is_whole || waits || !self.owed.takes(kind) {
                 return;
             }
-            self.skip(line.length);
+            self.ring.skip(line.length);
         }
-    }
-
-    /// Answers the reports that wait before any other line, while the program's position does not change.
-    pub fn answer_reports(&mut self) {
-        self.answer(|kind| kind != Kind::Acted);
-    }
-
-    /// The same while a line may change it: not for the position.
-    pub fn answer_other_reports(&mut self) {
-        self.answer(|kind| !matches!(kind, Kind::Acted | Kind::Position { .. }));
     }
 
     /// What the host is owed for lines that were taken out of their turn. Whoever answers takes it off.
@@ -176,16 +173,21 @@ impl Receiver {
         &mut self.owed
     }
 
-    fn skip(&mut self, count: usize) {
-        self.ring.skip(count);
-        self.sorted = self.sorted.saturating_sub(count);
-    }
-
     /// Takes received bytes; returns an emergency command at the end of its line. [`next_line`](Self::next_line) also
     /// returns that line, which gets its reply there.
+    #[inline]
     pub fn feed(&mut self, received: Received) -> Option<Emergency> {
-        self.put(received);
-        self.scan(received)
+        match received {
+            // Nearly all.
+            Received::Byte(byte) if !self.is_skipping => {
+                self.ring.push_byte(byte);
+                self.scanner.read(byte)
+            }
+            received => {
+                self.put(received);
+                self.scan(received)
+            }
+        }
     }
 
     /// Searches for emergencies in what has arrived and is [`put`](Self::put) in later.
@@ -342,8 +344,10 @@ impl Receiver {
                 self.frame.clear();
             }
             let plain = self.frame.push_plain(self.ring.together());
-            self.skip(plain);
-            self.sorted = self.sorted.saturating_sub(1);
+            self.ring.skip(plain);
+            if self.ring.is_empty() {
+                break;
+            }
             let Some(received) = self.ring.pop() else {
                 break;
             };

@@ -75,6 +75,12 @@ impl Replies {
         self.bytes.as_slices().0
     }
 
+    /// Whether nothing waits to be sent.
+    #[must_use]
+    pub fn are_sent(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
     /// Forgets the oldest `count` bytes, because they have been sent.
     pub fn sent(&mut self, count: usize) {
         for _ in 0..count {

@@ -74,12 +74,27 @@ impl Ring {
         (self.taken, self.taken.wrapping_sub(self.length as u32))
     }
 
+    /// Entries before a place, as of [`places`](Self::places); none if they are all taken out.
+    pub(super) const fn entries_up_to(&self, place: u32) -> usize {
+        let entries = place.wrapping_sub(self.places().1) as usize;
+        if entries <= self.length { entries } else { 0 }
+    }
+
     /// Takes received bytes or damage.
     pub(super) fn push(&mut self, received: Received) {
         match received {
-            Received::Byte(0) => {}
-            Received::Byte(byte) if self.has_room() => self.append(byte),
-            Received::Byte(_) | Received::Lost | Received::Opened => self.mark(),
+            Received::Byte(byte) => self.push_byte(byte),
+            Received::Lost | Received::Opened => self.mark(),
+        }
+    }
+
+    /// Takes a received byte.
+    #[inline]
+    pub(super) fn push_byte(&mut self, byte: u8) {
+        match byte {
+            0 => {}
+            byte if self.has_room() => self.append(byte),
+            _ => self.mark(),
         }
     }
 

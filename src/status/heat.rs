@@ -198,6 +198,11 @@ impl Heat {
         Cause::of(self.ailments[heater as usize].load(Relaxed))
     }
 
+    /// Whether any heater has one.
+    pub(crate) fn has_ailment(&self) -> bool {
+        self.ailments.iter().any(|ailment| ailment.load(Relaxed) != 0)
+    }
+
     /// A fan's duty, of 65,535.
     #[must_use]
     pub fn fan(&self, fan: usize) -> u16 {

@@ -44,7 +44,7 @@ pub(super) struct Host<S> {
 }
 
 /// Urgent commands that arrived.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Urgent {
     /// M112
     pub stop: bool,
@@ -58,6 +58,11 @@ pub(in crate::machine) struct Urgent {
     pub cancel: bool,
     /// M999, and no M112 since
     pub restart: bool,
+}
+
+impl Urgent {
+    pub(super) const NONE: Self =
+        Self { stop: false, quick_stop: false, go_on: false, resume: false, cancel: false, restart: false };
 }
 
 impl<S: Serial> Host<S> {
@@ -80,15 +85,29 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    /// Takes in the received bytes. A quick stop or a cancel forgets earlier lines and no later ones.
+    /// Takes in the received bytes; true if the host may be owed something for lines out of their turn. A quick stop or
+    /// a cancel forgets earlier lines and no later ones.
     ///
-    /// While a command keeps the lines waiting, the line is read on. The command `rests` if it changes no position.
-    pub(super) fn receive(&mut self, (now, rests): (Instant, bool), urgent: &mut Urgent) {
+    /// While a command keeps lines waiting, the line is read on. The command `rests` if it changes no position.
+    pub(super) fn receive(&mut self, (now, rests): (Instant, bool), urgent: &mut Urgent) -> bool {
         self.has_stopped = false;
         self.has_opened = false;
+        if self.receiver.is_empty() && self.ahead == 0 {
+            // As in most turns: no line waits, and there is room for all that has come.
+            self.wait = None;
+            while self.receiver.has_spare() {
+                let Some(received) = self.line.recv() else { return false };
+                self.take_in(received, urgent);
+            }
+        }
+        self.receive_on((now, rests), urgent)
+    }
+
+    #[inline(never)]
+    fn receive_on(&mut self, (now, rests): (Instant, bool), urgent: &mut Urgent) -> bool {
         let is_waiting = now >= self.looked.after_ms(WAITS_MS);
         let wait = is_waiting.then_some(rests);
-        let mut has_news = self.wait != wait || !self.receiver.owed().is_empty();
+        let mut has_news = self.wait != wait;
         self.wait = wait;
         let mut is_drained = false;
         while self.receiver.has_spare() || (is_waiting && self.receiver.makes_room()) {
@@ -99,17 +118,11 @@ impl<S: Serial> Host<S> {
                 break;
             };
             has_news = true;
-            if received == Received::Opened {
-                self.replies = Replies::new();
-                self.schedule = Schedule::new();
-                self.upload = Upload::new();
-                self.has_opened = true;
-                self.is_new = true;
-            }
             if was_overheard {
+                self.note_opened(received);
                 self.receiver.put(received);
-            } else if let Some(emergency) = self.receiver.feed(received) {
-                self.act(emergency, urgent);
+            } else {
+                self.take_in(received, urgent);
             }
         }
         if !is_drained {
@@ -120,11 +133,30 @@ impl<S: Serial> Host<S> {
                 }
             }
         }
+        let Some(rests) = wait else { return false };
         // Lines are looked at once, not in every turn.
-        match wait.filter(|_| has_news) {
-            Some(true) => self.receiver.answer_reports(),
-            Some(false) => self.receiver.answer_other_reports(),
-            None => {}
+        if has_news || !self.receiver.owed().is_empty() {
+            self.receiver.answer_reports(rests);
+        }
+        true
+    }
+
+    /// Takes in what was not overheard.
+    fn take_in(&mut self, received: Received, urgent: &mut Urgent) {
+        self.note_opened(received);
+        if let Some(emergency) = self.receiver.feed(received) {
+            self.act(emergency, urgent);
+        }
+    }
+
+    /// Whoever opens the line begins anew.
+    fn note_opened(&mut self, received: Received) {
+        if received == Received::Opened {
+            self.replies = Replies::new();
+            self.schedule = Schedule::new();
+            self.upload = Upload::new();
+            self.has_opened = true;
+            self.is_new = true;
         }
     }
 
@@ -159,7 +191,7 @@ impl<S: Serial> Host<S> {
         (patience_ms, activity): (u32, &dyn Fn() -> Activity),
         text: &mut Text,
     ) -> Option<Asked> {
-        if !self.replies.pending().is_empty() {
+        if !self.replies.are_sent() {
             self.receiver.hold_silence();
         }
         self.looked = now;
@@ -205,12 +237,8 @@ impl<S: Serial> Host<S> {
     }
 
     pub(super) fn send(&mut self) {
-        loop {
-            let pending = self.replies.pending();
-            if pending.is_empty() {
-                return;
-            }
-            let sent = self.line.send(pending);
+        while !self.replies.are_sent() {
+            let sent = self.line.send(self.replies.pending());
             if sent == 0 {
                 return;
             }

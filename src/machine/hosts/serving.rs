@@ -26,13 +26,29 @@ pub(in crate::machine) struct Hosts<S> {
     is_gone: bool,
     /// The host that waits for a line which is kept, while others are served.
     aside: Option<usize>,
+    /// A host may be owed something for lines out of their turn.
+    may_owe: bool,
+    /// A host may need a greeting.
+    may_be_new: bool,
+    /// A host may have periodic reports.
+    may_schedule: bool,
 }
 
 impl<S: Serial> Hosts<S> {
     /// No line is open before [`open`](Self::open): otherwise 4 KiB of memory for each host would pass through the
     /// stack in this constructor.
     pub(in crate::machine) const fn new(lines: Lines<S>) -> Self {
-        Self { hosts: Lines::new(), closed: lines, serving: 0, owes_ok: false, is_gone: false, aside: None }
+        Self {
+            hosts: Lines::new(),
+            closed: lines,
+            serving: 0,
+            owes_ok: false,
+            is_gone: false,
+            aside: None,
+            may_owe: false,
+            may_be_new: false,
+            may_schedule: false,
+        }
     }
 
     /// Listens to all lines from now on.
@@ -89,6 +105,7 @@ impl<S: Serial> Hosts<S> {
             };
             self.switch_to(place);
             self.owes_ok = true;
+            self.may_owe = true;
             return Some(asked);
         }
         None
@@ -150,6 +167,7 @@ impl<S: Serial> Hosts<S> {
     pub(in crate::machine) fn schedule(&mut self, report: Report, period_s: u8, now: Instant) {
         if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
             host.schedule.set(report, period_s, now);
+            self.may_schedule = true;
         }
     }
 
@@ -169,10 +187,11 @@ impl<S: Serial> Hosts<S> {
     /// Takes in the received bytes of all hosts. Lines that a quick stop or a cancel has overtaken, even one of
     /// another host, will be answered, but not carried out.
     pub(in crate::machine) fn receive(&mut self, now: Instant, rests: bool) -> Urgent {
-        let mut all = Urgent::default();
+        let mut all = Urgent::NONE;
         for (place, host) in self.hosts.iter_mut().enumerate() {
-            host.receive((now, rests || self.aside == Some(place)), &mut all);
+            self.may_owe |= host.receive((now, rests || self.aside == Some(place)), &mut all);
             if host.has_opened {
+                self.may_be_new = true;
                 self.is_gone |= self.owes_ok && place == self.serving;
                 self.aside = self.aside.filter(|aside| place != *aside);
             }
@@ -185,11 +204,18 @@ impl<S: Serial> Hosts<S> {
         all
     }
 
+    /// Whether one of the hosts may be owed something for lines out of their turn. It is asked for once a turn.
+    pub(in crate::machine) fn may_owe(&mut self) -> bool {
+        let may_owe = self.may_owe;
+        self.may_owe = may_owe && self.hosts.iter_mut().any(|host| !host.receiver.owed().is_empty());
+        may_owe
+    }
+
     /// What a host is owed for lines out of their turn, if anything, and where it goes; not while other output waits.
     pub(in crate::machine) fn owed(&mut self, place: usize) -> Option<(&mut Owed, &mut Replies)> {
         let Host { receiver, replies, .. } = self.hosts.get_mut(place)?;
         let owed = receiver.owed();
-        (!owed.is_empty() && replies.pending().is_empty()).then_some((owed, replies))
+        (!owed.is_empty() && replies.are_sent()).then_some((owed, replies))
     }
 
     /// Sends as many bytes as fit.
@@ -235,31 +261,36 @@ impl<S: Serial> Hosts<S> {
 
     /// Sends `what` to hosts that have opened their lines since the last time, as soon as it fits.
     pub(in crate::machine) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
+        if !core::mem::take(&mut self.may_be_new) {
+            return;
+        }
         for host in &mut self.hosts {
             host.is_new = host.is_new && what(&mut host.replies).is_err();
+            self.may_be_new |= host.is_new;
         }
     }
 
     /// Has all of them greeted.
     pub(in crate::machine) fn count_as_new(&mut self) {
         self.hosts.iter_mut().for_each(|host| host.is_new = true);
+        self.may_be_new = true;
     }
 
     /// Whether any host has a periodic report.
-    pub(in crate::machine) fn have_schedules(&self) -> bool {
-        self.hosts.iter().any(|host| !host.schedule.is_empty())
+    pub(in crate::machine) fn have_schedules(&mut self) -> bool {
+        self.may_schedule = self.may_schedule && self.hosts.iter().any(|host| !host.schedule.is_empty());
+        self.may_schedule
     }
 
     /// Whether a report is due for a host with no other output waiting.
     pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
-        self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.pending().is_empty())
+        self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.are_sent())
     }
 
     /// Sends a report to the hosts for which it is due and that have no other output waiting.
     pub(in crate::machine) fn report(&mut self, report: Report, now: Instant, line: fmt::Arguments<'_>) {
         for host in self.iter_mut() {
-            if host.schedule.is_due(report, now) && host.replies.pending().is_empty() && host.replies.line(line).is_ok()
-            {
+            if host.schedule.is_due(report, now) && host.replies.are_sent() && host.replies.line(line).is_ok() {
                 host.schedule.note_told(report, now);
             }
         }

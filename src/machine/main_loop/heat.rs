@@ -80,6 +80,9 @@ impl<'m> Heaters<'m> {
 
     /// A refusal that was not told yet.
     pub fn follow_refusals(&mut self, thermal: &ThermalSettings) -> Option<Fault> {
+        if !self.status.has_ailment() {
+            return None;
+        }
         Heater::ALL.into_iter().find_map(|heater| {
             let fault = refusal(self.status, heater, thermal)?;
             let told = &mut self.told[heater as usize];

@@ -17,6 +17,8 @@ pub(in crate::machine) struct FirstLayer {
     unkept: Mm,
     /// So does this: the part that M290 has added to the probe's offset. Homing finds it there.
     of_probe: Mm,
+    /// How far below the end of its axis z may go, for the sum of both.
+    below: Mm,
     /// The kept offsets as they are in storage.
     stored: [Mm; 2],
     /// The offsets that hosts were last told are not stored.
@@ -26,27 +28,32 @@ pub(in crate::machine) struct FirstLayer {
 impl FirstLayer {
     /// With these settings as the stored ones.
     pub const fn new(s: &Settings) -> Self {
-        Self { unkept: Mm::ZERO, of_probe: Mm::ZERO, stored: s.z_offsets(), told: s.z_offsets() }
+        Self { unkept: Mm::ZERO, of_probe: Mm::ZERO, below: Mm::ZERO, stored: s.z_offsets(), told: s.z_offsets() }
     }
 
     /// The offset changes by so much beside the kept one.
     pub fn shift(&mut self, by: Mm) {
-        self.unkept = self.unkept.saturating_add(by);
+        self.pass(self.unkept.saturating_add(by), self.of_probe);
     }
 
     /// The offset of the probe that homes z changes by so much, and z with it.
     pub fn shift_with_probe(&mut self, by: Mm) {
-        self.of_probe = self.of_probe.saturating_add(by);
+        self.pass(self.unkept, self.of_probe.saturating_add(by));
     }
 
     /// Z has the place that it would have if it were homed with the probe's offset as it is.
-    pub const fn believe_probe(&mut self) {
-        self.of_probe = Mm::ZERO;
+    pub fn believe_probe(&mut self) {
+        self.pass(self.unkept, Mm::ZERO);
     }
 
     /// Z was homed.
-    pub const fn forget(&mut self) {
-        (self.unkept, self.of_probe) = (Mm::ZERO, Mm::ZERO);
+    pub fn forget(&mut self) {
+        self.pass(Mm::ZERO, Mm::ZERO);
+    }
+
+    fn pass(&mut self, unkept: Mm, of_probe: Mm) {
+        (self.unkept, self.of_probe) = (unkept, of_probe);
+        self.below = self.passing().max(Mm::ZERO);
     }
 
     /// What ends with the next homing.
@@ -76,8 +83,8 @@ impl FirstLayer {
     }
 
     /// How far below the end of its axis z may go.
-    pub fn below(&self) -> Mm {
-        self.passing().max(Mm::ZERO)
+    pub const fn below(&self) -> Mm {
+        self.below
     }
 
     /// These settings are in storage.
