@@ -159,7 +159,8 @@ pub(super) fn last(text: &[u8], letter: u8) -> Option<Word<'_>> {
     Words::new(text).filter(|word| word.letter == letter).last()
 }
 
-/// The number of the last word with this `letter`.
+/// The number of the last word with this `letter`. Inlined, it would be there twice in each line's reader.
+#[inline(never)]
 pub(super) fn number(text: &[u8], letter: u8) -> Option<Number> {
     last(text, letter)?.number
 }

@@ -6,19 +6,38 @@
 //! There is no exponent: to every slicer and to Marlin `X1E5` is X1 and E5.
 
 use core::fmt;
+use core::num::NonZeroU64;
 
 use fixed::types::I32F32;
 
 /// A number of a G-code word; never beyond ±[`Number::LIMIT`], so that sums of a few cannot overflow.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
-pub struct Number(I32F32);
+///
+/// It holds how far the bits are above [`LEAST`]. So nothing is zero, and an `Option` of it takes no more than a number:
+/// commands consist of little else.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Number(NonZeroU64);
+
+/// Bits below those of any number.
+const LEAST: i64 = i64::MIN;
 
 impl Number {
     /// The largest magnitude; larger texts and values saturate to it.
     pub const LIMIT: i32 = 1_000_000_000;
 
     /// Zero.
-    pub const ZERO: Self = Self(I32F32::ZERO);
+    pub const ZERO: Self = Self(NonZeroU64::MIN.saturating_add((LEAST.unsigned_abs()) - 1));
+
+    /// The number with these bits, which are above [`LEAST`].
+    const fn from_bits(bits: i64) -> Self {
+        match NonZeroU64::new(bits.wrapping_sub(LEAST).cast_unsigned()) {
+            Some(above_least) => Self(above_least),
+            None => Self(NonZeroU64::MIN),
+        }
+    }
+
+    const fn bits(self) -> i64 {
+        self.0.get().cast_signed().wrapping_add(LEAST)
+    }
 
     /// The number nearest to `value`. Inlined, it would be repeated at every value that is shown.
     #[must_use]
@@ -27,11 +46,11 @@ impl Number {
         const LIMIT_BITS: i64 = (Number::LIMIT as i64) << 32;
         let bits = value.to_bits();
         if bits > LIMIT_BITS {
-            Self(I32F32::from_bits(LIMIT_BITS))
+            Self::from_bits(LIMIT_BITS)
         } else if bits < -LIMIT_BITS {
-            Self(I32F32::from_bits(-LIMIT_BITS))
+            Self::from_bits(-LIMIT_BITS)
         } else {
-            Self(value)
+            Self::from_bits(bits)
         }
     }
 
@@ -47,19 +66,19 @@ impl Number {
         };
         let (magnitude, after) = read_short(text).or_else(|| read_long(text))?;
         let bits = if is_negative { -magnitude } else { magnitude };
-        Some((Self(I32F32::from_bits(bits)), after))
+        Some((Self::from_bits(bits), after))
     }
 
     /// The value.
     #[must_use]
     pub const fn value(self) -> I32F32 {
-        self.0
+        I32F32::from_bits(self.bits())
     }
 
     /// The integer part; decimals are cut off towards zero.
     #[must_use]
     pub const fn to_int(self) -> i32 {
-        let bits = self.0.to_bits();
+        let bits = self.bits();
         let magnitude = (bits.unsigned_abs() >> 32) as i32;
         if bits < 0 { -magnitude } else { magnitude }
     }
@@ -74,11 +93,23 @@ impl Number {
     /// The value in thousandths, rounded to the nearest (a tie away from zero).
     #[must_use]
     pub const fn to_thousandths(self) -> i64 {
-        let bits = self.0.to_bits();
+        let bits = self.bits();
         let magnitude = bits.unsigned_abs();
         let fraction = ((magnitude & 0xFFFF_FFFF) * 1000 + (1 << 31)) >> 32;
         let thousandths = ((magnitude >> 32) * 1000 + fraction) as i64;
         if bits < 0 { -thousandths } else { thousandths }
+    }
+}
+
+impl Default for Number {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+impl fmt::Debug for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 
@@ -205,7 +236,7 @@ fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
 /// the tenth is less than 2^-33.
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bits = self.0.to_bits();
+        let bits = self.bits();
         let magnitude = bits.unsigned_abs();
         let fraction = magnitude & 0xFFFF_FFFF;
         if bits < 0 {

@@ -167,7 +167,7 @@ impl<S: Serial> Hosts<S> {
     pub(in crate::machine) fn schedule(&mut self, report: Report, period_s: u8, now: Instant) {
         if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
             host.schedule.set(report, period_s, now);
-            self.may_schedule = true;
+            self.may_schedule = self.hosts.iter().any(|host| !host.schedule.is_empty());
         }
     }
 
@@ -276,15 +276,9 @@ impl<S: Serial> Hosts<S> {
         self.may_be_new = true;
     }
 
-    /// Whether any host has a periodic report.
-    pub(in crate::machine) fn have_schedules(&mut self) -> bool {
-        self.may_schedule = self.may_schedule && self.hosts.iter().any(|host| !host.schedule.is_empty());
-        self.may_schedule
-    }
-
     /// Whether a report is due for a host with no other output waiting.
     pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
-        self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.are_sent())
+        self.may_schedule && self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.are_sent())
     }
 
     /// Sends a report to the hosts for which it is due and that have no other output waiting.

@@ -247,9 +247,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// Sends the periodic reports.
     pub(super) fn report_unasked(&mut self, now: Instant) {
-        if !self.hosts.have_schedules() {
-            return;
-        }
         if self.hosts.is_due(Report::Temperatures, now) {
             let temperatures = self.temperatures();
             self.hosts.report(Report::Temperatures, now, format_args!(" {temperatures}"));
