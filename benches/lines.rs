@@ -8,7 +8,7 @@ use corehbot::motion::{MoveMemory, Planner, Target};
 use corehbot::port::{EndstopSet, Received};
 use corehbot::protocol::{Incoming, Receiver};
 use corehbot::settings::Settings;
-use corehbot::units::{Instant, Mm, MmPerSec};
+use corehbot::units::{Feed, Instant, Mm};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 
@@ -81,7 +81,7 @@ fn planned(bencher: Bencher) {
         receive(&lines, |text| {
             let Command::Motion(MotionCommand::Line { to, .. }) = parse(text) else { panic!("a line is no move") };
             let position = [mm(to.x), mm(to.y), mm(to.z), mm(to.e)];
-            let speed = MmPerSec::const_from_int(100);
+            let speed = Feed::const_from_int(100);
             if !planner.has_room() && !planner.has_ready() {
                 planner.release_next();
             }

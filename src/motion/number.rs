@@ -3,7 +3,7 @@
 //! IEEE 754 defines every bit of the sum, difference, product and quotient of two single-precision numbers. This code
 //! uses no other operation, so every platform computes the same.
 
-use crate::units::{Length, MmPerSec, MmPerSec2, SpeedSq, Steps, SubTicks};
+use crate::units::{Feed, Length, MmPerSec, MmPerSec2, SpeedSq, Steps, SubTicks};
 
 /// A time of less than 2^40 (16 s), in ticks times 2^16, as ticks.
 pub(crate) fn ticks(time: SubTicks) -> f32 {
@@ -107,6 +107,16 @@ fn to_bits(number: f32) -> u64 {
 /// A speed in mm/s.
 pub(crate) fn speed(v: MmPerSec) -> f32 {
     v.to_bits() as f32 * const { 1.0 / 65536.0 }
+}
+
+/// The speed of a feed in mm/s.
+pub(crate) fn feed_speed(feed: Feed) -> f32 {
+    feed.to_bits() as f32 * const { 1.0 / (1u32 << Feed::FRAC_NBITS) as f32 }
+}
+
+/// The feed of so many mm/s, within the range.
+pub(crate) fn feed_of(speed: f32) -> Feed {
+    Feed::from_bits((speed * const { (1u32 << Feed::FRAC_NBITS) as f32 }) as u32)
 }
 
 /// An acceleration in mm/s2.

@@ -5,7 +5,7 @@
 use super::Range;
 use crate::kinematics::MOST_MULTIPLE;
 use crate::units::{
-    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepRate, StepsPerMm, Watts,
+    Celsius, Feed, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepRate, StepsPerMm, Watts,
     WattsPerKelvin,
 };
 
@@ -14,6 +14,7 @@ pub const STEPS_PER_MM: Range<StepsPerMm> =
     Range { least: StepsPerMm::const_from_int(1), most: StepsPerMm::const_from_int(25_600) };
 /// Speed: a snail to six times the fastest printers.
 pub const SPEED: Range<MmPerSec> = Range { least: MmPerSec::lit("0.01"), most: MmPerSec::const_from_int(3000) };
+const _: () = assert!(SPEED.most.to_bits() >> MmPerSec::FRAC_NBITS < Feed::MAX.to_bits() >> Feed::FRAC_NBITS);
 /// Acceleration: below 1 mm/s2 a move would take minutes to start.
 pub const ACCELERATION: Range<MmPerSec2> =
     Range { least: MmPerSec2::const_from_int(1), most: MmPerSec2::const_from_int(100_000) };

@@ -263,8 +263,8 @@ fn corners_and_speeds() {
     let coarse = of_resolution([10, 50, 40]);
     let mut slow = coarse;
     (slow.print_acceleration, slow.travel_acceleration) = (MmPerSec2::from_num(1), MmPerSec2::from_num(1.5));
-    check("long", &generate_on(&plan(&long(), &slow), &slow), (40_668, 4_548_260_426, 0x77CF_1378));
-    check("long and fast", &generate_on(&plan(&long(), &coarse), &coarse), (40_669, 3_803_252_966, 0xFE7C_2358));
+    check("long", &generate_on(&plan(&long(), &slow), &slow), (40_677, 4_548_260_785, 0xC9BD_121F));
+    check("long and fast", &generate_on(&plan(&long(), &coarse), &coarse), (40_664, 3_803_253_347, 0xF5C5_3144));
     check("axes", &generate(&plan(&axes(), &settings)), (4_120, 5_758_940, 0xDC2E_7B94));
     check("retracts", &generate(&plan(&retracts(), &settings)), (11_162, 14_381_082, 0xA5AF_778A));
     check("bends", &generate(&plan(&bends(), &settings)), (13_602, 15_275_851, 0xE28B_F5AA));
@@ -274,13 +274,13 @@ fn corners_and_speeds() {
 #[test]
 fn wild_moves() {
     let settings = Settings::prototype();
-    check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_415, 226_897_929, 0xDE51_3D6A));
+    check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_415, 226_897_685, 0xE323_75B0));
     let mut elsewhere = Settings { mechanism: UNEQUAL, ..settings };
     elsewhere.travel_acceleration = elsewhere.travel_acceleration / 8;
     check(
         "unequal",
         &generate_on(&plan(&wild(0x5EED_0002, 60), &elsewhere), &elsewhere),
-        (18_905, 70_747_037, 0x5257_DA7A),
+        (18_903, 70_747_040, 0x5E67_C975),
     );
 }
 
@@ -330,7 +330,7 @@ fn shapers_and_pressure_advance() {
 
 #[test]
 fn a_console_that_does_all_that_it_may() {
-    for (seed, expected) in [(0x5EED_0003, (199_799, 0xB999_9ECA)), (0x5EED_0004, (200_551, 0x115D_20D0))] {
+    for (seed, expected) in [(0x5EED_0003, (199_799, 0xFCED_D6A3)), (0x5EED_0004, (200_551, 0xF699_D137))] {
         let (count, all) = console::run(seed);
         assert_eq!((count, all), expected, "{seed}: what is seen is another: ({count}, {all:#010X})");
     }
@@ -350,12 +350,12 @@ fn a_planner_that_does_all_that_it_may() {
     lifting.axes.z = lifting.axes.x;
     lifting.motor_max_acceleration = MmPerSec2::from_num(1200);
     for (seed, settings, expected) in [
-        (0x5EED_0005, &prototype, (399, 0x05D6_1CAB)),
-        (0x5EED_0006, &prototype, (273, 0x08EB_9FFB)),
-        (0x5EED_0007, &prototype, (346, 0xF646_8513)),
-        (0x5EED_0008, &square, (372, 0xC6BA_D772)),
-        (0x5EED_000B, &lifting, (363, 0x19FD_C206)),
-        (0x5EED_0009, &weak, (341, 0x3E8A_5C5D)),
+        (0x5EED_0005, &prototype, (399, 0xF9E8_514B)),
+        (0x5EED_0006, &prototype, (273, 0x3534_DA93)),
+        (0x5EED_0007, &prototype, (346, 0xDA4B_609D)),
+        (0x5EED_0008, &square, (372, 0x2387_73FC)),
+        (0x5EED_000B, &lifting, (363, 0x092B_79AD)),
+        (0x5EED_0009, &weak, (341, 0x57E6_25F2)),
     ] {
         let (count, all) = planner::planned(seed, seed == 0x5EED_0005, settings);
         assert_eq!((count, all), expected, "{seed}: what is planned is another: ({count}, {all:#010X})");

@@ -9,7 +9,7 @@ use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::surface::Mesh;
-use corehbot::units::{Mm, MmPerSec, Seconds, Steps, Tick};
+use corehbot::units::{Feed, Mm, Seconds, Steps, Tick};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
@@ -110,7 +110,7 @@ pub fn stream(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
 }
 
 pub fn target(position: [f64; 4], speed: f64) -> Target {
-    let speed = MmPerSec::from_num(speed);
+    let speed = Feed::from_num(speed);
     Target { position: position.map(Mm::from_num), speed, has_overrides: true, watch: EndstopSet::NONE }
 }
 

@@ -9,7 +9,7 @@ use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::units::{Mm, MmPerSec};
+use corehbot::units::{Feed, Mm};
 use proptest::prelude::*;
 use std::cell::Cell;
 
@@ -96,7 +96,7 @@ proptest! {
             let watch = if ends_at_switch { EndstopSet::X } else { EndstopSet::NONE };
             for [x, y, z] in &ways {
                 let [x, y, z] = [x, y, z].map(|hundredths| Mm::from_num(*hundredths) / 100);
-                let target = Target { position: [x, y, z / 10, x + y], speed: MmPerSec::from_num(100), has_overrides: false, watch };
+                let target = Target { position: [x, y, z / 10, x + y], speed: Feed::from_num(100), has_overrides: false, watch };
                 planner.push(&target, &settings);
             }
             planner.release_all();

@@ -9,7 +9,7 @@ use corehbot::motors::prototype;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::{Late, Overload, Status};
-use corehbot::units::{Mm, MmPerSec};
+use corehbot::units::{Feed, Mm};
 use std::cell::{Cell, RefCell};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -306,7 +306,7 @@ fn moves(places: &[[i32; 3]], speed: i32, watch: EndstopSet) -> Vec<Entry> {
     let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
     for [x, y, z] in places {
         let position = [Mm::from_num(*x), Mm::from_num(*y), Mm::from_num(*z), Mm::ZERO];
-        planner.push(&Target { position, speed: MmPerSec::from_num(speed), has_overrides: false, watch }, &settings);
+        planner.push(&Target { position, speed: Feed::from_num(speed), has_overrides: false, watch }, &settings);
     }
     planner.release_all();
     std::iter::from_fn(|| planner.pop()).map(|m| Entry { epoch: 0, work: Work::Move(m) }).collect()

@@ -8,7 +8,7 @@ use corehbot::motion::{
 use corehbot::port::{EndstopSet, GroupSet, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::{Overload, Status};
-use corehbot::units::{Mm, MmPerSec, Steps};
+use corehbot::units::{Feed, Mm, Steps};
 
 struct Pins;
 
@@ -54,7 +54,7 @@ fn overload_with(ways: &[([f64; 2], f64)], sleeper: Sleeper) -> Overload {
     for ([x, y], speed) in ways {
         let position = [Mm::from_num(*x), Mm::from_num(*y), Mm::ZERO, Mm::ZERO];
         planner.push(
-            &Target { position, speed: MmPerSec::from_num(*speed), has_overrides: false, watch: EndstopSet::NONE },
+            &Target { position, speed: Feed::from_num(*speed), has_overrides: false, watch: EndstopSet::NONE },
             &settings,
         );
     }

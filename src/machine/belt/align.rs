@@ -353,7 +353,7 @@ async fn go_along<P: PortSet, W: Pend>(
     let [x, y, ..] = &mut position;
     let at = if scan.is_along_y { y } else { x };
     *at = at.saturating_add(by);
-    main_loop.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop.plan(Target { position, speed: SPEED.into(), has_overrides: false, watch: EndstopSet::NONE }).await?;
     let cruise =
         along(main_loop.motion.to_steps([RAMP; 4]))..along(main_loop.motion.to_steps([by.saturating_abs() - RAMP; 4]));
     let mut is_in_cruise = false;

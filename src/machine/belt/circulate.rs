@@ -8,7 +8,7 @@ use crate::machine::main_loop::regroup::regroup;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::port::Pend;
-use crate::units::{Mm, MmPerSec, Steps};
+use crate::units::{Feed, Mm, Steps};
 use core::pin::pin;
 
 /// Lets a belt that can circulate do so a little after homing, so that it does not always bend at the same teeth.
@@ -25,7 +25,7 @@ pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     // Wrapped within the range of numbers.
     let target =
         if FARTHEST.holds(farther) { farther } else { main_loop.circulation.commanded() - belt.homing_advance };
-    apart(pin!(run_round(main_loop, [x, y], target, belt.max_speed))).await?;
+    apart(pin!(run_round(main_loop, [x, y], target, belt.max_speed.into()))).await?;
     main_loop.commanded.go_to(position);
     Ok(())
 }
@@ -35,7 +35,7 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     to: [Mm; 2],
     belt: Mm,
-    speed: MmPerSec,
+    speed: Feed,
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     main_loop.power_up(main_loop.motion.groups().mechanism().belt_motors()).await?;
@@ -63,7 +63,12 @@ pub(in crate::machine) async fn end_circulation<P: PortSet, W: Pend>(
         return Ok(());
     }
     // No distance, unless it was stopped between two places where the counts agree.
-    main_loop.motion.plan_whole(main_loop.motion.end(), main_loop.settings.belt.max_speed, false, &main_loop.settings);
+    main_loop.motion.plan_whole(
+        main_loop.motion.end(),
+        main_loop.settings.belt.max_speed.into(),
+        false,
+        &main_loop.settings,
+    );
     main_loop.finish().await?;
     let [x, y, c, e] = main_loop.motion.end();
     main_loop.circulation.add(c.wrapping_round().to_num());

@@ -188,7 +188,7 @@ async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place:
     }
     let [.., z, e] = main_loop.motion.end_mm();
     let (position, speed) = ([x, y, z, e], main_loop.settings.axes.x.max_speed);
-    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await?;
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())

@@ -28,7 +28,7 @@ use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{Alignment, HomedAxis};
-use crate::units::{Mm, MmPerSec, part_of};
+use crate::units::{Feed, Mm, part_of};
 use core::pin::pin;
 
 /// Keeps the tool within the reach of any machine; a point of an arc may lie beyond.
@@ -253,7 +253,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     }
 
     /// Plans a move within the reachable space and takes it as the commanded position.
-    async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
+    async fn go(&mut self, position: [Mm; 4], speed: Feed) -> Result<(), Interrupt> {
         let (inside, moved) = {
             let main_loop = &*self.main_loop;
             // The limits apply to the machine position, including the offset of a parked pause.
@@ -394,7 +394,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         for step in moves.into_iter().flatten() {
             let position = self.main_loop.commanded.after(step);
             self.main_loop
-                .plan(Target { position, speed: step.speed, has_overrides: false, watch: EndstopSet::NONE })
+                .plan(Target { position, speed: step.speed.into(), has_overrides: false, watch: EndstopSet::NONE })
                 .await?;
             self.main_loop.commanded.note_retraction(step);
         }

@@ -244,7 +244,7 @@ async fn travel<P: PortSet, W: Pend>(
     position: [Mm; 4],
     speed: MmPerSec,
 ) -> Result<(), Interrupt> {
-    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await
+    main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE }).await
 }
 
 /// Filament back, up, and away.

@@ -20,7 +20,7 @@ pub(super) async fn shift_z<P: PortSet, W: Pend>(
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
     let speed = main_loop.settings.axes.z.max_speed;
-    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
+    main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch }).await?;
     main_loop.finish().await?;
     if watch != EndstopSet::NONE {
         main_loop.drop_motion().await?;

@@ -124,7 +124,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         while !self.motion.replan() {
             self.poll_again().await?;
         }
-        let target = Target { position, speed, has_overrides: false, watch: EndstopSet::NONE };
+        let target = Target { position, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE };
         self.motion.push(&target, &gentle(&self.settings));
         self.finish().await
     }

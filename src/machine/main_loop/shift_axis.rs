@@ -25,6 +25,6 @@ pub(in crate::machine) async fn shift_axis<P: PortSet, W: Pend>(
     if let Some(at) = position.get_mut(axis) {
         *at = at.saturating_add(by);
     }
-    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
+    main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch }).await?;
     main_loop.finish().await
 }

@@ -70,7 +70,12 @@ async fn turn_in<P: PortSet, W: Pend>(
     let coupling = main_loop.motion.groups_in(grouping).trim_coupling(motor);
     let [x, y] = [x, y].map(Steps::wrapping_round);
     couple(main_loop, grouping, &coupling, [x, y, Steps::ZERO, e]).await?;
-    main_loop.motion.plan_whole([x, y, Steps::wrapping_from_num(i64::from(by)), e], speed, false, &main_loop.settings);
+    main_loop.motion.plan_whole(
+        [x, y, Steps::wrapping_from_num(i64::from(by)), e],
+        speed.into(),
+        false,
+        &main_loop.settings,
+    );
     main_loop.finish().await?;
     end_trim(main_loop).await
 }

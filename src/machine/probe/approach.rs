@@ -47,7 +47,7 @@ pub(super) async fn travel<P: PortSet, W: Pend>(
     let [x, y, ..] = &mut position;
     (*x, *y) = (to_x, to_y);
     let speed = main_loop.settings.probe.travel;
-    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await
 }
 

@@ -255,7 +255,9 @@ async fn hear<P: PortSet, W: Pend>(
 /// Brings the tool back to where it was.
 async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
     let speed = main_loop.settings.axes.x.max_speed.min(main_loop.settings.axes.y.max_speed);
-    main_loop.plan(Target { position: place, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop
+        .plan(Target { position: place, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE })
+        .await?;
     main_loop.finish().await?;
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     Ok(())

@@ -10,7 +10,7 @@ use crate::machine::numbers::{nearest, shortest, shortest_with, to_thousandth};
 use crate::machine::state::modal::Modal;
 use crate::settings::rows::Legal;
 use crate::settings::{Range, plain, ranges};
-use crate::units::{MmPerSec, Quantity};
+use crate::units::{Feed, MmPerSec, Quantity};
 use core::fmt;
 use fixed::types::I32F32;
 use heapless::Vec;
@@ -278,21 +278,27 @@ impl Clamps {
         *place = self.length_of(modal, word, asked, range, Some(*place)).unwrap_or(*place);
     }
 
-    /// A length a minute, as a speed.
-    fn speed_of(&mut self, modal: &Modal, word: Word, asked: Number, old: MmPerSec) -> Option<MmPerSec> {
+    /// A length a minute, as the nearest speed.
+    fn speed_of(&mut self, modal: &Modal, word: Word, asked: Number, old: Feed) -> Option<Feed> {
+        const SHIFT: u32 = I32F32::FRAC_NBITS - Feed::FRAC_NBITS;
+        const HALF: I32F32 = I32F32::from_bits(1 << SHIFT >> 1);
         let value = modal.unit(asked.value()) / 60;
-        let asked = Asked::new(word, asked, value, MmPerSec::saturating_from_num(value));
+        let wanted = I32F32::from_bits(value.saturating_add(HALF).to_bits() >> SHIFT << SHIFT);
+        let asked = Asked { word, number: asked, value, wanted, bits: Feed::FRAC_NBITS };
+        let range = Range { least: ranges::SPEED.least.into(), most: ranges::SPEED.most.into() };
         let scale = |told: I32F32| to_thousandth(modal.in_words(told.saturating_mul_int(60)));
-        self.judge_typed(&asked, ranges::SPEED, Some(old), &scale)
+        let legal = self.judge(&asked, range, Some(old.into()), &scale)?;
+        Some(Feed::from_bits((legal.to_bits() >> SHIFT) as u32))
     }
 
     /// The same, put into its place if it is not refused.
     pub fn speed_a_minute(&mut self, modal: &Modal, word: Word, asked: Number, place: &mut MmPerSec) {
-        *place = self.speed_of(modal, word, asked, *place).unwrap_or(*place);
+        let speed = self.speed_of(modal, word, asked, (*place).into());
+        *place = speed.map_or(*place, MmPerSec::from);
     }
 
     /// F, in units a minute. `None` without it; 0 and less leave the feed as it is, and the line is carried out.
-    pub fn feed(&mut self, modal: &Modal, asked: Option<Number>) -> Option<MmPerSec> {
+    pub fn feed(&mut self, modal: &Modal, asked: Option<Number>) -> Option<Feed> {
         const F: Word = ["", "F"];
         let asked = asked?;
         if asked > Number::ZERO {

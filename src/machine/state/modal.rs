@@ -4,7 +4,7 @@
 use crate::gcode::{Number, Plane};
 use crate::machine::numbers::to_thousandth;
 use crate::settings::Range;
-use crate::units::{Mm, MmPerSec, part_of};
+use crate::units::{Feed, Mm, part_of};
 use fixed::types::I32F32;
 
 /// Positions of all lines are kept within +-10 m: no machine is larger, and no sum overflows.
@@ -15,7 +15,7 @@ pub(in crate::machine) const FARTHEST: Range<Mm> =
 pub(in crate::machine) const PERCENT: Range<u16> = Range { least: 10, most: 999 };
 
 /// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
-const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
+const FIRST_FEED: Feed = Feed::const_from_int(50);
 
 /// The distance within which two places of a program count as one. It is the last decimal that the program writes,
 /// within two limits. A micrometre is the least, because binary numbers and G92 may cost as much; 10 are the most,
@@ -53,7 +53,7 @@ pub(in crate::machine) struct Modal {
     /// G17, G18, G19.
     pub plane: Plane,
     /// F, before the override.
-    pub feed: MmPerSec,
+    pub feed: Feed,
     /// M220 B.
     pub kept_feed_percent: u16,
     /// M221.

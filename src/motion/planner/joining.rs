@@ -40,10 +40,10 @@
 
 use super::geometry::Geometry;
 use super::{Planner, Target, max_ramps, purpose};
-use crate::motion::number::{acceleration, speed};
+use crate::motion::number::{acceleration, feed_speed};
 use crate::port::EndstopSet;
 use crate::settings::{Axes, Settings};
-use crate::units::{Mm, MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND};
+use crate::units::{Feed, Mm, MmPerSec2, Steps, TICKS_PER_SECOND};
 use core::cmp::Ordering;
 
 /// The largest error of a point along an axis, in mm, where coordinates are rounded to thousandths: half of one at the
@@ -130,7 +130,7 @@ pub(in crate::motion) struct OpenLine {
     begin: [Steps; 4],
     /// Where it was commanded to begin.
     asked: [Mm; 4],
-    feed: MmPerSec,
+    feed: Feed,
     has_overrides: bool,
     /// The direction of the filament.
     filament: Ordering,
@@ -157,7 +157,7 @@ impl OpenLine {
         state: State::None,
         begin: [Steps::ZERO; 4],
         asked: [Mm::ZERO; 4],
-        feed: MmPerSec::ZERO,
+        feed: Feed::ZERO,
         has_overrides: false,
         filament: Ordering::Equal,
         main: Main::X,
@@ -277,8 +277,8 @@ impl OpenLine {
 
 /// The length in mm at which a line is closed that accelerates no faster than its main axis does.
 #[inline(always)]
-fn longest(feed: MmPerSec, most: MmPerSec2) -> f32 {
-    let speed = speed(feed);
+fn longest(feed: Feed, most: MmPerSec2) -> f32 {
+    let speed = feed_speed(feed);
     let seconds = speed * (0.5 * BRAKING_PART) / acceleration(most);
     let longest = speed * if seconds < LONGEST_SECONDS { seconds } else { LONGEST_SECONDS };
     if longest < LONGEST { longest } else { LONGEST }
@@ -399,7 +399,7 @@ impl Planner<'_> {
         let OpenLine { begin, feed, .. } = self.line;
         self.line.is_open().then(|| {
             let ([.., from], [.., to]) = (begin, self.end);
-            let seconds = self.geometry_between(begin, self.end).size / speed(feed);
+            let seconds = self.geometry_between(begin, self.end).size / feed_speed(feed);
             // It takes LONGEST_SECONDS a few times at the most, and the processor has no conversion to 64 bits.
             (to.wrapping_sub(from), u64::from((seconds * const { TICKS_PER_SECOND as f32 }) as u32))
         })

@@ -47,12 +47,12 @@ pub use overrides::WHOLE_SHARE;
 
 use crate::kinematics::Groups;
 use crate::motion::moves::{LONG_TIME, Move};
-use crate::motion::number::{acceleration, speed};
+use crate::motion::number::{acceleration, feed_of, feed_speed};
 use crate::motion::surface::SurfaceFrame;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::surface::Mesh;
-use crate::units::{Length, Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
+use crate::units::{Feed, Length, Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
 use bed::{Bed, Demand, bent_limits};
 use geometry::{Belts, Geometry, Limits, Shares};
 use joining::OpenLine;
@@ -72,7 +72,7 @@ pub struct Target {
     /// x, y, z and e.
     pub position: [Mm; 4],
     /// Speed along the path.
-    pub speed: MmPerSec,
+    pub speed: Feed,
     /// Whether the feed and the flow override have a say in it.
     pub has_overrides: bool,
     /// Endstops that end the move early; such a move begins and ends at rest.
@@ -325,7 +325,7 @@ impl<'m> Planner<'m> {
         let vector = &self.vector;
         let is_extruder_only = vector.is_extruder_only();
         let (least, most) = purpose(vector, settings);
-        let feed = target.speed.max(least);
+        let feed = target.speed.max(least.into());
         let is_on_bed = self.bed.is_in_use();
         let demand = if is_on_bed {
             let [_, _, last_up] = self.last.direction;
@@ -340,7 +340,7 @@ impl<'m> Planner<'m> {
         let [_, _, of_z, _] = &mut limits.axes;
         let [max_speed, left] = bent_limits(&demand, max_speed, *of_z);
         *of_z = left;
-        if is_on_bed && is_faster_on_flat(vector, &self.belts, [max_speed, speed(feed)], settings) {
+        if is_on_bed && is_faster_on_flat(vector, &self.belts, [max_speed, feed_speed(feed)], settings) {
             self.slowed_moves = self.slowed_moves.wrapping_add(1);
         }
         let wanted_accel = shares.bound(acceleration(most), &limits);
@@ -348,7 +348,7 @@ impl<'m> Planner<'m> {
         let mut most = Most { acceleration: wanted_accel, speed: max_speed };
         let advance = if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO };
         let jump = if self.pressure.is_in_use() {
-            let flow = Flow { geometry: vector, advance: advance.to_num(), feed: speed(feed) };
+            let flow = Flow { geometry: vector, advance: advance.to_num(), feed: feed_speed(feed) };
             self.pressure.bound(&flow, &self.last, &mut most, settings)
         } else {
             (self.last.extrusion - vector.extrusion).abs()
@@ -375,8 +375,8 @@ impl<'m> Planner<'m> {
                     end: [x, y, z, e],
                     watch: target.watch,
                 },
-                feed: if has_overrides { feed } else { MmPerSec::ZERO },
-                max_speed: MmPerSec::from_bits((most.speed * 65536.0) as u32),
+                feed: if has_overrides { feed } else { Feed::ZERO },
+                max_speed: feed_of(most.speed),
                 junction_sq,
                 max_entry_sq: SpeedSq::ZERO,
                 cumulative_gain_sq,

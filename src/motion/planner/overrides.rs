@@ -4,7 +4,7 @@
 //! Moves that have left the look-ahead keep their speed. That is at most 50 ms of motion, plus the move under way.
 
 use super::Planner;
-use crate::units::MmPerSec;
+use crate::units::Feed;
 
 /// All of the feed, as a share of it.
 pub const WHOLE_SHARE: u8 = 16;
@@ -23,7 +23,7 @@ impl Override {
     pub const NONE: Self = Self { percent: 100, share: WHOLE_SHARE };
 
     /// A commanded speed under the override.
-    pub fn of(self, speed: MmPerSec) -> MmPerSec {
+    pub fn of(self, speed: Feed) -> Feed {
         if self == Self::NONE {
             return speed;
         }
@@ -32,7 +32,7 @@ impl Override {
         let percent = u32::from(self.percent);
         let bits = u64::from(hundreds) * u64::from(percent) + u64::from(remainder * percent / 100);
         let bits = bits * u64::from(self.share) / u64::from(WHOLE_SHARE);
-        MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
+        Feed::from_bits(bits.min(u64::from(u32::MAX)) as u32)
     }
 }
 
@@ -81,7 +81,7 @@ impl Planner<'_> {
     fn replan_some(&mut self) {
         let (wanted, waiting) = (self.wanted, &mut self.waiting);
         self.window.replan(|planned| {
-            if planned.feed > MmPerSec::ZERO {
+            if planned.feed > Feed::ZERO {
                 *waiting = waiting.saturating_sub(u64::from(planned.nominal_ticks));
                 planned.set_nominal(wanted.of(planned.feed));
                 *waiting += u64::from(planned.nominal_ticks);
@@ -104,7 +104,7 @@ mod tests {
         for bits in [0, 1, 99, 100, 6_553_600, 6_553_633, u32::MAX] {
             for (percent, share) in [(100, 16), (10, 16), (33, 16), (999, 16), (100, 7), (150, 2)] {
                 let exact = u64::from(bits) * u64::from(percent) / 100 * u64::from(share) / 16;
-                let speed = Override { percent, share }.of(MmPerSec::from_bits(bits));
+                let speed = Override { percent, share }.of(Feed::from_bits(bits));
                 assert_eq!(u64::from(speed.to_bits()), exact.min(u32::MAX.into()), "{bits} {percent} {share}");
             }
         }

@@ -1,8 +1,8 @@
 //! A move in the look-ahead, and the memory for a window of them.
 
 use super::profile::MoveSpec;
-use crate::motion::number::{mm, speed};
-use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
+use crate::motion::number::{feed_speed, mm};
+use crate::units::{Feed, Seconds, SpeedSq, TICKS_PER_SECOND};
 
 /// Moves that stay in the window when a forced batch has left it: the look-ahead sees at least this many, when the
 /// stream is fast enough.
@@ -31,9 +31,9 @@ const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / LOOKAHEAD_MOVES as u64
 pub(in crate::motion) struct Planned {
     pub spec: MoveSpec,
     /// Commanded speed before the feed override; 0 if overrides have no say.
-    pub feed: MmPerSec,
+    pub feed: Feed,
     /// The fastest that axes and motors let it be.
-    pub max_speed: MmPerSec,
+    pub max_speed: Feed,
     /// Greatest speed squared that the corner before it allows, by its geometry alone.
     pub junction_sq: SpeedSq,
     /// Greatest entry speed squared: limited by the junction and by the nominal speeds of the two moves.
@@ -53,8 +53,8 @@ const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
 impl Planned {
     const NONE: Self = Self {
         spec: MoveSpec::NONE,
-        feed: MmPerSec::ZERO,
-        max_speed: MmPerSec::ZERO,
+        feed: Feed::ZERO,
+        max_speed: Feed::ZERO,
         junction_sq: SpeedSq::ZERO,
         max_entry_sq: SpeedSq::ZERO,
         cumulative_gain_sq: SpeedSq::ZERO,
@@ -78,7 +78,7 @@ impl Planned {
     /// The nominal speed squared.
     #[inline(always)]
     fn nominal_sq(&self) -> SpeedSq {
-        SpeedSq::of(self.spec.nominal)
+        SpeedSq::of(self.spec.nominal.into())
     }
 
     /// The greatest exit speed squared that this move allows; 0 for a move that an endstop may end.
@@ -89,10 +89,10 @@ impl Planned {
 
     /// Takes `wanted` as its nominal speed, within the limits of the axes and the motors.
     #[inline(always)]
-    pub fn set_nominal(&mut self, wanted: MmPerSec) {
+    pub fn set_nominal(&mut self, wanted: Feed) {
         // A move that was requested does not stand still.
-        self.spec.nominal = wanted.min(self.max_speed).max(MmPerSec::DELTA);
-        let seconds = mm(self.spec.length) / speed(self.spec.nominal);
+        self.spec.nominal = wanted.min(self.max_speed).max(Feed::DELTA);
+        let seconds = mm(self.spec.length) / feed_speed(self.spec.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 

@@ -8,17 +8,18 @@
 //! is entered above its nominal speed brakes to it first.
 
 use crate::motion::moves::{LONG_TIME, Move, WHOLE};
-use crate::motion::number::{acceleration, length_of, long_time, mm, root, speed, square};
+use crate::motion::number::{acceleration, feed_speed, length_of, long_time, mm, root, square};
 use crate::port::EndstopSet;
-use crate::units::{Length, MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
+use crate::units::{Feed, Length, MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
 
 /// Time over `level` at a nominal speed. It may be long, so every bit counts. One step of Newton's method refines the
 /// single-precision value, to 2^-16 of a tick in three minutes and to a thousandth of a tick in hours.
-fn cruise_time(level: Length, nominal: MmPerSec) -> SubTicks {
-    let guess = long_time(mm(level) / speed(nominal) * const { TICKS_PER_SECOND as f32 }).0;
+fn cruise_time(level: Length, nominal: Feed) -> SubTicks {
+    let guess = long_time(mm(level) / feed_speed(nominal) * const { TICKS_PER_SECOND as f32 }).0;
     let nominal = nominal.to_bits();
     // Both products may wrap; their difference fits 63 bits.
-    let product = level.0.wrapping_mul(TICKS_PER_SECOND.into());
+    let product =
+        level.0.wrapping_mul(const { (TICKS_PER_SECOND as u64) << (Feed::FRAC_NBITS - MmPerSec::FRAC_NBITS) });
     let remainder = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
     let remainder = ((remainder >> 32) as i32) as f32 * 4_294_967_296.0 + (remainder as u32) as f32;
     SubTicks(guess.saturating_add_signed(i64::from((remainder / nominal as f32) as i32)))
@@ -40,7 +41,7 @@ pub(in crate::motion) struct MoveSpec {
     /// Acceleration of the ramps.
     pub acceleration: MmPerSec2,
     /// Speed not to be exceeded.
-    pub nominal: MmPerSec,
+    pub nominal: Feed,
     /// Where it ends, in steps of x, y, z and e.
     pub end: [Steps; 4],
     /// Endstops that end it early.
@@ -53,7 +54,7 @@ impl MoveSpec {
         length: Length::ZERO,
         max_ramp_length: Length::ZERO,
         acceleration: MmPerSec2::ZERO,
-        nominal: MmPerSec::ZERO,
+        nominal: Feed::ZERO,
         end: [Steps::ZERO; 4],
         watch: EndstopSet::NONE,
     };
@@ -70,7 +71,7 @@ pub(in crate::motion) fn profile(
     exit_sq: SpeedSq,
 ) -> (Move, f32) {
     let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
-    let nominal_sq = SpeedSq::of(nominal);
+    let nominal_sq = SpeedSq::of(nominal.into());
     let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + SpeedSq::gained(a, max_ramp_length).0 / 2);
     let brakes_first = entry_sq > nominal_sq;
     let least_sq = if brakes_first { SpeedSq(1) } else { entry_sq.max(SpeedSq(1)) };
@@ -189,7 +190,7 @@ mod tests {
             length,
             max_ramp_length: max_ramp_length(length, Ratio::from_num(ratio)),
             acceleration: MmPerSec2::from_num(a),
-            nominal: MmPerSec::from_num(nominal),
+            nominal: Feed::from_num(nominal),
             end: [Steps::ZERO; 4],
             watch: EndstopSet::NONE,
         };

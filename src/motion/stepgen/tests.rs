@@ -10,7 +10,7 @@ use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
 use crate::port::{EndstopSet, Pend};
 use crate::settings::Settings;
 use crate::status::Status;
-use crate::units::{Mm, MmPerSec, StepsPerMm};
+use crate::units::{Feed, Mm, StepsPerMm};
 
 struct NullPend;
 
@@ -105,7 +105,7 @@ fn the_lines_of_direction_turn_a_set_time_before_the_first_step() {
     let mut memory = MoveMemory::new();
     let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
     let position = [Mm::const_from_int(10), Mm::ZERO, Mm::ZERO, Mm::ZERO];
-    let speed = MmPerSec::const_from_int(50);
+    let speed = Feed::const_from_int(50);
     planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
     planner.release_all();
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
@@ -132,7 +132,7 @@ fn a_queue_that_is_nearly_full_is_left_alone() {
     let mut memory = MoveMemory::new();
     let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
     let position = [Mm::const_from_int(60), Mm::const_from_int(25), Mm::ZERO, Mm::ZERO];
-    let speed = MmPerSec::const_from_int(300);
+    let speed = Feed::const_from_int(300);
     planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
     planner.release_all();
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());

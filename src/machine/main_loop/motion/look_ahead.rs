@@ -11,7 +11,7 @@ use super::{Motion, of_grouping};
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::Settings;
-use crate::units::{Instant, Mm, MmPerSec, Seconds, Steps, TICKS_PER_SECOND};
+use crate::units::{Feed, Instant, Mm, Seconds, Steps, TICKS_PER_SECOND};
 
 impl<W: Pend> Motion<'_, W> {
     /// M220.
@@ -21,7 +21,7 @@ impl<W: Pend> Motion<'_, W> {
 
     /// Plans a move to the whole steps next to a position, where the counts of all motors agree, while the belt or a
     /// motor has the place of z.
-    pub fn plan_whole(&mut self, position: [Steps; 4], speed: MmPerSec, has_overrides: bool, settings: &Settings) {
+    pub fn plan_whole(&mut self, position: [Steps; 4], speed: Feed, has_overrides: bool, settings: &Settings) {
         let [x, y, c, e] = position;
         let [x, y, c] = [x, y, c].map(Steps::wrapping_round);
         let target = Target { position: self.planner.mm([x, y, c, e]), speed, has_overrides, watch: EndstopSet::NONE };

@@ -76,8 +76,8 @@ fn what_is_beyond_stays_as_it_was_in_the_units_of_the_line() {
 fn where_the_edge_is_meant_the_line_is_carried_out() {
     let (mut clamps, mut modal) = (Clamps::new(), Modal::new());
     modal.inches = true;
-    assert_eq!(clamps.feed(&modal, Some(number("99999"))), Some(ranges::SPEED.most));
-    assert_eq!(clamps.feed(&modal, Some(number("0.001"))), Some(ranges::SPEED.least));
+    assert_eq!(clamps.feed(&modal, Some(number("99999"))), Some(ranges::SPEED.most.into()));
+    assert_eq!(clamps.feed(&modal, Some(number("0.001"))), Some(ranges::SPEED.least.into()));
     assert_eq!(clamps.feed(&modal, Some(number("-5"))), None);
     assert_eq!(clamps.whole_of(["M220", "S"], number("-5"), Range { least: 10, most: 999 }, None), Some(10));
     let most = Range { least: Seconds::ZERO, most: Seconds::from_num(200) };
