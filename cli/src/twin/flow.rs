@@ -314,7 +314,7 @@ struct Samples {
 
 /// The way along places.
 fn path(x: &[f64], y: &[f64]) -> Vec<f64> {
-    let ways = x.windows(2).zip(y.windows(2)).map(|(x, y)| (x[1] - x[0]).hypot(y[1] - y[0]));
+    let ways = x.windows(2).zip(y.windows(2)).map(|(x, y)| (square(x[1] - x[0]) + square(y[1] - y[0])).sqrt());
     std::iter::once(0.0)
         .chain(ways.scan(0.0, |sum, way| {
             *sum += way;
