@@ -17,7 +17,9 @@ pub(in crate::machine) fn rate(lag: Seconds) -> Ratio {
     Ratio::from_bits((bits / u64::from(lag.to_bits().max(1))).min(u64::from(u32::MAX)) as u32)
 }
 
-/// The number with the fewest decimals that is read as `value`. `fixed` can print that too, in 3 KiB of flash.
+/// The number with the fewest decimals that is read as `value`. `fixed` can print that too, in 3 KiB of flash. Inlined,
+/// it would be in 28 places.
+#[inline(never)]
 pub(in crate::machine) fn shortest<T: Quantity>(value: T) -> Number {
     shortest_with(value.into(), T::FRAC_NBITS)
 }

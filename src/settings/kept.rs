@@ -78,8 +78,9 @@ impl<T: Hash> Kept<T> {
         }
     }
 
-    /// Whether it is unchanged.
+    /// Whether it is unchanged. Inlined, the sum would be in each place that changes a setting.
     #[must_use]
+    #[inline(never)]
     pub fn is_whole(&self) -> bool {
         !self.was_damaged && (self.is_new || sum(&self.value) == self.sum)
     }
@@ -100,6 +101,7 @@ impl<T> Deref for Kept<T> {
 }
 
 impl<T: Hash> DerefMut for Kept<T> {
+    #[inline(never)]
     fn deref_mut(&mut self) -> &mut T {
         if !self.is_new {
             // So that the new sum does not hide earlier damage.

@@ -371,6 +371,7 @@ impl Settings {
 
     /// The motors that turn a screw of z each, in their order: they move z and nothing else.
     #[must_use]
+    #[inline(never)]
     pub fn screw_motors(&self) -> heapless::Vec<Motor, SCREWS> {
         let is_screw = |row: &[i8; 4]| matches!(row, [0, 0, z, 0] if *z != 0);
         self.mechanism.motors().filter(|(_, row)| is_screw(row)).map(|(motor, _)| motor).take(SCREWS).collect()

@@ -328,7 +328,8 @@ impl Clamps {
         self.judge_typed(&asked, range, old, &|told| told)
     }
 
-    /// The same, put into its place if it is not refused.
+    /// The same, put into its place if it is not refused. Inlined, it would be in a dozen places.
+    #[inline(never)]
     pub fn near<T: Quantity>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
         *place = self.near_of(word, asked, range, Some(*place)).unwrap_or(*place);
     }

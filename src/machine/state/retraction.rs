@@ -52,6 +52,7 @@ impl Retraction {
     }
 
     /// Where the machine goes for a commanded position.
+    #[inline(never)]
     pub fn away_from(&self, position: [Mm; 4]) -> [Mm; 4] {
         let [x, y, z, e] = position;
         let [lift, length] = self.away.unwrap_or_default();
