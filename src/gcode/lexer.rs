@@ -130,8 +130,8 @@ impl<'a> Iterator for Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Skips what is glued to a word that ends here: characters of numbers and of lists, and anything else up to the next
-    /// blank.
+    /// Skips what is glued to a word that ends here: characters of numbers and of lists, and anything else up to the
+    /// next blank.
     #[cold]
     #[inline(never)]
     fn skip_glued(&mut self) {

@@ -22,9 +22,9 @@
 //!   [`BEND_TIME`] apart are of different bends.
 //! - **A bend has one speed.** It is over before the lead is known, too: a first corner that uses up all of the jump
 //!   makes all others slow. So between short chords the law of long ones bounds the bend from two sides. A corner is
-//!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of both
-//!   chords, because the next corner may be alike; the error of points is taken off t before ([`POINT_ERROR`]). A corner
-//!   that stays a single one loses little, because it keeps [`GOES_ON`] of its `v^2`.
+//!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of
+//!   both chords, because the next corner may be alike; the error of points is taken off t before ([`POINT_ERROR`]). A
+//!   corner that stays a single one loses little, because it keeps [`GOES_ON`] of its `v^2`.
 //!
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.
@@ -68,8 +68,8 @@ const POINT_ERROR: f32 = 0.000_3;
 /// `tests/motion/fillets.rs` and random curves).
 const GOES_ON: f32 = 0.4;
 
-/// Where the curvature allows less than this times what the two chords allow, it counts alone. With 1.15, rounded corners
-/// in twelve chords shake the tool more, and curves with errors take as long (measured likewise).
+/// Where the curvature allows less than this times what the two chords allow, it counts alone. With 1.15, rounded
+/// corners in twelve chords shake the tool more, and curves with errors take as long (measured likewise).
 const NEARLY: f32 = 1.05;
 
 /// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by
