@@ -12,14 +12,14 @@
 //! n times that of the tool. No corner is taken with more than the commanded acceleration c, either. A square-corner
 //! velocity w is the same law with `d = w^2 (sqrt 2 - 1) / c`, so an axis that bears less than c gets less than w.
 //!
-//! This is the table of corners ([`Corners`]): it is computed from the print's own words, and shares nothing with the
+//! This is the table of corners (`Corners`): it is computed from the print's own words, and shares nothing with the
 //! planner. The terms of a jump are
 //!
 //! | term | what it is |
 //! |---|---|
 //! | corner | the law above, for x, y, z and belt motors; the jerk for the extruder |
 //! | cap | the jerk of z (M205 Z), if that is less |
-//! | mesh | where z is capped: the jump of x and y in a corner, on a slope of [`STEEPEST`] |
+//! | mesh | where z is capped: the jump of x and y in a corner, on a slope of `STEEPEST` |
 //! | advance | the jump of the extruder enters and leaves the window of the pressure advance |
 //! | stop | the speed of a touch, while something ends all motion (`Checker::stopped`) |
 //!

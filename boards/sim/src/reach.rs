@@ -7,7 +7,7 @@
 //!
 //! - x and y hold to a step.
 //! - An axis may go on to its switch, in a move that the switch ends: M915 meets it to see how far motors have skipped.
-//! - z may go below its axis in a touch: [`TOUCH`]. The touch that homes it is held to a bed that is known, too.
+//! - z may go below its axis in a touch: `TOUCH`. The touch that homes it is held to a bed that is known, too.
 //! - A mesh lowers z by its deepest point, and offsets by their sum. Both are inputs.
 //! - With soft endstops off (M211 S0) or other ends or steps than the machine was made with (M92, settings in storage)
 //!   the rule ends ([`Status::is_free`](corehbot::status::Status::is_free)). Nothing is known while motors are grouped
