@@ -12,7 +12,7 @@ use fixed::types::I32F32;
 
 /// A number of a G-code word; never beyond ±[`Number::LIMIT`], so that sums of a few cannot overflow.
 ///
-/// It holds how far the bits are above [`LEAST`]. So nothing is zero, and an `Option` of it takes no more than a
+/// It holds how far the bits are above `LEAST`. So nothing is zero, and an `Option` of it takes no more than a
 /// number: commands consist of little else.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Number(NonZeroU64);

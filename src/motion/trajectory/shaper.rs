@@ -143,7 +143,7 @@ const LONGEST_FOR_EXTRUDER: f32 = 0.04;
 /// The window of the pressure advance: from the settings, or else from the spread of the slower shaper.
 ///
 /// A shaper delays by different times with different weights. A uniform window with the same standard deviation follows
-/// the shaped motion of one axis best: both agree up to the second order. For the tool's path it is [`FITTING`] of
+/// the shaped motion of one axis best: both agree up to the second order. For the tool's path it is `FITTING` of
 /// that. It is longer if the extruder could not otherwise follow a heavy line at the highest acceleration of x or y.
 /// Both ends of the window may see K a, which it spreads over its length.
 #[must_use]
