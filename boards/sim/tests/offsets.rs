@@ -114,6 +114,24 @@ fn m290_corrects_the_probe_that_homes_z_and_survives_the_start_of_a_print() {
     });
 }
 
+/// *Reproducer*: -1.7 and 0.1 were told as a sum of -1.5999999999.
+#[test]
+fn the_sum_of_both_offsets_has_no_more_decimals_than_they_have() {
+    over(&homing(), &bed(), &mut Eeprom::blank(), |life| {
+        for (probe, program, sum) in [
+            ("-1.7", "0.1", "-1.6"),
+            ("-1.45", "0.1", "-1.35"),
+            ("-1.5", "-0.0125", "-1.5125"),
+            ("-0.3", "0.3", "0"),
+            ("-1.7", "0.001", "-1.699"),
+        ] {
+            say(life, &[&format!("M851 Z{probe}"), &format!("SET_GCODE_OFFSET Z={program}")]);
+            let told = format!("echo:Z offset {program}, the sum is {sum}, not saved: M500 keeps it");
+            tells(life, "M290", &told);
+        }
+    });
+}
+
 /// *Reproducer*: a replay of `M503 S0` set the probe's offset to that of the program.
 #[test]
 fn a_replay_of_the_settings_leaves_the_nozzle_where_it_is() {

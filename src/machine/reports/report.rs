@@ -5,7 +5,7 @@
 use crate::connectors::Heater;
 use crate::kinematics::Groups;
 use crate::machine::answers::speaker::Speaker;
-use crate::machine::numbers::exact;
+use crate::machine::numbers::{exact, shortest_with};
 use crate::machine::state::commanded::Commanded;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
@@ -221,7 +221,9 @@ pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: 
     let kept = exact(s.bed.z_offset);
     if s.homes_z_by_probe() {
         to.say(format_args!("echo:Probe Offset Z{}{news_of_probe}", exact(s.probe.offset.z)));
-        to.say(format_args!("echo:Z offset {kept}, the sum is {}{news}", exact(s.probe_in_program().offset.z)));
+        // The sum of two rounded decimals is a bit or two off the decimal that it means.
+        let sum = shortest_with(s.probe_in_program().offset.z.into(), 24);
+        to.say(format_args!("echo:Z offset {kept}, the sum is {sum}{news}"));
     } else {
         to.say(format_args!("echo:Z offset {kept}{news}"));
     }
