@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use crate::common::{Bench, bench_of, firmware, lines_of, plain_firmware, print_on, root};
+use crate::storage::STACK_RESERVE;
 use corehbot::connectors::{ConnectorName, Heater};
 use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
@@ -195,6 +196,7 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
         let mut eeprom = At24c32::holding(old.cells.clone());
         eeprom.cut = Some(Cut { after, whole_page: number % 2 == 0 });
         let cut = talk(eeprom, &store(9));
+        assert!(cut.stack_free >= STACK_RESERVE, "{}", cut.stack_free);
         let told = cut.line.said.iter().any(|line| line.starts_with("echo:machine stored"));
         assert_eq!(told, cut.end == End::Done, "after {after}: {:?}", cut.line.said);
         let seen = talk(At24c32::holding(cut.eeprom.cells), "M113\n");

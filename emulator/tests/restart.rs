@@ -6,8 +6,8 @@ use corehbot_emulator::watch::End;
 
 #[test]
 fn m999_resets_the_chip_and_the_host_is_greeted_again() {
-    // The comments keep M112 back until M17 has given power: no more is read ahead.
-    let filling = ";---------------------------------------------------------------\n".repeat(24);
+    // M112 acts as soon as it has arrived. The comments take a second on the line, and M17 gives power in that time.
+    let filling = ";---------------------------------------------------------------\n".repeat(384);
     let gcode = format!("M17\nG1 X60 F600\n{filling}M112\nM999\n");
     let manner = Manner { is_impatient: true, ..Manner::default() };
     let seen = print_on(&firmware(), &gcode, &Bench { manner, ..Bench::default() });

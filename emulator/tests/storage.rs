@@ -142,7 +142,7 @@ fn a_bus_that_is_held_low_costs_no_more() {
 }
 
 /// The guard of the stack, its lowest KiB, and the reserve above it for cases outside this test.
-const STACK_RESERVE: u32 = 1024 + 2048;
+pub const STACK_RESERVE: u32 = 1024 + 2048;
 
 /// Settings are the largest things on the stack: built at the start, read, saved and read again, while steps are made
 /// and all drivers are monitored.

@@ -80,7 +80,7 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         SettingCommand::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
         SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: states.retraction, for_replay },
         SettingCommand::MachineRecord(order) => {
-            return apart(pin!(exchange_machine(main_loop, &mut states.pieces, order))).await;
+            return exchange_machine(main_loop, &mut states.pieces, order).await;
         }
     })
 }
