@@ -32,6 +32,8 @@ pub(in crate::machine) struct Hosts<S> {
     may_be_new: bool,
     /// A host may have periodic reports.
     may_schedule: bool,
+    /// When signs of life were last looked after.
+    tended: Instant,
 }
 
 impl<S: Serial> Hosts<S> {
@@ -48,6 +50,7 @@ impl<S: Serial> Hosts<S> {
             may_owe: false,
             may_be_new: false,
             may_schedule: false,
+            tended: Instant(0),
         }
     }
 
@@ -204,11 +207,12 @@ impl<S: Serial> Hosts<S> {
         all
     }
 
-    /// Whether one of the hosts may be owed something for lines out of their turn. It is asked for once a turn.
-    pub(in crate::machine) fn may_owe(&mut self) -> bool {
+    /// Whether one of the hosts may be owed something for lines out of their turn, and whether one may have periodic
+    /// reports. It is asked for once a turn.
+    pub(in crate::machine) fn may_get_unasked(&mut self) -> (bool, bool) {
         let may_owe = self.may_owe;
         self.may_owe = may_owe && self.hosts.iter_mut().any(|host| !host.receiver.owed().is_empty());
-        may_owe
+        (may_owe, self.may_schedule)
     }
 
     /// What a host is owed for lines out of their turn, if anything, and where it goes; not while other output waits.
@@ -223,8 +227,13 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut().for_each(Host::send);
     }
 
-    /// Sends a sign of life to hosts that have waited for `every_ms` for the answer to a line. 0 is never.
+    /// Sends a sign of life to hosts that have waited for `every_ms` for the answer to a line. 0 is never. It looks once
+    /// a millisecond: there may be a turn for each byte.
     pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32) {
+        if now < self.tended.after_ms(1) {
+            return;
+        }
+        self.tended = now;
         let say = |replies: &mut Replies, is_aside: bool| if is_aside { replies.paused() } else { replies.busy() };
         for (place, host) in self.hosts.iter_mut().enumerate() {
             let is_served = self.owes_ok && !self.is_gone && place == self.serving;
@@ -278,7 +287,7 @@ impl<S: Serial> Hosts<S> {
 
     /// Whether a report is due for a host with no other output waiting.
     pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
-        self.may_schedule && self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.are_sent())
+        self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.are_sent())
     }
 
     /// Sends a report to the hosts for which it is due and that have no other output waiting.

@@ -243,8 +243,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
         self.status.set_awaiting_user(self.job.is_paused());
         self.hosts.keep_alive(now, keepalive_ms);
-        self.answer_early();
-        self.report_unasked(now);
+        let (may_owe, may_schedule) = self.hosts.may_get_unasked();
+        if may_owe {
+            self.answer_early();
+        }
+        if may_schedule {
+            self.report_unasked(now);
+        }
         self.hosts.send();
         match emergency {
             Some(interrupt) => Err(interrupt),

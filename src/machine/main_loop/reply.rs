@@ -233,9 +233,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// Answers lines that were taken out of their turn, so that the bytes behind them can be read.
     pub(super) fn answer_early(&mut self) {
-        if !self.hosts.may_owe() {
-            return;
-        }
         for place in 0..self.hosts.len() {
             let Some((&mut Owed { position, .. }, _)) = self.hosts.owed(place) else { continue };
             let (temperatures, position) = (self.temperatures(), self.position(position == Some(true)));
