@@ -25,7 +25,7 @@ impl Number {
     pub const LIMIT: i32 = 1_000_000_000;
 
     /// Zero.
-    pub const ZERO: Self = Self(NonZeroU64::MIN.saturating_add((LEAST.unsigned_abs()) - 1));
+    pub const ZERO: Self = Self::from_bits(0);
 
     /// The number with these bits, which are above [`LEAST`].
     const fn from_bits(bits: i64) -> Self {

@@ -140,8 +140,8 @@ quantity! {
 }
 
 quantity! {
-    /// The commanded speed of a move in mm/s; resolution 1 um/s, range 4 m/s. A slow feed has few of these bits, and all
-    /// the time of the move: 0.6 mm/min is off by 0.002 %, and would be by 0.05 % with the bits of [`MmPerSec`].
+    /// The commanded speed of a move in mm/s; resolution 1 um/s, range 4 m/s. A slow feed has few of these bits, and
+    /// all the time of the move: 0.6 mm/min is off by 0.002 %, and would be by 0.05 % with the bits of [`MmPerSec`].
     Feed(U12F20, u32)
 }
 

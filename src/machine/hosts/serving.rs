@@ -227,8 +227,8 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut().for_each(Host::send);
     }
 
-    /// Sends a sign of life to hosts that have waited for `every_ms` for the answer to a line. 0 is never. It looks once
-    /// a millisecond: there may be a turn for each byte.
+    /// Sends a sign of life to hosts that have waited for `every_ms` for the answer to a line. 0 is never. It looks
+    /// once a millisecond: there may be a turn for each byte.
     pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32) {
         if now < self.tended.after_ms(1) {
             return;

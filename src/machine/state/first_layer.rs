@@ -17,7 +17,7 @@ pub(in crate::machine) struct FirstLayer {
     unkept: Mm,
     /// So does this: the part that M290 has added to the probe's offset. Homing finds it there.
     of_probe: Mm,
-    /// How far below the end of its axis z may go, for the sum of both.
+    /// How far below the end of its axis z may go, for the sum of both. It is told in each turn, so it is kept.
     below: Mm,
     /// The kept offsets as they are in storage.
     stored: [Mm; 2],
