@@ -4,6 +4,7 @@
 //! a print takes as long as its computation. The host of [`run`] answers at once: time stands still while the printer
 //! waits for a line.
 
+mod beyond;
 mod desk;
 mod heat;
 mod runs;
@@ -18,16 +19,15 @@ use crate::moves::Tap;
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
-use crate::reach::{Beyond, Reach};
+use crate::reach::Reach;
 use corehbot::app::{Parts, StepPorts, assemble};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
-use corehbot::motion::{StepCounts, StepGenerator, Stepper, SurfaceFrame};
+use corehbot::motion::{StepCounts, StepGenerator, Stepper};
 use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
 use corehbot::port::Storage;
 use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::surface::{Heights, UNITS_PER_MM};
 use corehbot::thermal::ThermalControl;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
@@ -109,14 +109,6 @@ impl Turned {
     fn recouple(&mut self, coupling: Coupling, counts: [i32; MOST_GROUPS]) {
         *self = Self { coupling, since: counts, before: self.motors(counts) };
     }
-}
-
-/// The greatest height or depth of a surface that z follows, in mm.
-fn greatest_height(surface: Option<(&SurfaceFrame, &Heights)>) -> f64 {
-    let Some((_, heights)) = surface.filter(|(frame, _)| !frame.is_none()) else { return 0.0 };
-    let each = (0..heights.rows()).flat_map(|row| (0..heights.columns()).map(move |column| heights.get(column, row)));
-    // A smooth surface goes beyond its points by a quarter at most.
-    1.25 * each.map(|height| f64::from(height).abs()).fold(0.0, f64::max) / f64::from(UNITS_PER_MM)
 }
 
 /// The firmware and its machine.
@@ -341,32 +333,6 @@ impl<'w> World<'w> {
         }
         self.keep_heat();
         moved
-    }
-
-    /// Holds the place of the tool to the ends of its axes.
-    fn hold_to_reach(&mut self) {
-        if self.status.is_free() {
-            self.reach.end();
-        }
-        if self.turned.coupling != self.tool {
-            return;
-        }
-        let (made, origin) = (self.counts.read(), self.generator.origin());
-        let groups = std::array::from_fn(|group| made[group].wrapping_add(origin[group]));
-        let counts = self.tool.motor_counts(groups).map(i64::from);
-        let (generator, shifts) = (&self.generator, &self.z_shifts);
-        let offset = || greatest_height(generator.surface()) + shifts.way() * self.step_of_z;
-        let (known, watched) = (self.status.known(), self.generator.watched());
-        let beyond = self.reach.look(self.stepper.tick(), known, watched, &counts, offset);
-        if self.is_strict {
-            assert_eq!(beyond.map(|beyond| beyond.to_string()), None);
-        }
-    }
-
-    /// The first homed axis that went beyond its end.
-    #[must_use]
-    pub const fn beyond(&self) -> Option<Beyond> {
-        self.reach.found()
     }
 
     /// The generator has its turns, and their moves are followed. A function of its own, because most events need no
