@@ -39,6 +39,7 @@ pub fn is_word(text: &[u8], word: &[u8]) -> bool {
 
 /// The number of the digits that `text` begins with, and the text after them. It saturates, and is 0 without a digit.
 #[must_use]
+#[inline]
 pub fn read_digits(mut text: &[u8]) -> (u16, &[u8]) {
     let mut number = 0u16;
     while let [digit @ b'0'..=b'9', after @ ..] = text {

@@ -7,7 +7,6 @@
 //! Comments are `;` to the end and `( )`.
 
 use super::number::Number;
-use crate::text;
 
 /// One word of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,6 +54,7 @@ impl<'a> Words<'a> {
 }
 
 /// Space, tab, or a byte of a no-break space (U+00A0), which people copy from web pages.
+#[inline(always)]
 pub(super) const fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | 0xC2 | 0xA0)
 }
@@ -65,8 +65,14 @@ pub(super) const fn is_outside(byte: u8) -> bool {
 }
 
 /// `text` without the blanks it begins with.
-pub(super) fn skip_blanks(text: &[u8]) -> &[u8] {
-    text::trim_start(text, is_blank)
+#[inline(always)]
+pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
+    while let [byte, after @ ..] = text
+        && is_blank(*byte)
+    {
+        text = after;
+    }
+    text
 }
 
 /// The suffix of `text` from the first byte for which `is_end` is true; empty if there is none.

@@ -195,6 +195,7 @@ const POWERS_END: u32 = 1_000_000_000;
 ///
 /// The reciprocal is too small by less than 1. So the estimate is too small by less than decimals / 2^31 < 0.47 before
 /// its own decimals are cut off. The remainder is less than 1.47 `power`, and rounding adds 1 at the most.
+#[inline(always)]
 fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
     let quotient = (u64::from(decimals) * reciprocal) >> 31;
     let power = u64::from(power);

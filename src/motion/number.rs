@@ -16,12 +16,14 @@ pub(crate) fn time(ticks: f32) -> SubTicks {
 }
 
 /// Ticks of any number as a time in ticks times 2^16.
+#[inline(always)]
 pub(crate) fn long_time(ticks: f32) -> SubTicks {
     SubTicks(to_bits(ticks * const { 1.0 / 65536.0 }))
 }
 
 /// A distance in steps, exact to 2^-24 of its value. A number and its negative have the same digits, so that mirrored
 /// motors mirror each other to the tick.
+#[inline(always)]
 pub(crate) fn to_f32(steps: Steps) -> f32 {
     let bits = steps.to_bits();
     let size = bits.unsigned_abs();
@@ -30,6 +32,7 @@ pub(crate) fn to_f32(steps: Steps) -> f32 {
 }
 
 /// A distance below 2^31 steps.
+#[inline(always)]
 pub(crate) fn from_f32(steps: f32) -> Steps {
     let whole = steps as i32;
     let part = ((steps - whole as f32) * 2_147_483_648.0) as i32;
@@ -39,6 +42,12 @@ pub(crate) fn from_f32(steps: f32) -> Steps {
 /// Square root, exact except for the last bit; 0 for a negative number. The first guess halves the exponent and is
 /// wrong by 3.5 % at most; each Newton step squares this error.
 pub(crate) fn root(square: f32) -> f32 {
+    root_in_place(square)
+}
+
+/// The same for a loop, without a call.
+#[inline(always)]
+pub(crate) fn root_in_place(square: f32) -> f32 {
     if square <= 0.0 {
         return 0.0;
     }
@@ -73,6 +82,7 @@ pub(crate) fn mm(length: Length) -> f32 {
 }
 
 /// A length of so many mm.
+#[inline(always)]
 pub(crate) fn length_of(mm: f32) -> Length {
     Length(to_bits(mm))
 }
@@ -88,11 +98,13 @@ pub(crate) fn speed_sq(square: f32) -> SpeedSq {
 }
 
 /// A value with 32 fractional bits, as a number.
+#[inline(always)]
 fn from_bits(bits: u64) -> f32 {
     ((bits >> 32) as u32) as f32 + ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 }
 }
 
 /// A non-negative number with 32 fractional bits. Saturates, also for NaN.
+#[inline(always)]
 fn to_bits(number: f32) -> u64 {
     const MOST: f32 = 4_294_967_296.0;
     if number < MOST {

@@ -95,7 +95,7 @@ impl SurfaceFrame {
     }
 
     /// Real z and its speed where the axes are so.
-    pub(in crate::motion) fn raised(&self, heights: &Heights, [x, y, z]: [Moving; 3]) -> Moving {
+    pub(in crate::motion) fn raised(&self, heights: &Heights, [x, y, z]: &[Moving; 3]) -> Moving {
         let [u, v] = self.place(x.0, y.0);
         let [height, du, dv] = heights.slopes_at(u, v);
         let [rate_x, rate_y] = self.rate;
@@ -124,7 +124,7 @@ impl SurfaceFrame {
             return position;
         }
         let [x, y, z, e] = position;
-        let (z, _) = self.raised(heights, [(x, 0.0), (y, 0.0), (z, 0.0)]);
+        let (z, _) = self.raised(heights, &[(x, 0.0), (y, 0.0), (z, 0.0)]);
         [x, y, z, e]
     }
 
@@ -197,7 +197,7 @@ mod tests {
             for (i, j) in (0..=144).flat_map(|i| (0..=144).map(move |j| (i, j))) {
                 let [x, y] = [i, j].map(|k| Steps::from_num(800 + k * 200));
                 let at = [(x, 0.0), (y, 0.0), (Steps::from_num(400), 0.001)];
-                let (_, speed) = frame.raised(mesh.heights(), at);
+                let (_, speed) = frame.raised(mesh.heights(), &at);
                 most = if speed > most { speed } else { most };
             }
             assert!(most <= 0.001 * (1.0 + fading) * 1.00001, "{seed}: {most} of 0.001, {fading}");
@@ -212,7 +212,7 @@ mod tests {
             for (vx, vy, vz) in [(0.002, 0.0, 0.0), (0.001, -0.002, 0.0), (0.0, 0.001, 0.001), (0.001, 0.001, -0.001)] {
                 let at = |t: f32| {
                     let axis = |from: i32, v: f32| (Steps::from_num(from).wrapping_add(from_f32(v * t)), v);
-                    frame.raised(mesh.heights(), [axis(9000, vx), axis(12_000, vy), axis(z, vz)])
+                    frame.raised(mesh.heights(), &[axis(9000, vx), axis(12_000, vy), axis(z, vz)])
                 };
                 let (before, here, after) = (at(-dt), at(0.0), at(dt));
                 let mean = to_f32(after.0.wrapping_sub(before.0)) / (2.0 * dt);

@@ -11,9 +11,10 @@ impl Counted {
         Self([const { AtomicI32::new(0) }; MOST_GROUPS])
     }
 
-    /// Adds `steps` to each group. One context is the only writer.
-    pub fn add(&self, steps: [i32; MOST_GROUPS]) {
-        for (count, steps) in self.0.iter().zip(steps) {
+    /// Adds `steps` to a group. One context is the only writer.
+    #[inline(always)]
+    pub fn add(&self, group: usize, steps: i32) {
+        if let Some(count) = self.0.get(group) {
             count.store(count.load(Relaxed).wrapping_add(steps), Relaxed);
         }
     }

@@ -10,9 +10,10 @@ impl Status {
         self.made.read()
     }
 
-    /// Counts more steps of each group in the StepQueue. The StepGenerator is the only writer.
-    pub(crate) fn add_steps_made(&self, steps: [i32; MOST_GROUPS]) {
-        self.made.add(steps);
+    /// Counts more steps of a group in the StepQueue. The StepGenerator is the only writer.
+    #[inline(always)]
+    pub(crate) fn add_steps_made(&self, group: usize, steps: i32) {
+        self.made.add(group, steps);
     }
 
     /// Stores the due time of a played event, by the step timer. The Stepper is the only writer.

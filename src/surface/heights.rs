@@ -43,10 +43,11 @@ impl Line {
         }
     }
 
-    /// Its height, from the heights of all lines.
-    fn height(self, of: impl Fn(usize) -> i32) -> i32 {
-        let at = of(self.at);
-        if self.times == 1 { at } else { 2 * at - of(self.less) }
+    /// The height of a column in a row of points.
+    #[inline(always)]
+    fn height(&self, points: &[i16; MOST_POINTS]) -> i32 {
+        let of = |place: usize| points.get(place).copied().map_or(0, i32::from);
+        if self.times == 1 { of(self.at) } else { 2 * of(self.at) - of(self.less) }
     }
 }
 
@@ -133,20 +134,38 @@ impl Heights {
         })
     }
 
-    /// The cell of a column and a row, with the points around it.
+    /// The cell of a column and a row, with the points around it. It has loops: optimisation for the least size calls
+    /// the closures of `from_fn` as functions.
     fn cell(&self, column: u8, row: u8) -> Cell {
         let (last_column, last_row) = (self.columns.saturating_sub(1), self.rows.saturating_sub(1));
-        Cell(core::array::from_fn(|j| {
-            let row = Line::new(i32::from(row) + j as i32 - 1, last_row);
-            core::array::from_fn(|i| {
-                let column = Line::new(i32::from(column) + i as i32 - 1, last_column);
-                row.height(|row| column.height(|column| i32::from(self.get(column, row)))) as f32
-            })
-        }))
+        let (column, row) = (i32::from(column), i32::from(row));
+        let columns = [
+            Line::new(column - 1, last_column),
+            Line::new(column, last_column),
+            Line::new(column + 1, last_column),
+            Line::new(column + 2, last_column),
+        ];
+        let mut cell = [[0.0; 4]; 4];
+        for (number, heights) in (row - 1..).zip(&mut cell) {
+            let row = Line::new(number, last_row);
+            let Some(points) = self.points.get(row.at) else { continue };
+            if row.times == 1 {
+                for (height, column) in heights.iter_mut().zip(&columns) {
+                    *height = column.height(points) as f32;
+                }
+            } else {
+                let Some(others) = self.points.get(row.less) else { continue };
+                for (height, column) in heights.iter_mut().zip(&columns) {
+                    *height = (2 * column.height(points) - column.height(others)) as f32;
+                }
+            }
+        }
+        Cell(cell)
     }
 
     /// The cell of a place along one axis, and the part of the cell before it, from 0 to 1. `None` for the part if the
     /// place lies outside of the grid, where it counts as the border.
+    #[inline(always)]
     fn place(at: f32, points: u8) -> (u8, f32, bool) {
         let last = points.saturating_sub(2);
         let end = f32::from(points.saturating_sub(1));

@@ -41,6 +41,26 @@ impl fmt::Display for MeshError {
 
 impl core::error::Error for MeshError {}
 
+/// A length in mm. `to_num` gives the same and is called as a function, as it treats every format.
+fn in_f32(length: Mm) -> f32 {
+    length.to_bits() as f32 * const { 1.0 / 4_294_967_296.0 }
+}
+
+impl Bounds {
+    /// Bounds in units and cells as bounds in mm, with so many [cells a millimetre](Mesh::cells_per_mm).
+    #[must_use]
+    pub fn in_mm(&self, [per_x, per_y]: [f32; 2]) -> Self {
+        let unit = const { 1.0 / UNITS_PER_MM as f32 };
+        Self {
+            dx: self.dx * unit * per_x,
+            dy: self.dy * unit * per_y,
+            dxx: self.dxx * unit * per_x * per_x,
+            dxy: self.dxy * unit * per_x * per_y,
+            dyy: self.dyy * unit * per_y * per_y,
+        }
+    }
+}
+
 impl Mesh {
     /// Heights from the first column and row to the last ones. They fade up to z = `fade`, 0 for no fade.
     ///
@@ -138,32 +158,18 @@ impl Mesh {
     #[must_use]
     pub fn cells_per_mm(&self) -> [f32; 2] {
         let ([x, y], [to_x, to_y]) = (self.first, self.last);
-        let rate = |cells: usize, from: Mm, to: Mm| cells.saturating_sub(1) as f32 / (to - from).to_num::<f32>();
+        let rate = |cells: usize, from: Mm, to: Mm| cells.saturating_sub(1) as f32 / in_f32(to - from);
         [rate(self.heights.columns(), x, to_x), rate(self.heights.rows(), y, to_y)]
-    }
-
-    /// Bounds in units and cells as bounds in mm.
-    #[must_use]
-    pub fn in_mm(&self, bounds: &Bounds) -> Bounds {
-        let unit = const { 1.0 / UNITS_PER_MM as f32 };
-        let [per_x, per_y] = self.cells_per_mm();
-        Bounds {
-            dx: bounds.dx * unit * per_x,
-            dy: bounds.dy * unit * per_y,
-            dxx: bounds.dxx * unit * per_x * per_x,
-            dxy: bounds.dxy * unit * per_x * per_y,
-            dyy: bounds.dyy * unit * per_y * per_y,
-        }
     }
 
     /// Height at a place, without fade, in mm and mm a mm.
     #[must_use]
     pub fn at(&self, x: Mm, y: Mm) -> Height {
         let ([first_x, first_y], [per_x, per_y]) = (self.first, self.cells_per_mm());
-        let cells = |at: Mm, first: Mm, rate: f32| at.saturating_sub(first).to_num::<f32>() * rate;
+        let cells = |at: Mm, first: Mm, rate: f32| in_f32(at.saturating_sub(first)) * rate;
         let Height { z, dx, dy, dxx, dxy, dyy } = self.heights.at(cells(x, first_x, per_x), cells(y, first_y, per_y));
         // Sizes and derivatives have the same units.
-        let Bounds { dx, dy, dxx, dxy, dyy } = self.in_mm(&Bounds { dx, dy, dxx, dxy, dyy });
+        let Bounds { dx, dy, dxx, dxy, dyy } = Bounds { dx, dy, dxx, dxy, dyy }.in_mm([per_x, per_y]);
         Height { z: z * const { 1.0 / UNITS_PER_MM as f32 }, dx, dy, dxx, dxy, dyy }
     }
 }

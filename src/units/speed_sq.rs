@@ -23,6 +23,7 @@ impl SpeedSq {
 
     /// The gain at an acceleration over a length: 2 a L, at most [`MAX`](Self::MAX).
     #[must_use]
+    #[inline(always)]
     pub const fn gained(a: MmPerSec2, Length(length): Length) -> Self {
         // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7. Two halves avoid its upper 64 bits.
         let a = a.to_bits() as u64;

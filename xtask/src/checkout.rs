@@ -69,9 +69,13 @@ pub fn build_image(package: &str) -> Result<PathBuf> {
 /// Cargo's `task` for images.
 pub fn for_boards(task: &str) -> Result<Command> {
     let mut command = cargo([task, "--profile", FIRMWARE, "--target", TARGET]);
-    command.env(FLAGS, path_flags()?);
+    command.env(FLAGS, [path_flags()?.as_str(), NO_OUTLINER[0], NO_OUTLINER[1]].join("\x1f"));
     Ok(command)
 }
+
+/// At the least size, LLVM puts parts that functions share into functions of their own. This saves 6.5 KB of the
+/// Octopus's image, but a line takes 3 % and an event 5 % more instructions.
+const NO_OUTLINER: [&str; 2] = ["-C", "llvm-args=-enable-machine-outliner=never"];
 
 /// The variable that hands flags on to the compiler; paths in them may have spaces.
 pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";

@@ -9,6 +9,7 @@ use corehbot::port::{LINES, Lines, Pend, Received, Serial as _};
 use corehbot::status::Status;
 use corehbot::{machine, motion, thermal};
 use corehbot_cortex_m4::{Handover, finish_stores};
+use corehbot_stepgen::generate;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::exception;
 use embassy_executor::{Executor, SpawnError, SpawnToken, Spawner};
@@ -204,7 +205,7 @@ pub fn couple_step_pins(steps: &mut Steps, dirs: &mut &'static mut Dirs) {
 /// Software has a move to turn into steps, or room for steps.
 #[interrupt]
 fn CAN2_SCE() {
-    if GENERATOR.with(|generator| generator.run(&IrqPend)) {
+    if GENERATOR.with(|generator| generate(generator, &IrqPend)) {
         wake_console();
     }
     finish_stores();

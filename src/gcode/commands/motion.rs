@@ -210,21 +210,21 @@ const fn tool(number: u16) -> Option<Command<'static>> {
 
 /// G0 and G1. Only a line with unusual parts is parsed again.
 pub(in crate::gcode) fn line(code: Code, text: &[u8]) -> Command<'_> {
-    let mut to = AxisWords::default();
-    let mut feed = None;
+    let (mut x, mut y, mut z, mut e, mut feed) = (None, None, None, None, None);
     let mut is_usual = true;
     let mut words = Words::new(text);
     for word in words.by_ref() {
         is_usual &= word.number.is_some();
         match word.letter {
-            b'X' => to.x = word.number,
-            b'Y' => to.y = word.number,
-            b'Z' => to.z = word.number,
-            b'E' => to.e = word.number,
+            b'X' => x = word.number,
+            b'Y' => y = word.number,
+            b'Z' => z = word.number,
+            b'E' => e = word.number,
             b'F' => feed = word.number,
             _ => is_usual = false,
         }
     }
+    let to = AxisWords { x, y, z, e };
     if !is_usual || words.has_skipped() {
         return unusual_line(code, text, to, feed);
     }

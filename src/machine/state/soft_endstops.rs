@@ -18,15 +18,17 @@ pub(in crate::machine) fn clamp(
     if !s.soft_endstops {
         return (position, false);
     }
-    let mut inside = position;
-    let reaches = [s.reach(HomedAxis::X), s.reach(HomedAxis::Y), z];
-    for (((at, from), reach), homed) in inside.iter_mut().zip(from).zip(reaches).zip(homed.axes()) {
-        if homed {
-            *at = (*at).clamp(from.min(reach.least), from.max(reach.most));
-        }
-    }
-    let moved = inside.iter().zip(position).any(|(inside, asked)| are_apart(*inside, asked));
-    (inside, moved)
+    let ([x, y, at_z, e], [from_x, from_y, from_z, _], [is_x, is_y, is_z]) = (position, from, homed.axes());
+    let inside_x = within(x, from_x, is_x, s.reach(HomedAxis::X));
+    let inside_y = within(y, from_y, is_y, s.reach(HomedAxis::Y));
+    let inside_z = within(at_z, from_z, is_z, z);
+    let moved = are_apart(inside_x, x) || are_apart(inside_y, y) || are_apart(inside_z, at_z);
+    ([inside_x, inside_y, inside_z, e], moved)
+}
+
+/// A coordinate within the reach of its axis, if that is homed.
+fn within(at: Mm, from: Mm, is_homed: bool, reach: Range<Mm>) -> Mm {
+    if is_homed { at.clamp(from.min(reach.least), from.max(reach.most)) } else { at }
 }
 
 #[cfg(test)]

@@ -43,6 +43,8 @@ impl Demand {
 pub(in crate::motion) struct Bed {
     mesh: Kept<Option<Mesh>>,
     frame: SurfaceFrame,
+    /// Cells a millimetre along x and y.
+    rate: [f32; 2],
     /// Bounds of the whole mesh, in mm.
     whole: Bounds,
 }
@@ -50,7 +52,7 @@ pub(in crate::motion) struct Bed {
 impl Bed {
     /// Without a mesh.
     pub fn new() -> Self {
-        Self { mesh: Kept::new(None), frame: SurfaceFrame::NONE, whole: Bounds::FLAT }
+        Self { mesh: Kept::new(None), frame: SurfaceFrame::NONE, rate: [0.0; 2], whole: Bounds::FLAT }
     }
 
     /// The mesh, in use or not.
@@ -68,9 +70,9 @@ impl Bed {
     /// Uses it for these axes, or not.
     pub fn use_it(&mut self, is_in_use: bool, s: &Settings) {
         self.frame = frame(self.mesh().filter(|_| is_in_use), s);
-        self.whole = self.mesh().map_or(Bounds::FLAT, |mesh| {
-            let last = [mesh.heights().columns() as f32, mesh.heights().rows() as f32];
-            mesh.in_mm(&mesh.heights().bounds([0.0; 2], last))
+        (self.rate, self.whole) = self.mesh().map_or(([0.0; 2], Bounds::FLAT), |mesh| {
+            let (rate, last) = (mesh.cells_per_mm(), [mesh.heights().columns() as f32, mesh.heights().rows() as f32]);
+            (rate, mesh.heights().bounds([0.0; 2], last).in_mm(rate))
         });
     }
 
@@ -112,7 +114,8 @@ impl Bed {
         s: &Settings,
     ) -> Demand {
         let Some(mesh) = self.mesh() else { return Demand::FLAT };
-        let [along_x, along_y, up] = direction.map(f32::abs);
+        let [along_x, along_y, up] = direction;
+        let (along_x, along_y, up) = (along_x.abs(), along_y.abs(), up.abs());
         if up == 0.0 && turns_flat && self.is_gentle(wanted_accel, s) {
             return Demand::FLAT;
         }
@@ -120,12 +123,13 @@ impl Bed {
         let [to_x, to_y, to_z, _] = *to;
         let places = [self.frame.place(from_x, from_y), self.frame.place(to_x, to_y)];
         let [[u, v], [to_u, to_v]] = places;
-        let [margin_u, margin_v] = mesh.cells_per_mm().map(|rate| rate * MARGIN);
+        let [per_x, per_y] = self.rate;
+        let (margin_u, margin_v) = (per_x * MARGIN, per_y * MARGIN);
         let ordered = |a: f32, b: f32| if a < b { [a, b] } else { [b, a] };
         let ([least_u, most_u], [least_v, most_v]) = (ordered(u, to_u), ordered(v, to_v));
         let cells =
             mesh.heights().bounds([least_u - margin_u, least_v - margin_v], [most_u + margin_u, most_v + margin_v]);
-        let Bounds { dx, dy, dxx, dxy, dyy } = mesh.in_mm(&cells);
+        let Bounds { dx, dy, dxx, dxy, dyy } = cells.in_mm(self.rate);
         let [share, fading] = self.frame.fade_from(if from_z < to_z { from_z } else { to_z });
         let (x, y) = (share * dx, share * dy);
         // As z rises the slopes become less, which bends the way of z as well.

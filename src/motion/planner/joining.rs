@@ -200,7 +200,8 @@ impl OpenLine {
         filament_step: f32,
         settings: &Settings,
     ) -> bool {
-        let ([x, y, z], Axes { x: of_x, y: of_y, z: of_z, .. }) = (first.direction.map(f32::abs), &settings.axes);
+        let ([x, y, z], Axes { x: of_x, y: of_y, z: of_z, .. }) = (first.direction, &settings.axes);
+        let (x, y, z) = (x.abs(), y.abs(), z.abs());
         let (main, share, axis) = match (x, y, z) {
             _ if x >= y && x >= z => (Main::X, x, of_x),
             _ if y >= z => (Main::Y, y, of_y),
@@ -295,7 +296,8 @@ fn filament_way(target: &Target, from: Mm) -> Ordering {
 #[inline(always)]
 fn short(to: Mm, from: Mm) -> Option<f32> {
     let bits = to.wrapping_sub(from).to_bits() >> 5;
-    i32::try_from(bits).ok().map(|bits| bits as f32 * const { 1.0 / (1 << 27) as f32 })
+    let is_short = i64::from(bits as i32) == bits;
+    is_short.then_some(bits as i32 as f32 * const { 1.0 / (1 << 27) as f32 })
 }
 
 /// Whether the tool's move has whole thousandths of a millimetre along each axis.
@@ -329,7 +331,7 @@ impl Planner<'_> {
         let is_line = target.watch.is_empty() && !self.vector.is_extruder_only();
         if !is_line || !self.line.start(target, &self.vector, (begin, asked), filament_step, settings) {
             while !self.replan() {}
-            self.place(target, begin, max_ramps(&self.vector, settings), settings);
+            self.place(target, &begin, max_ramps(&self.vector, settings), settings);
         }
         true
     }
@@ -374,7 +376,7 @@ impl Planner<'_> {
         } else {
             max_ramps(&self.vector, settings)
         };
-        self.place(&target, begin, max_ramp_length, settings);
+        self.place(&target, &begin, max_ramp_length, settings);
     }
 
     /// The open line is continued to `position`.

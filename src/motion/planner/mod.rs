@@ -293,7 +293,7 @@ impl<'m> Planner<'m> {
             return false;
         }
         self.count_move();
-        self.place(target, begin, max_ramps(&self.vector, settings), settings);
+        self.place(target, &begin, max_ramps(&self.vector, settings), settings);
         true
     }
 
@@ -321,7 +321,7 @@ impl<'m> Planner<'m> {
     /// Gives the move from `begin` to the end of the last move its place in the window. Its vector is known (`vector`),
     /// and this part of its length may be for ramps.
     #[inline(never)]
-    fn place(&mut self, target: &Target, begin: [Steps; 4], max_ramp_length: Length, settings: &Settings) {
+    fn place(&mut self, target: &Target, begin: &[Steps; 4], max_ramp_length: Length, settings: &Settings) {
         let vector = &self.vector;
         let is_extruder_only = vector.is_extruder_only();
         let (least, most) = purpose(vector, settings);
@@ -329,7 +329,7 @@ impl<'m> Planner<'m> {
         let is_on_bed = self.bed.is_in_use();
         let demand = if is_on_bed {
             let [_, _, last_up] = self.last.direction;
-            let ends = [&begin, &self.end];
+            let ends = [begin, &self.end];
             self.bed.demand(ends, vector.direction, last_up == 0.0, acceleration(most), settings)
         } else {
             Demand::FLAT
@@ -389,13 +389,13 @@ impl<'m> Planner<'m> {
             self.last_exit_limit_sq = planned.exit_limit_sq();
             self.waiting += u64::from(planned.nominal_ticks);
             if planned.nominal_ticks >= LONG_TICKS {
-                planned.spec.length = exact_length(&self.step_scale, begin, self.end, vector.length);
+                planned.spec.length = exact_length(&self.step_scale, begin, &self.end, vector.length);
             }
         });
         debug_assert!(pushed.is_ok(), "the caller has made room");
         if pushed.is_err() {
             // It is left out, and the next one starts where it would have.
-            (self.count, self.end, self.asked) = (self.window.len(), begin, self.mm(begin));
+            (self.count, self.end, self.asked) = (self.window.len(), *begin, self.mm(*begin));
             return;
         }
         self.last.copy_from(&self.vector);
@@ -438,10 +438,10 @@ impl<'m> Planner<'m> {
 /// The exact distance from `begin` to `end`, given one with 30 right bits.
 #[cold]
 #[inline(never)]
-fn exact_length(step_scale: &[StepScale; 4], begin: [Steps; 4], end: [Steps; 4], about: Length) -> Length {
+fn exact_length(step_scale: &[StepScale; 4], begin: &[Steps; 4], end: &[Steps; 4], about: Length) -> Length {
     let mut ways = [0; 4];
     for (((way, scale), to), from) in ways.iter_mut().zip(step_scale).zip(end).zip(begin) {
-        *way = scale.mm(to.wrapping_sub(from)).to_bits();
+        *way = scale.mm(to.wrapping_sub(*from)).to_bits();
     }
     let [x, y, z, e] = ways;
     let square = |way: i64| i128::from(way) * i128::from(way);
@@ -469,6 +469,7 @@ fn is_faster_on_flat(vector: &Geometry, belts: &Belts, [most, feed]: [f32; 2], s
 }
 
 /// Least speed and acceleration of a move, by its purpose: print, travel, or retract.
+#[inline(always)]
 fn purpose(vector: &Geometry, s: &Settings) -> (MmPerSec, MmPerSec2) {
     if vector.is_extruder_only() {
         (MmPerSec::ZERO, s.retract_acceleration)

@@ -43,11 +43,13 @@ pub(in crate::motion) struct Minima<'m> {
 }
 
 impl Minima<'_> {
+    #[inline(always)]
     fn get(&self, index: u8) -> Option<usize> {
         let slot = self.slots.get(usize::from(self.begin.wrapping_add(index)))?;
         (index < self.len()).then_some(usize::from(*slot))
     }
 
+    #[inline(always)]
     const fn len(&self) -> u8 {
         self.end.wrapping_sub(self.begin)
     }

@@ -198,6 +198,7 @@ impl<'m> StepsIn<'m> {
     }
 
     /// Shows the Stepper `count` events. All but the first are in their slots already.
+    #[inline(always)]
     fn publish(&mut self, interval: u32, word: PackedEvent, count: u32) {
         // A direction taken back with an epoch is set again in the next one.
         let is_plain = word.has_only_steps(self.slow)

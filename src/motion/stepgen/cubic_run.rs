@@ -20,6 +20,7 @@ pub(super) struct CubicRun {
 
 impl CubicRun {
     /// A single step, or several in the same tick.
+    #[inline(always)]
     pub fn at(base: u32, ticks: f32) -> Self {
         // Not `max`, for which the target has no instruction.
         let ticks = if ticks < 0.0 { 0.0 } else { ticks };
@@ -30,13 +31,11 @@ impl CubicRun {
 
     #[inline(always)]
     pub fn write(mut self, ticks: &mut [u32]) {
-        // Four at a time: 6 instructions each instead of 10.
-        let (fours, remainder) = ticks.as_chunks_mut();
-        for [first, second, third, fourth] in fours {
+        // Two at a time: 6 instructions each instead of 10. Four need more registers than there are.
+        let (pairs, remainder) = ticks.as_chunks_mut();
+        for [first, second] in pairs {
             *first = self.next();
             *second = self.next();
-            *third = self.next();
-            *fourth = self.next();
         }
         for tick in remainder {
             *tick = self.next();

@@ -64,7 +64,11 @@ fn axes(group: &Group) -> impl Iterator<Item = (usize, i8)> {
 /// State of a group, as a sum over its axes.
 fn sum(group: &Group, trajectory: &Trajectory, at: SubTicks) -> AxisState {
     let mut sum = AxisState::at_rest(Steps::ZERO);
-    for (axis, times) in axes(group) {
+    let [x, y, z, e] = group.row;
+    for (axis, times) in [x, y, z, e, e].iter().copied().enumerate() {
+        if times == 0 {
+            continue;
+        }
         let state = trajectory.state(axis, at);
         let (position, speed) = match times {
             1 => (state.position, state.speed),
@@ -164,7 +168,7 @@ impl GroupStepper {
         self.target_count = self.count();
         self.unsolved = 0;
         self.is_piece_solved = true;
-        self.step_times = StepTimeBuffer::at(now);
+        self.step_times.restart(now);
         self.start = SubTicks::ZERO;
         self.end.time = SubTicks::MAX;
         self.after_reversal = None;
@@ -248,7 +252,8 @@ impl GroupStepper {
         } else {
             self.set_target(count, count);
         }
-        self.solve();
+        // `refill` solves it.
+        self.is_piece_solved = false;
     }
 
     /// Sets its steps from one count to another.
@@ -277,10 +282,12 @@ impl GroupStepper {
         self.end_tick = whole(at.time).wrapping_add(FAR);
         self.set_target(count_at(at.position), self.count());
         self.solver = StepTimeSolver::at_once(at.time);
-        self.solve();
+        // `refill` solves it.
+        self.is_piece_solved = false;
     }
 
     /// Solves its next steps.
+    #[inline(always)]
     fn solve(&mut self) {
         let (found, is_piece_solved) = self.step_times.fill(&mut self.solver, self.unsolved, self.end_tick);
         self.unsolved -= found;

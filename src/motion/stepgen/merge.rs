@@ -59,7 +59,7 @@ impl StepGenerator<'_> {
     ///
     /// It handles three groups at once: the first two, which are the belts, and the first of the others to step. Those
     /// rest or step seldom, and a step of a fourth group ends the merging.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn merge(&mut self, until: u32, most: u32, enough: u32) -> bool {
         let (setting, mechanism) = (self.waiting(), self.mechanism);
         let begin = self.last_tick as u32;

@@ -191,7 +191,11 @@ impl<'m> StepGenerator<'m> {
     ///
     /// Returns whether the Console may have waited for this call. That is so if an entry of the MoveQueue was taken or
     /// is done, or if no event was made, as at the end of the motion. Most calls in a long move only make more events.
-    pub fn run(&mut self, pend: &impl Pend) -> bool {
+    ///
+    /// A crate takes its loops, from here to the steps of a group, into a function of its own. So the level at which
+    /// that crate is optimised holds for them, whatever the level of this one.
+    #[inline(always)]
+    pub fn run(&mut self, pend: &dyn Pend) -> bool {
         self.status.heat().beat_of_generator();
         self.scrub();
         let before = (self.moves.len(), self.status.entries_done());
@@ -255,6 +259,7 @@ impl<'m> StepGenerator<'m> {
     }
 
     /// Makes as many events as one call may; whether there is more to do at once.
+    #[inline(always)]
     fn make_events(&mut self) -> bool {
         if self.status.epoch() != self.epoch || self.has_met_endstop() {
             self.begin_epoch();
@@ -300,9 +305,11 @@ impl<'m> StepGenerator<'m> {
 
     /// Publishes the events and steps made.
     fn publish(&mut self) {
-        let counts = self.group_steppers.each_ref().map(GroupStepper::count);
-        let before = core::mem::replace(&mut self.published, counts);
-        self.status.add_steps_made(core::array::from_fn(|group| counts[group].wrapping_sub(before[group])));
+        for group in 0..MOST_GROUPS {
+            let count = self.group_steppers[group].count();
+            let before = core::mem::replace(&mut self.published[group], count);
+            self.status.add_steps_made(group, count.wrapping_sub(before));
+        }
         self.status.set_events_made(self.events.made());
         self.tell_z_offset();
     }
@@ -317,7 +324,9 @@ impl<'m> StepGenerator<'m> {
         self.epoch = self.status.epoch();
         self.drop_z_offset(self.played());
         let unplayed = self.events.take_back();
-        self.status.add_steps_made(unplayed.map(i32::wrapping_neg));
+        for (group, steps) in unplayed.into_iter().enumerate() {
+            self.status.add_steps_made(group, steps.wrapping_neg());
+        }
         let is_under_way = !matches!(self.task, Task::Nothing | Task::ComingToRest(false));
         self.task = Task::Nothing;
         if is_under_way {
@@ -335,6 +344,7 @@ impl<'m> StepGenerator<'m> {
     }
 
     /// Advances by some steps, a piece or an entry; false if there is nothing to do.
+    #[inline(always)]
     fn advance(&mut self, most: u32, enough: u32) -> bool {
         let now = self.last_tick as u32;
         // The steps of all groups are known up to here.
@@ -443,6 +453,7 @@ impl<'m> StepGenerator<'m> {
     }
 
     /// An event without steps.
+    #[inline(always)]
     fn waiting(&self) -> PackedEvent {
         PackedEvent::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
     }

@@ -69,9 +69,11 @@ impl StepTimeBuffer {
     /// No steps, and nothing is known.
     pub const NONE: Self = Self { known_until: 0, ticks: [0; SLOTS], next: 0, end: 0, earliest: 0 };
 
-    /// The same from a tick on.
-    pub const fn at(now: u32) -> Self {
-        Self { known_until: now, earliest: now, ..Self::NONE }
+    /// Forgets all steps, also those that are made. Nothing is known from a tick on.
+    pub const fn restart(&mut self, now: u32) {
+        (self.next, self.end) = (0, 0);
+        (self.known_until, self.earliest) = (now, now);
+        self.ticks[0] = now;
     }
 
     /// Tick of the next step; if none is left, the first tick with nothing known.
@@ -117,6 +119,7 @@ impl StepTimeBuffer {
 
     /// Fills it with the steps of the next `left` ones that come before a tick, as far as there are slots. Returns
     /// their number, and whether more may come before that tick.
+    #[inline(always)]
     pub fn fill(&mut self, solver: &mut StepTimeSolver, left: u32, end_tick: u32) -> (u32, bool) {
         self.clear(end_tick);
         let wanted = (left as usize).min(MOST);
@@ -179,7 +182,8 @@ mod tests {
         // Also where 32-bit ticks are about to wrap.
         for begin in [1000, 1u32 << 31, u32::MAX - 1020] {
             let after = |ticks: [u32; 4]| ticks.map(|ticks| begin.wrapping_add(ticks));
-            let (mut buffer, end) = (StepTimeBuffer::at(begin), begin.wrapping_add(4000));
+            let (mut buffer, end) = (StepTimeBuffer::NONE, begin.wrapping_add(4000));
+            buffer.restart(begin);
             let mut solver = StepTimeSolver::at_once(SubTicks::of_ticks(begin.into()));
             buffer.begin(begin);
             assert_eq!(buffer.fill(&mut solver, 3, end), (3, true));

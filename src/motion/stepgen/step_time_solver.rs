@@ -22,7 +22,7 @@
 //! If that is too much, a run is shorter, down to a single step.
 
 use super::cubic_run::{CubicRun, FINE, HALF, fine, finer};
-use crate::motion::number::{root, ticks, to_f32};
+use crate::motion::number::{root, root_in_place, ticks, to_f32};
 use crate::motion::ticks::MIN_STEP_INTERVAL;
 use crate::motion::trajectory::phase::Curve;
 use crate::settings::ranges::STEP_RATE;
@@ -120,32 +120,35 @@ impl StepTimeSolver {
             None => (even, v0.min(v1) * time),
         };
         let gain = way - covered;
-        let begin = ((from.time.0 & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
-        let piece = Self { base: from.time.whole_ticks() as u32, offset: begin, ..Self::NONE };
-        if gain * time < LEAST_SHIFT * way {
-            return Self { slow: time / way, is_dense: way > time * SPARSE, ..piece }
-                .seen_from_slow_end(distance(from.position, first));
-        }
-        let piece = Self { slow: covered / time, rise: gain / (time * time), ..piece };
-        let piece = Self { is_dense: piece.slow + 2.0 * (piece.rise * time) > SPARSE, ..piece };
-        if curve == Curve::Speeding {
-            Self { curve, ..piece }.seen_from_slow_end(distance(from.position, first))
+        let offset = ((from.time.0 & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
+        let base = from.time.whole_ticks() as u32;
+        let is_steady = gain * time < LEAST_SHIFT * way;
+        let is_slowing = !is_steady && curve != Curve::Speeding;
+        let solver = if is_steady {
+            let is_dense = way > time * SPARSE;
+            Self { slow: time / way, offset, base, is_dense, ..Self::NONE }
         } else {
-            Self { curve, offset: begin + time, run: LONGEST_CURVED, ..piece }
-                .seen_from_slow_end(distance(first, to.position))
-        }
+            let (slow, rise) = (covered / time, gain / (time * time));
+            let is_dense = slow + 2.0 * (rise * time) > SPARSE;
+            let (offset, run) = if is_slowing { (offset + time, LONGEST_CURVED) } else { (offset, 1) };
+            Self { curve, slow, rise, offset, base, run, is_dense, ..Self::NONE }
+        };
+        let from_slow_end = if is_slowing { distance(first, to.position) } else { distance(from.position, first) };
+        solver.seen_from_slow_end(from_slow_end)
     }
 
     /// Sets the distance of the first step from the slow end.
-    fn seen_from_slow_end(self, distance: Steps) -> Self {
+    #[inline(always)]
+    fn seen_from_slow_end(mut self, distance: Steps) -> Self {
         let bits = distance.to_bits();
-        let part = ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
-        let whole = (bits >> 32) as i32;
-        let fast = root(self.square(whole as f32 + part));
-        Self { whole, part, fast, ..self }
+        self.part = ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
+        self.whole = (bits >> 32) as i32;
+        self.fast = root(self.square(self.whole as f32 + self.part));
+        self
     }
 
     /// The speed squared at a distance from the slow end.
+    #[inline(always)]
     fn square(&self, distance: f32) -> f32 {
         self.slow * self.slow + 4.0 * (self.rise * distance)
     }
@@ -156,6 +159,7 @@ impl StepTimeSolver {
     }
 
     /// Fills in the ticks of the next steps; there may be more ticks than the piece has steps.
+    #[inline(always)]
     pub fn fill(&mut self, ticks: &mut [u32]) {
         let mut left = ticks;
         while !left.is_empty() {
@@ -170,6 +174,7 @@ impl StepTimeSolver {
     }
 
     /// The next run at constant speed, and its length.
+    #[inline(always)]
     fn steady(&mut self, most: usize) -> (CubicRun, usize) {
         let at = self.offset + (self.whole as f32 + self.part) * self.slow;
         let mut count = if at < 0.0 { 1 } else { most };
@@ -182,6 +187,7 @@ impl StepTimeSolver {
     }
 
     /// The next run with changing speed, and its length.
+    #[inline(always)]
     fn curved(&mut self, most: usize) -> (CubicRun, usize) {
         let distance = self.whole as f32 + self.part;
         let fast = self.fast;
@@ -192,7 +198,7 @@ impl StepTimeSolver {
         let count = if is_within { self.length(distance, most) } else { 1 };
         self.is_dense |= !is_within;
         self.whole += if is_slowing { -(count as i32) } else { count as i32 };
-        self.fast = root(self.square(self.whole as f32 + self.part));
+        self.fast = root_in_place(self.square(self.whole as f32 + self.part));
         let single = CubicRun::at(self.base, at);
         if count == 1 {
             return (single, 1);
@@ -212,6 +218,7 @@ impl StepTimeSolver {
 
     /// Possible length of the next run, which begins at a distance from the slow end. While speed rises, what was
     /// smooth stays so, and while it falls, what was not smooth never is again. So one rule serves both.
+    #[inline(always)]
     fn length(&mut self, distance: f32, most: usize) -> usize {
         let length = |run: u8| most.min(usize::from(run));
         while self.run > 1 && !self.is_smooth(distance, length(self.run)) {
@@ -224,6 +231,7 @@ impl StepTimeSolver {
     }
 
     /// Whether a cubic is accurate enough for this many steps.
+    #[inline(always)]
     fn is_smooth(&self, distance: f32, count: usize) -> bool {
         let count = count as f32;
         let slowest = self.square(if self.curve == Curve::Slowing { distance - count } else { distance });

@@ -17,6 +17,28 @@ struct Cursor {
     is_inside: bool,
 }
 
+impl Cursor {
+    /// Advances to `time`, as far as spans are laid.
+    #[inline(always)]
+    fn advance(&mut self, tap: &Tap, late: Lateness, spans: &impl Spans, time: SubTicks) {
+        while self.span != spans.laid() {
+            let (span, end) = spans.get(self.span);
+            if !self.is_inside {
+                if time < span.begin.time + late.of(tap, &span.begin) {
+                    break;
+                }
+                self.is_inside = true;
+            }
+            if time < end.time + late.of(tap, end) {
+                break;
+            }
+            self.span = self.span.wrapping_add(1);
+            // Spans follow each other without a gap, or there was a rest.
+            self.is_inside = false;
+        }
+    }
+}
+
 /// The spans as an axis sees them.
 pub(super) trait Spans {
     /// Number of spans laid so far.
@@ -141,7 +163,9 @@ impl Axis {
 
     /// Advances to `time`; false if a tap needs a span that is not laid yet.
     pub fn advance(&mut self, spans: &impl Spans, time: SubTicks) -> bool {
-        advance(&self.taps, self.lateness, &mut self.cursors, spans, time);
+        for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
+            cursor.advance(tap, self.lateness, spans, time);
+        }
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
     }
 
@@ -175,9 +199,7 @@ impl Axis {
 
     /// Its state at a time that may be beyond its next changes, as it is seen from before that time.
     pub fn state_ahead(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
-        let mut cursors = self.cursors;
-        advance(&self.taps, self.lateness, &mut cursors, spans, SubTicks(time.0.saturating_sub(1)));
-        self.state_of(&cursors, spans, time)
+        self.state_of(spans, time, Some(SubTicks(time.0.saturating_sub(1))))
     }
 
     /// Next time at which one of its taps begins or ends a span; `SubTicks::MAX` if there is none.
@@ -211,12 +233,18 @@ impl Axis {
 
     /// Its state at a time up to the next change.
     pub fn state(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
-        self.state_of(&self.cursors, spans, time)
+        self.state_of(spans, time, None)
     }
 
+    /// Its state at a time. With a time `ahead` each tap advances to it first, without leaving its place: one at a time,
+    /// as a copy of all places takes longer than the rest.
     #[inline]
-    fn state_of(&self, cursors: &[Cursor; TAPS], spans: &impl Spans, time: SubTicks) -> AxisState {
+    fn state_of(&self, spans: &impl Spans, time: SubTicks, ahead: Option<SubTicks>) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {
+            let mut cursor = *cursor;
+            if let Some(ahead) = ahead {
+                cursor.advance(tap, self.lateness, spans, ahead);
+            }
             if cursor.span == spans.laid() {
                 return AxisState::at_rest(spans.end().at(self.index));
             }
@@ -231,7 +259,7 @@ impl Axis {
                 AxisState::at_rest(span.begin.at(self.index))
             }
         };
-        let mut copies = self.taps.iter().zip(cursors);
+        let mut copies = self.taps.iter().zip(&self.cursors);
         let Some((tap, cursor)) = copies.next() else {
             return AxisState::at_rest(Steps::ZERO);
         };
@@ -248,27 +276,5 @@ impl Axis {
         }
         let common = if self.is_position { first.position } else { Steps::ZERO };
         AxisState { position: common.wrapping_add(from_f32(way)), speed }
-    }
-}
-
-/// Advances the progress of taps to `time`, as far as spans are laid.
-#[inline(always)]
-fn advance(taps: &[Tap], late: Lateness, cursors: &mut [Cursor; TAPS], spans: &impl Spans, time: SubTicks) {
-    for (tap, cursor) in taps.iter().zip(cursors) {
-        while cursor.span != spans.laid() {
-            let (span, end) = spans.get(cursor.span);
-            if !cursor.is_inside {
-                if time < span.begin.time + late.of(tap, &span.begin) {
-                    break;
-                }
-                cursor.is_inside = true;
-            }
-            if time < end.time + late.of(tap, end) {
-                break;
-            }
-            cursor.span = cursor.span.wrapping_add(1);
-            // Spans follow each other without a gap, or there was a rest.
-            cursor.is_inside = false;
-        }
     }
 }

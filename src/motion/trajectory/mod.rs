@@ -84,6 +84,7 @@ struct Ring<'m> {
 }
 
 impl Ring<'_> {
+    #[inline(always)]
     fn span(&self, number: u32) -> &Span {
         // The mask keeps the index in range.
         self.spans.0.get(number as usize % SPANS).unwrap_or(&Span::EMPTY)
@@ -95,6 +96,7 @@ impl Spans for Ring<'_> {
         self.laid
     }
 
+    #[inline(always)]
     fn get(&self, number: u32) -> (&Span, &Boundary) {
         let next = number.wrapping_add(1);
         (self.span(number), if next == self.laid { &self.end } else { &self.span(next).begin })
@@ -258,25 +260,27 @@ impl<'m> Trajectory<'m> {
 
     /// Lays a phase of the move from `first` to `last`, or a part of a phase, after the last span.
     pub fn lay(&mut self, first: &Position, last: &Position, phase: &Phase) {
-        let begin = self.ring.end;
-        let span = Span::new(begin, phase.time, phase.curve, phase.slow_share);
-        if let Some(slot) = self.ring.spans.0.get_mut(self.ring.laid as usize % SPANS) {
-            *slot = span;
+        let Self { ring, cut, .. } = self;
+        let number = ring.laid;
+        ring.laid = number.wrapping_add(1);
+        // Each part is written in its place: boundaries and spans are too large to be handed around.
+        if let Some(span) = ring.spans.0.get_mut(number as usize % SPANS) {
+            span.lay(&ring.end, phase);
         }
-        self.ring.laid = self.ring.laid.wrapping_add(1);
-        let position = core::array::from_fn(|axis| match (first.get(axis), last.get(axis)) {
-            (Some(first), Some(last)) => point(*first, *last, phase.end),
-            _ => Steps::ZERO,
-        });
-        let scale = match self.cut.take() {
-            None => self.scales(&position, Some((&begin, phase.time))),
+        for (axis, end) in ring.end.position.iter_mut().enumerate() {
+            *end = point(first[axis], last[axis], phase.end);
+        }
+        ring.end.time = ring.end.time + phase.time;
+        let cut = cut.take();
+        let begin = &self.ring.span(number).begin;
+        self.ring.end.scale = match cut {
+            None => self.scales(&self.ring.end.position, Some((begin, phase.time))),
             // The part that has passed stays as it was: the taps move evenly within a span.
             Some((scale, time)) => core::array::from_fn(|i| match (begin.scale.get(i), scale.get(i)) {
                 (Some(from), Some(to)) => between(*from, *to, phase.time, time),
                 _ => ONE,
             }),
         };
-        self.ring.end = Boundary { time: begin.time + phase.time, position, scale };
     }
 
     /// Continues from another position, so close that no motor feels it.
@@ -352,11 +356,11 @@ impl<'m> Trajectory<'m> {
     #[inline(never)]
     fn state_on_surface(&self, time: SubTicks) -> AxisState {
         let [x, y, z, ..] = &self.axes;
-        let moving = [x, y, z].map(|axis| {
+        let at = |axis: &Axis| {
             let state = axis.state_ahead(&self.ring, time);
             (state.position, state.speed)
-        });
-        let (position, speed) = self.surface.raised(&self.heights, moving);
+        };
+        let (position, speed) = self.surface.raised(&self.heights, &[at(x), at(y), at(z)]);
         AxisState { position, speed }
     }
 

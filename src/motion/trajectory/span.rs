@@ -4,7 +4,7 @@
 //! is `g(x) = s x + (1 - s) x^2`. s is the part that the slow end's speed alone would cover. A span with falling speed
 //! is the same seen from its end, so a position is exact at both ends and most accurate where it is slowest.
 
-use super::phase::Curve;
+use super::phase::{Curve, Phase};
 use crate::motion::moves::WHOLE;
 use crate::motion::number::{from_f32, ticks, to_f32};
 use crate::motion::ticks::FAR;
@@ -86,10 +86,12 @@ impl Span {
         curve: Curve::Steady,
     };
 
-    /// A span that takes `time`; the speed of its slow end alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
-    pub fn new(begin: Boundary, time: SubTicks, curve: Curve, slow_share: u32) -> Self {
-        let slow_share = slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
-        Self { begin, rate: 1.0 / ticks(time).max(1.0 / 256.0), slow_share, curve }
+    /// Becomes the span of a phase from `begin` on.
+    pub fn lay(&mut self, begin: &Boundary, phase: &Phase) {
+        self.begin = *begin;
+        self.rate = 1.0 / ticks(phase.time).max(1.0 / 256.0);
+        self.slow_share = phase.slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
+        self.curve = phase.curve;
     }
 
     /// The state of an axis at `time` within the span, which ends at `end`.

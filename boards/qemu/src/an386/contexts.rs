@@ -14,6 +14,7 @@ use corehbot::port::{Coupling, DriverBus, MotorSet, NoAccelerometer, NoStorage, 
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::heat::Heat;
+use corehbot_stepgen::generate;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use critical_section::Mutex;
 use embassy_executor::InterruptExecutor;
@@ -96,7 +97,7 @@ pub extern "C" fn on_step_timer() {
 
 /// Interrupt of software: there is a move to turn into steps, or room for steps.
 pub extern "C" fn on_generator() {
-    if GENERATOR.with(|generator| generator.run(&BoardPend)) {
+    if GENERATOR.with(|generator| generate(generator, &BoardPend)) {
         wake_console();
     }
 }
