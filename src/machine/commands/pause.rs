@@ -160,6 +160,9 @@ async fn report_reason<P: PortSet, W: Pend>(
     first: Action<'static>,
 ) -> Result<(), Interrupt> {
     let (line, question) = match why {
+        Kept::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
+            ("echo:print held: its motors were off. M24 goes on with it, M524 ends it", LOST)
+        }
         Kept::Lost(_) => ("echo:print held: axes are no longer homed. Home them (G28), then send M24", LOST),
         Kept::Failed => ("echo:print held: mend what failed, then send M24 to try the line again", FAILED),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
@@ -343,9 +346,7 @@ async fn go_on<P: PortSet, W: Pend>(
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold | Kept::Failed) | None => [false; 3],
     };
-    let [x, y, z] = homed;
-    let [of_x, of_y, of_z] = wanted;
-    let needed = [x || of_x, y || of_y, z || of_z];
+    let needed = any_of(any_of(homed, wanted), main_loop.job.lost());
     if main_loop.homed.lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
@@ -374,6 +375,11 @@ async fn go_on<P: PortSet, W: Pend>(
     main_loop.job.go_on();
     announce(main_loop, &[Action::Resumed]).await?;
     Ok(Going::On)
+}
+
+/// The axes that are in one of two sets.
+pub(super) fn any_of([x, y, z]: [bool; 3], [of_x, of_y, of_z]: [bool; 3]) -> [bool; 3] {
+    [x || of_x, y || of_y, z || of_z]
 }
 
 /// Modes and limits are those of the program.
@@ -420,6 +426,11 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
     if let (Some(paused), Some(program)) = (main_loop.job.paused_mut(), main_loop.stream.program()) {
         paused.program = *program;
     }
+    // Without numbers, it may be another file.
+    let lost = main_loop.job.lost();
+    if lost != [false; 3] && main_loop.stream.may_hold(false) {
+        return Ok(Going::Not(Kept::Lost(lost)));
+    }
     go_on(main_loop, modal, cold, None).await
 }
 
@@ -450,7 +461,8 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
         }
         Going::Not(why) if is_for_user || answered == Answered::Resume => {
             report_reason(main_loop, why, Action::Paused).await?;
-            main_loop.job.line_mut().keep_on(kept);
+            // Its time is over.
+            main_loop.job.line_mut().keep_on(if is_for_user { Kept::User(None) } else { kept });
             Ok(None)
         }
         Going::Not(_) => {

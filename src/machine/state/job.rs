@@ -2,7 +2,7 @@
 //!
 //! **In a print** is defined in one place, here. Three events begin a print: the first move that extrudes while x or y
 //! move (a jog moves one or the other), M75, or an unknown command name (`START_PRINT ...`). It ends with M77, M524,
-//! M104 S0 or M81 outside of a pause, M84 for x, y or z, M110 of its host, or an end by the firmware. Unlike numbered
+//! M104 S0, M81 or M84 for x, y or z outside of a pause, M110 of its host, or an end by the firmware. Unlike numbered
 //! lines, all hosts and files have that in common.
 //!
 //! The phases:
@@ -12,7 +12,8 @@
 //! - Printing: see above. Motors hold. Heaters go off when idle and come back before filament moves. A line has its
 //!   effect; a line for a cold hotend or a lost position is kept, and the print is paused.
 //! - Paused: by M25, M0, M1, M600, M601, M125, or a line that is kept. Motors hold. Heaters go off after a time and
-//!   come back before the print continues. A line has its effect: it jogs or heats.
+//!   come back before the print continues. A line has its effect: it jogs or heats. Axes that lose their power are
+//!   homed before the print continues.
 //! - Ended: by `Interrupt::EndJob`. Motors lose power when idle, heaters are off. A line moves and heats nothing until
 //!   G28, M108 or M110.
 //!
@@ -228,6 +229,8 @@ pub(in crate::machine) struct Job {
     host: usize,
     /// A name that was unknown may have been meant to home: an axis that never was is not where it seems to be.
     must_be_homed: bool,
+    /// Axes that have lost their place since it began: their motors lost power.
+    lost: [bool; 3],
     /// Where the last move that printed ended.
     printed_at: Option<[Mm; 4]>,
     paused: Option<Break>,
@@ -245,6 +248,7 @@ impl Job {
             phase: Phase::None,
             host: 0,
             must_be_homed: false,
+            lost: [false; 3],
             printed_at: None,
             paused: None,
             targets: None,
@@ -336,6 +340,24 @@ impl Job {
         self.must_be_homed
     }
 
+    /// A pause that power off does not end: a print goes on after it, or a line waits for its user.
+    pub const fn outlives_power(&self) -> bool {
+        matches!(self.phase, Phase::Paused { was_printing } if was_printing || self.line.kept().is_some())
+    }
+
+    /// Axes have lost their place. In a print they must be homed before it goes on.
+    pub fn note_lost(&mut self, axes: [bool; 3]) {
+        let is_under_way = self.is_under_way();
+        for (lost, axis) in self.lost.iter_mut().zip(axes) {
+            *lost |= axis && is_under_way;
+        }
+    }
+
+    /// The axes that must be.
+    pub const fn lost(&self) -> [bool; 3] {
+        self.lost
+    }
+
     /// A move that prints ends there.
     pub const fn note_printed(&mut self, position: [Mm; 4]) {
         self.printed_at = Some(position);
@@ -372,7 +394,7 @@ impl Job {
         if let Phase::Paused { was_printing } = self.phase {
             self.phase = if was_printing { Phase::Printing } else { Phase::None };
         }
-        (self.paused, self.targets) = (None, None);
+        (self.paused, self.targets, self.lost) = (None, None, [false; 3]);
     }
 
     /// Stores the heater targets for the end of the pause, unless they are stored already.
