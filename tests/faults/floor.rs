@@ -161,12 +161,14 @@ fn a_heater_that_can_reach_its_target_never_trips() {
             let mut printer = Printer::new(&constants, settings);
             printer.run(1.0);
             printer.set(heater, target);
+            let mut is_slow = false;
             let reached = printer.run_until(40_000.0, |printer| {
+                is_slow |= printer.status.heat().is_slow(heater);
                 printer.fault().is_some() || (printer.measured(heater) - target).abs() < 0.5
             });
             let what = format!("{heater:?} {plant:?}, up to {highest:.0} C, target {target:.0} C");
             println!("{what}: reached after {reached:.0?} s");
-            assert_eq!(printer.fault(), None, "{what}");
+            assert_eq!((printer.fault(), is_slow), (None, false), "{what}");
             assert!(reached.is_some(), "{what}");
             printer.run(300.0);
             assert_eq!(printer.fault(), None, "{what}");

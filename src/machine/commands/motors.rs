@@ -77,7 +77,8 @@ async fn release<P: PortSet, W: Pend>(
         forget_retraction(main_loop);
     }
     if all || flags.x || flags.y || flags.z {
-        if main_loop.job.outlives_power() {
+        let job = &main_loop.job;
+        if job.is_paused() && (job.printed_at().is_some() || job.line().kept().is_some()) {
             tell_of_pause(main_loop);
         } else {
             end_by_line(main_loop, &mut states.modal).await?;

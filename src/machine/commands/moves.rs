@@ -157,7 +157,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         let wanted = commanded.target(to, modal, &main_loop.settings, false);
         let asked = self.asked_of(commanded, modal, &wanted, course);
-        let is_lost = main_loop.homed.lacks_one_of(main_loop.job.lost());
+        let is_lost = main_loop.homed.lacks_one_of(main_loop.job.lost);
         asked.prints() || is_lost && asked.moves != [false; 3] && !main_loop.stream.is_away()
     }
 
@@ -190,7 +190,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let must_be_homed = job.must_be_homed() || self.main_loop.settings.require_homing;
         // What is printed is at a height, whatever the line moves.
         let needed = any_of(asked.moves, [false, false, asked.prints()]);
-        let lost = job.lost();
+        let lost = job.lost;
         if homed.has_lost_one_of(needed) || homed.lacks_one_of(lost) || must_be_homed && homed.lacks_one_of(asked.moves)
         {
             return self.keep(Kept::Lost(any_of(needed, lost))).await;

@@ -346,7 +346,7 @@ async fn go_on<P: PortSet, W: Pend>(
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold | Kept::Failed) | None => [false; 3],
     };
-    let needed = any_of(any_of(homed, wanted), main_loop.job.lost());
+    let needed = any_of(any_of(homed, wanted), main_loop.job.lost);
     if main_loop.homed.lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
@@ -427,7 +427,7 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
         paused.program = *program;
     }
     // Without numbers, it may be another file.
-    let lost = main_loop.job.lost();
+    let lost = main_loop.job.lost;
     if lost != [false; 3] && main_loop.stream.may_hold(false) {
         return Ok(Going::Not(Kept::Lost(lost)));
     }

@@ -229,8 +229,8 @@ pub(in crate::machine) struct Job {
     host: usize,
     /// A name that was unknown may have been meant to home: an axis that never was is not where it seems to be.
     must_be_homed: bool,
-    /// Axes that have lost their place since it began: their motors lost power.
-    lost: [bool; 3],
+    /// Axes that have lost their place since it began: their motors lost power. They are homed before it goes on.
+    pub lost: [bool; 3],
     /// Where the last move that printed ended.
     printed_at: Option<[Mm; 4]>,
     paused: Option<Break>,
@@ -338,24 +338,6 @@ impl Job {
     /// Whether an axis that was never homed counts as lost.
     pub const fn must_be_homed(&self) -> bool {
         self.must_be_homed
-    }
-
-    /// A pause that power off does not end: a print goes on after it, or a line waits for its user.
-    pub const fn outlives_power(&self) -> bool {
-        matches!(self.phase, Phase::Paused { was_printing } if was_printing || self.line.kept().is_some())
-    }
-
-    /// Axes have lost their place. In a print they must be homed before it goes on.
-    pub fn note_lost(&mut self, axes: [bool; 3]) {
-        let is_under_way = self.is_under_way();
-        for (lost, axis) in self.lost.iter_mut().zip(axes) {
-            *lost |= axis && is_under_way;
-        }
-    }
-
-    /// The axes that must be.
-    pub const fn lost(&self) -> [bool; 3] {
-        self.lost
     }
 
     /// A move that prints ends there.
