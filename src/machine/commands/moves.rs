@@ -6,7 +6,7 @@ use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
 use super::detour::is_own;
 use super::heating::{await_readings, heat_again};
-use super::pause::{Going, any_of, hold, resume_stream};
+use super::pause::{Going, hold, resume_stream};
 use crate::connectors::Heater;
 use crate::gcode::{ArcWords, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
@@ -19,6 +19,7 @@ use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{Commanded, LEAST_FILAMENT, Wanted};
+use crate::machine::state::job::any_of;
 use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::{Notice, Notices};
@@ -157,7 +158,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         let wanted = commanded.target(to, modal, &main_loop.settings, false);
         let asked = self.asked_of(commanded, modal, &wanted, course);
-        let is_lost = main_loop.homed.lacks_one_of(main_loop.job.lost);
+        let is_lost = main_loop.homed.lacks_one_of(main_loop.job.to_home([false; 3], false));
         asked.prints() || is_lost && asked.moves != [false; 3] && !main_loop.stream.is_away()
     }
 
@@ -187,13 +188,11 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(gate);
         }
         let (homed, job) = (self.main_loop.homed, &self.main_loop.job);
-        let must_be_homed = job.must_be_homed() || self.main_loop.settings.require_homing;
         // What is printed is at a height, whatever the line moves.
         let needed = any_of(asked.moves, [false, false, asked.prints()]);
-        let lost = job.lost;
-        if homed.has_lost_one_of(needed) || homed.lacks_one_of(lost) || must_be_homed && homed.lacks_one_of(asked.moves)
-        {
-            return self.keep(Kept::Lost(any_of(needed, lost))).await;
+        let to_home = job.to_home(asked.moves, self.main_loop.settings.require_homing);
+        if homed.has_lost_one_of(needed) || homed.lacks_one_of(to_home) {
+            return self.keep(Kept::Lost(any_of(needed, to_home))).await;
         }
         if asked.filament.saturating_abs() < LEAST_FILAMENT {
             return Ok(gate);

@@ -24,7 +24,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
-use crate::machine::state::job::Break;
+use crate::machine::state::job::{Break, any_of};
 use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::modal::Modal;
 use crate::machine::state::program::{Dynamics, Program};
@@ -341,12 +341,12 @@ async fn go_on<P: PortSet, W: Pend>(
     cold: &ColdExtrusion,
     kept: Option<Kept>,
 ) -> Result<Going, Interrupt> {
-    let Some(Break { program, homed, .. }) = main_loop.job.paused() else { return Ok(Going::On) };
+    let Some(&mut Break { program, homed, .. }) = main_loop.job.paused_mut() else { return Ok(Going::On) };
     let wanted = match kept {
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold | Kept::Failed) | None => [false; 3],
     };
-    let needed = any_of(any_of(homed, wanted), main_loop.job.lost);
+    let needed = main_loop.job.to_home(any_of(homed, wanted), true);
     if main_loop.homed.lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
@@ -375,11 +375,6 @@ async fn go_on<P: PortSet, W: Pend>(
     main_loop.job.go_on();
     announce(main_loop, &[Action::Resumed]).await?;
     Ok(Going::On)
-}
-
-/// The axes that are in one of two sets.
-pub(super) fn any_of([x, y, z]: [bool; 3], [of_x, of_y, of_z]: [bool; 3]) -> [bool; 3] {
-    [x || of_x, y || of_y, z || of_z]
 }
 
 /// Modes and limits are those of the program.
@@ -427,7 +422,7 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
         paused.program = *program;
     }
     // Without numbers, it may be another file.
-    let lost = main_loop.job.lost;
+    let lost = main_loop.job.to_home([false; 3], false);
     if lost != [false; 3] && main_loop.stream.may_hold(false) {
         return Ok(Going::Not(Kept::Lost(lost)));
     }

@@ -103,11 +103,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.power.set(on, self.now());
         let mechanism = self.motion.groups().mechanism();
         self.homed.release(motors, mechanism);
-        if self.job.is_under_way() {
-            for (axis, lost) in self.job.lost.iter_mut().enumerate() {
-                *lost |= mechanism.motors_of(axis).intersects(motors);
-            }
-        }
+        self.job.note_lost([0, 1, 2].map(|axis| mechanism.motors_of(axis).intersects(motors)));
         let belt = self.settings.residuals().motors();
         if belt.intersects(motors) {
             self.trimming.forget();
@@ -116,7 +112,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Takes power from all motors when nothing has moved for long enough. Called with the heat work, every 5 ms.
     pub(super) fn watch_idleness(&mut self, now: Instant) {
-        let keeps_place = self.job.is_paused() && !self.homed.lacks_one_of(self.job.lost);
+        let keeps_place = self.job.is_paused() && !self.homed.lacks_one_of(self.job.to_home([false; 3], false));
         let is_waiting = keeps_place || !self.pauses.waiting().is_idle_for_motors();
         if is_waiting || self.motion.has_motion() || self.trimming.is_measuring() {
             self.power.note_motion(now);

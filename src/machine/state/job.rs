@@ -230,7 +230,7 @@ pub(in crate::machine) struct Job {
     /// A name that was unknown may have been meant to home: an axis that never was is not where it seems to be.
     must_be_homed: bool,
     /// Axes that have lost their place since it began: their motors lost power. They are homed before it goes on.
-    pub lost: [bool; 3],
+    lost: [bool; 3],
     /// Where the last move that printed ended.
     printed_at: Option<[Mm; 4]>,
     paused: Option<Break>,
@@ -240,6 +240,11 @@ pub(in crate::machine) struct Job {
     is_cancelled: bool,
     /// Why the present command has the job end.
     end: JobEnd,
+}
+
+/// The axes that are in one of two sets.
+pub(in crate::machine) fn any_of([x, y, z]: [bool; 3], [of_x, of_y, of_z]: [bool; 3]) -> [bool; 3] {
+    [x || of_x, y || of_y, z || of_z]
 }
 
 impl Job {
@@ -335,9 +340,17 @@ impl Job {
         self.host == host
     }
 
-    /// Whether an axis that was never homed counts as lost.
-    pub const fn must_be_homed(&self) -> bool {
-        self.must_be_homed
+    /// Axes lose their place now, if it is under way.
+    pub fn note_lost(&mut self, axes: [bool; 3]) {
+        if self.is_under_way() {
+            self.lost = any_of(self.lost, axes);
+        }
+    }
+
+    /// The axes that must be homed before it goes on with a line that moves these. One that was never homed counts if
+    /// it `is_required`.
+    pub fn to_home(&self, moves: [bool; 3], is_required: bool) -> [bool; 3] {
+        if is_required || self.must_be_homed { any_of(self.lost, moves) } else { self.lost }
     }
 
     /// A move that prints ends there.
@@ -361,12 +374,7 @@ impl Job {
         self.remember_targets(targets);
     }
 
-    /// The state that the pause keeps.
-    pub const fn paused(&self) -> Option<Break> {
-        self.paused
-    }
-
-    /// The same, which a later line changes.
+    /// The state that the pause keeps, which a later line may change.
     pub const fn paused_mut(&mut self) -> Option<&mut Break> {
         self.paused.as_mut()
     }
