@@ -83,6 +83,7 @@ fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags
             true if is_probed && !s.can_touch(at) => HomingFailure::OutOfReach { at },
             true => continue,
         };
+        main_loop.homed.note_sought(axis as usize);
         main_loop.job.note_end(JobEnd::NotHomed { axis, why });
         return Err(Interrupt::EndJob);
     }
