@@ -51,6 +51,9 @@ const COLD: &str = "Hotend is too cold to print";
 const FAILED: &str = "Mend what failed to go on";
 const LOST: &str = "Home the axes to go on";
 
+/// Said when a line or M24 finds axes that have lost their place.
+const HELD_UNTIL_HOMED: &str = "echo:print held: axes are no longer homed. Home them (G28), then send M24";
+
 /// The result of continuing a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Going {
@@ -163,7 +166,7 @@ async fn report_reason<P: PortSet, W: Pend>(
         Kept::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
             ("echo:print held: its motors were off. M24 goes on with it, M524 ends it", LOST)
         }
-        Kept::Lost(_) => ("echo:print held: axes are no longer homed. Home them (G28), then send M24", LOST),
+        Kept::Lost(_) => (HELD_UNTIL_HOMED, LOST),
         Kept::Failed => ("echo:print held: mend what failed, then send M24 to try the line again", FAILED),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
     };
@@ -408,7 +411,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     }
     Ok(match go_on(main_loop, modal, cold, None).await? {
         Going::On => Answer::Nothing,
-        Going::Not(_) => Answer::Line("echo:not resumed: axes are no longer homed. Home them (G28), then send M24"),
+        Going::Not(_) => Answer::Line(HELD_UNTIL_HOMED),
     })
 }
 
