@@ -259,7 +259,7 @@ fn forms_that_slicers_and_people_write() {
 #[test]
 fn a_word_that_is_none_makes_the_line_do_nothing() {
     for word in [
-        "X", "X-", "X.", "Xnan", "Xinf", "Xabc", "X1,5", "X1.2.3", "X--5", "X=5", "X10\x01", "\x02X10", "X\"1a\"",
+        "X", "X-", "X.", "Xnan", "Xinf", "Xabc", "X1,5", "X1.2.3", "X--5", "X=5", "X10\x01", "\x02X10", "X\"10\"",
         "X1*", "X\u{e4}", "X5 X", "X10 Y", "X 1,5", "U5", "G1 X5", "M5",
     ] {
         for line in [format!("G1 {word}"), format!("G0 Y5 {word} Z2"), format!("G1{word}F1800")] {

@@ -14,7 +14,7 @@ use crate::text;
 pub(super) struct Word<'a> {
     /// The letter in upper case.
     pub letter: u8,
-    /// The number, if the word is more than a flag. It may stand in quotes, as RepRapFirmware takes it.
+    /// The number, if the word is more than a flag.
     pub number: Option<Number>,
     /// The text in quotes that stands where a number might.
     pub quoted: Option<&'a [u8]>,
@@ -113,8 +113,7 @@ impl<'a> Iterator for Words<'a> {
         if let [b'"', tail @ ..] = value {
             let (quoted, after) = self.skip_quoted(tail);
             self.remaining = after;
-            let number = Number::read(quoted).filter(|(_, after)| after.is_empty()).map(|(number, _)| number);
-            return Some(Word { letter, number, quoted: Some(quoted), is_odd: false });
+            return Some(Word { letter, number: None, quoted: Some(quoted), is_odd: false });
         }
         let (number, glued) = match Number::read(value) {
             Some((number, after)) => (Some(number), after),

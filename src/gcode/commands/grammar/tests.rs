@@ -43,7 +43,7 @@ fn letters_that_need_a_number_have_one() {
         ("G1 Xabc", b'X'),
         ("G0 Y5 F", b'F'),
         ("G1 Xnan", b'X'),
-        ("G1 X\"1a\"", b'X'),
+        ("G1 X\"10\"", b'X'),
         ("G1 X10 X", b'X'),
         ("G2 X5 I", b'I'),
         ("G4 S", b'S'),
