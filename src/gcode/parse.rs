@@ -47,9 +47,8 @@ fn parse_code(code: Code, words: &[u8]) -> Option<Command<'_>> {
 /// The command of a name, or `None` if it is not known. `text` is the whole line.
 fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     let text = skip_blanks(text);
-    // A condition that a slicer should have worked out. The subroutines and loops of LinuxCNC (`O100`) are unknown: a
-    // line number with one wrong bit looks like that.
-    if matches!(text, [b'{', b'i' | b'e', ..]) {
+    // The subroutines and loops of LinuxCNC (`O100`) are unknown: a line number with one wrong bit looks like that.
+    if is_condition(text) {
         return Some(Command::Refused(RefusedCommand::Conditional));
     }
     let end = text.iter().position(|byte| !(byte.is_ascii_alphabetic() || *byte == b'_')).unwrap_or(text.len());
@@ -63,6 +62,16 @@ fn parse_named(text: &[u8]) -> Option<Command<'_>> {
         return None;
     }
     (row_of_name(name)?.read)(0, after)
+}
+
+/// Whether a line is a condition or a loop of a template that a slicer (`{if x}`, `[if x]`) or Klipper (`{% if x %}`)
+/// should have worked out.
+fn is_condition(text: &[u8]) -> bool {
+    const WORDS: [&[u8]; 7] = [b"if", b"else", b"elif", b"elsif", b"endif", b"for", b"endfor"];
+    let [b'{' | b'[', text @ ..] = text else { return false };
+    let text = trim_start(text, |byte| is_outside(byte) || matches!(byte, b'%' | b'-'));
+    let end = text.iter().position(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_').unwrap_or(text.len());
+    text.get(..end).is_some_and(|name| WORDS.iter().any(|word| name.eq_ignore_ascii_case(word)))
 }
 
 /// The line from its code on, if only a byte order mark and `( )` comments precede it.

@@ -89,6 +89,8 @@ pub struct Heat {
     /// Numbers of the causes for which heaters are refused; 0 for none.
     ailments: [AtomicU8; HEATERS],
     /// Of 65,535.
+    /// Whether a wait for them is in vain.
+    are_slow: [AtomicBool; HEATERS],
     duties: [AtomicU16; HEATERS],
     fans: [AtomicU16; FANS],
     /// One more than the pulses of each fan's tachometer in the last window, and [`STILL`]; 0 without one.
@@ -136,6 +138,7 @@ impl Heat {
             mcu: AtomicI32::new(0),
             targets: [const { AtomicI32::new(0) }; HEATERS],
             ailments: [const { AtomicU8::new(0) }; HEATERS],
+            are_slow: [const { AtomicBool::new(false) }; HEATERS],
             duties: [const { AtomicU16::new(0) }; HEATERS],
             fans: [const { AtomicU16::new(0) }; FANS],
             tachometers: [const { AtomicU32::new(0) }; FANS],
@@ -196,6 +199,12 @@ impl Heat {
     #[must_use]
     pub fn ailment(&self, heater: Heater) -> Option<Cause> {
         Cause::of(self.ailments[heater as usize].load(Relaxed))
+    }
+
+    /// Whether it warms so slowly at full power that a wait for it is in vain.
+    #[must_use]
+    pub fn is_slow(&self, heater: Heater) -> bool {
+        self.are_slow[heater as usize].load(Relaxed)
     }
 
     /// Whether any heater has one.
@@ -282,6 +291,10 @@ impl Heat {
 
     pub(crate) fn set_ailment(&self, heater: Heater, ailment: Option<Cause>) {
         self.ailments[heater as usize].store(ailment.map_or(0, |cause| cause as u8), Relaxed);
+    }
+
+    pub(crate) fn set_slow(&self, heater: Heater, is_slow: bool) {
+        self.are_slow[heater as usize].store(is_slow, Relaxed);
     }
 
     pub(crate) fn set_fan(&self, fan: usize, duty: u16) {

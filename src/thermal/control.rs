@@ -269,6 +269,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             let duty = if is_any_on { looped.duty() } else { 0 };
             self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());
+            self.status.heat().set_slow(heater, looped.is_slow());
         }
     }
 

@@ -149,6 +149,11 @@ impl HeaterLoop {
         self.wanted
     }
 
+    /// Whether it warms so slowly that a wait for it is in vain.
+    pub const fn is_slow(&self) -> bool {
+        self.guards.is_slow()
+    }
+
     /// Why it must not heat, although there is no fault: its sensor cannot be right.
     pub const fn ailment(&self) -> Option<Cause> {
         self.ailment

@@ -101,6 +101,11 @@ impl HeaterGuards {
         self.under_way.is_over()
     }
 
+    /// Whether it warms so slowly that a wait for it is in vain.
+    pub const fn is_slow(&self) -> bool {
+        self.gain.is_slow()
+    }
+
     /// Numbers that the guards derive from the settings, for their sum.
     pub const fn numbers(&self) -> &Numbers {
         self.balance.numbers()

@@ -8,6 +8,7 @@ use corehbot::fault::Cause;
 use corehbot::settings::{Control, HeaterSettings, ThermalSettings};
 use corehbot::units::{JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use corehbot_rig::plant::{Drive, HeaterFault, Plant, PlantConstants, SensorFault};
+use std::cell::Cell;
 
 /// Models of no real heater: power in W, J/K, W/K, s.
 const NONSENSE: [(f64, f64, f64, f64); 6] = [
@@ -161,12 +162,14 @@ fn a_heater_that_can_reach_its_target_never_trips() {
             let mut printer = Printer::new(&constants, settings);
             printer.run(1.0);
             printer.set(heater, target);
+            let is_slow = Cell::new(false);
             let reached = printer.run_until(40_000.0, |printer| {
+                is_slow.set(is_slow.get() || printer.status.heat().is_slow(heater));
                 printer.fault().is_some() || (printer.measured(heater) - target).abs() < 0.5
             });
             let what = format!("{heater:?} {plant:?}, up to {highest:.0} C, target {target:.0} C");
             println!("{what}: reached after {reached:.0?} s");
-            assert_eq!(printer.fault(), None, "{what}");
+            assert_eq!((printer.fault(), is_slow.get()), (None, false), "{what}");
             assert!(reached.is_some(), "{what}");
             printer.run(300.0);
             assert_eq!(printer.fault(), None, "{what}");

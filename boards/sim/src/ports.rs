@@ -31,6 +31,8 @@ pub(crate) struct Shared {
     pub stepper: Cell<bool>,
     /// Switches that a hand presses.
     pub pressed: Cell<EndstopSet>,
+    /// Switches that read as pressed no more.
+    pub dead: Cell<EndstopSet>,
     /// Whether moves are followed, and what the Console has queued for the generator since the last look.
     pub is_followed: Cell<bool>,
     pub queued: RefCell<Vec<Entry>>,
@@ -356,6 +358,7 @@ impl StepPort for Pins<'_> {
         self.attend_bed();
         let probe = self.bed.as_mut().map_or(EndstopSet::NONE, |bed| bed.endstops(now));
         let pressed = met.with(probe).with(self.shared.pressed.get()).and(self.inputs());
+        let pressed = pressed.and(EndstopSet(!self.shared.dead.get().0));
         self.plugs.map_or(pressed, |plugs| plugs.read(pressed).and(self.inputs()))
     }
 

@@ -443,6 +443,11 @@ impl<'w> World<'w> {
         self.shared.pressed.set(switches);
     }
 
+    /// The wires of these switches break, and of no others.
+    pub fn unplug(&self, switches: EndstopSet) {
+        self.shared.dead.set(switches);
+    }
+
     /// Where the nozzle is, in mm.
     pub fn nozzle(&mut self) -> [f64; 3] {
         self.stepper.port().mechanics.nozzle()

@@ -193,6 +193,8 @@ fn the_area_and_the_counts_of_a_line_are_obeyed() {
                  ADAPTIVE_MARGIN=0",
                 ([50.5, 60.0, 150.0, 200.25], [4, 4]),
             ),
+            // Any two corners name an area.
+            ("BED_MESH_CALIBRATE MESH_MIN=150,60 MESH_MAX=50,200 PROBE_COUNT=3", ([50.0, 60.0, 150.0, 200.0], [3, 3])),
             ("BED_MESH_CALIBRATE PROBE_COUNT=3", (all.0, [3, 3])),
             ("BED_MESH_CALIBRATE PROBE_COUNT=3,20", (all.0, [9, 3])),
             // Beyond the reach it ends there, and a small part is still a mesh.
@@ -217,7 +219,7 @@ fn the_area_and_the_counts_of_a_line_are_obeyed() {
             let is_kept = said(life, "M500").iter().any(|line| line == "echo:Mesh stored");
             assert_eq!(is_kept, expected.0 == all.0, "{line}");
         }
-        for line in ["BED_MESH_CALIBRATE MESH_MIN=500,10", "BED_MESH_CALIBRATE MESH_MIN=90,90 MESH_MAX=50,200"] {
+        for line in ["BED_MESH_CALIBRATE MESH_MIN=500,10", "BED_MESH_CALIBRATE MESH_MIN=90,-90 MESH_MAX=50,-20"] {
             assert!(said(life, line)[0].starts_with("echo:ignored: the probe cannot touch at X"), "{line}");
         }
         let answer = said(life, "BED_MESH_CALIBRATE MESH_MIN=50 PROBE_COUNT=3,3");

@@ -213,9 +213,8 @@ fn a_bed_with_its_true_kind_of_sensor_set_heats() {
     assert!(!said.is_halted && !said.has("refused"), "{:?}", said.heard);
 }
 
-/// Reproducer: a bed at full power, 4 C below a target that it cannot reach, was a reading that stands still (E06).
-#[test]
-fn a_target_that_a_bed_cannot_reach_is_told_as_that() {
+/// A machine with a weak bed in a chamber, which creeps on at full power as the chamber warms.
+fn weak_bed(noise: f64, flow: f64) -> (Settings, PlantConstants) {
     let mut settings = machine();
     for heater in [Heater::Bed, Heater::Chamber] {
         let fitted = settings.thermal.heater_mut(heater);
@@ -230,20 +229,43 @@ fn a_target_that_a_bed_cannot_reach_is_told_as_that() {
         sensor_lag: Seconds::from_num(6),
         ..bed.model
     };
+    let mut truth = PlantConstants { ambient_celsius: 14.0, ..PlantConstants::prototype() };
+    truth.converter.noise_lsb = noise;
+    truth.bed.heater.nominal_watt = 220.0;
+    truth.bed.plate_to_air_watt_per_kelvin = 2.5;
+    truth.couplings = Couplings { hotend_bed: 0.03, hotend_chamber: 0.01, bed_chamber: flow };
+    truth.chamber = Some(corehbot_rig::plant::ChamberConstants::usual());
+    let share = 1075.0 / (truth.bed.mat_joule_per_kelvin + truth.bed.plate_joule_per_kelvin);
+    truth.bed.mat_joule_per_kelvin *= share;
+    truth.bed.plate_joule_per_kelvin *= share;
+    truth.bed.mat_to_plate_watt_per_kelvin *= share;
+    (settings, truth)
+}
+
+/// Lines that end in a wait for the bed, which is in vain: the job ends with that reason, and the machine goes on.
+fn wait_in_vain((settings, truth): (Settings, PlantConstants), lines: &[&str], target: i32) {
+    let said = talk(&settings, desk(truth), lines, 9000, |_| {});
+    assert!(!said.is_halted, "{lines:?}: {:?}", said.heard.iter().rev().take(4).collect::<Vec<_>>());
+    let ended = said.heard.iter().find(|line| line.contains("print ended")).unwrap();
+    let reason = format!("does not reach {target} C");
+    assert!(ended.contains("bed stays at 7") && ended.contains(&reason), "{lines:?}: {ended}");
+}
+
+/// Reproducer: a bed at full power, 4 C below a target that it cannot reach, was a reading that stands still (E06).
+#[test]
+fn a_target_that_a_bed_cannot_reach_is_told_as_that() {
     for (noise, flow) in [(0.0, 1.3), (0.1, 1.2), (0.3, 1.4)] {
-        let mut truth = PlantConstants { ambient_celsius: 14.0, ..PlantConstants::prototype() };
-        truth.converter.noise_lsb = noise;
-        truth.bed.heater.nominal_watt = 220.0;
-        truth.bed.plate_to_air_watt_per_kelvin = 2.5;
-        truth.couplings = Couplings { hotend_bed: 0.03, hotend_chamber: 0.01, bed_chamber: flow };
-        truth.chamber = Some(corehbot_rig::plant::ChamberConstants::usual());
-        let share = 1075.0 / (truth.bed.mat_joule_per_kelvin + truth.bed.plate_joule_per_kelvin);
-        truth.bed.mat_joule_per_kelvin *= share;
-        truth.bed.plate_joule_per_kelvin *= share;
-        truth.bed.mat_to_plate_watt_per_kelvin *= share;
-        let said = talk(&settings, desk(truth), &["M190 S79"], 9000, |_| {});
-        assert!(!said.is_halted, "noise {noise}: {:?}", said.heard.iter().rev().take(4).collect::<Vec<_>>());
-        let ended = said.heard.iter().find(|line| line.contains("print ended")).unwrap();
-        assert!(ended.contains("bed stays at 7") && ended.contains("does not reach 79 C"), "{ended}");
+        wait_in_vain(weak_bed(noise, flow), &["M190 S79"], 79);
     }
+}
+
+/// Reproducer: a target farther away halted the machine (E08): the guard counted from another reading than the wait. It
+/// did so after four minutes where the bed came to rest on the first 60 % of the way.
+#[test]
+fn a_target_far_above_what_a_bed_can_reach_is_told_as_that_before_a_guard_halts_the_machine() {
+    for (target, noise, flow) in [(85, 0.3, 1.3), (120, 0.0, 1.3)] {
+        wait_in_vain(weak_bed(noise, flow), &[&format!("M190 S{target}")], target);
+    }
+    // Time has passed before the wait begins, with a target for which more is allowed.
+    wait_in_vain(weak_bed(0.1, 1.3), &["M140 S90", "G4 S1500", "M190 S110"], 110);
 }

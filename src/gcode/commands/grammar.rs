@@ -7,7 +7,7 @@
 use super::Command;
 use crate::gcode::code::Code;
 use crate::gcode::index::{Absent, Named, Part, absent};
-use crate::gcode::lexer::{Words, is_blank, skip_blanks, skip_past};
+use crate::gcode::lexer::{Word, Words, is_blank, skip_blanks, skip_past};
 use crate::gcode::number::Number;
 use crate::gcode::parts::Flaw;
 use crate::settings::plain::letters;
@@ -58,6 +58,11 @@ impl Grammar {
         let is_of_extruders = letter == b'E' && code.letter == b'M' && self.no_axes.contains(&b'A');
         (is_of_extruders || self.parts.iter().any(|(its, _)| *its == letter))
             && list.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b':'))
+    }
+
+    /// Whether a word names the first part, in quotes (RepRapFirmware's `M572 D"0"`).
+    fn names_first(&self, word: Word<'_>) -> bool {
+        word.quoted == Some(b"0") && self.parts.iter().any(|(its, _)| *its == word.letter)
     }
 
     /// Whether a letter needs a number.
@@ -152,7 +157,7 @@ fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) ->
         let is_negative = word.number.is_some_and(|number| number < Number::ZERO);
         if grammar.no_axes.contains(&word.letter) {
             return Some(Flaw::NoAxis(word.letter));
-        } else if word.number.is_none() && grammar.needs_number(code, word.letter) {
+        } else if word.number.is_none() && !grammar.names_first(word) && grammar.needs_number(code, word.letter) {
             return Some(Flaw::NoNumber(word.letter));
         } else if let Some(part) = absent(grammar.parts, word.letter, word.number)
             // The first one of a list may be there.

@@ -49,10 +49,11 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         }
         BedCommand::Area([x, y, width, depth]) => {
             states.area = PrintArea::NONE;
-            if let (Some(x), Some(y), Some(width), Some(depth)) = (x, y, width, depth) {
-                let [x, y, width, depth] = [x, y, width, depth].map(|number| states.modal.length(number));
-                states.area = PrintArea::of([x, y], [x.saturating_add(width), y.saturating_add(depth)]);
-            }
+            let (Some(x), Some(y), Some(width), Some(depth)) = (x, y, width, depth) else {
+                return Ok(Answer::Line("echo:M555 names no area: it needs X, Y, W and H"));
+            };
+            let [x, y, width, depth] = [x, y, width, depth].map(|number| states.modal.length(number));
+            states.area = PrintArea::of([x, y], [x.saturating_add(width), y.saturating_add(depth)]);
             Answer::Nothing
         }
         BedCommand::Object { outline } => {

@@ -10,6 +10,7 @@
 //! A motor that turns freely may settle elsewhere, so all of them lose their power at the end, and the axes their
 //! homes. M410 and M108 end it, M112 stops it, and drivers are watched as in every motion.
 
+use super::retraction::forget_retraction;
 use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::buzz_answer::BuzzAnswer;
@@ -105,7 +106,7 @@ pub(super) async fn buzz<P: PortSet, W: Pend>(
     }
     notices.renew_for_position();
     if main_loop.motion.groups().mechanism().motors_of(3).has(motor) {
-        main_loop.commanded.forget_retraction();
+        forget_retraction(main_loop);
     }
     go_to_and_fro(main_loop, motor, steps).await?;
     end_buzz(main_loop);

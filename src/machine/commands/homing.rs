@@ -10,6 +10,7 @@
 //! A probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
 use super::proof::prove;
+use super::retraction::forget_retraction;
 use super::shift_z::shift_z;
 use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::{AxisFlags, HomeWords};
@@ -82,6 +83,7 @@ fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags
             true if is_probed && !s.can_touch(at) => HomingFailure::OutOfReach { at },
             true => continue,
         };
+        main_loop.homed.note_sought(axis as usize);
         main_loop.job.note_end(JobEnd::NotHomed { axis, why });
         return Err(Interrupt::EndJob);
     }
@@ -135,8 +137,7 @@ async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Re
     // Switches and the probe are met at real places.
     leave_surface(main_loop).await?;
     main_loop.power_up(main_loop.motion.groups().fitted()).await?;
-    // A retraction left over from one print does not apply to the next.
-    main_loop.commanded.forget_retraction();
+    forget_retraction(main_loop);
     Ok(())
 }
 

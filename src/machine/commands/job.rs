@@ -31,6 +31,7 @@ const STAYS_PAUSED: &str = "The print stays paused: home again (G28), then conti
 
 /// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print. A pause
 /// during which homing or probing fails stays a pause. A refused line ends a print alone: without one, nothing changes.
+/// But a line with a number is one of a file: hosts number these, and no line of a button.
 pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
@@ -41,7 +42,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
         main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
         return Ok(Answer::Nothing);
     }
-    if why.is_refusal() && !main_loop.job.is_under_way() {
+    if why.is_refusal() && !main_loop.job.is_under_way() && main_loop.hosts.window().0.is_none() {
         main_loop.hosts.notify_all(format_args!("echo:{why}"));
         return Ok(Answer::Nothing);
     }

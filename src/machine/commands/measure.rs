@@ -158,12 +158,13 @@ fn wanted_area(whole: Area, modal: &Modal, words: &GridWords) -> Option<[Range<M
     let length = |number: Number| {
         if words.is_in_mm { Mm::saturating_from_num(number.value()) } else { modal.length(number) }
     };
-    let side = |least: Option<Number>, most: Option<Number>, whole: Range<Mm>| Range {
-        least: least.map_or(whole.least, length),
-        most: most.map_or(whole.most, length),
+    let side = |edges: [Option<Number>; 2], whole: Range<Mm>| match edges.map(|edge| edge.map(length)) {
+        // Any two corners name an area.
+        [Some(one), Some(other)] => Range { least: one.min(other), most: one.max(other) },
+        [least, most] => Range { least: least.unwrap_or(whole.least), most: most.unwrap_or(whole.most) },
     };
     let has_edge = words.area.iter().any(Option::is_some);
-    has_edge.then(|| [side(left, right, whole.x), side(front, back, whole.y)])
+    has_edge.then(|| [side([left, right], whole.x), side([front, back], whole.y)])
 }
 
 /// The heights of all points, relative to the reference. Rows go to and fro.

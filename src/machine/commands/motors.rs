@@ -4,6 +4,7 @@ use super::belt::{align_belt, examine_belt};
 use super::buzz::buzz;
 use super::drivers::{change_mode, set_drivers};
 use super::job::end_by_line;
+use super::retraction::forget_retraction;
 use super::screw_places::place_screw;
 use super::screws::{level_screws, tell_hand_screws};
 use super::states::States;
@@ -18,6 +19,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, MotorSet, Pend};
+use crate::settings::{AxisEnd, HomedAxis};
 use core::pin::pin;
 
 /// Carries out a command about motors.
@@ -72,12 +74,28 @@ async fn release<P: PortSet, W: Pend>(
     states.notices.renew_for_position();
     let all = !(flags.x || flags.y || flags.z || flags.e);
     if all || flags.e {
-        main_loop.commanded.forget_retraction();
+        forget_retraction(main_loop);
     }
     if all || flags.x || flags.y || flags.z {
-        end_by_line(main_loop, &mut states.modal).await?;
+        let job = &main_loop.job;
+        if job.is_paused() && (job.printed_at().is_some() || job.line().kept().is_some()) {
+            tell_of_pause(main_loop);
+        } else {
+            end_by_line(main_loop, &mut states.modal).await?;
+        }
     }
     Ok(Answer::Nothing)
+}
+
+/// The print stays paused. Z goes down to a bed that the print covers, unless its switch is above.
+fn tell_of_pause<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+    let s = &*main_loop.settings;
+    let goes_down = s.homes_z_by_probe() || s.endstops.of(HomedAxis::Z).end == AxisEnd::Min;
+    let is_risky = goes_down && main_loop.homed.lacks_one_of([false, false, true]);
+    let risk = if is_risky { ". Homing Z may hit the part: then end the print" } else { "" };
+    main_loop.hosts.notify_all(format_args!(
+        "echo:the print stays paused. To go on, home the axes (G28) and send M24; M524 ends it{risk}"
+    ));
 }
 
 /// The motors that move the named axes; all if none is named.

@@ -19,6 +19,7 @@ use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{Commanded, LEAST_FILAMENT, Wanted};
+use crate::machine::state::job::any_of;
 use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::{Notice, Notices};
@@ -147,15 +148,18 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         Asked { moves: [x || in_x, y || in_y, z || in_z], filament }
     }
 
-    /// Whether these words, if a print is paused and they may be a line of its stream, print there.
-    fn prints_in_stream(&self, (to, course): (&AxisWords, Course)) -> bool {
+    /// Whether these words, if a print is paused and they may be a line of its stream, print there, or move a machine
+    /// that has lost its place.
+    fn goes_on_in_stream(&self, (to, course): (&AxisWords, Course)) -> bool {
         let main_loop = &*self.main_loop;
         let Some(Program { commanded, modal, .. }) = main_loop.stream.program() else { return false };
         if main_loop.job.line().kept().is_some() || !is_own(main_loop) {
             return false;
         }
         let wanted = commanded.target(to, modal, &main_loop.settings, false);
-        self.asked_of(commanded, modal, &wanted, course).prints()
+        let asked = self.asked_of(commanded, modal, &wanted, course);
+        let is_lost = main_loop.homed.lacks_one_of(main_loop.job.to_home([false; 3], false));
+        asked.prints() || is_lost && asked.moves != [false; 3] && !main_loop.stream.is_away()
     }
 
     /// In a print, a line waits for a heater that has switched off by itself. A line that cannot be carried out,
@@ -169,7 +173,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             gate = Gate::Changed;
         }
         if self.main_loop.job.is_paused() {
-            let Some((to, course)) = words.filter(|words| self.prints_in_stream(*words)) else { return Ok(gate) };
+            let Some((to, course)) = words.filter(|words| self.goes_on_in_stream(*words)) else { return Ok(gate) };
             gate = Gate::Changed;
             if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
                 return self.keep(why).await;
@@ -184,9 +188,11 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(gate);
         }
         let (homed, job) = (self.main_loop.homed, &self.main_loop.job);
-        let must_be_homed = job.must_be_homed() || self.main_loop.settings.require_homing;
-        if homed.has_lost_one_of(asked.moves) || must_be_homed && homed.lacks_one_of(asked.moves) {
-            return self.keep(Kept::Lost(asked.moves)).await;
+        // What is printed is at a height, whatever the line moves.
+        let needed = any_of(asked.moves, [false, false, asked.prints()]);
+        let to_home = job.to_home(asked.moves, self.main_loop.settings.require_homing);
+        if homed.has_lost_one_of(needed) || homed.lacks_one_of(to_home) {
+            return self.keep(Kept::Lost(any_of(needed, to_home))).await;
         }
         if asked.filament.saturating_abs() < LEAST_FILAMENT {
             return Ok(gate);

@@ -24,7 +24,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
-use crate::machine::state::job::Break;
+use crate::machine::state::job::{Break, any_of};
 use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::modal::Modal;
 use crate::machine::state::program::{Dynamics, Program};
@@ -50,6 +50,9 @@ const FILAMENT: &str = "Change the filament";
 const COLD: &str = "Hotend is too cold to print";
 const FAILED: &str = "Mend what failed to go on";
 const LOST: &str = "Home the axes to go on";
+
+/// Said when a line or M24 finds axes that have lost their place.
+const HELD_UNTIL_HOMED: &str = "echo:print held: axes are no longer homed. Home them (G28), then send M24";
 
 /// The result of continuing a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -160,7 +163,10 @@ async fn report_reason<P: PortSet, W: Pend>(
     first: Action<'static>,
 ) -> Result<(), Interrupt> {
     let (line, question) = match why {
-        Kept::Lost(_) => ("echo:print held: axes are no longer homed. Home them (G28), then send M24", LOST),
+        Kept::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
+            ("echo:print held: its motors were off. M24 goes on with it, M524 ends it", LOST)
+        }
+        Kept::Lost(_) => (HELD_UNTIL_HOMED, LOST),
         Kept::Failed => ("echo:print held: mend what failed, then send M24 to try the line again", FAILED),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
     };
@@ -338,14 +344,12 @@ async fn go_on<P: PortSet, W: Pend>(
     cold: &ColdExtrusion,
     kept: Option<Kept>,
 ) -> Result<Going, Interrupt> {
-    let Some(Break { program, homed, .. }) = main_loop.job.paused() else { return Ok(Going::On) };
+    let Some(&mut Break { program, homed, .. }) = main_loop.job.paused_mut() else { return Ok(Going::On) };
     let wanted = match kept {
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold | Kept::Failed) | None => [false; 3],
     };
-    let [x, y, z] = homed;
-    let [of_x, of_y, of_z] = wanted;
-    let needed = [x || of_x, y || of_y, z || of_z];
+    let needed = main_loop.job.to_home(any_of(homed, wanted), true);
     if main_loop.homed.lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
@@ -407,7 +411,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
     }
     Ok(match go_on(main_loop, modal, cold, None).await? {
         Going::On => Answer::Nothing,
-        Going::Not(_) => Answer::Line("echo:not resumed: axes are no longer homed. Home them (G28), then send M24"),
+        Going::Not(_) => Answer::Line(HELD_UNTIL_HOMED),
     })
 }
 
@@ -419,6 +423,11 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
 ) -> Result<Going, Interrupt> {
     if let (Some(paused), Some(program)) = (main_loop.job.paused_mut(), main_loop.stream.program()) {
         paused.program = *program;
+    }
+    // Without numbers, it may be another file.
+    let lost = main_loop.job.to_home([false; 3], false);
+    if lost != [false; 3] && main_loop.stream.may_hold(false) {
+        return Ok(Going::Not(Kept::Lost(lost)));
     }
     go_on(main_loop, modal, cold, None).await
 }
@@ -450,7 +459,8 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
         }
         Going::Not(why) if is_for_user || answered == Answered::Resume => {
             report_reason(main_loop, why, Action::Paused).await?;
-            main_loop.job.line_mut().keep_on(kept);
+            // Its time is over.
+            main_loop.job.line_mut().keep_on(if is_for_user { Kept::User(None) } else { kept });
             Ok(None)
         }
         Going::Not(_) => {

@@ -1,16 +1,28 @@
-//! How G10 and G11 retract, as lines set it: M207, M208. The moves themselves are in `moves`.
+//! How G10 and G11 retract, as lines set it: M207, M208; and what ends a retraction without a move. The moves
+//! themselves are in `moves`.
 
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::words::Words;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::retraction::RetractionSettings;
+use crate::port::Pend;
 use crate::settings::Range;
 use crate::units::Mm;
 
 /// The longest retraction and the highest lift: bowden tubes need less than a tenth of it.
 const RETRACTION: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+
+/// A retraction left over from one print does not apply to the next. In a pause it is part of what the print goes on
+/// with.
+pub(super) fn forget_retraction<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+    if !main_loop.job.is_paused() {
+        main_loop.commanded.forget_retraction();
+    }
+}
 
 /// M207. Retracted filament is recovered by the length of its retraction.
 pub(in crate::machine) fn set_retraction(

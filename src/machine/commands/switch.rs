@@ -14,6 +14,9 @@ use crate::units::{Mm, MmPerSec};
 /// Search distance beyond an axis' length: the machine may stand a little outside.
 const BEYOND: Mm = Mm::const_from_int(10);
 
+/// The farthest that skipped steps may have moved a tool with a known place: 25 electrical turns of 0.8 mm.
+const ASIDE: Mm = Mm::const_from_int(20);
+
 /// Why homing failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum HomeError {
@@ -105,7 +108,9 @@ pub(super) async fn touch<P: PortSet, W: Pend>(
 }
 
 async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
-    let back_off = find_switch(main_loop, axis).await?;
+    // The place is known: where the switch is dead, the axis does not press on along its whole length.
+    let at = main_loop.motion.end_mm().get(axis.index).copied().unwrap_or_default();
+    let back_off = find_switch(main_loop, axis, axis.endstop.towards(axis.place.saturating_sub(at)) + ASIDE).await?;
     let aside = steps_aside(main_loop, axis);
     shift_axis(main_loop, axis.index, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
@@ -144,7 +149,7 @@ async fn home_axis<P: PortSet, W: Pend>(
     axis: &Axis,
     was_homed: bool,
 ) -> Result<(), HomeError> {
-    find_switch(main_loop, axis).await?;
+    find_switch(main_loop, axis, axis.endstop.longest_way(axis.reach) + BEYOND).await?;
     if was_homed {
         let aside = steps_aside(main_loop, axis);
         main_loop.trimming.note_homed(axis.index, aside);
@@ -155,10 +160,13 @@ async fn home_axis<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Finds the switch fast, backs off and finds it slowly. Returns the distance of its back-off.
-async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
+/// Finds the switch fast within this way, backs off and finds it slowly. Returns the distance of its back-off.
+async fn find_switch<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    axis: &Axis,
+    way: Mm,
+) -> Result<Mm, HomeError> {
     let start = main_loop.motion.real_steps();
-    let way = axis.endstop.longest_way(axis.reach) + BEYOND;
     if !approach(main_loop, axis, way, axis.homing.fast).await? {
         return Err(HomingFailure::NotMet { way: way.to_num() }.into());
     }

@@ -96,12 +96,14 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 
     /// Takes power from motors, and from all that would go on pulling at the same belt; the axes that they held are no
-    /// longer homed.
+    /// longer homed, and a print that is under way has lost them.
     pub fn unpower(&mut self, motors: MotorSet) {
         let motors = self.settings.residuals().with_opponents(motors);
         let on = self.power.powered().without(motors);
         self.power.set(on, self.now());
-        self.homed.release(motors, self.motion.groups().mechanism());
+        let mechanism = self.motion.groups().mechanism();
+        self.homed.release(motors, mechanism);
+        self.job.note_lost([0, 1, 2].map(|axis| mechanism.motors_of(axis).intersects(motors)));
         let belt = self.settings.residuals().motors();
         if belt.intersects(motors) {
             self.trimming.forget();
@@ -110,7 +112,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 
     /// Takes power from all motors when nothing has moved for long enough. Called with the heat work, every 5 ms.
     pub(super) fn watch_idleness(&mut self, now: Instant) {
-        let is_waiting = self.job.is_paused() || !self.pauses.waiting().is_idle_for_motors();
+        let keeps_place = self.job.is_paused() && !self.homed.lacks_one_of(self.job.to_home([false; 3], false));
+        let is_waiting = keeps_place || !self.pauses.waiting().is_idle_for_motors();
         if is_waiting || self.motion.has_motion() || self.trimming.is_measuring() {
             self.power.note_motion(now);
         } else if self.power.is_idle(now, self.job.is_printing()) {

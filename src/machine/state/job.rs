@@ -2,7 +2,7 @@
 //!
 //! **In a print** is defined in one place, here. Three events begin a print: the first move that extrudes while x or y
 //! move (a jog moves one or the other), M75, or an unknown command name (`START_PRINT ...`). It ends with M77, M524,
-//! M104 S0 or M81 outside of a pause, M84 for x, y or z, M110 of its host, or an end by the firmware. Unlike numbered
+//! M104 S0, M81 or M84 for x, y or z outside of a pause, M110 of its host, or an end by the firmware. Unlike numbered
 //! lines, all hosts and files have that in common.
 //!
 //! The phases:
@@ -12,7 +12,8 @@
 //! - Printing: see above. Motors hold. Heaters go off when idle and come back before filament moves. A line has its
 //!   effect; a line for a cold hotend or a lost position is kept, and the print is paused.
 //! - Paused: by M25, M0, M1, M600, M601, M125, or a line that is kept. Motors hold. Heaters go off after a time and
-//!   come back before the print continues. A line has its effect: it jogs or heats.
+//!   come back before the print continues. A line has its effect: it jogs or heats. Axes that lose their power are
+//!   homed before the print continues.
 //! - Ended: by `Interrupt::EndJob`. Motors lose power when idle, heaters are off. A line moves and heats nothing until
 //!   G28, M108 or M110.
 //!
@@ -228,6 +229,8 @@ pub(in crate::machine) struct Job {
     host: usize,
     /// A name that was unknown may have been meant to home: an axis that never was is not where it seems to be.
     must_be_homed: bool,
+    /// Axes that have lost their place since it began: their motors lost power. They are homed before it goes on.
+    lost: [bool; 3],
     /// Where the last move that printed ended.
     printed_at: Option<[Mm; 4]>,
     paused: Option<Break>,
@@ -239,12 +242,18 @@ pub(in crate::machine) struct Job {
     end: JobEnd,
 }
 
+/// The axes that are in one of two sets.
+pub(in crate::machine) fn any_of([x, y, z]: [bool; 3], [of_x, of_y, of_z]: [bool; 3]) -> [bool; 3] {
+    [x || of_x, y || of_y, z || of_z]
+}
+
 impl Job {
     pub const fn new() -> Self {
         Self {
             phase: Phase::None,
             host: 0,
             must_be_homed: false,
+            lost: [false; 3],
             printed_at: None,
             paused: None,
             targets: None,
@@ -331,9 +340,17 @@ impl Job {
         self.host == host
     }
 
-    /// Whether an axis that was never homed counts as lost.
-    pub const fn must_be_homed(&self) -> bool {
-        self.must_be_homed
+    /// Axes lose their place now, if it is under way.
+    pub fn note_lost(&mut self, axes: [bool; 3]) {
+        if self.is_under_way() {
+            self.lost = any_of(self.lost, axes);
+        }
+    }
+
+    /// The axes that must be homed before it goes on with a line that moves these. One that was never homed counts if
+    /// it `is_required`.
+    pub fn to_home(&self, moves: [bool; 3], is_required: bool) -> [bool; 3] {
+        if is_required || self.must_be_homed { any_of(self.lost, moves) } else { self.lost }
     }
 
     /// A move that prints ends there.
@@ -357,12 +374,7 @@ impl Job {
         self.remember_targets(targets);
     }
 
-    /// The state that the pause keeps.
-    pub const fn paused(&self) -> Option<Break> {
-        self.paused
-    }
-
-    /// The same, which a later line changes.
+    /// The state that the pause keeps, which a later line may change.
     pub const fn paused_mut(&mut self) -> Option<&mut Break> {
         self.paused.as_mut()
     }
@@ -372,7 +384,7 @@ impl Job {
         if let Phase::Paused { was_printing } = self.phase {
             self.phase = if was_printing { Phase::Printing } else { Phase::None };
         }
-        (self.paused, self.targets) = (None, None);
+        (self.paused, self.targets, self.lost) = (None, None, [false; 3]);
     }
 
     /// Stores the heater targets for the end of the pause, unless they are stored already.

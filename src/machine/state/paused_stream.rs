@@ -69,6 +69,11 @@ impl PausedStream {
         has_number || !self.is_numbered
     }
 
+    /// Whether a line of the print's host is in a detour.
+    pub fn is_away(&self) -> bool {
+        self.detour != Detour::None
+    }
+
     /// A line that is not the stream's is carried out.
     pub const fn note_foreign(&mut self, command: &Command<'_>) {
         if matches!(command, Command::Motion(_) | Command::Setting(_)) {

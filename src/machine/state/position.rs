@@ -84,6 +84,13 @@ impl Homed {
         }
     }
 
+    /// The axis was to be homed in vain, and nothing has moved: a print needs its place.
+    pub fn note_sought(&mut self, axis: usize) {
+        if let Some(ever) = self.ever.get_mut(axis) {
+            *ever = true;
+        }
+    }
+
     /// The screws of z were levelled, or it was tried in vain.
     pub const fn note_level(&mut self, is_level: bool) {
         self.level = if is_level { Level::Kept } else { Level::Unknown };

@@ -22,6 +22,11 @@
 //! third of its temperature, and full power needs minutes for that. So a bed may fall by 35 % of what it read. A sensor
 //! that slips into a room of 25 C falls by more from 39 C on.
 //!
+//! A command that waits for a heater ends its job before the guard halts the machine. From five sixths of the power on
+//! the heater counts as slow, and only the last sixth, which begins then, ends in the alarm. So the words for a target
+//! that is too far always come first, wherever the reading and the target have been before. There is one exception: a
+//! hotend low on its way, and a bed or chamber that was never warm, may have no power or a sensor that has slipped.
+//!
 //! Time counts by the duty, and is forgotten four times as slowly without power. So neither a heater that is switched
 //! off and on nor a target that changes all the time delays the alarm.
 
@@ -46,6 +51,12 @@ const COLD_PLATE: i32 = 35;
 
 /// Full power in units of `given`.
 const FULL: u32 = 255;
+
+/// This part of the allowed power is left when a heater counts as slow.
+const REST: u32 = 6;
+
+/// A bed or a chamber that reads so much more than the room was warmed by its heater.
+const WARM: Celsius = ROOM.saturating_add(Celsius::const_from_int(20));
 
 /// Counted time is forgotten at this fraction of the time without power.
 const FORGETS: u32 = 4;
@@ -144,6 +155,10 @@ pub struct Gain {
     from: Celsius,
     /// Power since then, in periods of full power times 255: two hours of them are 92 million.
     given: u32,
+    /// The parts of it since the heater counts as slow: on the rest of the way, and low on it.
+    late: [u32; 2],
+    /// Whether a command that waits for the heater waits in vain.
+    is_slow: bool,
     /// The warmest reading since there is more than half of the power, and the periods with a reading far below it.
     warmest: Celsius,
     fallen: u32,
@@ -159,7 +174,13 @@ impl Gain {
     /// No power was given yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { from: Celsius::MAX, given: 0, warmest: Celsius::MIN, fallen: 0 }
+        Self { from: Celsius::MAX, given: 0, late: [0; 2], is_slow: false, warmest: Celsius::MIN, fallen: 0 }
+    }
+
+    /// Whether a command that waits for the heater waits in vain.
+    #[must_use]
+    pub const fn is_slow(&self) -> bool {
+        self.is_slow
     }
 
     /// Follows a control period of a heater with this duty of 65,535, and its greatest permitted duty. A pulse of a
@@ -173,8 +194,9 @@ impl Gain {
     ) -> Option<Alarm> {
         self.from = self.from.min(measured);
         if measured.saturating_sub(self.from) >= GAIN {
-            (self.from, self.given) = (measured, 0);
+            (self.from, self.given, self.late) = (measured, 0, [0; 2]);
         }
+        self.is_slow = false;
         let is_full = duty >= most;
         self.warmest = if duty > most / 2 { self.warmest.max(measured) } else { Celsius::MIN };
         if duty == 0 {
@@ -187,7 +209,8 @@ impl Gain {
         if !counts {
             return None;
         }
-        self.given += u32::from(duty >> 8);
+        let power = u32::from(duty >> 8);
+        self.given += power;
         let part = self.warmest.max(Celsius::ZERO) / 100;
         let by_plate = if floor.takes_plates { part.saturating_mul_int(COLD_PLATE) } else { Celsius::ZERO };
         let fall = FALL.max(by_plate);
@@ -197,9 +220,62 @@ impl Gain {
             let (value, limit) = (measured, self.warmest.saturating_sub(fall));
             return Some(Alarm { cause: Cause::TemperatureLost, value, limit });
         }
-        let most = if is_low { floor.heating } else { floor.topping };
-        let is_over = self.given >= most * FULL;
+        let most = if is_low { floor.heating } else { floor.topping } * FULL;
+        let rest = most / REST;
+        let is_late = self.given > most - rest;
+        let late = &mut self.late[usize::from(is_low)];
+        *late = if is_late { *late + power } else { 0 };
+        let is_over = *late >= rest;
+        self.is_slow = is_late && (!is_low || floor.holds_still && measured >= WARM);
         let value = measured.saturating_sub(self.from);
         is_over.then_some(Alarm { cause: Cause::HeatsTooSlowly, value, limit: GAIN })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Full power at readings and targets that come and go: a heater is slow for a sixth of the time before the alarm.
+    #[test]
+    fn a_heater_that_was_warm_is_slow_long_before_the_alarm() {
+        let floor = Floor::of(Heater::Bed);
+        let mut seed = 7_u32;
+        let mut random = |below: u32| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 16) % below
+        };
+        for _ in 0..20 {
+            let (mut gain, mut slow, mut low) = (Gain::new(), 0, false);
+            let (mut at, mut target) = (Celsius::from_num(70 + random(8)), Celsius::from_num(90));
+            let alarm = (0..floor.topping * 20).find_map(|period| {
+                if period % 500 == 0 && random(40) == 0 {
+                    target = Celsius::from_num([88, 100, 112, 120][random(4) as usize]);
+                }
+                at = at.saturating_add(Celsius::from_bits(random(3) as i32 - 1));
+                // Each kind of way has a time of its own.
+                if is_low(at, Some(target)) != low {
+                    (low, slow) = (!low, 0);
+                }
+                slow += u32::from(gain.is_slow());
+                gain.look(floor, Some(target), at, (u16::MAX, u16::MAX))
+            });
+            assert_eq!(alarm.map(|alarm| alarm.cause), Some(Cause::HeatsTooSlowly));
+            assert!(slow >= floor.heating / REST - 1, "slow for {slow} periods before the alarm");
+        }
+    }
+
+    /// Of these, the alarm comes first: they may have no power.
+    #[test]
+    fn a_hotend_low_on_its_way_and_a_bed_that_was_never_warm_are_not_slow() {
+        for (heater, at) in [(Heater::Hotend, 100), (Heater::Bed, 44)] {
+            let (floor, mut gain) = (Floor::of(heater), Gain::new());
+            let target = Some(Celsius::from_num(220));
+            let alarm = (0..=floor.heating).find_map(|period| {
+                assert!(!gain.is_slow(), "{heater:?}");
+                Some((period, gain.look(floor, target, Celsius::from_num(at), (u16::MAX, u16::MAX))?))
+            });
+            assert!(alarm.is_some_and(|(period, _)| period.abs_diff(floor.heating) <= 1), "{alarm:?}");
+        }
     }
 }

@@ -5,6 +5,9 @@ mod accidents;
 mod alignment;
 mod buzz;
 mod ended;
+#[path = "../common/life.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
+mod life;
 mod limp;
 mod loads;
 mod machines;

@@ -1,15 +1,11 @@
 //! Lives on routings other than the CoreH-bot's: the same print twice, and again after a power cycle.
 
-#[path = "../common/life.rs"]
-#[expect(dead_code, reason = "each test has its own part of it")]
-mod life;
-
+use crate::life::{Life, live_with};
 use crate::machines::{plant_of, read};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
 use corehbot_sim::world::Desk;
-use life::{Life, live_with};
 
 /// Begins and ends at [`BEGIN`].
 const PRINT: [&str; 6] =

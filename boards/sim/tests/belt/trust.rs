@@ -4,10 +4,15 @@
 //! No driver reports a skip, so a place is trusted only as long as its proof: the latest result of M915 D or R. M122
 //! says how long ago the switches were met.
 
-use crate::printer::{of_each, plant_of, print_as, seeds};
+use crate::life::live_with;
+use crate::printer::{of_each, plant, plant_of, print_as, seeds};
+use corehbot::motors::EndstopSet;
+use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
+use corehbot::units::Mm;
 use corehbot_sim::belt::accident::{Accidents, Brake};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
+use corehbot_sim::world::Desk;
 use corehbot_twin::description::Description;
 use corehbot_twin::params::Params;
 use corehbot_twin::sampling::random::Random;
@@ -195,4 +200,22 @@ fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
         );
         assert!(!has("belt repaired") && has("Belt: motors not aligned"), "{heard:#?}");
     }
+}
+
+/// Reproducer: M915 D searched a dead switch along the whole axis, although the place of the tool was known.
+#[test]
+fn a_switch_that_dies_is_searched_near_its_place_alone() {
+    let mut desk = Desk::new(1);
+    desk.belt = plant(Some(START), None, Accidents::default());
+    live_with(&Settings::prototype(), Some(START.map(Mm::from_num)), (&mut desk, 1), NoStorage, |life| {
+        life.say("M915");
+        assert_eq!(life.count("echo:belt motors aligned"), 1, "{:?}", life.heard);
+        for line in ["M915 D", "G1 X60 F6000", "M400"] {
+            life.say(line);
+        }
+        life.unplug(EndstopSet::X);
+        life.say("M915 D");
+        let told = life.count("echo:print ended, heaters are off: homing failed: X endstop was not met within 80 mm");
+        assert_eq!(told, 1, "{:?}", life.heard);
+    });
 }

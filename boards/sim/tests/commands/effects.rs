@@ -50,11 +50,12 @@ fn moves_before_homing_are_warned_of_once_or_refused() {
 #[test]
 fn conditions_end_the_job_with_a_reason_and_nothing_after_them_acts() {
     let names = ["if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"no\""];
-    let of_slicers = ["{if layer_num > 2}", "{elsif true}", "{else}", "{endif}"];
+    let of_slicers = ["{if layer_num > 2}", "{elsif true}", "{else}", "{endif}", "[if x]", "[ENDIF]"];
+    let of_klipper = ["{% if printer.x %}", "{%- elif y -%}", "{% for i in range(3) %}", "{%endfor%}"];
     // The rest of the job: it would begin a print, move, home, heat, blow, and change settings.
     let rest = "START_PRINT BED=60\nG28\nM75\nM104 S200\nM106 S255\nG1 X120 E5\nG92 X0\nM220 S50\nM92 E500\nM500\n";
     let asks = "M114\nM503 S0\nM105";
-    for line in ["M622 J1", "M623"].into_iter().chain(names).chain(of_slicers) {
+    for line in ["M622 J1", "M623"].into_iter().chain(names).chain(of_slicers).chain(of_klipper) {
         for (next, x) in [("M110 N0", "X:130.00"), ("M108", "X:130.00"), ("", "X:110.00")] {
             let text = format!("G1 X110\n{line}\n{rest}{line}\n{asks}\n{next}\nG1 X130\nM114\nM110 N0\nM220");
             let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();

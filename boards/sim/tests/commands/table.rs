@@ -274,6 +274,7 @@ pub(super) const ROWS: &[Row] = &[
     ("EXCLUDE_OBJECT_END NAME=cube", SILENCE),
     ("EXCLUDE_OBJECT NAME=cube", &["echo:this firmware cannot leave out objects, ignored"]),
     ("M555 X1 Y1 W9 H9", SILENCE),
+    ("M555 X1 Y1", &["echo:M555 names no area: it needs X, Y, W and H"]),
     ("M862.1 P0.4", SILENCE),
     ("M862.3 P \"MK4S\"", SILENCE),
     ("M999", SILENCE),

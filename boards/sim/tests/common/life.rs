@@ -1,6 +1,6 @@
 //! The life of a machine: lines are said one after the other, time passes, and moving and warm parts are checked.
 
-use corehbot::motors::{MOTORS, MotorSet};
+use corehbot::motors::{EndstopSet, MOTORS, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::surface::Mesh;
@@ -201,6 +201,11 @@ impl Life<'_> {
     /// Steps that the motors have made.
     pub fn counts(&self) -> [i32; MOTORS] {
         self.world.outcome().counts
+    }
+
+    /// The wires of these switches break.
+    pub fn unplug(&self, switches: EndstopSet) {
+        self.world.unplug(switches);
     }
 
     /// From here on, steps are checked.

@@ -11,6 +11,7 @@ mod hosts;
 #[path = "../common/life.rs"]
 #[allow(dead_code, reason = "other tests need all of it")]
 mod life;
+mod motors_off;
 mod parking;
 mod program;
 mod stream;

@@ -8,7 +8,7 @@ use corehbot::settings::Settings;
 
 /// What a host numbers of its file and the lines of its buttons.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Numbers {
+pub(super) enum Numbers {
     /// As OctoPrint 1.11 and Pronterface.
     File,
     /// As Repetier-Host, and OctoPrint with `alwaysSendChecksum`.
@@ -17,38 +17,49 @@ enum Numbers {
     Nothing,
 }
 
-const SENDERS: [Numbers; 3] = [Numbers::File, Numbers::All, Numbers::Nothing];
+pub(super) const SENDERS: [Numbers; 3] = [Numbers::File, Numbers::All, Numbers::Nothing];
 
 /// Sends lines.
-struct Host<'l, 'w> {
-    life: &'l mut Life<'w>,
-    sender: Numbers,
-    number: i32,
+pub(super) struct Host<'l, 'w> {
+    pub life: &'l mut Life<'w>,
+    pub sender: Numbers,
+    pub number: i32,
 }
 
 impl Host<'_, '_> {
     fn say(&mut self, line: &str, is_numbered: bool) {
+        let text = self.text(line, is_numbered);
+        self.life.say(&text);
+    }
+
+    fn text(&mut self, line: &str, is_numbered: bool) -> String {
         if !is_numbered {
-            return self.life.say(line);
+            return line.to_owned();
         }
         self.number += 1;
         let text = format!("N{} {line}", self.number);
         let sum = text.bytes().fold(0, |sum, byte| sum ^ byte);
-        self.life.say(&format!("{text}*{sum}"));
+        format!("{text}*{sum}")
+    }
+
+    /// A line of the file that is not answered yet.
+    pub fn put(&mut self, line: &str) {
+        let text = self.text(line, self.sender != Numbers::Nothing);
+        self.life.put(0, &text);
     }
 
     /// A line of the file.
-    fn stream(&mut self, line: &str) {
+    pub fn stream(&mut self, line: &str) {
         self.say(line, self.sender != Numbers::Nothing);
     }
 
     /// A line of a button.
-    fn press(&mut self, line: &str) {
+    pub fn press(&mut self, line: &str) {
         self.say(line, self.sender == Numbers::All);
     }
 
     /// A line of the file, and the steps that it has caused: ticks before its end, motors, directions.
-    fn steps(&mut self, line: &str) -> Vec<(u64, u32, u32)> {
+    pub fn steps(&mut self, line: &str) -> Vec<(u64, u32, u32)> {
         self.life.mark();
         self.stream(line);
         self.life.say("M400");
@@ -60,7 +71,7 @@ impl Host<'_, '_> {
 
 /// Whether the last steps are these, in this order, within 0.2 ms: a line that begins at rest depends on when the
 /// Console is polled, and homing rounds a place to a step.
-fn ends_with(steps: &[(u64, u32, u32)], last: &[(u64, u32, u32)]) -> bool {
+pub(super) fn ends_with(steps: &[(u64, u32, u32)], last: &[(u64, u32, u32)]) -> bool {
     let Some(begin) = steps.len().checked_sub(last.len()) else { return false };
     let mut pairs = steps[begin..].iter().zip(last);
     pairs.all(|(one, other)| one.0.abs_diff(other.0) <= 2000 && (one.1, one.2) == (other.1, other.2))
@@ -68,7 +79,7 @@ fn ends_with(steps: &[(u64, u32, u32)], last: &[(u64, u32, u32)]) -> bool {
 
 /// A file whose pause stands at [`PAUSE`], with absolute and with relative filament: straight on, after a change of
 /// layer with its travel, and after a retraction by the firmware.
-fn files(relative: bool) -> [Vec<&'static str>; 3] {
+pub(super) fn files(relative: bool) -> [Vec<&'static str>; 3] {
     let e = |absolute: &'static str, length: &'static str| if relative { length } else { absolute };
     let begin = [
         if relative { "M83" } else { "M82" },
@@ -98,15 +109,15 @@ fn files(relative: bool) -> [Vec<&'static str>; 3] {
 }
 
 /// The lines before the pause.
-const PAUSE: usize = 6;
+pub(super) const PAUSE: usize = 6;
 
 /// Whether a line prints.
-fn prints(line: &str) -> bool {
+pub(super) fn prints(line: &str) -> bool {
     line.contains('E') && (line.contains(" X") || line.contains(" Y")) && line != "G1 X110 E1.8"
 }
 
 /// The steps of each line of a file without a pause.
-fn undisturbed(settings: &Settings, file: &[&str]) -> Vec<Vec<(u64, u32, u32)>> {
+pub(super) fn undisturbed(settings: &Settings, file: &[&str]) -> Vec<Vec<(u64, u32, u32)>> {
     let mut all = Vec::new();
     live(settings, 1, |life| {
         let mut host = Host { life, sender: Numbers::Nothing, number: 0 };
@@ -262,10 +273,7 @@ fn a_stream_that_cannot_go_on_yet_goes_on_later_as_it_was() {
                 host.life.await_ok();
                 let first = PAUSE + file[PAUSE..].iter().position(|line| prints(line)).unwrap();
                 file[PAUSE..first].iter().for_each(|line| host.stream(line));
-                let number = host.number + 1;
-                let text = format!("N{number} {}", file[first]);
-                let sum = text.bytes().fold(0, |sum, byte| sum ^ byte);
-                host.life.put(0, &format!("{text}*{sum}"));
+                host.put(file[first]);
                 host.life.rest(3000);
                 assert_eq!(host.life.count("echo:print held: axes are no longer homed"), 1, "{:?}", host.life.heard);
                 host.life.switch_to(1);
@@ -274,7 +282,6 @@ fn a_stream_that_cannot_go_on_yet_goes_on_later_as_it_was() {
                 host.life.switch_to(0);
                 host.life.await_ok();
                 host.life.say("M400");
-                host.number = number;
                 for (line, alone) in file.iter().zip(&whole).skip(first + 1) {
                     let steps = host.steps(line);
                     assert!(!prints(line) || ends_with(&steps, alone), "relative {relative}: {line}");

@@ -47,6 +47,33 @@ fn an_axis_without_an_input_is_refused_before_any_axis_moves() {
     });
 }
 
+/// Reproducer: a file whose first line is a G28 that is refused went on unhomed.
+#[test]
+fn a_file_whose_first_line_is_refused_ends() {
+    begin(&machine(ProbeKind::Switch), |life| {
+        for line in ["N0 M110 N0*125", "M140 S60", "N1 G28 Z*104"] {
+            life.say(line);
+        }
+        assert_eq!(life.count("//action:cancel"), 1, "{:?}", life.heard);
+        let steps = life.counts();
+        for line in ["N2 G1 X50 F6000*55", "N3 M140 S60*80", "M400"] {
+            life.say(line);
+        }
+        assert_eq!((life.counts(), life.targets()[1]), (steps, 0.0), "{:?}", life.heard);
+    });
+    // Without numbers it may be a button's: what prints then is held.
+    begin(&machine(ProbeKind::Switch), |life| {
+        for line in ["G28 Z", "M302 P1", "G91", "G1 X5 F6000", "G90", "M400"] {
+            life.say(line);
+        }
+        let steps = life.counts();
+        life.put(0, "G1 X50 E1");
+        life.rest(2000);
+        assert_eq!(life.count("echo:print held: axes are no longer homed"), 1, "{:?}", life.heard);
+        assert_eq!(life.counts(), steps);
+    });
+}
+
 #[test]
 fn a_print_does_not_go_on_with_z_at_no_known_height() {
     begin(&machine(ProbeKind::Switch), |life| {

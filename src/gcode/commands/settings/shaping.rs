@@ -154,10 +154,14 @@ pub(in crate::gcode::commands) fn words(text: &[u8]) -> impl Iterator<Item = &[u
     text.split(ends_word).filter(|word| !word.is_empty())
 }
 
-/// A name and the value after its `=`.
+/// A name and the value after its `=`, which may stand in quotes.
 pub(in crate::gcode::commands) fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let length = word.iter().position(|byte| *byte == b'=').filter(|length| *length > 0)?;
-    Some((word.get(..length)?, word.get(length + 1..)?))
+    let value = match word.get(length + 1..)? {
+        [b'"', inside @ .., b'"'] => inside,
+        value => value,
+    };
+    Some((word.get(..length)?, value))
 }
 
 /// `number` times a power of ten, to the nearest (a tie away from zero).
