@@ -1,11 +1,10 @@
-//! Heat: heaters with their outputs and sensors, and fans.
+//! Heat: heaters with their outputs and sensors.
 
+use super::found::printed;
 use super::work::Work;
-use crate::pattern::matches;
 use crate::translation::{Kind, Verdict};
 use corehbot::settings::PLACES;
 use corehbot_twin::math::{exp, ln};
-use corehbot_wiring::Circuit;
 use toml::Value as Toml;
 
 /// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.
@@ -40,7 +39,6 @@ pub(super) fn heat(work: &mut Work<'_>) {
         heater(work, "chamber", section);
     }
     extra_sensors(work);
-    fans(work);
 }
 
 /// Klipper's type of the sensor in a processor.
@@ -184,10 +182,13 @@ fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
         }
         None => {
             let (board, offered) = (pins.connectors.name, pins.outputs());
-            let text = format!(
-                "{} is no heater output of the {board}: use one of {offered}, and write it into {path}",
-                pin.name
-            );
+            let text = match printed(pins.connectors, &pin) {
+                Some(name) => format!("{name} is not there yet: use one of {offered}, and write it into {path}"),
+                None => format!(
+                    "{} is no heater output of the {board}: use one of {offered}, and write it into {path}",
+                    pin.name
+                ),
+            };
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -208,8 +209,13 @@ fn input(work: &mut Work<'_>, path: &str, section: &str) -> bool {
         }
         None => {
             let board = pins.connectors.name;
-            let text =
-                format!("{} is no input for a sensor of the {board}: use another, and write it into {path}", pin.name);
+            let text = match printed(pins.connectors, &pin) {
+                Some(name) => format!("{name} is not there yet: use another input, and write it into {path}"),
+                None => format!(
+                    "{} is no input for a sensor of the {board}: use another, and write it into {path}",
+                    pin.name
+                ),
+            };
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -285,124 +291,4 @@ fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<(i64, i64)> {
     let at_room = ohms * exp(beta * (1.0 / ROOM - inverse));
     let is_one = (1.0..1e8).contains(&at_room) && (1.0..1e5).contains(&beta);
     is_one.then_some((at_room.round() as i64, beta.round() as i64))
-}
-
-/// Kinds of fans, by their sections, and their roles.
-const FANS: [(&str, &str); 4] =
-    [("fan", "part"), ("heater_fan *", "hotend"), ("controller_fan *", "controller"), ("fan_generic *", "commanded")];
-
-fn fans(work: &mut Work<'_>) {
-    let sections: Vec<&str> = work.config.sections.iter().map(|section| section.name.as_str()).collect();
-    for section in sections {
-        if let Some((_, role)) = FANS.iter().find(|(pattern, _)| matches(pattern, section)) {
-            fan(work, section, role);
-        }
-    }
-    for number in 0..work.pins.connectors.fans.len() {
-        let role = format!("fans.fan{number}.role");
-        if work.lines.get(&role).is_none() {
-            work.lines.set(&role, "commanded".into(), "no section has it");
-        }
-    }
-}
-
-fn fan(work: &mut Work<'_>, section: &str, role: &str) {
-    let Some((entry, pin)) = work.pin(section, "pin") else { return };
-    if !work.is_here(entry, &pin) {
-        return;
-    }
-    let pins = work.pins;
-    let Some(number) = pins.fan(&pin.name) else {
-        let board = pins.connectors.name;
-        let text = format!("{} is no fan output of the {board}: use one, and give it the role {role:?}", pin.name);
-        return work.say(entry, Kind::Decide, text);
-    };
-    let fan = format!("fans.fan{number}");
-    work.take(entry, &format!("{fan}.role"), role);
-    for (key, leaf, times) in
-        [("kick_start_time", "kick_ms", 1000.0), ("max_power", "most", 1.0), ("fan_speed", "most", 1.0)]
-    {
-        if let Some((entry, value)) = work.number(section, key) {
-            work.take_number(entry, &format!("{fan}.{leaf}"), value * times);
-        }
-    }
-    if let Some((entry, least)) = work.number(section, "off_below") {
-        work.take_number(entry, &format!("{fan}.least"), least);
-        work.say(entry, Kind::Approximated, "the lowest speed has that duty; Klipper switches the fan off below it");
-    }
-    frequency(work, section, number);
-    tachometer(work, section, &fan);
-    if role == "hotend" {
-        match work.value(section, "heater") {
-            Some((entry, "extruder")) => work.say(entry, Kind::Taken, "the role hotend"),
-            Some((entry, _)) => {
-                work.say(entry, Kind::NotYet, "the role hotend follows the hotend, and no other heater")
-            }
-            None => {}
-        }
-        if let Some((entry, above)) = work.number(section, "heater_temp") {
-            work.take_number(entry, "thermal.hotend_fan_above", above);
-        }
-    }
-    if role == "controller" {
-        if let Some((entry, seconds)) = work.number(section, "idle_timeout") {
-            work.take_number(entry, "thermal.fan_run_on_s", seconds);
-        }
-        for key in ["heater", "stepper"] {
-            if let Some((entry, _)) = work.value(section, key) {
-                work.say(entry, Kind::Approximated, "it runs with any motor or heater");
-            }
-        }
-    }
-}
-
-/// The frequency of a fan, if its output has a timer; of fans on one timer the first one's.
-fn frequency(work: &mut Work<'_>, section: &str, number: usize) {
-    let Some((entry, seconds)) = work.number(section, "cycle_time").filter(|(_, seconds)| *seconds > 0.0) else {
-        return;
-    };
-    let timers = work.pins.connectors.fans;
-    let timer = timers.get(number).copied().flatten();
-    if timer.is_none() {
-        return work.say(entry, Kind::NotYet, "the frequency of this output is fixed");
-    }
-    let path = |fan: usize| format!("fans.fan{fan}.frequency");
-    let hertz = (1.0 / seconds).round();
-    let mut others = timers.iter().enumerate().filter(|(fan, other)| *fan != number && **other == timer);
-    let other = others.find_map(|(fan, _)| Some((fan, work.lines.number(&path(fan))?)));
-    match other.filter(|(_, its)| *its != hertz) {
-        Some((fan, its)) => {
-            let text =
-                format!("it shares a timer with fan{fan}, and so its {its} Hz: plug it in elsewhere to have another");
-            work.say(entry, Kind::Decide, text);
-        }
-        None => work.take_number(entry, &path(number), hertz),
-    }
-}
-
-/// The key of all tachometers.
-const PULSES: &str = "fans.pulses";
-
-/// The tachometer of a fan.
-fn tachometer(work: &mut Work<'_>, section: &str, fan: &str) {
-    let Some((entry, pin)) = work.pin(section, "tachometer_pin") else { return };
-    if !work.is_here(entry, &pin) {
-        return;
-    }
-    let Some(input) = work.pins.input(&pin, Circuit::Plain) else {
-        let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
-        return work.say(entry, Kind::Decide, text);
-    };
-    work.take(entry, &format!("{fan}.tachometer"), input.name.to_string());
-    if let Some((entry, pulses)) = work.number(section, "tachometer_ppr") {
-        match work.lines.number(PULSES).filter(|others| *others != pulses) {
-            Some(others) => {
-                work.say(entry, Kind::Decide, format!("all fans have the same, and an earlier one {others}"))
-            }
-            None => work.take_number(entry, PULSES, pulses),
-        }
-    }
-    if let Some((entry, _)) = work.value(section, "tachometer_poll_interval") {
-        work.say(entry, Kind::NotNeeded, "an input is looked at every 0.5 ms");
-    }
 }

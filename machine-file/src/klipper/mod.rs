@@ -6,8 +6,10 @@
 //! |---|---|
 //! | `config` | texts to sections and keys |
 //! | `pin`, `board` | pins to connectors |
+//! | `found` | which board it is on |
 //! | `work` | the translation so far |
-//! | `motors`, `axes`, `heat`, `probe`, `bed` | one part of a machine each |
+//! | `motors`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
+//! | `defaults` | what counts where Klipper's files say nothing |
 //! | `tables` | keys that are one number, and remarks on the rest |
 //! | `report` | what became of every key |
 //!
@@ -17,6 +19,9 @@ mod axes;
 mod bed;
 mod board;
 mod config;
+mod defaults;
+mod fans;
+mod found;
 mod heat;
 mod motors;
 mod pin;
@@ -30,6 +35,7 @@ pub use crate::translation::{Kind, Report, Translation, Verdict};
 use board::Pins;
 pub use config::{At, Config, Entry, Files, Mistake, Section};
 use corehbot::connectors::BoardConnectors;
+use found::Pinned;
 use pin::Aliases;
 use tables::NUMBERS;
 use work::Work;
@@ -41,21 +47,25 @@ use work::Work;
 pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Result<Translation, String> {
     let aliases = Aliases::of(config);
     let is_given = board.is_some();
-    let board = board
-        .or_else(|| board::found(config, &aliases))
-        .ok_or("cannot tell the board: no board with an image, or several, have these step pins; say --board")?;
+    let pinned = Pinned::of(config, &aliases);
+    let board = board.map_or_else(|| pinned.board(), Ok)?;
     let pins = Pins::of(board).ok_or_else(|| format!("the {} has no pins: name another --board", board.key))?;
     let mut work = Work::new(config, &pins, &aliases);
-    let from = if is_given { "--board" } else { "by its step pins" };
+    let from = if is_given { "--board" } else { "by its pins" };
     work.lines.set("board", board.key.into(), from);
     motors::motors(&mut work);
     axes::axes(&mut work);
     heat::heat(&mut work);
+    fans::fans(&mut work);
     probe::probe(&mut work);
     bed::bed(&mut work);
     probe::filament(&mut work);
     probe::shapers(&mut work);
     numbers(&mut work);
+    axes::extruder(&mut work);
+    defaults::defaults(&mut work);
+    axes::step_rates(&mut work);
+    of_chip(&mut work, &pinned, board);
     let head = format!(
         "#:schema ./machine.schema.json\n# From {}, for the {}. `corehbot config check` checks it.\n",
         config.files.first().map_or("a configuration of Klipper", String::as_str).escape_debug(),
@@ -69,10 +79,18 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
 fn numbers(work: &mut Work<'_>) {
     let config = work.config;
     for row in NUMBERS.iter().filter(|row| config.section(row.section).is_some()) {
-        match (work.number(row.section, row.key), row.default) {
-            (Some((entry, number)), _) => work.take_number(entry, row.to, number * row.times),
-            (None, Some(default)) if work.lines.get(row.to).is_none() => work.set_default(row.to, default),
-            (None, _) => {}
+        if let Some((entry, number)) = work.number(row.section, row.key) {
+            work.take_number(entry, row.to, number * row.times);
         }
+    }
+}
+
+/// A processor on the given board that is not the board's: with all pins of the board it is a variant of it.
+fn of_chip(work: &mut Work<'_>, pinned: &Pinned, board: &BoardConnectors) {
+    let entry = corehbot_boards::entries().find(|entry| entry.board.connectors.key == board.key);
+    let is_variant = entry.is_some_and(|entry| pinned.fits(entry) && pinned.is_other_chip(entry));
+    if let Some((serial, _)) = work.value(pin::FIRST_MCU, "serial").filter(|_| is_variant) {
+        let text = format!("these are the pins of the {}, but with another processor: no image is for it", board.name);
+        work.say(serial, Kind::Decide, text);
     }
 }

@@ -108,7 +108,7 @@ fn machine(work: &mut Work<'_>, board: Option<&'static BoardConnectors>) {
         if legal == name {
             work.take(entry, "name", name);
         } else if !legal.is_empty() {
-            work.approximate(entry, "name", legal.into(), "a name has 24 letters, digits and a few marks");
+            work.approximate(entry, "name", legal.into(), ", because a name has 24 letters, digits and a few marks");
         }
     }
     work.of_firmware();

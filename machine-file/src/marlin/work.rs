@@ -63,13 +63,6 @@ impl<'s> Work<'s> {
         Some((entry, rounded(number * INCH)))
     }
 
-    /// Sets a key to a value near a word's.
-    pub fn approximate(&mut self, entry: usize, path: &str, value: toml::Value, how: &str) {
-        self.say(entry, Kind::Approximated, format!("{path} = {value}, {how}"));
-        let from = self.from(entry);
-        self.lines.set(path, value, &from);
-    }
-
     /// Says what follows from the firmware that answered.
     pub fn of_firmware(&mut self) {
         let Some((_, name)) = self.value("M115", "FIRMWARE_NAME") else { return };

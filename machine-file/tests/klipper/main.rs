@@ -1,6 +1,7 @@
 //! Configurations of Klipper, in all forms that its documentation has, as machine files.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
+mod checked;
 #[path = "../support/configurations.rs"]
 mod configurations;
 mod forms;
@@ -242,7 +243,12 @@ fn a_probes_input_has_the_name_of_its_header() {
         let text = of_text(text).text;
         assert!(text.contains(&format!("\nprobe = \"{plug}\"  # printer.cfg:2\n")), "{text}");
     }
-    assert!(!of_text("[probe]\npin: PF13").text.contains("probe ="));
+    // A pin elsewhere: what is not the pin stays.
+    for (pin, plug) in [("PF13", ""), ("!EBBCan:PB6", "!")] {
+        let text = of_text(&format!("[probe]\npin: {pin}\nx_offset: -20\n")).text;
+        assert!(text.contains(&format!("probe = \"{plug}\"  # to decide\n")), "{text}");
+        assert!(text.contains("\nkind = \"switch\"") && text.contains("[probe.offset]\nx = -20"), "{text}");
+    }
 }
 
 /// By hand: 100 kOhm at 25 C and 1770 Ohm at 150 C are a B of 4071.7 K.
