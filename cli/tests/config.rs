@@ -167,7 +167,10 @@ fn a_thermistor_that_is_none_is_told_which_there_are() {
         let path = file("thermistor", &format!("[heaters.hotend]\nthermistor = {wrong}\n"));
         let said = out(&config(&["check", path.to_str().unwrap()]));
         assert!(said.contains("error: thermistor is one of 104gt2, ") && !said.contains("untagged"), "{wrong}: {said}");
-        assert!(said.contains(", or an NTC: { ohms = 100000, beta = 3950 }"), "{wrong}: {said}");
+        assert!(
+            said.contains(", or an NTC: { points = ") && said.contains("{ ohms = 100000, beta = 3950 }"),
+            "{wrong}: {said}"
+        );
         assert!(SHEETS.iter().all(|sheet| said.contains(sheet.name)), "{wrong}: {said}");
     }
 }

@@ -11,7 +11,7 @@
 //! | file | job |
 //! |---|---|
 //! | `keys` | every key, and the subjects of tables |
-//! | `value` | a value of TOML as a setting has it, and the reverse |
+//! | `value`, `thermistor` | a value of TOML as a setting has it, and the reverse |
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
@@ -41,6 +41,7 @@ mod resolution;
 mod schema;
 pub mod short;
 pub mod template;
+mod thermistor;
 mod translation;
 mod unreached;
 mod unwise;

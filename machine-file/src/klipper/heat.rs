@@ -2,32 +2,37 @@
 
 use super::found::printed;
 use super::work::Work;
+use crate::thermistor::{of_slope, points, through, written};
 use crate::translation::{Kind, Verdict};
-use corehbot::settings::PLACES;
-use corehbot_twin::math::{exp, ln};
+use corehbot::settings::{PLACES, Thermistor};
 use toml::Value as Toml;
 
-/// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.
+/// Klipper's names of sensors, and ours.
 enum Sensor {
+    /// A sensor of ours with the same points.
     Sheet(&'static str),
-    /// B in K of 100 kOhm at 25 C, and how far off it is.
-    Beta(i64, &'static str),
+    /// Three points of its data sheet, in C and Ohm.
+    Points([(f64, f64); 3]),
+    /// B in K of 100 kOhm at 25 C.
+    Beta(u16),
 }
 
-/// Klipper's sensors (klippy/extras/temperature_sensors.cfg). Those with a row of ours have the same points there. B of
-/// the EPCOS follows from its points at 25 and 150 C, B of the TDK from those at 25 and 125 C.
+/// Klipper's sensors (klippy/extras/temperature_sensors.cfg), with its points.
 const SENSORS: [(&str, Sensor); 10] = [
     ("ATC Semitec 104GT-2", Sensor::Sheet("104gt2")),
     ("ATC Semitec 104NT-4-R025H42G", Sensor::Sheet("104nt4")),
     ("Generic 3950", Sensor::Sheet("ntc_3950")),
     ("SliceEngineering 450", Sensor::Sheet("slice_450")),
     ("PT1000", Sensor::Sheet("pt1000")),
-    ("EPCOS 100K B57560G104F", Sensor::Beta(4148, "right at 25 and 150 C, 7 K high at 250 C")),
-    ("TDK NTCG104LH104JT1", Sensor::Beta(4605, "right at 25 and 125 C, 1 K low at 50 C")),
-    ("Honeywell 100K 135-104LAG-J01", Sensor::Beta(3974, "")),
-    ("NTC 100K beta 3950", Sensor::Beta(3950, "")),
-    ("NTC 100K MGB18-104F39050L32", Sensor::Beta(4100, "")),
+    ("EPCOS 100K B57560G104F", Sensor::Points([(25.0, 100_000.0), (150.0, 1641.9), (250.0, 226.15)])),
+    ("TDK NTCG104LH104JT1", Sensor::Points([(25.0, 100_000.0), (50.0, 31_230.0), (125.0, 2066.0)])),
+    ("Honeywell 100K 135-104LAG-J01", Sensor::Beta(3974)),
+    ("NTC 100K beta 3950", Sensor::Beta(3950)),
+    ("NTC 100K MGB18-104F39050L32", Sensor::Beta(4100)),
 ];
+
+/// Ohm of the sensors with a B.
+const OHMS: u32 = 100_000;
 
 /// Translates heaters and fans.
 pub(super) fn heat(work: &mut Work<'_>) {
@@ -232,19 +237,14 @@ fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
     if let Some((_, sensor)) = SENSORS.iter().find(|(known, _)| *known == name) {
         match sensor {
             Sensor::Sheet(sheet) => work.take(entry, path, *sheet),
-            Sensor::Beta(beta, how) => {
-                work.take(entry, path, ntc(100_000, *beta));
-                if !how.is_empty() {
-                    work.say(entry, Kind::Approximated, *how);
-                }
-            }
+            Sensor::Points(three) => work.take(entry, path, points(*three)),
+            Sensor::Beta(beta) => work.take(entry, path, written(OHMS, *beta, 0)),
         }
         return true;
     }
     match own_thermistor(work, &format!("thermistor {name}")) {
-        Some((ohms, beta)) => {
-            work.take(entry, path, ntc(ohms, beta));
-            work.say(entry, Kind::Approximated, "an NTC by its resistance at 25 C and its B");
+        Some(value) => {
+            work.take(entry, path, value);
             true
         }
         None => {
@@ -255,40 +255,33 @@ fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
     }
 }
 
-fn ntc(ohms: i64, beta: i64) -> Toml {
-    Toml::Table(
-        [("ohms", ohms), ("beta", beta)].map(|(key, number)| (key.to_owned(), number.into())).into_iter().collect(),
-    )
-}
-
-/// 0 C in K, and 25 C.
-const ZERO: f64 = 273.15;
-const ROOM: f64 = ZERO + 25.0;
-
-/// An owner's thermistor as resistance at 25 C and B: by B, or by its first and last point.
-fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<(i64, i64)> {
+/// An owner's thermistor: by B, or by its three points.
+fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<Toml> {
     work.config.section(section)?;
-    let point = |work: &mut Work<'_>, number: usize| {
-        let (temperature, c) = work.number(section, &format!("temperature{number}"))?;
-        let (resistance, ohms) = work.number(section, &format!("resistance{number}"))?;
-        for entry in [temperature, resistance] {
-            work.say(entry, Kind::Taken, "the thermistor of a heater");
-        }
-        Some((1.0 / (c + ZERO), ohms)).filter(|(inverse, ohms)| inverse.is_finite() && *ohms > 0.0)
+    let mut entries = Vec::new();
+    let mut number = |work: &mut Work<'_>, key: &str| {
+        let (entry, number) = work.number(section, key)?;
+        entries.push(entry);
+        Some(number)
     };
-    let (inverse, ohms) = point(work, 1)?;
-    let beta = match work.number(section, "beta") {
-        Some((entry, beta)) => {
-            work.say(entry, Kind::Taken, "the thermistor of a heater");
-            beta
-        }
-        None => {
-            let points = [point(work, 3), point(work, 2)];
-            let (other, other_ohms) = points.into_iter().flatten().next()?;
-            ln(other_ohms / ohms) / (other - inverse)
-        }
+    let mut point = |work: &mut Work<'_>, at: usize| {
+        Some((number(work, &format!("temperature{at}"))?, number(work, &format!("resistance{at}"))?))
     };
-    let at_room = ohms * exp(beta * (1.0 / ROOM - inverse));
-    let is_one = (1.0..1e8).contains(&at_room) && (1.0..1e5).contains(&beta);
-    is_one.then_some((at_room.round() as i64, beta.round() as i64))
+    let first = point(work, 1)?;
+    let value = if work.value(section, "beta").is_some() {
+        let (entry, beta) = work.number(section, "beta")?;
+        entries.push(entry);
+        match of_slope(first, 1.0 / beta)? {
+            Thermistor::Beta { ohms, beta, cubic } => written(ohms, beta, cubic),
+            Thermistor::Sheet(_) => return None,
+        }
+    } else {
+        let three = [first, point(work, 2)?, point(work, 3)?];
+        through(&three)?;
+        points(three)
+    };
+    for entry in entries {
+        work.say(entry, Kind::Taken, "the thermistor of a heater");
+    }
+    Some(value)
 }

@@ -31,6 +31,7 @@ mod tables;
 mod work;
 
 pub use crate::pattern::{is_pattern, matches};
+use crate::short::short;
 pub use crate::translation::{Kind, Report, Translation, Verdict};
 use board::Pins;
 pub use config::{At, Config, Entry, Files, Mistake, Section};
@@ -53,6 +54,14 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     let mut work = Work::new(config, &pins, &aliases);
     let from = if is_given { "--board" } else { "by its pins" };
     work.lines.set("board", board.key.into(), from);
+    for (at, pattern) in &config.missing {
+        let text = format!(
+            "{}: there is no file {}: copy it to its place, or take out the line; the rest was read",
+            config.place(*at),
+            short(pattern)
+        );
+        work.notes.push(Verdict::new(Kind::Decide, text));
+    }
     motors::motors(&mut work);
     axes::axes(&mut work);
     heat::heat(&mut work);

@@ -80,6 +80,7 @@ pub fn translate(name: &str, text: &str, given: Given) -> Translation {
     motors::drivers(&mut work, &motors);
     heat::heat(&mut work, given.board);
     motion(&mut work);
+    bed(&mut work);
     numbers(&mut work);
     axes::motor_limits(&mut work);
     let board = given.board.unwrap_or(&BoardConnectors::ANY);
@@ -199,6 +200,27 @@ fn numbers(work: &mut Work<'_>) {
                 work.say(entry, Decide, text);
             }
         }
+    }
+}
+
+/// The probe's offset, the mesh and the screws, which M503 says; it does not say which probe there is.
+fn bed(work: &mut Work<'_>) {
+    if let Some((entry, is_on)) = work.number("M420", "S") {
+        work.take(entry, "mesh.is_on", is_on != 0.0);
+    }
+    let words: Vec<String> = work.said.words.iter().filter(|w| w.code == "M422").map(|w| w.key.clone()).collect();
+    for key in words {
+        let Some((letter, screw, axis)) = motors::screw(&key) else { continue };
+        let Some((entry, at)) = work.length("M422", &key) else { continue };
+        let axis = axis.to_ascii_lowercase();
+        let path = format!("screws.{screw}.{}{axis}", if letter == 'S' { "point_" } else { "" });
+        if work.is_key(&path) {
+            work.take_number(entry, &path, at);
+        }
+    }
+    if ["X", "Y", "Z"].iter().any(|axis| work.value("M851", axis).is_some()) {
+        let keys = [("probe.kind".to_owned(), "none".into()), ("endstops.probe".to_owned(), "".into())];
+        work.fill_in(&keys, "the probe: \"switch\", \"bltouch\" or \"nozzle\", and its input");
     }
 }
 

@@ -124,7 +124,11 @@ impl Draft {
     /// fill them in.
     pub fn fill_in(&mut self, keys: &[(String, toml::Value)], what: &str) {
         let mut said = Vec::new();
-        for (path, value) in keys {
+        let open: Vec<_> = keys.iter().filter(|(path, _)| self.lines.get(path).is_none()).collect();
+        if open.is_empty() {
+            return;
+        }
+        for (path, value) in open {
             self.lines.set(path, value.clone(), "to be filled in");
             said.push(format!("{path} = {value}"));
         }

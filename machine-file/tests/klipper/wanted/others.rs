@@ -1,7 +1,7 @@
 //! A RatRig hybrid, a RatRig with a BLTouch, an Annex K3 and a Mercury One.1.
 
 use super::Printer;
-use corehbot_machine_file::klipper::Kind::{Decide, NotNeeded, NotYet, Taken};
+use corehbot_machine_file::klipper::Kind::{Decide, NotNeeded, Taken};
 
 pub(super) const OTHERS: &[Printer] = &[
     Printer {
