@@ -18,6 +18,8 @@
 //! | `translation` | another firmware's configuration to a machine file, with a verdict on every part |
 //! | `klipper` | configurations of Klipper |
 //! | `marlin` | answers of a printer with Marlin |
+//! | `configuration_h` | the source of Marlin's settings |
+//! | `reprap` | config.g of RepRapFirmware |
 //! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
 //! | `problems`, `unreached`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
@@ -27,6 +29,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod configuration_h;
 mod error;
 mod keys;
 pub mod klipper;
@@ -37,6 +40,7 @@ mod place;
 mod problems;
 mod reader;
 mod reference;
+pub mod reprap;
 mod resolution;
 mod schema;
 pub mod short;

@@ -19,9 +19,9 @@ mod firmware;
 mod heat;
 mod motors;
 mod report;
-mod said;
-mod tables;
-mod work;
+pub(crate) mod said;
+pub(crate) mod tables;
+pub(crate) mod work;
 
 use crate::translation::Kind::{Approximated, Decide, NotNeeded, Taken};
 use crate::translation::Translation;
@@ -74,15 +74,7 @@ pub fn is_report(text: &str) -> bool {
 pub fn translate(name: &str, text: &str, given: Given) -> Translation {
     let said = Said::read(text);
     let mut work = Work::new(&said);
-    machine(&mut work, given.board);
-    let motors = motors::motors(&mut work, given);
-    axes::axes(&mut work, &motors);
-    motors::drivers(&mut work, &motors);
-    heat::heat(&mut work, given.board);
-    motion(&mut work);
-    bed(&mut work);
-    numbers(&mut work);
-    axes::motor_limits(&mut work);
+    parts(&mut work, given);
     let board = given.board.unwrap_or(&BoardConnectors::ANY);
     let mut head = format!("#:schema ./machine.schema.json\n# From {}", name.escape_debug());
     if let Some((_, firmware)) = work.value("M115", "FIRMWARE_NAME") {
@@ -94,6 +86,19 @@ pub fn translate(name: &str, text: &str, given: Given) -> Translation {
     }
     let text = head + &work.lines.text();
     Translation::new(text, report::report(&work, name, board))
+}
+
+/// All parts of a machine, from words of Marlin.
+pub(crate) fn parts(work: &mut Work<'_>, given: Given) {
+    machine(work, given.board);
+    let motors = motors::motors(work, given);
+    axes::axes(work, &motors);
+    motors::drivers(work, &motors);
+    heat::heat(work, given.board);
+    motion(work);
+    bed(work);
+    numbers(work);
+    axes::motor_limits(work);
 }
 
 /// The machine's name, and its board.

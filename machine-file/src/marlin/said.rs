@@ -9,7 +9,7 @@ use super::tables::selectors;
 
 /// A word with a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Word {
+pub(crate) struct Word {
     /// The command: `M92`.
     pub code: String,
     /// The word: `X`; behind its motor or tool, if that is not the first: `I1 Z`, `T1 E`.
@@ -24,7 +24,7 @@ pub(super) struct Word {
 
 /// All that a printer said.
 #[derive(Default, Debug)]
-pub(super) struct Said {
+pub(crate) struct Said {
     /// The words, in the order of the lines.
     pub words: Vec<Word>,
     /// Lines that nothing here reads, each with its number.
@@ -37,6 +37,11 @@ pub(super) struct Said {
 const MOST_WORDS: usize = 20_000;
 
 impl Said {
+    /// Words that another source says in Marlin's terms.
+    pub fn of(words: Vec<Word>) -> Self {
+        Self { words, ..Self::default() }
+    }
+
     /// Reads all lines.
     pub fn read(text: &str) -> Self {
         let (mut said, mut is_inches) = (Self::default(), false);

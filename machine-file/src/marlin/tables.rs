@@ -66,7 +66,7 @@ pub(super) fn selectors(code: &str) -> &'static str {
 }
 
 /// What to say of words, or of whole commands.
-pub(super) struct Remark {
+pub(crate) struct Remark {
     pub code: &'static str,
     /// A pattern of words; empty for the command itself, and so for all its words.
     pub word: &'static str,
@@ -160,10 +160,10 @@ const REMARKS: &[Remark] = &[
 ];
 
 /// What to say of a word without any remark.
-pub(super) const NO_SETTING: &str = "no setting for it";
+pub(crate) const NO_SETTING: &str = "no setting for it";
 
 /// The remark on a word, or on a command as a whole.
-pub(super) fn remark(code: &str, word: Option<&str>) -> Option<&'static Remark> {
+pub(crate) fn remark(code: &str, word: Option<&str>) -> Option<&'static Remark> {
     REMARKS.iter().find(|remark| {
         let is_word = match word {
             Some(word) => !remark.word.is_empty() && matches(remark.word, word),

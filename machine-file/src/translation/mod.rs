@@ -1,16 +1,18 @@
 //! Translation: the configuration of another firmware as a machine file, with a verdict on every part of it.
 //!
-//! `klipper` and `marlin` read the configurations. Here is the work that they share.
+//! `klipper`, `marlin`, `configuration_h` and `reprap` read the configurations. Here is the work that they share.
 //!
 //! | file | job |
 //! |---|---|
 //! | `draft` | the translation so far |
 //! | `lines` | the text that it becomes |
 //! | `verdict`, `report` | what became of every part |
+//! | `source` | sources that become words of Marlin |
 
 pub(crate) mod draft;
 mod lines;
 mod report;
+pub(crate) mod source;
 mod verdict;
 
 use crate::{Machine, Problem, problems};
