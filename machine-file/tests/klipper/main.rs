@@ -6,6 +6,7 @@ mod checked;
 mod configurations;
 mod forms;
 mod open;
+mod proof;
 #[path = "../support/reports.rs"]
 mod reports;
 mod wanted;
