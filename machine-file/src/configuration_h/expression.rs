@@ -80,7 +80,8 @@ impl<'t> Parser<'t> {
 
     fn comparison(&mut self) -> Option<Known> {
         let left = self.sum()?;
-        const SIGNS: [(&str, fn(f64, f64) -> bool); 6] = [
+        type Compare = fn(f64, f64) -> bool;
+        const SIGNS: [(&str, Compare); 6] = [
             ("==", |a, b| a == b),
             ("!=", |a, b| a != b),
             ("<=", |a, b| a <= b),

@@ -181,7 +181,7 @@ fn of_motor(defines: &Defines, source: &mut Source, item: usize, name: &str) {
         }
     }
     for (switch, axes) in [("STEALTHCHOP_XY", &["X", "Y"][..]), ("STEALTHCHOP_Z", &["Z"]), ("STEALTHCHOP_E", &["E"])] {
-        let is_here = |axis: &&&str| is_tmc(if **axis == "E" { "E0" } else { **axis });
+        let is_here = |axis: &&&str| is_tmc(if **axis == "E" { "E0" } else { axis });
         if name == switch && defines.has(switch) {
             axes.iter().filter(is_here).for_each(|axis| source.word(item, "M569", axis, "1"));
         }

@@ -133,16 +133,13 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
         work.say(entry, Kind::Decide, format!("{place}: write the motor's socket into {path}{how}"));
         return foreign(work, stepper, &path, sign);
     };
-    work.take(entry, &path, format!("{sign}{}", socket.name));
-    if step.is_inverted {
-        work.say(entry, Kind::Approximated, "a step is the rising edge");
-    }
     let driver = driver_section(work, &stepper.section).map(|(section, _)| section);
     let others = [
         (Some(stepper.section.clone()), "dir_pin"),
         (Some(stepper.section.clone()), "enable_pin"),
         (driver, "uart_pin"),
     ];
+    let mut is_whole = true;
     for ((section, key), expected) in others.into_iter().zip(&socket.pins[1..]) {
         let Some((entry, pin)) = section.and_then(|section| work.pin(&section, key)) else { continue };
         if expected.as_ref() == Some(&pin.name) && pin.is_on_board() {
@@ -152,11 +149,21 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
             let text =
                 format!("{} has {expected} there, not {}: is the motor in another socket?", socket.name, pin.name);
             work.say(entry, Kind::Decide, text);
-            work.lines.set(&path, sign.into(), "to decide");
+            is_whole = false;
         }
         if key == "enable_pin" && !pin.is_inverted {
             work.say(entry, Kind::NotYet, "drivers are enabled by a low level; one that needs a high one stays off");
         }
+    }
+    if is_whole {
+        work.take(entry, &path, format!("{sign}{}", socket.name));
+    } else {
+        let text =
+            format!("it is the step pin of {}, and other pins are not: write the socket into {path}", socket.name);
+        work.say(entry, Kind::Decide, text);
+    }
+    if step.is_inverted {
+        work.say(entry, Kind::Approximated, "a step is the rising edge");
     }
 }
 

@@ -1,14 +1,10 @@
 //! Marlin's sources of settings and RepRapFirmware's config.g, as machine files.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "../support/reports.rs"]
-mod reports;
-
+use super::reports::verdict;
 use corehbot_machine_file::Kind::{Approximated, Decide, NotNeeded, Taken};
 use corehbot_machine_file::marlin::{Given, is_report};
 use corehbot_machine_file::{Kind, Translation, configuration_h, reprap};
 use proptest::prelude::*;
-use reports::verdict;
 
 /// A small CoreXY in the words of Marlin's two files.
 const CONFIGURATION: &str = r#"
