@@ -11,7 +11,7 @@
 //! | file | job |
 //! |---|---|
 //! | `keys` | every key, and the subjects of tables |
-//! | `value`, `thermistor` | a value of TOML as a setting has it, and the reverse |
+//! | `numbers`, `value`, `thermistor` | a value of TOML as a setting has it, and the reverse |
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
@@ -34,6 +34,7 @@ mod error;
 mod keys;
 pub mod klipper;
 pub mod marlin;
+mod numbers;
 mod pattern;
 mod peers;
 mod place;

@@ -1,7 +1,7 @@
 //! Thermistors of a machine file: the name of a sensor, or an NTC by three points of its data sheet, or by its numbers.
 
 use crate::error::MachineFileError;
-use crate::value::{float, float_toml, number};
+use crate::numbers::{float, float_toml, number};
 use corehbot::settings::rows::{Kind, Legal};
 use corehbot::settings::{Thermistor, ranges};
 use corehbot_twin::math::{exp, ln};

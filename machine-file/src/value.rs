@@ -1,7 +1,8 @@
 //! Values: from the TOML value behind a key to a setting's value, and the reverse.
 
 use crate::error::MachineFileError;
-use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
+use crate::keys::{names_of, shortest};
+pub(crate) use crate::numbers::{float, float_toml, number};
 use crate::thermistor;
 use corehbot::kinematics::{self, MOST_MULTIPLE, Row};
 use corehbot::motors::MotorName;
@@ -62,31 +63,6 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
             Toml::Array(items) => motor_row(key, items).map(|row| row.get()),
             other => Err(MachineFileError::kind(key, "a list of numbers", other)),
         },
-    }
-}
-
-/// A number in its range.
-///
-/// # Errors
-/// The problem of the value.
-pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
-    let number = float(key, toml)?;
-    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole | Kind::OfMotor | Kind::Place);
-    match bits_of(number, fraction(kind)) {
-        Some(bits) if is_whole && legal.holds(bits) => Ok(bits),
-        _ => Err(MachineFileError::Range { key: key.to_owned(), value: number, legal: legal_words(legal, kind) }),
-    }
-}
-
-/// Any number.
-///
-/// # Errors
-/// The value is not a number.
-pub(crate) fn float(key: &str, toml: &Toml) -> Result<f64, MachineFileError> {
-    match toml {
-        Toml::Integer(number) => Ok(*number as f64),
-        Toml::Float(number) => Ok(*number),
-        other => Err(MachineFileError::kind(key, "a number", other)),
     }
 }
 
@@ -186,9 +162,4 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
         ) => (*number).into(),
         (Value::Text(text), _) => text.as_str().into(),
     })
-}
-
-/// A number of TOML, a whole one if it is.
-pub(crate) fn float_toml(number: f64) -> Toml {
-    if number.fract() == 0.0 { Toml::Integer(number as i64) } else { Toml::Float(number) }
 }

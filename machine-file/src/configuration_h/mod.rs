@@ -9,7 +9,7 @@
 //! | `parts` | defines that no answer of a printer says |
 //! | `tables` | what to say of the rest |
 //!
-//! Most defines are the numbers that M503 reports, so they become its words (`translation::source`).
+//! Most defines are the numbers that M503 reports, so they become its words (`marlin::source`).
 
 mod defines;
 mod expression;
@@ -17,9 +17,9 @@ mod parts;
 mod tables;
 mod words;
 
+use crate::marlin::source::Source;
 use crate::marlin::work::Work;
 use crate::marlin::{Given, parts as of_words};
-use crate::translation::source::Source;
 use crate::translation::{Kind, Translation, Verdict};
 use corehbot::connectors::BoardConnectors;
 use defines::Defines;

@@ -2,10 +2,10 @@
 
 use super::defines::Defines;
 use crate::marlin::Given;
+use crate::marlin::source::ITEM;
 use crate::marlin::work::Work;
 use crate::thermistor::{points, written};
 use crate::translation::Kind;
-use crate::translation::source::ITEM;
 use corehbot::connectors::BoardConnectors;
 use toml::Value as Toml;
 

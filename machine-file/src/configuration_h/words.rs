@@ -1,7 +1,7 @@
 //! Defines as words of Marlin: what M503, M115, M211, M119 and M122 would say of them.
 
 use super::defines::{Define, Defines};
-use crate::translation::source::{Item, Source};
+use crate::marlin::source::{Item, Source};
 
 /// Lists of numbers for x, y, z and e, and the command that reports them.
 const LISTS: [(&str, &str); 3] =

@@ -53,7 +53,7 @@ fn home(work: &mut Work<'_>) {
             [place] if by_probe => place_of_probe(work, entry, place, ["probe.home.x", "probe.home.y"]),
             [[x, y]] => {
                 let text = format!(
-                    "Klipper homes Z at X{x} Y{y} by its switch, which is not there yet: put a switch where the tool is \
+                    "Klipper homes Z at X{x} Y{y} by its switch, not there yet: put a switch where the tool is \
                      after X and Y are homed, or write `G28 X Y`, `G1 X{x} Y{y}` and `G28 Z` for G28"
                 );
                 work.say(entry, Kind::Decide, text);

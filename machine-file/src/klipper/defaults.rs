@@ -1,6 +1,5 @@
 //! Defaults of Klipper for keys that a configuration leaves out, where ours differ or may come to differ.
 
-use super::work::Work;
 use crate::pattern::matches;
 
 /// A default of Klipper.
@@ -10,8 +9,8 @@ pub(super) struct Default {
     pub key: &'static str,
     pub number: f64,
     /// The keys of ours that it becomes by itself, as it is times `times`.
-    to: &'static [&'static str],
-    times: f64,
+    pub to: &'static [&'static str],
+    pub times: f64,
 }
 
 const fn row(section: &'static str, key: &'static str, number: f64, to: &'static [&'static str]) -> Default {
@@ -48,34 +47,10 @@ pub(super) const DEFAULTS: &[Default] = &[
 ];
 
 /// Any of the sections of probes.
-const PROBE: &str = "probe";
+pub(super) const PROBE: &str = "probe";
 
 /// Klipper's default of a key.
 pub(super) fn of(section: &str, key: &str) -> f64 {
     let row = DEFAULTS.iter().find(|row| row.key == key && (row.section == section || matches(row.section, section)));
     row.map_or(0.0, |row| row.number)
 }
-
-/// Sets all keys of ours that nothing has set and that Klipper's defaults say.
-pub(super) fn defaults(work: &mut Work<'_>) {
-    let config = work.config;
-    let is_there = |pattern: &str| {
-        pattern.is_empty()
-            || config.sections.iter().any(|section| match pattern {
-                PROBE => super::probe::is_probe(&section.name),
-                _ => matches(pattern, &section.name),
-            })
-    };
-    for row in DEFAULTS.iter().filter(|row| is_there(row.section)) {
-        for path in row.to {
-            if work.lines.get(path).is_none() {
-                work.set_default(path, row.number * row.times);
-            }
-        }
-    }
-    // Klipper refuses every move of an axis that is not homed (`kinematics/*.py`, "Must home axis first").
-    work.lines.set("require_homing", true.into(), DEFAULT);
-}
-
-/// The comment behind a default.
-pub(super) const DEFAULT: &str = "Klipper's default";

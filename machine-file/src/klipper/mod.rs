@@ -36,10 +36,11 @@ pub use crate::translation::{Kind, Report, Translation, Verdict};
 use board::Pins;
 pub use config::{At, Config, Entry, Files, Mistake, Section};
 use corehbot::connectors::BoardConnectors;
+use defaults::{DEFAULTS, PROBE};
 use found::Pinned;
 use pin::Aliases;
 use tables::NUMBERS;
-use work::Work;
+use work::{DEFAULT, Work};
 
 /// Translates a configuration for a board, or for the board that its pins and comments name.
 ///
@@ -72,7 +73,7 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     probe::shapers(&mut work);
     numbers(&mut work);
     axes::extruder(&mut work);
-    defaults::defaults(&mut work);
+    defaults(&mut work);
     axes::step_rates(&mut work);
     of_chip(&mut work, &pinned, board);
     let head = format!(
@@ -92,6 +93,24 @@ fn numbers(work: &mut Work<'_>) {
             work.take_number(entry, row.to, number * row.times);
         }
     }
+}
+
+/// Sets all keys of ours that nothing has set and that Klipper's defaults say.
+fn defaults(work: &mut Work<'_>) {
+    let config = work.config;
+    let is_there = |pattern: &str| {
+        let is_meant = |name: &str| if pattern == PROBE { probe::is_probe(name) } else { matches(pattern, name) };
+        pattern.is_empty() || config.sections.iter().any(|section| is_meant(&section.name))
+    };
+    for row in DEFAULTS.iter().filter(|row| is_there(row.section)) {
+        for path in row.to {
+            if work.lines.get(path).is_none() {
+                work.set_default(path, row.number * row.times);
+            }
+        }
+    }
+    // Klipper refuses every move of an axis that is not homed (`kinematics/*.py`, "Must home axis first").
+    work.lines.set("require_homing", true.into(), DEFAULT);
 }
 
 /// A processor on the given board that is not the board's: with all pins of the board it is a variant of it.

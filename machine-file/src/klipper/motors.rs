@@ -1,7 +1,6 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
-use super::defaults::DEFAULT;
-use super::work::{Work, is_true};
+use super::work::{DEFAULT, Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use corehbot::motors::{MOTORS, MotorName};

@@ -1,7 +1,7 @@
 //! The probe, the input of a filament sensor, and input shapers.
 
-use super::defaults::{DEFAULT, of};
-use super::work::Work;
+use super::defaults::of;
+use super::work::{DEFAULT, Work};
 use crate::translation::Kind;
 use corehbot_wiring::Circuit;
 

@@ -8,6 +8,9 @@ use crate::translation::draft::Draft;
 use corehbot_wiring::Circuit;
 use std::ops::{Deref, DerefMut};
 
+/// The comment behind a default.
+pub(super) const DEFAULT: &str = "Klipper's default";
+
 /// A configuration that is being translated: a draft that knows its configuration.
 pub(super) struct Work<'c> {
     pub config: &'c Config,
@@ -72,7 +75,7 @@ impl<'c> Work<'c> {
 
     /// Sets a key that Klipper's files may leave out to Klipper's default, which is not ours.
     pub fn set_default(&mut self, path: &str, number: f64) {
-        self.set_number(path, number, super::defaults::DEFAULT);
+        self.set_number(path, number, DEFAULT);
     }
 }
 

@@ -11,6 +11,7 @@
 //! | `motors`, `axes`, `heat` | one part of a machine each |
 //! | `tables` | words that are one number, and remarks on the rest |
 //! | `report` | what became of every word |
+//! | `source` | other sources that become such words |
 //!
 //! A printer does not say how it is wired. Such keys get a value with which nothing breaks, and are to be filled in.
 
@@ -20,6 +21,7 @@ mod heat;
 mod motors;
 mod report;
 pub(crate) mod said;
+pub(crate) mod source;
 pub(crate) mod tables;
 pub(crate) mod work;
 

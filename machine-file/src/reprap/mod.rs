@@ -15,9 +15,9 @@ mod parts;
 mod tables;
 mod words;
 
+use crate::marlin::source::{Item, Source};
 use crate::marlin::work::Work;
 use crate::marlin::{Given, parts as of_words};
-use crate::translation::source::{Item, Source};
 use crate::translation::{Kind, Translation, Verdict};
 use corehbot::connectors::BoardConnectors;
 use lines::Command;

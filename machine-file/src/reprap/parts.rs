@@ -2,11 +2,11 @@
 
 use super::lines::{Command, Word};
 use super::words::motor_of;
+use crate::marlin::source::ITEM;
 use crate::marlin::work::Work;
 use crate::thermistor::written;
 use crate::translation::Kind;
 use crate::translation::draft::rounded;
-use crate::translation::source::ITEM;
 use corehbot::settings::Thermistor;
 use std::collections::BTreeMap;
 use toml::Value as Toml;

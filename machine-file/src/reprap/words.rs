@@ -1,7 +1,7 @@
 //! Commands as words of Marlin, in its units.
 
 use super::lines::{Command, Word};
-use crate::translation::source::Source;
+use crate::marlin::source::Source;
 use std::collections::BTreeMap;
 
 const AXES: [char; 4] = ['X', 'Y', 'Z', 'E'];

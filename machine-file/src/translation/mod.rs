@@ -7,12 +7,10 @@
 //! | `draft` | the translation so far |
 //! | `lines` | the text that it becomes |
 //! | `verdict`, `report` | what became of every part |
-//! | `source` | sources that become words of Marlin |
 
 pub(crate) mod draft;
 mod lines;
 mod report;
-pub(crate) mod source;
 mod verdict;
 
 use crate::{Machine, Problem, problems};

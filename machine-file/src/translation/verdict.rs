@@ -49,7 +49,7 @@ impl Verdict {
     }
 
     /// Both of two verdicts on a key: the graver one counts.
-    pub(super) fn and(self, other: Self) -> Self {
+    pub(crate) fn and(self, other: Self) -> Self {
         if self.text.contains(&other.text) {
             return Self { kind: self.kind.max(other.kind), ..self };
         }

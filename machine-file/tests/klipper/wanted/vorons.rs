@@ -49,7 +49,7 @@ home_xy_position: 206,350
             ("stepper_z3", "step_pin", Taken, "motors.z3 = \"M5\""),
             ("probe", "pin", Taken, "endstops.probe = \"E3DET\"; probe.kind = \"switch\""),
             ("quad_gantry_level", "points", Taken, "screws.1.point_x = 50"),
-            ("safe_z_home", "home_xy_position", Decide, "homes Z at X206 Y350 by its switch, which is not there yet"),
+            ("safe_z_home", "home_xy_position", Decide, "homes Z at X206 Y350 by its switch, not there yet"),
         ],
         is_machine: true,
         decisions: 1,

@@ -1,11 +1,12 @@
 //! Sources that become words of Marlin: a part of a source is an item, and an item says some words of M503 or of other
 //! answers. So the rules for words hold for them too, and an item's verdict is the verdict on its words.
 
-use super::{Kind, OfKey, OfSection, Report, Translation, Verdict};
-use crate::marlin::said::{Said, Word};
-use crate::marlin::tables::{NO_SETTING, remark};
-use crate::marlin::work::Work;
+use super::said::{Said, Word};
+use super::tables::{NO_SETTING, remark};
+use super::work::Work;
 use crate::short::short;
+use crate::translation::draft::rounded;
+use crate::translation::{Kind, OfKey, OfSection, Report, Translation, Verdict};
 use corehbot::connectors::BoardConnectors;
 
 /// A part of a source that needs a verdict.
@@ -53,7 +54,7 @@ impl Source {
 
     /// The same with a number.
     pub fn number(&mut self, item: usize, code: &str, key: &str, number: f64) {
-        self.word(item, code, key, &super::draft::rounded(number).to_string());
+        self.word(item, code, key, &rounded(number).to_string());
     }
 
     /// The words, as a printer might have said them.
