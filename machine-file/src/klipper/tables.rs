@@ -124,6 +124,7 @@ pub(super) const REMARKS: &[Remark] = &[
     not_yet("bed_screws", "", "G35 probes the corners of the bed and says how far to turn its screws"),
     not_yet("screws_tilt_adjust", "", "G35 probes the corners of the bed and says how far to turn its screws"),
     not_yet("bed_mesh *", "", "a mesh that was saved: G29 measures it again"),
+    not_yet("bed_mesh", "fade_target", "a mesh fades to its mean"),
     not_yet("bed_mesh", "relative_reference_index", "a mesh is 0 where Z is homed (probe.home)"),
     not_yet("bed_mesh", "*_radius", "a round bed"),
     needless("bed_mesh", "*", "words of G29, and [probe]"),
