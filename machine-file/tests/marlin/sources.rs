@@ -180,7 +180,8 @@ fn defines_that_count_become_a_machine() {
 fn conditions_are_those_of_the_preprocessor() {
     let value_of = |condition: &str| {
         let text = format!(
-            "#define MOTHERBOARD 5\n#define A\n#define B 0\n#define C 3\n//#define D\n#define E false\n#if {condition}\n\
+            "#define MOTHERBOARD 5\n#define A\n#define B 0\n#define C 3\n//#define D\n#define E false\n\
+             #if {condition}\n\
              #define X_BED_SIZE 111\n#else\n#define X_BED_SIZE 222\n#endif\n"
         );
         let done = configuration_h::translate(&[("Configuration.h", &text)], Given::default());
