@@ -3,7 +3,7 @@
 //! Arduino names are on the shield. Motors 1 and 8 step on GPIOA, motors 4 and 11 on GPIOB, and one line gives
 //! power to all. The host is on USART2, which the ST-LINK has as a USB serial port.
 
-use crate::Entry;
+use crate::{Entry, Printed};
 use corehbot::connectors::{BoardConnectors, ConnectorName, OutputSet};
 use corehbot_wiring::{Board, Crystal, Input, Pin, Port, SensorPins, SerialPort, Slot, Usart};
 
@@ -64,8 +64,15 @@ pub static BOARD: Board = Board {
 };
 
 /// The way of an image onto it: the ST-LINK writes to the start of flash, and there is no bootloader.
-pub const ENTRY: Entry =
-    Entry { board: &BOARD, chip: "STM32F446RETx", start: 0x0800_0000, has_card_slot: false, before_dfu: "" };
+pub const ENTRY: Entry = Entry {
+    board: &BOARD,
+    chip: "STM32F446RETx",
+    start: 0x0800_0000,
+    has_card_slot: false,
+    before_dfu: "",
+    // A0 to A5, and the limit inputs (UM1724, Arduino connectors; Protoneer's shield v3.00).
+    printed: Printed::headers(&[(Port::A, &[0, 1, 4, 7]), (Port::B, &[0, 6]), (Port::C, &[0, 1, 7])]),
+};
 
 /// A socket; D8 enables all of them, and the shield has no line to a driver's UART.
 const fn slot(step: (Port, u8), dir: (Port, u8)) -> Slot {

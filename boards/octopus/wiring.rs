@@ -5,7 +5,7 @@
 //!
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB. `LINES` of the core allows no more.
 
-use crate::Entry;
+use crate::{Entry, Printed};
 use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet, Sensor};
 use corehbot_wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Mark, Pin, Port, SensorPins, SerialPort, Slot,
@@ -130,6 +130,22 @@ pub const ENTRY: Entry = Entry {
     before_dfu: "\
 before you set the BOOT0 jumper: unplug HE2 and HE3, because the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground",
+    printed: Printed {
+        heaters: &[("HE2", Pin::new(Port::B, 10)), ("HE3", Pin::new(Port::B, 11))],
+        sensors: &[("PT100", Pin::new(Port::F, 8))],
+        // Displays (EXP1, EXP2), SPI3, BLTOUCH and PROBE, PWR-DET and PS_ON, the strip, hosts, WiFi, CAN, EEPROM, card,
+        // and the inputs of switches (BTT's schematic of V1.0 and V1.1).
+        headers: &[
+            (Port::A, &[4, 5, 6, 7, 9, 10, 11, 12, 13, 15]),
+            (Port::B, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 14, 15]),
+            (Port::C, &[0, 5, 8, 9, 10, 11, 12, 14, 15]),
+            (Port::D, &[0, 1, 2, 5, 6, 7, 8, 9, 10]),
+            (Port::E, &[7, 8, 9, 10, 11, 12, 13, 14, 15]),
+            (Port::G, &[6, 7, 8, 9, 10, 11, 12, 13, 14, 15]),
+        ],
+        // HE0 is on PA0 there (BTT's pins of the Pro V1.1).
+        namesakes: &["octopus pro v1.1"],
+    },
 };
 
 /// The inputs, of which PROBE is elsewhere on other boards.

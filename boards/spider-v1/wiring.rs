@@ -2,7 +2,7 @@
 //! definition of V1.x; Klipper's generic-fysetc-spider.cfg). Where those versions have PB0 and PB1, V2.2 has inputs of
 //! thermistors.
 
-use crate::{Entry, spider};
+use crate::{Entry, Printed, spider};
 use corehbot::connectors::BoardConnectors;
 use corehbot_wiring::{Board, FanPin, FanTimer, Mark, Pin, Port};
 
@@ -34,4 +34,8 @@ pub static BOARD: Board = Board {
 const FANS: [Pin; 2] = [Pin::new(Port::B, 0), Pin::new(Port::B, 1)];
 
 /// The way of an image onto it.
-pub const ENTRY: Entry = Entry { board: &BOARD, ..spider::ENTRY };
+pub const ENTRY: Entry = Entry {
+    board: &BOARD,
+    printed: Printed { heaters: &[spider::E2], sensors: &[], headers: spider::HEADERS, namesakes: spider::NAMESAKES },
+    ..spider::ENTRY
+};

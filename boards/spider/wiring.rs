@@ -8,7 +8,7 @@
 //! Motors 1 and 8 have step pins on GPIOE, motors 4 and 11 on GPIOD, so each pair steps by one store. The host is on
 //! USART1, on the header for a Raspberry Pi, or on USB.
 
-use crate::Entry;
+use crate::{Entry, Printed};
 use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet, Sensor};
 use corehbot_wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Pin, Port, SerialPort, Slot, ThermistorPin, Usart,
@@ -105,7 +105,29 @@ pub const ENTRY: Entry = Entry {
     before_dfu: "\
 before you set the BT0 jumper: unplug the bed and all heaters, because nobody has checked how the chip's bootloader
 drives their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground",
+    printed: Printed {
+        heaters: &[E2],
+        // TE3 of V2.2 is the bed's input here.
+        sensors: &[("TB", Pin::new(Port::B, 0)), ("TE4", Pin::new(Port::B, 1))],
+        headers: HEADERS,
+        namesakes: NAMESAKES,
+    },
 };
+
+/// E2, which stays low.
+pub(crate) const E2: (&str, Pin) = ("E2", Pin::new(Port::B, 3));
+
+/// The S6 has the same pins with other heaters on them, and another bootloader (Klipper's generic-fysetc-s6.cfg).
+pub(crate) const NAMESAKES: &[&str] = &["fysetc s6"];
+
+/// Displays (EXP1, EXP2), the Raspberry Pi header, the strips, the EEPROM, the debug port, and the inputs of switches
+/// (Fysetc's README, its pin definition; Klipper's generic-fysetc-spider.cfg).
+pub(crate) const HEADERS: &[(Port, &[u8])] = &[
+    (Port::A, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]),
+    (Port::B, &[5, 6, 7, 8, 9, 10, 13, 14]),
+    (Port::C, &[6, 7, 9, 10, 11, 12]),
+    (Port::D, &[0, 1, 2, 3]),
+];
 
 /// FAN2, on either version.
 pub(crate) const FAN2: FanPin = FanPin { pin: Pin::new(Port::B, 2), timer: FanTimer::Two, channel: 4 };

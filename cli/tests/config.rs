@@ -167,7 +167,10 @@ fn a_thermistor_that_is_none_is_told_which_there_are() {
         let path = file("thermistor", &format!("[heaters.hotend]\nthermistor = {wrong}\n"));
         let said = out(&config(&["check", path.to_str().unwrap()]));
         assert!(said.contains("error: thermistor is one of 104gt2, ") && !said.contains("untagged"), "{wrong}: {said}");
-        assert!(said.contains(", or an NTC: { ohms = 100000, beta = 3950 }"), "{wrong}: {said}");
+        assert!(
+            said.contains(", or an NTC: { points = ") && said.contains("{ ohms = 100000, beta = 3950 }"),
+            "{wrong}: {said}"
+        );
         assert!(SHEETS.iter().all(|sheet| said.contains(sheet.name)), "{wrong}: {said}");
     }
 }
@@ -249,6 +252,40 @@ fn a_file_that_is_not_there_is_status_2() {
 }
 
 /// A configuration of Klipper among the tests of machine files.
+/// Marlin's two sources lie beside each other; a config.g is told by its commands.
+#[test]
+fn sources_of_other_firmwares_are_known_by_their_content() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sources");
+    std::fs::create_dir_all(&folder).unwrap();
+    let first = "#define MOTHERBOARD BOARD_RAMPS_14_EFB\n#define DEFAULT_AXIS_STEPS_PER_UNIT { 80, 80, 400, 93 }\n\
+                 #define X_DRIVER_TYPE TMC2209\n";
+    let texts = [
+        ("Configuration.h", first),
+        ("Configuration_adv.h", "#if AXIS_IS_TMC_CONFIG(X)\n#define X_CURRENT 580\n#endif\n"),
+        ("config.g", "M584 X0 Y1 Z2 E3\nM92 X81 Y80 Z400 E90\nM669 K1\n"),
+    ];
+    for (name, text) in texts {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let from = |name: &str, more: &[&str]| {
+        let path = folder.join(name);
+        config(&[&["from", path.to_str().unwrap()], more].concat())
+    };
+    let marlin = from("Configuration.h", &["--board", "octopus"]);
+    assert_eq!(marlin.status.code(), Some(0), "{}", String::from_utf8_lossy(&marlin.stderr));
+    assert!(
+        out(&marlin).contains("current_ma = 580") && out(&marlin).contains("steps_per_mm = 93"),
+        "{}",
+        out(&marlin)
+    );
+    let told = String::from_utf8_lossy(&marlin.stderr).into_owned();
+    assert!(told.contains("taken") && told.contains("DEFAULT_AXIS_STEPS_PER_UNIT"), "{told}");
+    assert_eq!(from("Configuration.h", &[]).status.code(), Some(1), "its board is not here");
+    let reprap = from("config.g", &[]);
+    assert_eq!(reprap.status.code(), Some(0), "{}", String::from_utf8_lossy(&reprap.stderr));
+    assert!(out(&reprap).contains("x = [1, 1, 0]") && out(&reprap).contains("steps_per_mm = 81"), "{}", out(&reprap));
+}
+
 fn klipper(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../machine-file/tests/klipper").join(name).to_str().unwrap().to_owned()
 }

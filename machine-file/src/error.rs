@@ -116,7 +116,10 @@ impl Display for MachineFileError {
                     };
                     write!(f, "{before}{}", sheet.name)?;
                 }
-                f.write_str(", or an NTC: { ohms = 100000, beta = 3950 }")
+                f.write_str(
+                    ", or an NTC: { points = [[25, 100000], [150, 1641.9], [250, 226.15]] } in C and Ohm, or { ohms = \
+                     100000, beta = 3950 }",
+                )
             }
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
             Self::Corner => f.write_str("corner needs exactly one of its keys: junction_deviation or square_corner"),

@@ -11,13 +11,15 @@
 //! | file | job |
 //! |---|---|
 //! | `keys` | every key, and the subjects of tables |
-//! | `value` | a value of TOML as a setting has it, and the reverse |
+//! | `numbers`, `value`, `thermistor` | a value of TOML as a setting has it, and the reverse |
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
 //! | `schema`, `reference` | keys for editors, and for docs/reference/settings.md |
 //! | `translation` | another firmware's configuration to a machine file, with a verdict on every part |
 //! | `klipper` | configurations of Klipper |
 //! | `marlin` | answers of a printer with Marlin |
+//! | `configuration_h` | the source of Marlin's settings |
+//! | `reprap` | config.g of RepRapFirmware |
 //! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
 //! | `problems`, `unreached`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
@@ -27,20 +29,24 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod configuration_h;
 mod error;
 mod keys;
 pub mod klipper;
 pub mod marlin;
+mod numbers;
 mod pattern;
 mod peers;
 mod place;
 mod problems;
 mod reader;
 mod reference;
+pub mod reprap;
 mod resolution;
 mod schema;
 pub mod short;
 pub mod template;
+mod thermistor;
 mod translation;
 mod unreached;
 mod unwise;

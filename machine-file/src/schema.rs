@@ -4,6 +4,7 @@
 use crate::keys::{
     ALL, BOARD, FULL_STEPS, OF_MOTOR, Of, Other, ROUTING_MEANING, about, fraction, named, names_of, routings, shortest,
 };
+use crate::thermistor;
 use crate::value;
 use crate::written;
 use corehbot::motors::prototype;
@@ -151,10 +152,18 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
                 "properties": {
                     "ohms": of_range(ranges::OHMS.spec().legal),
                     "beta": of_range(ranges::BETA.spec().legal),
+                    "cubic": of_range(thermistor::cubic_legal()),
                 },
             });
+            let pair = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+            let points = json!({
+                "type": "object",
+                "additionalProperties": false,
+                "required": [thermistor::POINTS],
+                "properties": { "points": { "type": "array", "items": pair, "minItems": 3, "maxItems": 3 } },
+            });
             let names = SHEETS.map(|sheet| sheet.name);
-            json!({ "anyOf": [{ "type": "string", "enum": names }, numbers] })
+            json!({ "anyOf": [{ "type": "string", "enum": names }, numbers, points] })
         }
         Kind::MotorRow => {
             let most = corehbot::kinematics::MOST_MULTIPLE;

@@ -1,7 +1,9 @@
 //! Values: from the TOML value behind a key to a setting's value, and the reverse.
 
 use crate::error::MachineFileError;
-use crate::keys::{bits_of, fraction, legal_words, names_of, shortest};
+use crate::keys::{names_of, shortest};
+pub(crate) use crate::numbers::{float, float_toml, number};
+use crate::thermistor;
 use corehbot::kinematics::{self, MOST_MULTIPLE, Row};
 use corehbot::motors::MotorName;
 use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
@@ -56,36 +58,11 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
             Toml::String(name) => plug(key, name),
             other => Err(MachineFileError::kind(key, "the name of a connector in quotes", other)),
         },
-        Kind::Thermistor => thermistor(key, toml).map(|thermistor| thermistor.get()),
+        Kind::Thermistor => thermistor::read(key, toml).map(|thermistor| thermistor.get()),
         Kind::MotorRow => match toml {
             Toml::Array(items) => motor_row(key, items).map(|row| row.get()),
             other => Err(MachineFileError::kind(key, "a list of numbers", other)),
         },
-    }
-}
-
-/// A number in its range.
-///
-/// # Errors
-/// The problem of the value.
-pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
-    let number = float(key, toml)?;
-    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole | Kind::OfMotor | Kind::Place);
-    match bits_of(number, fraction(kind)) {
-        Some(bits) if is_whole && legal.holds(bits) => Ok(bits),
-        _ => Err(MachineFileError::Range { key: key.to_owned(), value: number, legal: legal_words(legal, kind) }),
-    }
-}
-
-/// Any number.
-///
-/// # Errors
-/// The value is not a number.
-pub(crate) fn float(key: &str, toml: &Toml) -> Result<f64, MachineFileError> {
-    match toml {
-        Toml::Integer(number) => Ok(*number as f64),
-        Toml::Float(number) => Ok(*number),
-        other => Err(MachineFileError::kind(key, "a number", other)),
     }
 }
 
@@ -137,21 +114,6 @@ fn plug(key: &str, name: &str) -> Result<Value, MachineFileError> {
     Err(MachineFileError::Connector { key: key.to_owned(), value: name.to_owned() })
 }
 
-fn thermistor(key: &str, toml: &Toml) -> Result<Thermistor, MachineFileError> {
-    match toml {
-        Toml::String(word) => Thermistor::named(word).ok_or_else(|| MachineFileError::Thermistor(key.to_owned())),
-        Toml::Table(table) if table.len() == 2 => {
-            let number = |name: &str, legal: Legal| {
-                let value = table.get(name).ok_or_else(|| MachineFileError::Thermistor(key.to_owned()))?;
-                number(&format!("{key}.{name}"), value, Kind::Whole, legal)
-            };
-            let ohms = number("ohms", ranges::OHMS.spec().legal)? as u32;
-            Ok(Thermistor::Beta { ohms, beta: number("beta", ranges::BETA.spec().legal)? as u16 })
-        }
-        _ => Err(MachineFileError::Thermistor(key.to_owned())),
-    }
-}
-
 /// x, y, z and perhaps e.
 fn motor_row(key: &str, items: &[Toml]) -> Result<Row, MachineFileError> {
     let listed = items.iter().map(|item| float(key, item)).collect::<Result<Vec<_>, _>>()?;
@@ -182,14 +144,11 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
         (Value::Number(number), Kind::Switch) => (*number != 0).into(),
         (Value::Number(number), Kind::Choice(name)) => name(usize::try_from(*number).ok()?)?.into(),
         (Value::Number(_), Kind::Thermistor) => {
-            let mut thermistor = Thermistor::PT1000;
-            thermistor.set(value).then_some(())?;
-            match thermistor {
-                Thermistor::Beta { ohms, beta } => {
-                    let numbers = [("ohms", i64::from(ohms)), ("beta", beta.into())];
-                    Toml::Table(numbers.map(|(key, number)| (key.to_owned(), number.into())).into_iter().collect())
-                }
-                Thermistor::Sheet(_) => thermistor.sheet()?.name.into(),
+            let mut kind = Thermistor::PT1000;
+            kind.set(value).then_some(())?;
+            match kind {
+                Thermistor::Beta { ohms, beta, cubic } => thermistor::written(ohms, beta, cubic),
+                Thermistor::Sheet(_) => kind.sheet()?.name.into(),
             }
         }
         (Value::Number(_), Kind::MotorRow) => {
@@ -203,9 +162,4 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
         ) => (*number).into(),
         (Value::Text(text), _) => text.as_str().into(),
     })
-}
-
-/// A number of TOML, a whole one if it is.
-pub(crate) fn float_toml(number: f64) -> Toml {
-    if number.fract() == 0.0 { Toml::Integer(number as i64) } else { Toml::Float(number) }
 }

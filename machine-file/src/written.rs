@@ -117,7 +117,7 @@ mod tests {
         machine.advance.window = Some(corehbot::units::Seconds::lit("0.04") + corehbot::units::Seconds::DELTA);
         machine.wiring.motors[1].is_reversed = true;
         machine.wiring.endstops.y.is_normally_open = true;
-        machine.thermal.heaters.bed.thermistor = Thermistor::Beta { ohms: 98_765, beta: 4321 };
+        machine.thermal.heaters.bed.thermistor = Thermistor::Beta { ohms: 98_760, beta: 4321, cubic: 123 };
         machine.corner = CornerRule::SquareCorner(corehbot::units::MmPerSec::lit("5.25"));
         machine.check_machine().unwrap();
         is_read_back(&machine);

@@ -226,7 +226,8 @@ fn chamber(heater: &HeaterSettings) -> ChamberConstants {
 /// The law of a sensor, from its data sheet.
 fn law(kind: Kind) -> Thermistor {
     match (kind, kind.sheet().map(|sheet| sheet.law)) {
-        (Kind::Beta { ohms, beta }, _) => Thermistor::Beta { ohm_at_25: ohms.into(), beta: beta.into() },
+        (Kind::Beta { ohms, beta, cubic: 0 }, _) => Thermistor::Beta { ohm_at_25: ohms.into(), beta: beta.into() },
+        (Kind::Beta { ohms, beta, cubic }, _) => Thermistor::bent(ohms.into(), beta.into(), f64::from(cubic) * 1e-9),
         (_, Some(Law::Ntc(points))) => Thermistor::through(points),
         (_, Some(Law::Platinum) | None) => Thermistor::Platinum,
     }

@@ -156,7 +156,7 @@ fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
 fn thermistor((kind, key): (Thermistor, &'static str)) -> Result<(), SettingsError> {
     let is_legal = match kind {
         Thermistor::Sheet(_) => kind.sheet().is_some(),
-        Thermistor::Beta { ohms, beta } => ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta),
+        Thermistor::Beta { ohms, beta, .. } => ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta),
     };
     legal_beside(is_legal, key)
 }

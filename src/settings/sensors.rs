@@ -79,6 +79,6 @@ rows! {
     106 "is_fitted" = sensor.is_fitted, "", [Spec::SWITCH];
     /// The input of the sensor; or mcu, the sensor in the board's processor.
     107 "sensor" = Chosen(&mut sensor.sensor), "", [Spec::choice::<SensorSource>()];
-    /// The kind of sensor at an input; or an NTC by its resistance at 25 C in Ohm and its beta in K.
-    108 "thermistor" = sensor.thermistor, "", [Spec::packed((1 << 45) - 1, Kind::Thermistor).from_zero()];
+    /// The kind of sensor at an input; or an NTC by three points (C, Ohm), or by Ohm at 25 C, B in K and a cubic term.
+    108 "thermistor" = sensor.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
 }

@@ -100,7 +100,7 @@ impl Bytes<'_> {
     /// Settings that no machine file may have, for a heater at the connectors of `base`.
     fn settings(&mut self, base: &HeaterSettings) -> HeaterSettings {
         HeaterSettings {
-            thermistor: Thermistor::Beta { ohms: self.word(), beta: self.half() },
+            thermistor: Thermistor::Beta { ohms: self.word(), beta: self.half(), cubic: self.half() },
             most: self.celsius(),
             power: Watts::from_bits(self.word()),
             max_duty: Ratio::from_bits(self.word()),

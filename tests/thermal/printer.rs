@@ -103,7 +103,7 @@ pub fn settings() -> ThermalSettings {
     let mut settings = ThermalSettings::prototype();
     settings.heater_mut(Heater::Hotend).is_fitted = true;
     let bed = settings.heater_mut(Heater::Bed);
-    (bed.is_fitted, bed.thermistor) = (true, Thermistor::Beta { ohms: 100_000, beta: 3950 });
+    (bed.is_fitted, bed.thermistor) = (true, Thermistor::Beta { ohms: 100_000, beta: 3950, cubic: 0 });
     settings
 }
 

@@ -1,5 +1,6 @@
 //! What the registry has of a board and of an image.
 
+use crate::printed::Printed;
 use corehbot::connectors::BoardConnectors;
 use corehbot_wiring::Board;
 
@@ -16,6 +17,8 @@ pub struct Entry {
     pub has_card_slot: bool,
     /// What to do before the processor's own bootloader runs, on a board with USB.
     pub before_dfu: &'static str,
+    /// Its pins that no table drives.
+    pub printed: Printed,
 }
 
 /// A package that makes an image for boards that differ in pins alone.

@@ -19,10 +19,12 @@ pub mod spider;
 pub mod spider_v1;
 
 mod entry;
+mod printed;
 #[cfg(test)]
 mod tests;
 
 pub use entry::{Entry, Package, connectors_of, tables_of};
+pub use printed::{Job, Printed};
 
 use corehbot::connectors::BoardConnectors;
 

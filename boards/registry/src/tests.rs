@@ -144,3 +144,29 @@ fn the_simulator_takes_what_no_board_takes() {
         assert!(any.is_simulated && any.is_bench, "{}", any.key);
     }
 }
+
+/// Printed outputs and inputs are beyond the table, each once, and outputs that nothing drives stay low.
+#[test]
+fn what_is_printed_and_not_driven_is_beyond_the_table() {
+    for entry in entries() {
+        let (board, printed) = (entry.board, entry.printed);
+        for (name, pin) in printed.heaters {
+            assert!(board.heaters.iter().all(|heater| heater.pin != *pin), "{name}");
+            assert!(board.loads.contains(pin), "{name} of the {} is not held low", board.name);
+            assert!(printed.has(board, Job::Heater, *pin));
+        }
+        for (name, pin) in printed.sensors {
+            assert!(board.thermistors.iter().all(|sensor| sensor.pin != *pin), "{name}");
+            assert!(printed.has(board, Job::Sensor, *pin));
+        }
+        for slot in board.sockets {
+            for pin in [Some(slot.step), Some(slot.dir), Some(slot.enable), slot.uart].into_iter().flatten() {
+                let is_slow = pin.is_of_debug_port() || pin.is_slow();
+                assert!(is_slow || !printed.is_of_header(pin), "{}: {}", board.name, pin_name(pin));
+            }
+            assert!(printed.has(board, Job::Step, slot.step) && !printed.has(board, Job::Step, slot.enable));
+        }
+        let pins: Vec<_> = printed.heaters.iter().chain(printed.sensors).map(|(_, pin)| *pin).collect();
+        assert!(pins.iter().enumerate().all(|(at, pin)| !pins[..at].contains(pin) && !printed.is_of_header(*pin)));
+    }
+}

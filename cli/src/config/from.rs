@@ -10,17 +10,18 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use corehbot::connectors::BoardConnectors;
 use corehbot_machine_file::marlin::{self, Given, Kinematics};
-use corehbot_machine_file::{Translation, klipper as of_klipper};
+use corehbot_machine_file::{Translation, configuration_h, klipper as of_klipper, reprap};
 use corehbot_report::printable;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Bytes of a file that may be the report of a printer.
+/// Bytes of a file that may be the report of a printer, or a source of its settings.
 const LONGEST_REPORT: u64 = 1 << 20;
 
 #[derive(Args)]
 pub(crate) struct From {
-    /// Klipper's printer.cfg, or the folder with it; or a file with the answer of a Marlin printer to M503.
+    /// Klipper's printer.cfg, or the folder with it; the answer of a Marlin printer to M503; Marlin's Configuration.h,
+    /// with Configuration_adv.h beside it; or RepRapFirmware's config.g.
     #[cfg_attr(unix, arg(value_name = "FILE", required_unless_present = "serial"))]
     #[cfg_attr(not(unix), arg(value_name = "FILE", required = true))]
     file: Option<PathBuf>,
@@ -89,19 +90,50 @@ fn translated(args: &From) -> Result<Translation> {
     let file = args.file.as_deref().context("say a file")?;
     let first = klipper::first(file);
     let name = first.display().to_string();
-    if let Some(text) = report_in(&first)? {
-        return Ok(marlin::translate(&name, &text, given));
+    if let Some(text) = text_in(&first)? {
+        if reprap::is_config(&text) {
+            return Ok(reprap::translate(&name, &text, given));
+        }
+        if configuration_h::is_configuration(&text) {
+            let others = sources_beside(&first)?;
+            let mut files = vec![(name.as_str(), text.as_str())];
+            files.extend(others.iter().map(|(name, text)| (name.as_str(), text.as_str())));
+            return Ok(configuration_h::translate(&files, given));
+        }
+        if marlin::is_report(&text) {
+            return Ok(marlin::translate(&name, &text, given));
+        }
     }
-    ensure!(args.machine.is_none(), "--machine is for printers with Marlin: {name} says its own kinematics");
+    ensure!(
+        args.machine.is_none(),
+        "--machine is for printers with Marlin or RepRapFirmware: {name} says its own kinematics"
+    );
     of_klipper::translate(&klipper::read(&first)?, args.board).map_err(anyhow::Error::msg)
 }
 
-/// The text of a file that is the report of a printer.
-fn report_in(path: &Path) -> Result<Option<String>> {
+/// The text of a file that may be a report or a source of settings.
+fn text_in(path: &Path) -> Result<Option<String>> {
     let cannot = || format!("cannot open {}", path.display());
     if std::fs::metadata(path).with_context(cannot)?.len() > LONGEST_REPORT {
         return Ok(None);
     }
-    let text = marlin::text_of(&std::fs::read(path).with_context(cannot)?);
-    Ok(marlin::is_report(&text).then_some(text))
+    Ok(Some(marlin::text_of(&std::fs::read(path).with_context(cannot)?)))
+}
+
+/// Marlin's sources of settings.
+const SOURCES: [&str; 2] = ["Configuration.h", "Configuration_adv.h"];
+
+/// The other one of Marlin's two sources, if it lies beside the first.
+fn sources_beside(path: &Path) -> Result<Vec<(String, String)>> {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let mut found = Vec::new();
+    for other in SOURCES.into_iter().filter(|other| SOURCES.contains(&name) && *other != name) {
+        let other = path.with_file_name(other);
+        if other.is_file()
+            && let Some(text) = text_in(&other)?
+        {
+            found.push((other.display().to_string(), text));
+        }
+    }
+    Ok(found)
 }

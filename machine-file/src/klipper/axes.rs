@@ -1,10 +1,12 @@
 //! Axes: their reach, their limits, their switches, and how they home.
 
+use super::defaults::of;
 use super::probe::has_probe;
 use super::work::{Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use crate::value::float_toml;
+use corehbot::settings::ranges::STEP_RATE;
 use corehbot_wiring::Circuit;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -56,17 +58,68 @@ fn limits(work: &mut Work<'_>) {
         let z = format!("axes.z.{axis_key}");
         match work.number("printer", z_key) {
             Some((entry, most)) => work.take_number(entry, &z, most),
-            None => {
-                // Klipper would let Z be as fast as X.
-                let text = format!("[printer] {z_key} is missing: {z} is the prototype's");
-                work.notes.push(Verdict::new(Kind::Approximated, text));
-            }
+            // Klipper lets Z be as fast as X.
+            None => work.set_default(&z, most),
         }
     }
     let most = work.number("printer", "max_accel").map(|(_, most)| most);
     if let (Some((entry, decelerate)), Some(most)) = (work.number("printer", "max_accel_to_decel"), most) {
         let ratio = if most > 0.0 { (1.0 - decelerate / most).clamp(0.0, 0.9) } else { 0.5 };
         work.take_number(entry, "minimum_cruise_ratio", ratio);
+    }
+}
+
+/// What counts for the extruder alone if its keys are missing: the tool's limits, by the ratio of a square of four
+/// nozzles' area to the filament's (`kinematics/extruder.py`).
+pub(super) fn extruder(work: &mut Work<'_>) {
+    let mut of = |key: &str| work.number("extruder", key).map(|(_, number)| number);
+    let (Some(nozzle), Some(filament)) = (of("nozzle_diameter"), of("filament_diameter")) else { return };
+    let ratio = 4.0 * nozzle * nozzle / (core::f64::consts::PI * filament * filament / 4.0);
+    let rows: [(&str, &[&str]); 2] =
+        [("max_velocity", &["axes.e.max_speed"]), ("max_accel", &["axes.e.max_acceleration", "retract_acceleration"])];
+    for (key, paths) in rows {
+        let Some((_, most)) = work.number("printer", key).filter(|_| ratio.is_finite() && ratio > 0.0) else {
+            continue;
+        };
+        for path in paths.iter().filter(|path| work.lines.get(path).is_none()).collect::<Vec<_>>() {
+            work.set_default(path, most * ratio);
+        }
+    }
+}
+
+/// Speeds that no motor makes, down to the speed at which it makes as many steps as it may: Klipper's limits may lie
+/// far above any speed that a print asks for.
+pub(super) fn step_rates(work: &mut Work<'_>) {
+    let number = |work: &Work<'_>, path: String| work.lines.number(&path).filter(|number| *number > 0.0);
+    let mut finest: f64 = 0.0;
+    for axis in ["x", "y", "z", "e"] {
+        let group = match axis {
+            "x" | "y" => "drivers.belt",
+            "z" => "drivers.z",
+            _ => "drivers.e",
+        };
+        let of = |leaf: &str| number(work, format!("axes.{axis}.{leaf}"));
+        let turns = of("rotation_distance").zip(number(work, format!("{group}.microsteps")));
+        let steps = turns.map(|(distance, micro)| of("full_steps").unwrap_or(FULL_STEPS) * micro / distance);
+        let Some(steps) = steps.or_else(|| of("steps_per_mm")) else { continue };
+        if group == "drivers.belt" {
+            finest = finest.max(steps);
+        }
+        slow_down(work, &format!("axes.{axis}.max_speed"), steps);
+    }
+    slow_down(work, "motor_max_speed", finest);
+}
+
+/// Full steps of a turn (`stepper.py`, full_steps_per_rotation).
+const FULL_STEPS: f64 = 200.0;
+
+fn slow_down(work: &mut Work<'_>, path: &str, steps_per_mm: f64) {
+    let Some(speed) = work.lines.number(path).filter(|_| steps_per_mm > 0.0) else { return };
+    let most = (STEP_RATE.whole() as f64 / steps_per_mm).floor();
+    if speed > most {
+        work.set_number(path, most, "a motor makes no more steps a second");
+        let text = format!("{path} = {most} instead of {speed}: a motor makes {} steps/s at most", STEP_RATE.whole());
+        work.notes.push(Verdict::new(Kind::Approximated, text));
     }
 }
 
@@ -108,20 +161,16 @@ fn bed(work: &mut Work<'_>, axis: &str, least: f64, most: f64) {
     work.notes.push(Verdict::new(Kind::Approximated, text));
 }
 
-/// Klipper's speed of homing, and its way back.
-const HOMING_SPEED: f64 = 5.0;
-const RETRACT: f64 = 5.0;
-
 fn homing(work: &mut Work<'_>, axis: &str, section: &str, (least, most): (f64, Option<f64>)) {
     let key = |leaf: &str| format!("homing.{axis}.{leaf}");
     let fast = work.number(section, "homing_speed");
     match fast {
         Some((entry, speed)) => work.take_number(entry, &key("fast"), speed),
-        None => work.set_default(&key("fast"), HOMING_SPEED),
+        None => work.set_default(&key("fast"), of(section, "homing_speed")),
     }
     match work.number(section, "second_homing_speed") {
         Some((entry, speed)) => work.take_number(entry, &key("slow"), speed),
-        None => work.set_default(&key("slow"), fast.map_or(HOMING_SPEED, |(_, speed)| speed) / 2.0),
+        None => work.set_default(&key("slow"), fast.map_or(of(section, "homing_speed"), |(_, speed)| speed) / 2.0),
     }
     match work.number(section, "homing_retract_dist") {
         Some((entry, 0.0)) => {
@@ -129,7 +178,7 @@ fn homing(work: &mut Work<'_>, axis: &str, section: &str, (least, most): (f64, O
             work.say(entry, Kind::Approximated, "every axis meets its switch twice");
         }
         Some((entry, distance)) => work.take_number(entry, &key("back_off"), distance),
-        None => work.set_default(&key("back_off"), RETRACT),
+        None => work.set_default(&key("back_off"), of(section, "homing_retract_dist")),
     }
     let place = work.number(section, "position_endstop");
     let positive = work.value(section, "homing_positive_dir");
@@ -179,8 +228,7 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
             return work.take(entry, "probe.z_home", true);
         }
         ("probe", _) => {
-            let text =
-                format!("there is no probe at an input of the board: plug in a switch and write its input into {path}");
+            let text = format!("there is no probe with a contact: plug in a switch and write its input into {path}");
             return work.say(entry, Kind::Decide, text);
         }
         (chip, "virtual_endstop") if chip.starts_with("tmc") => {
@@ -190,23 +238,13 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
         }
         _ => {}
     }
-    if !work.is_here(entry, &pin) {
-        return;
-    }
-    let pins = work.pins;
-    match pins.input(&pin, Circuit::Plain) {
+    match work.pins.input(&pin, Circuit::Plain).filter(|_| pin.is_on_board()) {
         Some(input) => {
             work.take(entry, &path, input.plug(&pin));
             if let Some((kind, text)) = input.of_pull(&pin) {
                 work.say(entry, kind, text);
             }
         }
-        None => {
-            let text = format!(
-                "{} is no input of the {}: write the switch's input into {path}",
-                pin.name, pins.connectors.name
-            );
-            work.say(entry, Kind::Decide, text);
-        }
+        None => work.foreign_input(entry, &pin, &path),
     }
 }

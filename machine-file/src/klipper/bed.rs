@@ -1,6 +1,8 @@
 //! The bed: its mesh, the screws or belts that level it, and the place where Z is homed.
 
+use super::probe::offset;
 use super::work::Work;
+use crate::short::short;
 use crate::translation::Kind;
 
 /// Screws that a machine may have (`kinematics::SCREWS`).
@@ -15,30 +17,100 @@ fn places(text: &str) -> Vec<[f64; 2]> {
     text.lines().filter_map(numbers).collect()
 }
 
+/// A place in Klipper's files.
+#[derive(Clone, Copy)]
+enum Of {
+    /// Of the nozzle while the probe touches: the probe is elsewhere by its offset, and our places are the probe's.
+    Nozzle,
+    /// Of a part of the machine.
+    Part,
+}
+
 /// Translates the place where Z is homed, the mesh, and the screws.
 pub(super) fn bed(work: &mut Work<'_>) {
-    if let Some((entry, text)) = work.value("safe_z_home", "home_xy_position") {
-        match places(text)[..] {
-            [[x, y]] => {
-                work.take_number(entry, "probe.home.x", x);
-                work.take_number(entry, "probe.home.y", y);
-            }
-            _ => work.say(entry, Kind::Decide, "no place: correct it"),
-        }
-    }
+    home(work);
     mesh(work);
+    // Klipper's reference of each key says what its places are: `points` are the nozzle's, and so is
+    // `home_xy_position`; `z_positions`, `gantry_corners` and the area of a mesh are not (docs/Config_Reference.md).
     for section in ["z_tilt", "z_tilt_ng"] {
-        screws(work, section, "z_positions", ["x", "y"], |places| places);
-        screws(work, section, "points", ["point_x", "point_y"], |places| places);
+        screws(work, section, "z_positions", Of::Part, |places| places);
+        screws(work, section, "points", Of::Nozzle, |places| places);
     }
     // Belts at the corners of the gantry, in the order of its motors: from the front left, clockwise from above.
     let corners = |places: Vec<[f64; 2]>| match places[..] {
         [[left, front], [right, back]] => vec![[left, front], [left, back], [right, back], [right, front]],
         _ => places,
     };
-    screws(work, "quad_gantry_level", "gantry_corners", ["x", "y"], corners);
-    screws(work, "quad_gantry_level", "points", ["point_x", "point_y"], |places| places);
+    screws(work, "quad_gantry_level", "gantry_corners", Of::Part, corners);
+    screws(work, "quad_gantry_level", "points", Of::Nozzle, |places| places);
 }
+
+/// The place where Z is homed, and what goes before homing.
+fn home(work: &mut Work<'_>) {
+    if let Some((entry, text)) = work.value("safe_z_home", "home_xy_position") {
+        let by_probe = work.lines.get("probe.z_home").is_some();
+        match places(text)[..] {
+            [place] if by_probe => place_of_probe(work, entry, place, ["probe.home.x", "probe.home.y"]),
+            [[x, y]] => {
+                let text = format!(
+                    "Klipper homes Z at X{x} Y{y} by its switch, not there yet: put a switch where the tool is \
+                     after X and Y are homed, or write `G28 X Y`, `G1 X{x} Y{y}` and `G28 Z` for G28"
+                );
+                work.say(entry, Kind::Decide, text);
+            }
+            _ => work.say(entry, Kind::Decide, "no place: correct it"),
+        }
+    }
+    if let Some((entry, hop)) = work.number("safe_z_home", "z_hop").filter(|(_, hop)| *hop > 0.0) {
+        let text = format!("Klipper raises Z by {hop} before X and Y are homed: write `G28 R{hop}` for G28");
+        work.say(entry, Kind::Decide, text);
+    }
+    if let Some((entry, _)) = work.value("homing_override", "gcode") {
+        let axes = work.value("homing_override", "axes").map_or("xyz", |(_, axes)| axes);
+        let text = format!(
+            "G-code of yours homes {}: here G28 homes in homing.order, Z at probe.home if a probe homes it; look what \
+             your lines do before and after, and write it around G28",
+            short(axes)
+        );
+        work.say(entry, Kind::Decide, text);
+    }
+    for axis in ["x", "y", "z"] {
+        if let Some((entry, place)) = work.number("homing_override", &format!("set_position_{axis}")) {
+            let text = format!("before homing Klipper takes {axis} for {place}, so that it may move: G28 R raises Z");
+            work.say(entry, Kind::Decide, text);
+        }
+    }
+}
+
+/// Takes a place of the nozzle as the probe's; one that the nozzle or the probe does not reach is for the owner to
+/// decide.
+fn place_of_probe(work: &mut Work<'_>, entry: usize, nozzle: [f64; 2], paths: [&str; 2]) {
+    let offset = offset(work);
+    for (((axis, path), at), offset) in ["x", "y"].into_iter().zip(paths).zip(nozzle).zip(offset) {
+        let probe = at + offset;
+        work.take_number(entry, path, probe);
+        if offset != 0.0 {
+            work.say(entry, Kind::Taken, format!("the probe's, {offset} from the nozzle's {at}"));
+        }
+        let number = |leaf: &str| work.lines.number(leaf);
+        let Some(length) = number(&format!("axes.{axis}.length")).filter(|length| *length > 0.0) else { continue };
+        let least = number(&format!("axes.{axis}.min")).unwrap_or(0.0);
+        let (from, size) = if axis == "x" { ("bed.left", "bed.width") } else { ("bed.front", "bed.depth") };
+        let (begin, size) = (number(from).unwrap_or(least), number(size).unwrap_or(length));
+        for (what, at, least, most) in
+            [("the nozzle", at, least, least + length), ("the probe", probe, begin, begin + size)]
+        {
+            if at < least - SLACK || at > most + SLACK {
+                let text =
+                    format!("{what} would be at {axis} {at}, and reaches from {least} to {most}: choose another");
+                work.say(entry, Kind::Decide, text);
+            }
+        }
+    }
+}
+
+/// Rounding of places, in mm: points of screws are whole here.
+const SLACK: f64 = 0.5;
 
 fn mesh(work: &mut Work<'_>) {
     if let Some((entry, text)) = work.value("bed_mesh", "probe_count") {
@@ -58,6 +130,12 @@ fn mesh(work: &mut Work<'_>) {
     if let Some((entry, fade)) = work.number("bed_mesh", "fade_end") {
         work.take_number(entry, "mesh.fade", fade);
     }
+    if let Some((entry, _)) = work.number("bed_mesh", "fade_start") {
+        work.say(entry, Kind::Approximated, "the mesh fades from z = 0 on");
+    }
+    if let Some((entry, _)) = work.value("bed_mesh", "zero_reference_position") {
+        work.say(entry, Kind::NotYet, "a mesh is 0 where Z is homed (probe.home)");
+    }
     for key in ["mesh_min", "mesh_max"] {
         if let Some((entry, _)) = work.value("bed_mesh", key) {
             work.say(entry, Kind::Approximated, "G29 measures all that the probe reaches, or the area of its words");
@@ -66,13 +144,7 @@ fn mesh(work: &mut Work<'_>) {
 }
 
 /// Takes the places of a key for the screws, in the order of the motors.
-fn screws(
-    work: &mut Work<'_>,
-    section: &str,
-    key: &str,
-    axes: [&str; 2],
-    order: impl Fn(Vec<[f64; 2]>) -> Vec<[f64; 2]>,
-) {
+fn screws(work: &mut Work<'_>, section: &str, key: &str, of: Of, order: impl Fn(Vec<[f64; 2]>) -> Vec<[f64; 2]>) {
     let Some((entry, text)) = work.value(section, key) else { return };
     let places = order(places(text));
     if places.is_empty() {
@@ -81,9 +153,15 @@ fn screws(
     if places.len() > SCREWS {
         work.say(entry, Kind::Approximated, format!("the first {SCREWS} of {} places", places.len()));
     }
+    let leaves = match of {
+        Of::Nozzle => ["point_x", "point_y"],
+        Of::Part => ["x", "y"],
+    };
     for (number, place) in places.into_iter().take(SCREWS).enumerate() {
-        for (axis, at) in axes.into_iter().zip(place) {
-            work.take_number(entry, &format!("screws.{}.{axis}", number + 1), at);
+        let paths = leaves.map(|leaf| format!("screws.{}.{leaf}", number + 1));
+        match (of, paths.each_ref().map(String::as_str)) {
+            (Of::Nozzle, paths) => place_of_probe(work, entry, place, paths),
+            (Of::Part, paths) => paths.into_iter().zip(place).for_each(|(path, at)| work.take_number(entry, path, at)),
         }
     }
 }

@@ -1,10 +1,9 @@
-//! Pins of a board: which connector each is, and on which board a configuration is.
+//! Pins of a board: which connector each is.
 
-use super::config::Config;
-use super::pin::{Aliases, PinText};
+use super::pin::PinText;
 use crate::translation::Kind;
 use corehbot::connectors::{BoardConnectors, Output, Sensor};
-use corehbot_boards::{Entry, entries};
+use corehbot_boards::entries;
 use corehbot_wiring::Circuit;
 use std::fmt::Debug;
 
@@ -137,40 +136,4 @@ impl Pins {
 /// A processor's pin, as its data sheet names it: `PF13`.
 fn pin_name(port: impl Debug, number: usize) -> String {
     format!("P{port:?}{number}")
-}
-
-/// The board that most motors of a configuration are on, and then most fans. Of boards alike so far it is one that a
-/// comment, a section or a file names, or else one that the firmware takes for granted on all of them.
-pub(super) fn found(config: &Config, aliases: &Aliases) -> Option<&'static BoardConnectors> {
-    let of = |key: &'static str| {
-        let entries = config.entries.iter().filter(move |entry| entry.key == key && entry.replaced.is_none());
-        let pins = entries.map(|entry| aliases.resolve(&entry.value)).filter(PinText::is_on_board);
-        pins.map(|pin| pin.name).collect::<Vec<_>>()
-    };
-    let (steps, others) = (of("step_pin"), of("pin"));
-    let fits = |entry: &Entry| {
-        let pins = Pins::of(entry.board.connectors);
-        let count = |names: &[String], is_here: fn(&Pins, &str) -> bool| {
-            pins.as_ref().map_or(0, |pins| names.iter().filter(|name| is_here(pins, name)).count())
-        };
-        (count(&steps, |pins, name| pins.socket(name).is_some()), count(&others, |pins, name| pins.fan(name).is_some()))
-    };
-    let best = entries().map(fits).max().filter(|(most, _)| *most > 0)?;
-    let alike: Vec<_> = entries().filter(|entry| fits(entry) == best).collect();
-    if let [only] = alike[..] {
-        return Some(only.board.connectors);
-    }
-    let unmarked = alike.iter().find(|entry| entry.board.marks.is_empty()).map(|entry| entry.board.connectors);
-    let alike = alike.into_iter().map(|entry| entry.board.connectors);
-    let names = config.sections.iter().map(|section| &section.name).chain(&config.files);
-    let words = names.fold(config.comments.clone(), |words, name| words + &name.to_lowercase() + "\n");
-    let named = |board: &BoardConnectors| {
-        let spelled = [board.key.to_owned(), board.key.replace('-', " "), board.key.replace('-', "_")];
-        spelled.iter().filter_map(|name| words.find(name)).min()
-    };
-    // The first one that is named, because notes on others come later; of two at one place the longer name, because
-    // "octopus pro" names the Octopus too.
-    let named = alike.filter_map(|board| Some((named(board)?, board)));
-    let first = named.min_by_key(|(place, board)| (*place, std::cmp::Reverse(board.key.len())));
-    first.map(|(_, board)| board).or(unmarked)
 }

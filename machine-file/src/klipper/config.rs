@@ -67,6 +67,8 @@ pub struct Config {
     pub entries: Vec<Entry>,
     /// The comments, in small letters: boards are named there.
     pub comments: String,
+    /// Includes of files that are not there, each with its pattern.
+    pub missing: Vec<(At, String)>,
 }
 
 /// A line that Klipper would not read either.
@@ -270,8 +272,8 @@ impl Reading {
             let from = self.config.files.get(at.file).cloned().unwrap_or_default();
             let found = files.matching(&from, pattern);
             if found.is_empty() && !is_pattern(pattern) {
-                let text = format!("there is no file {}: copy it to its place, or take out the line", short(pattern));
-                return self.wrong(at, text);
+                // The rest is read: an owner may have half of the files at hand.
+                self.config.missing.push((at, pattern.to_owned()));
             }
             for file in found {
                 self.file(&file, Some(at), files);

@@ -1,34 +1,38 @@
-//! Heat: heaters with their outputs and sensors, and fans.
+//! Heat: heaters with their outputs and sensors.
 
+use super::found::printed;
 use super::work::Work;
-use crate::pattern::matches;
+use crate::thermistor::{of_slope, points, through, written};
 use crate::translation::{Kind, Verdict};
-use corehbot::settings::PLACES;
-use corehbot_twin::math::{exp, ln};
-use corehbot_wiring::Circuit;
+use corehbot::settings::{PLACES, Thermistor};
 use toml::Value as Toml;
 
-/// Klipper's names of sensors, and ours. Those without a row of data of ours are an NTC by resistance and B.
+/// Klipper's names of sensors, and ours.
 enum Sensor {
+    /// A sensor of ours with the same points.
     Sheet(&'static str),
-    /// B in K of 100 kOhm at 25 C, and how far off it is.
-    Beta(i64, &'static str),
+    /// Three points of its data sheet, in C and Ohm.
+    Points([(f64, f64); 3]),
+    /// B in K of 100 kOhm at 25 C.
+    Beta(u16),
 }
 
-/// Klipper's sensors (klippy/extras/temperature_sensors.cfg). Those with a row of ours have the same points there. B of
-/// the EPCOS follows from its points at 25 and 150 C, B of the TDK from those at 25 and 125 C.
+/// Klipper's sensors (klippy/extras/temperature_sensors.cfg), with its points.
 const SENSORS: [(&str, Sensor); 10] = [
     ("ATC Semitec 104GT-2", Sensor::Sheet("104gt2")),
     ("ATC Semitec 104NT-4-R025H42G", Sensor::Sheet("104nt4")),
     ("Generic 3950", Sensor::Sheet("ntc_3950")),
     ("SliceEngineering 450", Sensor::Sheet("slice_450")),
     ("PT1000", Sensor::Sheet("pt1000")),
-    ("EPCOS 100K B57560G104F", Sensor::Beta(4148, "right at 25 and 150 C, 7 K high at 250 C")),
-    ("TDK NTCG104LH104JT1", Sensor::Beta(4605, "right at 25 and 125 C, 1 K low at 50 C")),
-    ("Honeywell 100K 135-104LAG-J01", Sensor::Beta(3974, "")),
-    ("NTC 100K beta 3950", Sensor::Beta(3950, "")),
-    ("NTC 100K MGB18-104F39050L32", Sensor::Beta(4100, "")),
+    ("EPCOS 100K B57560G104F", Sensor::Points([(25.0, 100_000.0), (150.0, 1641.9), (250.0, 226.15)])),
+    ("TDK NTCG104LH104JT1", Sensor::Points([(25.0, 100_000.0), (50.0, 31_230.0), (125.0, 2066.0)])),
+    ("Honeywell 100K 135-104LAG-J01", Sensor::Beta(3974)),
+    ("NTC 100K beta 3950", Sensor::Beta(3950)),
+    ("NTC 100K MGB18-104F39050L32", Sensor::Beta(4100)),
 ];
+
+/// Ohm of the sensors with a B.
+const OHMS: u32 = 100_000;
 
 /// Translates heaters and fans.
 pub(super) fn heat(work: &mut Work<'_>) {
@@ -40,7 +44,6 @@ pub(super) fn heat(work: &mut Work<'_>) {
         heater(work, "chamber", section);
     }
     extra_sensors(work);
-    fans(work);
 }
 
 /// Klipper's type of the sensor in a processor.
@@ -184,10 +187,13 @@ fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
         }
         None => {
             let (board, offered) = (pins.connectors.name, pins.outputs());
-            let text = format!(
-                "{} is no heater output of the {board}: use one of {offered}, and write it into {path}",
-                pin.name
-            );
+            let text = match printed(pins.connectors, &pin) {
+                Some(name) => format!("{name} is not there yet: use one of {offered}, and write it into {path}"),
+                None => format!(
+                    "{} is no heater output of the {board}: use one of {offered}, and write it into {path}",
+                    pin.name
+                ),
+            };
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -208,8 +214,13 @@ fn input(work: &mut Work<'_>, path: &str, section: &str) -> bool {
         }
         None => {
             let board = pins.connectors.name;
-            let text =
-                format!("{} is no input for a sensor of the {board}: use another, and write it into {path}", pin.name);
+            let text = match printed(pins.connectors, &pin) {
+                Some(name) => format!("{name} is not there yet: use another input, and write it into {path}"),
+                None => format!(
+                    "{} is no input for a sensor of the {board}: use another, and write it into {path}",
+                    pin.name
+                ),
+            };
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -226,19 +237,14 @@ fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
     if let Some((_, sensor)) = SENSORS.iter().find(|(known, _)| *known == name) {
         match sensor {
             Sensor::Sheet(sheet) => work.take(entry, path, *sheet),
-            Sensor::Beta(beta, how) => {
-                work.take(entry, path, ntc(100_000, *beta));
-                if !how.is_empty() {
-                    work.say(entry, Kind::Approximated, *how);
-                }
-            }
+            Sensor::Points(three) => work.take(entry, path, points(*three)),
+            Sensor::Beta(beta) => work.take(entry, path, written(OHMS, *beta, 0)),
         }
         return true;
     }
     match own_thermistor(work, &format!("thermistor {name}")) {
-        Some((ohms, beta)) => {
-            work.take(entry, path, ntc(ohms, beta));
-            work.say(entry, Kind::Approximated, "an NTC by its resistance at 25 C and its B");
+        Some(value) => {
+            work.take(entry, path, value);
             true
         }
         None => {
@@ -249,160 +255,33 @@ fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
     }
 }
 
-fn ntc(ohms: i64, beta: i64) -> Toml {
-    Toml::Table(
-        [("ohms", ohms), ("beta", beta)].map(|(key, number)| (key.to_owned(), number.into())).into_iter().collect(),
-    )
-}
-
-/// 0 C in K, and 25 C.
-const ZERO: f64 = 273.15;
-const ROOM: f64 = ZERO + 25.0;
-
-/// An owner's thermistor as resistance at 25 C and B: by B, or by its first and last point.
-fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<(i64, i64)> {
+/// An owner's thermistor: by B, or by its three points.
+fn own_thermistor(work: &mut Work<'_>, section: &str) -> Option<Toml> {
     work.config.section(section)?;
-    let point = |work: &mut Work<'_>, number: usize| {
-        let (temperature, c) = work.number(section, &format!("temperature{number}"))?;
-        let (resistance, ohms) = work.number(section, &format!("resistance{number}"))?;
-        for entry in [temperature, resistance] {
-            work.say(entry, Kind::Taken, "the thermistor of a heater");
-        }
-        Some((1.0 / (c + ZERO), ohms)).filter(|(inverse, ohms)| inverse.is_finite() && *ohms > 0.0)
+    let mut entries = Vec::new();
+    let mut number = |work: &mut Work<'_>, key: &str| {
+        let (entry, number) = work.number(section, key)?;
+        entries.push(entry);
+        Some(number)
     };
-    let (inverse, ohms) = point(work, 1)?;
-    let beta = match work.number(section, "beta") {
-        Some((entry, beta)) => {
-            work.say(entry, Kind::Taken, "the thermistor of a heater");
-            beta
-        }
-        None => {
-            let points = [point(work, 3), point(work, 2)];
-            let (other, other_ohms) = points.into_iter().flatten().next()?;
-            ln(other_ohms / ohms) / (other - inverse)
-        }
+    let mut point = |work: &mut Work<'_>, at: usize| {
+        Some((number(work, &format!("temperature{at}"))?, number(work, &format!("resistance{at}"))?))
     };
-    let at_room = ohms * exp(beta * (1.0 / ROOM - inverse));
-    let is_one = (1.0..1e8).contains(&at_room) && (1.0..1e5).contains(&beta);
-    is_one.then_some((at_room.round() as i64, beta.round() as i64))
-}
-
-/// Kinds of fans, by their sections, and their roles.
-const FANS: [(&str, &str); 4] =
-    [("fan", "part"), ("heater_fan *", "hotend"), ("controller_fan *", "controller"), ("fan_generic *", "commanded")];
-
-fn fans(work: &mut Work<'_>) {
-    let sections: Vec<&str> = work.config.sections.iter().map(|section| section.name.as_str()).collect();
-    for section in sections {
-        if let Some((_, role)) = FANS.iter().find(|(pattern, _)| matches(pattern, section)) {
-            fan(work, section, role);
+    let first = point(work, 1)?;
+    let value = if work.value(section, "beta").is_some() {
+        let (entry, beta) = work.number(section, "beta")?;
+        entries.push(entry);
+        match of_slope(first, 1.0 / beta)? {
+            Thermistor::Beta { ohms, beta, cubic } => written(ohms, beta, cubic),
+            Thermistor::Sheet(_) => return None,
         }
-    }
-    for number in 0..work.pins.connectors.fans.len() {
-        let role = format!("fans.fan{number}.role");
-        if work.lines.get(&role).is_none() {
-            work.lines.set(&role, "commanded".into(), "no section has it");
-        }
-    }
-}
-
-fn fan(work: &mut Work<'_>, section: &str, role: &str) {
-    let Some((entry, pin)) = work.pin(section, "pin") else { return };
-    if !work.is_here(entry, &pin) {
-        return;
-    }
-    let pins = work.pins;
-    let Some(number) = pins.fan(&pin.name) else {
-        let board = pins.connectors.name;
-        let text = format!("{} is no fan output of the {board}: use one, and give it the role {role:?}", pin.name);
-        return work.say(entry, Kind::Decide, text);
+    } else {
+        let three = [first, point(work, 2)?, point(work, 3)?];
+        through(&three)?;
+        points(three)
     };
-    let fan = format!("fans.fan{number}");
-    work.take(entry, &format!("{fan}.role"), role);
-    for (key, leaf, times) in
-        [("kick_start_time", "kick_ms", 1000.0), ("max_power", "most", 1.0), ("fan_speed", "most", 1.0)]
-    {
-        if let Some((entry, value)) = work.number(section, key) {
-            work.take_number(entry, &format!("{fan}.{leaf}"), value * times);
-        }
+    for entry in entries {
+        work.say(entry, Kind::Taken, "the thermistor of a heater");
     }
-    if let Some((entry, least)) = work.number(section, "off_below") {
-        work.take_number(entry, &format!("{fan}.least"), least);
-        work.say(entry, Kind::Approximated, "the lowest speed has that duty; Klipper switches the fan off below it");
-    }
-    frequency(work, section, number);
-    tachometer(work, section, &fan);
-    if role == "hotend" {
-        match work.value(section, "heater") {
-            Some((entry, "extruder")) => work.say(entry, Kind::Taken, "the role hotend"),
-            Some((entry, _)) => {
-                work.say(entry, Kind::NotYet, "the role hotend follows the hotend, and no other heater")
-            }
-            None => {}
-        }
-        if let Some((entry, above)) = work.number(section, "heater_temp") {
-            work.take_number(entry, "thermal.hotend_fan_above", above);
-        }
-    }
-    if role == "controller" {
-        if let Some((entry, seconds)) = work.number(section, "idle_timeout") {
-            work.take_number(entry, "thermal.fan_run_on_s", seconds);
-        }
-        for key in ["heater", "stepper"] {
-            if let Some((entry, _)) = work.value(section, key) {
-                work.say(entry, Kind::Approximated, "it runs with any motor or heater");
-            }
-        }
-    }
-}
-
-/// The frequency of a fan, if its output has a timer; of fans on one timer the first one's.
-fn frequency(work: &mut Work<'_>, section: &str, number: usize) {
-    let Some((entry, seconds)) = work.number(section, "cycle_time").filter(|(_, seconds)| *seconds > 0.0) else {
-        return;
-    };
-    let timers = work.pins.connectors.fans;
-    let timer = timers.get(number).copied().flatten();
-    if timer.is_none() {
-        return work.say(entry, Kind::NotYet, "the frequency of this output is fixed");
-    }
-    let path = |fan: usize| format!("fans.fan{fan}.frequency");
-    let hertz = (1.0 / seconds).round();
-    let mut others = timers.iter().enumerate().filter(|(fan, other)| *fan != number && **other == timer);
-    let other = others.find_map(|(fan, _)| Some((fan, work.lines.number(&path(fan))?)));
-    match other.filter(|(_, its)| *its != hertz) {
-        Some((fan, its)) => {
-            let text =
-                format!("it shares a timer with fan{fan}, and so its {its} Hz: plug it in elsewhere to have another");
-            work.say(entry, Kind::Decide, text);
-        }
-        None => work.take_number(entry, &path(number), hertz),
-    }
-}
-
-/// The key of all tachometers.
-const PULSES: &str = "fans.pulses";
-
-/// The tachometer of a fan.
-fn tachometer(work: &mut Work<'_>, section: &str, fan: &str) {
-    let Some((entry, pin)) = work.pin(section, "tachometer_pin") else { return };
-    if !work.is_here(entry, &pin) {
-        return;
-    }
-    let Some(input) = work.pins.input(&pin, Circuit::Plain) else {
-        let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
-        return work.say(entry, Kind::Decide, text);
-    };
-    work.take(entry, &format!("{fan}.tachometer"), input.name.to_string());
-    if let Some((entry, pulses)) = work.number(section, "tachometer_ppr") {
-        match work.lines.number(PULSES).filter(|others| *others != pulses) {
-            Some(others) => {
-                work.say(entry, Kind::Decide, format!("all fans have the same, and an earlier one {others}"))
-            }
-            None => work.take_number(entry, PULSES, pulses),
-        }
-    }
-    if let Some((entry, _)) = work.value(section, "tachometer_poll_interval") {
-        work.say(entry, Kind::NotNeeded, "an input is looked at every 0.5 ms");
-    }
+    Some(value)
 }

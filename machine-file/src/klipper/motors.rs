@@ -1,6 +1,6 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
-use super::work::{Work, is_true};
+use super::work::{DEFAULT, Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use corehbot::motors::{MOTORS, MotorName};
@@ -118,30 +118,27 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
         work.lines.set(&path, "".into(), "no step_pin");
         return;
     };
-    work.lines.set(&path, "".into(), "no socket");
-    if !work.is_here(entry, &step) {
-        return;
-    }
+    let direction = work.pin(&stepper.section, "dir_pin");
+    let sign = if direction.as_ref().is_some_and(|(_, pin)| pin.is_inverted) { "!" } else { "" };
+    // What is not the pin is kept: a `!` alone is no socket, so the owner has to decide.
+    work.lines.set(&path, sign.into(), "no socket");
     let pins = work.pins;
-    let Some(socket) = pins.socket(&step.name) else {
-        let text = format!(
-            "{} is no step pin of the {}: write the motor's socket into {path}",
-            step.name, pins.connectors.name
-        );
-        return work.say(entry, Kind::Decide, text);
+    let Some(socket) = pins.socket(&step.name).filter(|_| step.is_on_board()) else {
+        let place = match step.is_on_board() {
+            true => format!("{} is no step pin of the {}", step.name, pins.connectors.name),
+            false => format!("{} is another board, and a machine has one so far", step.chip),
+        };
+        let how = if sign.is_empty() { "" } else { ", behind the `!`, because it turns the other way" };
+        work.say(entry, Kind::Decide, format!("{place}: write the motor's socket into {path}{how}"));
+        return foreign(work, stepper, &path, sign);
     };
-    let is_reversed = work.pin(&stepper.section, "dir_pin").is_some_and(|(_, pin)| pin.is_inverted);
-    let sign = if is_reversed { "!" } else { "" };
-    work.take(entry, &path, format!("{sign}{}", socket.name));
-    if step.is_inverted {
-        work.say(entry, Kind::Approximated, "a step is the rising edge");
-    }
     let driver = driver_section(work, &stepper.section).map(|(section, _)| section);
     let others = [
         (Some(stepper.section.clone()), "dir_pin"),
         (Some(stepper.section.clone()), "enable_pin"),
         (driver, "uart_pin"),
     ];
+    let mut is_whole = true;
     for ((section, key), expected) in others.into_iter().zip(&socket.pins[1..]) {
         let Some((entry, pin)) = section.and_then(|section| work.pin(&section, key)) else { continue };
         if expected.as_ref() == Some(&pin.name) && pin.is_on_board() {
@@ -151,10 +148,34 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
             let text =
                 format!("{} has {expected} there, not {}: is the motor in another socket?", socket.name, pin.name);
             work.say(entry, Kind::Decide, text);
-            work.lines.set(&path, "".into(), "to decide");
+            is_whole = false;
         }
         if key == "enable_pin" && !pin.is_inverted {
             work.say(entry, Kind::NotYet, "drivers are enabled by a low level; one that needs a high one stays off");
+        }
+    }
+    if is_whole {
+        work.take(entry, &path, format!("{sign}{}", socket.name));
+    } else {
+        let text =
+            format!("it is the step pin of {}, and other pins are not: write the socket into {path}", socket.name);
+        work.say(entry, Kind::Decide, text);
+    }
+    if step.is_inverted {
+        work.say(entry, Kind::Approximated, "a step is the rising edge");
+    }
+}
+
+/// The other pins of a motor on another board.
+fn foreign(work: &mut Work<'_>, stepper: &Stepper, path: &str, sign: &str) {
+    if let Some((entry, _)) = work.pin(&stepper.section, "dir_pin") {
+        let turns = if sign.is_empty() { "without" } else { "with" };
+        work.say(entry, Kind::Taken, format!("{path} is {turns} `!`"));
+    }
+    let driver = driver_section(work, &stepper.section).map(|(section, _)| section);
+    for (section, key) in [(Some(stepper.section.clone()), "enable_pin"), (driver, "uart_pin")] {
+        if let Some((entry, _)) = section.and_then(|section| work.pin(&section, key)) {
+            work.say(entry, Kind::NotNeeded, "the socket has it");
         }
     }
 }
@@ -289,7 +310,7 @@ fn interpolation(work: &mut Work<'_>, section: &str, stepper: &Stepper) {
         return group_switch(work, entry, stepper, "interpolate", is_true(text));
     }
     match work.lines.get(&path).and_then(Toml::as_bool) {
-        None => work.lines.set(&path, true.into(), "Klipper's default"),
+        None => work.lines.set(&path, true.into(), DEFAULT),
         Some(true) => {}
         Some(false) => {
             let text = format!("[{section}] has no interpolate, but {path} = false holds for its group");

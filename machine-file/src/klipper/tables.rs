@@ -9,18 +9,16 @@ pub(super) struct NumberRow {
     pub key: &'static str,
     pub to: &'static str,
     pub times: f64,
-    /// Klipper's default, if it is not ours.
-    pub default: Option<f64>,
 }
 
 const fn row(section: &'static str, key: &'static str, to: &'static str) -> NumberRow {
-    NumberRow { section, key, to, times: 1.0, default: None }
+    NumberRow { section, key, to, times: 1.0 }
 }
 
-/// Keys that are one number.
+/// Keys that are one number. `defaults` says what counts without one.
 pub(super) const NUMBERS: &[NumberRow] = &[
-    NumberRow { default: Some(5.0), ..row("printer", "square_corner_velocity", "corner.square_corner") },
-    NumberRow { default: Some(0.5), ..row("printer", "minimum_cruise_ratio", "minimum_cruise_ratio") },
+    row("printer", "square_corner_velocity", "corner.square_corner"),
+    row("printer", "minimum_cruise_ratio", "minimum_cruise_ratio"),
     row("extruder", "min_extrude_temp", "thermal.min_extrude"),
     row("extruder", "pressure_advance", "advance.time"),
     row("extruder", "pressure_advance_smooth_time", "advance.window"),
@@ -28,7 +26,7 @@ pub(super) const NUMBERS: &[NumberRow] = &[
     row("extruder", "max_extrude_only_velocity", "axes.e.max_speed"),
     row("extruder", "max_extrude_only_accel", "axes.e.max_acceleration"),
     row("extruder", "max_extrude_only_accel", "retract_acceleration"),
-    NumberRow { default: Some(1.0), ..row("extruder", "instantaneous_corner_velocity", "extruder_jerk") },
+    row("extruder", "instantaneous_corner_velocity", "extruder_jerk"),
     NumberRow { times: 1.0 / 60.0, ..row("idle_timeout", "timeout", "thermal.idle_min") },
 ];
 
@@ -126,10 +124,14 @@ pub(super) const REMARKS: &[Remark] = &[
     not_yet("bed_screws", "", "G35 probes the corners of the bed and says how far to turn its screws"),
     not_yet("screws_tilt_adjust", "", "G35 probes the corners of the bed and says how far to turn its screws"),
     not_yet("bed_mesh *", "", "a mesh that was saved: G29 measures it again"),
+    not_yet("bed_mesh", "fade_target", "a mesh fades to its mean"),
+    not_yet("bed_mesh", "relative_reference_index", "a mesh is 0 where Z is homed (probe.home)"),
+    not_yet("bed_mesh", "*_radius", "a round bed"),
     needless("bed_mesh", "*", "words of G29, and [probe]"),
     not_yet("axis_twist_compensation", "", "a twisted axis is not compensated"),
     not_yet("skew_correction", "", "skew is not compensated"),
     needless("safe_z_home", "*", "Z rises before it is homed by the probe, at probe.home"),
+    needless("homing_override", "axes", "see its G-code"),
     not_yet("homing_override", "", "G28 homes by homing.order, without G-code of yours"),
     // Sensors and displays.
     not_yet("filament_switch_sensor *", "", "M119 reports one, and nothing stops at the end of the filament"),

@@ -5,7 +5,11 @@ use super::config::Config;
 use super::pin::{Aliases, PinText};
 use crate::translation::Kind;
 use crate::translation::draft::Draft;
+use corehbot_wiring::Circuit;
 use std::ops::{Deref, DerefMut};
+
+/// The comment behind a default.
+pub(super) const DEFAULT: &str = "Klipper's default";
 
 /// A configuration that is being translated: a draft that knows its configuration.
 pub(super) struct Work<'c> {
@@ -55,9 +59,23 @@ impl<'c> Work<'c> {
         pin.is_on_board()
     }
 
+    /// A contact at a pin that is no input of the board: what is not the pin is kept, which is whether it closes.
+    pub fn foreign_input(&mut self, entry: usize, pin: &PinText, path: &str) {
+        let board = self.pins.connectors.name;
+        let place = match pin.is_on_board() {
+            true => format!("{} is no input of the {board}", pin.name),
+            false => format!("{} is another board, and a machine has one so far", pin.chip),
+        };
+        let closes = pin.is_inverted == Circuit::Plain.is_high_when_open();
+        let how = if closes { ", behind `!`, because its contact closes" } else { "" };
+        let pull = if pin.is_pulled_down { "; it was pulled down, which an input with an optocoupler is" } else { "" };
+        self.lines.set(path, if closes { "!" } else { "" }.into(), "to decide");
+        self.say(entry, Kind::Decide, format!("{place}: write its input into {path}{how}{pull}"));
+    }
+
     /// Sets a key that Klipper's files may leave out to Klipper's default, which is not ours.
     pub fn set_default(&mut self, path: &str, number: f64) {
-        self.set_number(path, number, "Klipper's default");
+        self.set_number(path, number, DEFAULT);
     }
 }
 

@@ -30,7 +30,7 @@ fn steps(work: &mut Work<'_>, axis: &str, motors: &Motors) {
     match work.length("M92", &word).filter(|(_, steps)| *steps > 0.0) {
         Some((entry, steps)) => match shared(work, axis, motors) {
             Some((other, first)) if (first - steps).abs() > 1e-9 * first => {
-                let how = format!("because {other} and {axis} share motors");
+                let how = format!(", because {other} and {axis} share motors");
                 work.approximate(entry, &path, toml_of(first), &how);
             }
             _ => work.take_number(entry, &path, steps),

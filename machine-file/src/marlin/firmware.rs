@@ -73,8 +73,7 @@ impl Firmware {
                  check every line"
             }
             Self::RepRap => {
-                "its settings are the commands of /sys/config.g: begin with `corehbot config new`, and take the numbers \
-                 from there"
+                "its settings are the commands of /sys/config.g: `corehbot config from config.g` reads them"
             }
             Self::Klipper => "its settings are in printer.cfg on its host: `corehbot config from printer.cfg` reads it",
             Self::Grbl => {

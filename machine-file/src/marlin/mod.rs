@@ -11,6 +11,7 @@
 //! | `motors`, `axes`, `heat` | one part of a machine each |
 //! | `tables` | words that are one number, and remarks on the rest |
 //! | `report` | what became of every word |
+//! | `source` | other sources that become such words |
 //!
 //! A printer does not say how it is wired. Such keys get a value with which nothing breaks, and are to be filled in.
 
@@ -19,9 +20,10 @@ mod firmware;
 mod heat;
 mod motors;
 mod report;
-mod said;
-mod tables;
-mod work;
+pub(crate) mod said;
+pub(crate) mod source;
+pub(crate) mod tables;
+pub(crate) mod work;
 
 use crate::translation::Kind::{Approximated, Decide, NotNeeded, Taken};
 use crate::translation::Translation;
@@ -74,14 +76,7 @@ pub fn is_report(text: &str) -> bool {
 pub fn translate(name: &str, text: &str, given: Given) -> Translation {
     let said = Said::read(text);
     let mut work = Work::new(&said);
-    machine(&mut work, given.board);
-    let motors = motors::motors(&mut work, given);
-    axes::axes(&mut work, &motors);
-    motors::drivers(&mut work, &motors);
-    heat::heat(&mut work, given.board);
-    motion(&mut work);
-    numbers(&mut work);
-    axes::motor_limits(&mut work);
+    parts(&mut work, given);
     let board = given.board.unwrap_or(&BoardConnectors::ANY);
     let mut head = format!("#:schema ./machine.schema.json\n# From {}", name.escape_debug());
     if let Some((_, firmware)) = work.value("M115", "FIRMWARE_NAME") {
@@ -93,6 +88,19 @@ pub fn translate(name: &str, text: &str, given: Given) -> Translation {
     }
     let text = head + &work.lines.text();
     Translation::new(text, report::report(&work, name, board))
+}
+
+/// All parts of a machine, from words of Marlin.
+pub(crate) fn parts(work: &mut Work<'_>, given: Given) {
+    machine(work, given.board);
+    let motors = motors::motors(work, given);
+    axes::axes(work, &motors);
+    motors::drivers(work, &motors);
+    heat::heat(work, given.board);
+    motion(work);
+    bed(work);
+    numbers(work);
+    axes::motor_limits(work);
 }
 
 /// The machine's name, and its board.
@@ -108,7 +116,7 @@ fn machine(work: &mut Work<'_>, board: Option<&'static BoardConnectors>) {
         if legal == name {
             work.take(entry, "name", name);
         } else if !legal.is_empty() {
-            work.approximate(entry, "name", legal.into(), "a name has 24 letters, digits and a few marks");
+            work.approximate(entry, "name", legal.into(), ", because a name has 24 letters, digits and a few marks");
         }
     }
     work.of_firmware();
@@ -199,6 +207,27 @@ fn numbers(work: &mut Work<'_>) {
                 work.say(entry, Decide, text);
             }
         }
+    }
+}
+
+/// The probe's offset, the mesh and the screws, which M503 says; it does not say which probe there is.
+fn bed(work: &mut Work<'_>) {
+    if let Some((entry, is_on)) = work.number("M420", "S") {
+        work.take(entry, "mesh.is_on", is_on != 0.0);
+    }
+    let words: Vec<String> = work.said.words.iter().filter(|w| w.code == "M422").map(|w| w.key.clone()).collect();
+    for key in words {
+        let Some((letter, screw, axis)) = motors::screw(&key) else { continue };
+        let Some((entry, at)) = work.length("M422", &key) else { continue };
+        let axis = axis.to_ascii_lowercase();
+        let path = format!("screws.{screw}.{}{axis}", if letter == 'S' { "point_" } else { "" });
+        if work.is_key(&path) {
+            work.take_number(entry, &path, at);
+        }
+    }
+    if ["X", "Y", "Z"].iter().any(|axis| work.value("M851", axis).is_some()) {
+        let keys = [("probe.kind".to_owned(), "none".into()), ("endstops.probe".to_owned(), "".into())];
+        work.fill_in(&keys, "the probe: \"switch\", \"bltouch\" or \"nozzle\", and its input");
     }
 }
 

@@ -148,10 +148,17 @@ fn count(work: &Work<'_>, letter: char) -> usize {
         let (part, of) = word.key.strip_prefix('I')?.split_once(' ')?;
         (of.starts_with(letter)).then(|| part.parse::<usize>().ok())?
     });
-    let aligned = words.iter().filter(|word| letter == 'Z' && word.code == "M422" && word.key == "S");
-    let aligned = aligned.filter_map(|word| word.value.parse::<usize>().ok()).map(|screws| screws.saturating_sub(1));
+    let aligned = words.iter().filter(|word| letter == 'Z' && word.code == "M422");
+    let aligned = aligned.filter_map(|word| screw(&word.key)).map(|(_, screw, _)| screw.saturating_sub(1));
     // One more than there may be is too many, and that is said.
     parts.chain(aligned).max().unwrap_or(0).min(MOTORS) + 1
+}
+
+/// The word of M422 for a screw: `S1 X` is the point that is probed for the first one, `W1 X` its own place.
+pub(super) fn screw(key: &str) -> Option<(char, usize, &str)> {
+    let (chosen, axis) = key.split_once(' ')?;
+    let letter = chosen.chars().next().filter(|letter| "SW".contains(*letter))?;
+    Some((letter, chosen.get(1..)?.parse().ok()?, axis))
 }
 
 fn has_extruder(work: &mut Work<'_>) -> bool {

@@ -9,7 +9,7 @@ use super::tables::selectors;
 
 /// A word with a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Word {
+pub(crate) struct Word {
     /// The command: `M92`.
     pub code: String,
     /// The word: `X`; behind its motor or tool, if that is not the first: `I1 Z`, `T1 E`.
@@ -24,7 +24,7 @@ pub(super) struct Word {
 
 /// All that a printer said.
 #[derive(Default, Debug)]
-pub(super) struct Said {
+pub(crate) struct Said {
     /// The words, in the order of the lines.
     pub words: Vec<Word>,
     /// Lines that nothing here reads, each with its number.
@@ -37,6 +37,11 @@ pub(super) struct Said {
 const MOST_WORDS: usize = 20_000;
 
 impl Said {
+    /// Words that another source says in Marlin's terms.
+    pub fn of(words: Vec<Word>) -> Self {
+        Self { words, ..Self::default() }
+    }
+
     /// Reads all lines.
     pub fn read(text: &str) -> Self {
         let (mut said, mut is_inches) = (Self::default(), false);
@@ -190,18 +195,47 @@ fn columns(text: &str) -> Option<Vec<String>> {
     text.contains('\t').then(|| text.split('\t').filter(|cell| !cell.is_empty()).map(driver).collect())?
 }
 
-/// A line without decoration.
+/// Signs of terminals and hosts before a line: OctoPrint, Pronterface, Repetier-Host, Arduino's monitor, Cura.
+const SIGNS: [&str; 11] = ["Recv:", "RECV:", "READ:", "Read:", "<<<", ">>>", "->", "<-", "<", "|", "echo:"];
+
+/// Commands that ask: a log has them as the host sent them.
+const QUESTIONS: [&str; 8] = ["M503", "M115", "M119", "M211", "M122", "M501", "M105", "M420"];
+
+/// A line without decoration: signs and time stamps, in any order, each as often as it comes.
 fn bare(line: &str) -> &str {
     let mut text = line.trim();
-    if text.starts_with('[')
-        && let Some((_, rest)) = text.split_once("] ")
-    {
-        text = rest;
+    loop {
+        let before = text.len();
+        if text.starts_with('[')
+            && let Some((_, rest)) = text.split_once("] ")
+        {
+            text = rest.trim_start();
+        }
+        text = without_time(text);
+        for sign in SIGNS {
+            text = text.strip_prefix(sign).unwrap_or(text).trim_start();
+        }
+        if text.len() == before {
+            break;
+        }
     }
-    for sign in ["Recv:", "<<<", "echo:"] {
-        text = text.strip_prefix(sign).unwrap_or(text).trim_start();
+    let is_question = text != line.trim() && QUESTIONS.contains(&text);
+    if is_question { "" } else { text }
+}
+
+/// A line without a date or a time at its beginning: digits, with two signs between them or more.
+fn without_time(text: &str) -> &str {
+    let word = text.split(char::is_whitespace).next().unwrap_or_default();
+    let inner = word.trim_matches(['(', ')', ',']);
+    let between = inner.chars().filter(|c| [':', '-', '/', '.', ','].contains(c)).count();
+    let is_time = between >= 2
+        && inner.starts_with(|c: char| c.is_ascii_digit())
+        && inner.chars().all(|c| c.is_ascii_digit() || [':', '-', '/', '.', ',', 'T', 'Z', '+'].contains(&c));
+    if !is_time {
+        return text;
     }
-    text
+    let rest = text[word.len()..].trim_start();
+    rest.strip_prefix("- ").or_else(|| rest.strip_prefix(": ")).unwrap_or(rest).trim_start()
 }
 
 /// Whether a line begins with a command: G or M and a number.
@@ -231,7 +265,7 @@ fn switch_in(text: &str) -> Option<(String, &str)> {
 /// Lines that set nothing: headings, remarks, answers, and reports that a printer makes on its own.
 fn is_noise(text: &str) -> bool {
     const BEGINNINGS: [&str; 12] =
-        [";", "ok", "wait", "start", "busy:", "T:", "T0:", "X:", "Cap:", "//", "Send:", ">>>"];
+        [";", "ok", "wait", "start", "busy:", "T:", "T0:", "X:", "Cap:", "//", "Send:", "SENT:"];
     text.is_empty()
         || BEGINNINGS.iter().any(|beginning| text.starts_with(beginning))
         || text.ends_with(':')

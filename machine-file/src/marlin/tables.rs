@@ -34,6 +34,10 @@ pub(super) const NUMBERS: &[NumberRow] = &[
     length("M205", "J", "corner.junction_deviation"),
     length("M205", "Z", "z_jerk"),
     length("M205", "E", "extruder_jerk"),
+    length("M420", "Z", "mesh.fade"),
+    length("M851", "X", "probe.offset.x"),
+    length("M851", "Y", "probe.offset.y"),
+    length("M851", "Z", "probe.offset.z"),
     plain("M113", "S", "keepalive_s"),
     plain("M301", "P", "heaters.hotend.pid.p"),
     plain("M301", "I", "heaters.hotend.pid.i"),
@@ -56,12 +60,13 @@ pub(super) fn selectors(code: &str) -> &'static str {
         "M92" | "M201" | "M203" | "M900" => "T",
         "M301" | "M306" => "E",
         "M593" => "XY",
+        "M422" => "SW",
         _ => "",
     }
 }
 
 /// What to say of words, or of whole commands.
-pub(super) struct Remark {
+pub(crate) struct Remark {
     pub code: &'static str,
     /// A pattern of words; empty for the command itself, and so for all its words.
     pub word: &'static str,
@@ -104,13 +109,11 @@ const REMARKS: &[Remark] = &[
     remark_on("M665", "", Kind::Decide, "a delta, SCARA or polar machine is not there yet"),
     remark_on("M852", "", NotYet, "skew is not compensated"),
     // The bed.
-    remark_on("G29", "", NotYet, "an uneven bed is not compensated"),
-    remark_on("M420", "", NotYet, "an uneven bed is not compensated"),
-    remark_on("M421", "", NotYet, "an uneven bed is not compensated"),
-    remark_on("M422", "", NotYet, "all Z motors move alike"),
+    remark_on("G29", "", NotYet, "a mesh that was measured: G29 measures it again"),
+    remark_on("M420", "*", NotNeeded, "words of reports"),
+    remark_on("M421", "", NotYet, "a mesh that was measured: G29 measures it again"),
     remark_on("M423", "", NotYet, "a twisted axis is not compensated"),
     remark_on("M666", "", NotYet, "one switch homes an axis: the others level nothing"),
-    remark_on("M851", "", NotYet, "write it into [probe.offset]"),
     remark_on("M281", "", NotYet, "no servo"),
     // The extruder and its filament.
     remark_on("M200", "", NotNeeded, "the slicer knows it; volumes (M200) say it themselves"),
@@ -157,10 +160,10 @@ const REMARKS: &[Remark] = &[
 ];
 
 /// What to say of a word without any remark.
-pub(super) const NO_SETTING: &str = "no setting for it";
+pub(crate) const NO_SETTING: &str = "no setting for it";
 
 /// The remark on a word, or on a command as a whole.
-pub(super) fn remark(code: &str, word: Option<&str>) -> Option<&'static Remark> {
+pub(crate) fn remark(code: &str, word: Option<&str>) -> Option<&'static Remark> {
     REMARKS.iter().find(|remark| {
         let is_word = match word {
             Some(word) => !remark.word.is_empty() && matches(remark.word, word),

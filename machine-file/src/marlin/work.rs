@@ -7,7 +7,7 @@ use crate::translation::{Kind, Verdict};
 use std::ops::{Deref, DerefMut};
 
 /// A report that is being translated: a draft that knows its report.
-pub(super) struct Work<'s> {
+pub(crate) struct Work<'s> {
     pub said: &'s Said,
     draft: Draft,
 }
@@ -30,6 +30,11 @@ impl<'s> Work<'s> {
         };
         let places = said.words.iter().map(place);
         Self { said, draft: Draft::new(places.collect()) }
+    }
+
+    /// The work on words of another source, each with its place.
+    pub fn of(said: &'s Said, places: Vec<String>) -> Self {
+        Self { said, draft: Draft::new(places) }
     }
 
     /// The entry of a word, and its value.
@@ -61,13 +66,6 @@ impl<'s> Work<'s> {
             self.say(entry, Kind::Approximated, IN_INCHES);
         }
         Some((entry, rounded(number * INCH)))
-    }
-
-    /// Sets a key to a value near a word's.
-    pub fn approximate(&mut self, entry: usize, path: &str, value: toml::Value, how: &str) {
-        self.say(entry, Kind::Approximated, format!("{path} = {value}, {how}"));
-        let from = self.from(entry);
-        self.lines.set(path, value, &from);
     }
 
     /// Says what follows from the firmware that answered.

@@ -8,6 +8,7 @@ use crate::keys::{Of, bits_of, find, fraction, legal_words, numbered, shortest};
 use crate::value::float_toml;
 use corehbot::motors::{MOTORS, MotorName};
 use corehbot::settings::rows;
+use std::collections::BTreeMap;
 
 /// A translation in progress.
 pub(crate) struct Draft {
@@ -22,7 +23,12 @@ pub(crate) struct Draft {
     /// The place of each entry, for comments.
     places: Vec<String>,
     verdicts: Vec<Option<Verdict>>,
+    /// The entry that each key of the machine file is from.
+    owners: BTreeMap<String, usize>,
 }
+
+/// Digits of a number that a whole key loses without being told.
+const ROUNDING: f64 = 1e-6;
 
 impl Draft {
     /// An empty machine file, and entries in these places.
@@ -33,6 +39,7 @@ impl Draft {
             notes: Vec::new(),
             open: Vec::new(),
             verdicts: vec![None; places.len()],
+            owners: BTreeMap::new(),
             places,
         }
     }
@@ -60,23 +67,45 @@ impl Draft {
 
     /// Sets a key of the machine file from an entry, and says so.
     pub fn take(&mut self, entry: usize, path: &str, value: impl Into<toml::Value>) {
-        let value = value.into();
-        self.say(entry, Kind::Taken, format!("{path} = {value}"));
-        let from = self.from(entry);
-        self.lines.set(path, value, &from);
+        self.put(entry, path, value.into(), Kind::Taken, "");
     }
 
-    /// Sets a key to a number from an entry. One outside the key's range becomes its end, which is said.
+    /// Sets a key to a number from an entry. One outside the key's range becomes its end, and a whole key has no
+    /// fraction, which is said.
     pub fn take_number(&mut self, entry: usize, path: &str, number: f64) {
         let (value, beyond) = self.in_range(path, number);
+        let whole = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
         match beyond {
-            None => self.take(entry, path, value),
             Some(legal) => {
-                self.say(entry, Kind::Approximated, format!("{path} = {value}, because its range is {legal}"));
-                let from = self.from(entry);
-                self.lines.set(path, value, &from);
+                self.put(entry, path, value, Kind::Approximated, &format!(", because its range is {legal}"));
             }
+            None if whole.is_some_and(|whole| (whole - number).abs() > ROUNDING * number.abs().max(1.0)) => {
+                self.put(entry, path, value, Kind::Approximated, ", because it has whole numbers");
+            }
+            None => self.put(entry, path, value, Kind::Taken, ""),
         }
+    }
+
+    /// Sets a key to a value near an entry's.
+    pub fn approximate(&mut self, entry: usize, path: &str, value: toml::Value, how: &str) {
+        self.put(entry, path, value, Kind::Approximated, how);
+    }
+
+    /// Sets a key from an entry with a verdict. A key that another entry has set to another value stays as it is: one
+    /// of them cannot be taken, and the owner decides which.
+    fn put(&mut self, entry: usize, path: &str, value: toml::Value, kind: Kind, how: &str) {
+        if let Some(first) = self.owners.get(path).filter(|first| **first != entry) {
+            let known = self.lines.get(path).filter(|known| **known != value);
+            if let Some(known) = known {
+                let text = format!("{path} = {known} from {} already, and it is one value for both", self.from(*first));
+                return self.say(entry, Kind::Decide, text);
+            }
+        } else {
+            self.owners.insert(path.to_owned(), entry);
+        }
+        self.say(entry, kind, format!("{path} = {value}{how}"));
+        let from = self.from(entry);
+        self.lines.set(path, value, &from);
     }
 
     /// Leaves a number to the owner: 0, which is outside the key's range, so that the file is no machine before it is
@@ -95,7 +124,11 @@ impl Draft {
     /// fill them in.
     pub fn fill_in(&mut self, keys: &[(String, toml::Value)], what: &str) {
         let mut said = Vec::new();
-        for (path, value) in keys {
+        let open: Vec<_> = keys.iter().filter(|(path, _)| self.lines.get(path).is_none()).collect();
+        if open.is_empty() {
+            return;
+        }
+        for (path, value) in open {
             self.lines.set(path, value.clone(), "to be filled in");
             said.push(format!("{path} = {value}"));
         }
@@ -105,7 +138,8 @@ impl Draft {
     /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.
     fn in_range(&self, path: &str, number: f64) -> (toml::Value, Option<String>) {
         let Some((kind, legal)) = self.kind_of(path) else { return (float_toml(rounded(number)), None) };
-        let whole = if matches!(kind, rows::Kind::Whole) { number.round() } else { rounded(number) };
+        let is_whole = matches!(kind, rows::Kind::Whole | rows::Kind::OfMotor | rows::Kind::Place);
+        let whole = if is_whole { number.round() } else { rounded(number) };
         match bits_of(whole, fraction(kind)) {
             Some(bits) if legal.holds(bits) => (float_toml(whole), None),
             _ => {

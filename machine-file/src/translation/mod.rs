@@ -1,6 +1,6 @@
 //! Translation: the configuration of another firmware as a machine file, with a verdict on every part of it.
 //!
-//! `klipper` and `marlin` read the configurations. Here is the work that they share.
+//! `klipper`, `marlin`, `configuration_h` and `reprap` read the configurations. Here is the work that they share.
 //!
 //! | file | job |
 //! |---|---|

@@ -49,7 +49,10 @@ impl Verdict {
     }
 
     /// Both of two verdicts on a key: the graver one counts.
-    pub(super) fn and(self, other: Self) -> Self {
+    pub(crate) fn and(self, other: Self) -> Self {
+        if self.text.contains(&other.text) {
+            return Self { kind: self.kind.max(other.kind), ..self };
+        }
         let between = if self.text.is_empty() || other.text.is_empty() { "" } else { "; " };
         Self { kind: self.kind.max(other.kind), text: self.text + between + &other.text }
     }

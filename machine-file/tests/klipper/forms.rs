@@ -1,6 +1,6 @@
 //! Forms of configurations: lines, order, spelling, and any text.
 
-use super::{configurations, folder, read, translated};
+use super::{configurations, folder, read, translated, verdict};
 use corehbot_machine_file::klipper::translate;
 use proptest::prelude::*;
 
@@ -22,7 +22,6 @@ fn bad_lines_are_told_with_their_place() {
         ("[printer\na: 1", "printer.cfg:1: error: the section [printer has no `]`"),
         ("[printer]\n\n: 5", "printer.cfg:3: error: \": 5\" has no key"),
         ("[]", "printer.cfg:1: error: a section without a name"),
-        ("[include no.cfg]", "printer.cfg:1: error: there is no file no.cfg"),
         ("#\n[include printer.cfg]", "printer.cfg:2: error: printer.cfg includes itself"),
         ("[include p*.cfg]", "printer.cfg:1: error: printer.cfg includes itself"),
     ] {
@@ -30,7 +29,12 @@ fn bad_lines_are_told_with_their_place() {
         assert!(said[0].starts_with(told), "{text}: {said:?}");
     }
     // A pattern may mean no file.
-    assert!(read("[include x/*.cfg]").is_ok());
+    assert!(read("[include x/*.cfg]").unwrap().missing.is_empty());
+    // A file that is not there is told, and the rest is read.
+    let done = super::of_text("[include no.cfg]\n[printer]\nkinematics: corexy\n");
+    let told = "printer.cfg:1: there is no file no.cfg: copy it";
+    assert!(done.report.notes.iter().any(|note| note.text.starts_with(told)) && !done.is_whole());
+    assert!(done.text.contains("\nsquare_corner = 5"), "{}", done.text);
 }
 
 #[test]
@@ -102,9 +106,11 @@ fn fans_tell_which_spider_it_is() {
 #[test]
 fn the_first_board_that_is_named_counts() {
     for (text, board) in [
-        ("# For the OctoPus V1\n[a]\nstep_pin: PF13 # as on the Octopus Pro", "octopus"),
-        ("# octopus_pro\n# octopus\n[a]\nstep_pin: PF13", "octopus-pro"),
-        ("# octopus\n[a]\nstep_pin: PE11", "spider"),
+        ("# For the OctoPus V1\n[stepper_x]\nstep_pin: PF13 # as on the Octopus Pro", "octopus"),
+        ("# octopus_pro\n# octopus\n[stepper_x]\nstep_pin: PF13", "octopus-pro"),
+        ("# for an Octopus\n# Pro\n[stepper_x]\nstep_pin: PF13", "octopus-pro"),
+        ("[mcu]\nserial: /dev/serial/by-id/usb-octopus-pro-if00\n[stepper_x]\nstep_pin: PF13", "octopus-pro"),
+        ("# octopus\n[stepper_x]\nstep_pin: PE11", "spider"),
     ] {
         assert_eq!(translate(&read(text).unwrap(), None).unwrap().report.board.key, board, "{text}");
     }
@@ -116,7 +122,85 @@ fn a_board_that_cannot_be_told_is_asked_for() {
     assert!(translate(&config, None).err().unwrap().contains("--board"));
     // Octopus and Pro have the same pins; no comment tells them apart.
     let config = read("[stepper_x]\nstep_pin: PF13\n").unwrap();
-    assert!(translate(&config, None).is_err());
+    assert!(translate(&config, None).is_err_and(|said| said.contains("octopus and octopus-pro have these pins")));
+}
+
+/// A board is one with all pins of motors, heaters and sensors: single ones are on many boards.
+#[test]
+fn a_board_that_is_not_here_is_refused_with_the_nearest_one() {
+    // An SKR Mini E3's: by its step pins it was a CNC shield.
+    let skr = "[mcu]\nserial: /dev/serial/by-id/usb-Klipper_stm32f103xe_1-if00\n\
+               [stepper_x]\nstep_pin: PB13\ndir_pin: !PB12\nenable_pin: !PB14\n\
+               [stepper_y]\nstep_pin: PB10\ndir_pin: !PB2\nenable_pin: !PB11\n\
+               [stepper_z]\nstep_pin: PB0\ndir_pin: PC5\nenable_pin: !PB1\n\
+               [extruder]\nstep_pin: PB3\ndir_pin: !PB4\nenable_pin: !PD2\nheater_pin: PC8\nsensor_pin: PA0\n";
+    let octopus = "# octopus\n[stepper_x]\nstep_pin: PF13\ndir_pin: PF12\nenable_pin: !PF14\n";
+    for (text, told) in [
+        (skr.to_owned(), &["an STM32F103XE, is not supported", "nearest", "[stepper_x] step_pin PB13"][..]),
+        (format!("{octopus}[extruder]\nheater_pin: PA0\n"), &["differs in [extruder] heater_pin PA0)"]),
+        (format!("{octopus}[mcu]\nserial: /dev/x_stm32h723xx_1\n"), &["is an STM32H723", "images for the STM32F446"]),
+        (format!("{octopus}[mcu]\nserial: usb-Klipper_stm32f407xx_1\n"), &["is an STM32F407", "not supported"]),
+        ("# Fysetc S6\n[stepper_x]\nstep_pin: PE11\n".to_owned(), &["says fysetc s6"]),
+        ("# octopus pro v1.1\n[stepper_x]\nstep_pin: PF13\n".to_owned(), &["says octopus pro v1.1"]),
+        ("[mcu a]\n[stepper_x]\nstep_pin: a:PF13\n".to_owned(), &["main processor has no motors"]),
+        // All of its motors on headers.
+        ("[stepper_x]\nstep_pin: PE8\ndir_pin: PE9\n".to_owned(), &["not supported"]),
+    ] {
+        let said = translate(&read(&text).unwrap(), None).err().unwrap_or_else(|| panic!("{text}"));
+        assert!(told.iter().all(|told| said.contains(told)) && said.contains("--board"), "{text}: {said}");
+    }
+    for more in [
+        // Not driven yet, but printed; on headers; on another processor.
+        "[heater_generic a]\nheater_pin: PB10\nsensor_pin: PF8\n",
+        "[manual_stepper a]\nstep_pin: PE8\ndir_pin: PE9\nenable_pin: PE10\n",
+        "[mcu b]\n[stepper_y]\nstep_pin: b:PB13\ndir_pin: b:PC9\n",
+        "[temperature_sensor a]\nsensor_type: MAX31865\nsensor_pin: PG0\n",
+        "[mcu]\nserial: usb-Klipper_stm32f446xx_1\n",
+    ] {
+        let done = translate(&read(&format!("{octopus}{more}")).unwrap(), None).unwrap_or_else(|said| panic!("{said}"));
+        assert_eq!(done.report.board.key, "octopus");
+    }
+    // Whoever names the board learns that its processor has no image.
+    let text = format!("{octopus}[mcu]\nserial: usb-Klipper_stm32f407xx_1\n");
+    let done = translate(&read(&text).unwrap(), Some(&corehbot_boards::octopus::CONNECTORS)).unwrap();
+    assert_eq!(verdict(&done.report, "mcu", "serial").0, corehbot_machine_file::Kind::Decide);
+    let done = translate(&read(skr).unwrap(), Some(&corehbot_boards::octopus::CONNECTORS)).unwrap();
+    assert_ne!(verdict(&done.report, "mcu", "serial").0, corehbot_machine_file::Kind::Decide);
+}
+
+/// With a foreign pin only the pin is lost.
+#[test]
+fn on_another_board_all_is_kept_that_is_not_a_pin() {
+    let text = "[stepper_x]\nstep_pin: PB13\ndir_pin: !PB12\nenable_pin: !PB14\nendstop_pin: ^!PC0\n\
+                [stepper_y]\nstep_pin: PB10\ndir_pin: PB2\nendstop_pin: ^PC1\nrotation_distance: 40\n\
+                microsteps: 16\n[printer]\nkinematics: cartesian\n[tmc2209 stepper_x]\nuart_pin: PC11\n\
+                run_current: 0.58\n[heater_fan a]\npin: PC7\nmax_power: 0.5\nheater_temp: 45\n\
+                [fan]\npin: PC6\noff_below: 0.1\n";
+    let done = super::of_text(text);
+    for line in [
+        "\nx = \"!\"  # no socket\n",
+        "\ny = \"\"  # no socket\n",
+        "\nx = \"!\"  # to decide\n",
+        "\ny = \"\"  # to decide\n",
+        "current_ma = 580",
+        "[fans.fan0]\nrole = \"hotend\"  # printer.cfg:18\nmost = 0.5  # printer.cfg:19\n",
+        "[fans.fan1]\nrole = \"part\"  # printer.cfg:22\nleast = 0.1",
+        "hotend_fan_above = 45",
+    ] {
+        assert!(done.text.contains(line), "{line}: {}", done.text);
+    }
+    assert!(done.machine.is_none(), "its plugs are to be decided");
+    use corehbot_machine_file::Kind::{Decide, NotNeeded, Taken};
+    for (section, key, kind) in [
+        ("stepper_x", "step_pin", Decide),
+        ("stepper_x", "dir_pin", Taken),
+        ("stepper_x", "enable_pin", NotNeeded),
+        ("stepper_x", "endstop_pin", Decide),
+        ("tmc2209 stepper_x", "uart_pin", NotNeeded),
+        ("fan", "pin", Decide),
+    ] {
+        assert_eq!(verdict(&done.report, section, key).0, kind, "[{section}] {key}");
+    }
 }
 
 proptest! {

@@ -1,10 +1,12 @@
 //! Configurations of Klipper, in all forms that its documentation has, as machine files.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
+mod checked;
 #[path = "../support/configurations.rs"]
 mod configurations;
 mod forms;
 mod open;
+mod proof;
 #[path = "../support/reports.rs"]
 mod reports;
 mod wanted;
@@ -242,15 +244,26 @@ fn a_probes_input_has_the_name_of_its_header() {
         let text = of_text(text).text;
         assert!(text.contains(&format!("\nprobe = \"{plug}\"  # printer.cfg:2\n")), "{text}");
     }
-    assert!(!of_text("[probe]\npin: PF13").text.contains("probe ="));
+    // A pin elsewhere: what is not the pin stays.
+    for (pin, plug) in [("PF13", ""), ("!EBBCan:PB6", "!")] {
+        let text = of_text(&format!("[probe]\npin: {pin}\nx_offset: -20\n")).text;
+        assert!(text.contains(&format!("probe = \"{plug}\"  # to decide\n")), "{text}");
+        assert!(text.contains("\nkind = \"switch\"") && text.contains("[probe.offset]\nx = -20"), "{text}");
+    }
 }
 
-/// By hand: 100 kOhm at 25 C and 1770 Ohm at 150 C are a B of 4071.7 K.
+/// Klipper sorts the points, and so does the machine file.
 #[test]
-fn a_thermistor_of_three_points_is_an_ntc() {
+fn a_thermistor_of_three_points_stays_one() {
     let points = "temperature1: 25\nresistance1: 100000\ntemperature2: 90\nresistance2: 8700\ntemperature3: 150\nresistance3: 1770";
-    let text = of_text(&format!("[thermistor a b]\n{points}\n[heater_bed]\nsensor_type: a b\n")).text;
-    assert!(text.contains("\nthermistor = { beta = 4072, ohms = 100000 }"), "{text}");
+    let done = of_text(&format!("[thermistor a b]\n{points}\n[heater_bed]\nsensor_type: a b\n"));
+    let line = "\nthermistor = { points = [[25, 100000], [90, 8700], [150, 1770]] }";
+    assert!(done.text.contains(line), "{}", done.text);
+    assert_eq!(verdict(&done.report, "thermistor a b", "resistance3").0, Kind::Taken);
+    let done = of_text("[heater_bed]\nsensor_type: EPCOS 100K B57560G104F\n");
+    let line = "\nthermistor = { points = [[25, 100000], [150, 1641.9], [250, 226.15]] }";
+    assert!(done.text.contains(line), "{}", done.text);
+    assert_eq!(verdict(&done.report, "heater_bed", "sensor_type").0, Kind::Taken);
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn pins_of_two_sockets_are_to_be_decided() {
 #[test]
 fn what_could_break_a_machine_is_left_open() {
     let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
-    let done = |text: &str| translate(&read(text).unwrap(), None).unwrap();
+    let done = |text: &str| translate(&read(text).unwrap(), Some(&corehbot_boards::spider::CONNECTORS)).unwrap();
     let is_machine = |text: &str| done(text).machine.is_some();
     assert!(is_machine(&whole) && done(&whole).is_whole());
     // E2 of the Spider is no output.

@@ -76,7 +76,10 @@ fn every_word_has_a_verdict() {
 #[test]
 fn decoration_does_not_count() {
     let whole = text("shaped");
-    let machine = |text: &str| of_text("x", text, None).machine.unwrap().settings;
+    let machine = |text: &str| {
+        let done = of_text("x", text, None);
+        done.machine.unwrap_or_else(|| panic!("{:?}\n{text}", done.problems)).settings
+    };
     let each = |change: fn(&str) -> String| whole.lines().map(|line| change(line) + "\n").collect::<String>();
     for other in [
         whole.replace('\n', "\r\n"),
@@ -84,6 +87,11 @@ fn decoration_does_not_count() {
         whole.replace("echo:", "echo: "),
         each(|line| format!("Recv: {line}")),
         each(|line| format!("[12:00:07] Recv: {line}")),
+        each(|line| format!("16:52:24.183 -> {line}")),
+        each(|line| format!(">>> {line}")),
+        each(|line| format!("READ: {line}")),
+        each(|line| format!("2026-05-01 16:52:24,183 - [16:52:24] <<< {line}")),
+        format!("16:52:24.000 -> M503\nSENT: M503\n>>> M115\n{whole}"),
         each(|line| format!("{line}\nT:21.50 /0.00 B:22.00 /0.00 @:0 B@:0\necho:busy: processing\nwait\n")),
         each(|line| line.split(" ; ").next().unwrap().to_owned()),
         whole.lines().rev().collect::<Vec<_>>().join("\n"),
@@ -91,6 +99,30 @@ fn decoration_does_not_count() {
     ] {
         assert_eq!(machine(&other), machine(&whole), "{other}");
     }
+}
+
+/// Levelling words of M503: what the printer says is taken, and which probe it has is to be filled in.
+#[test]
+fn the_probe_the_mesh_and_the_screws_are_taken() {
+    let lines = "M92 X80 Y80 Z400 E90\nM420 S1 Z10.00 ; Leveling ON\nM851 X-45.00 Y-5.00 Z-1.20 ; (mm)\n\
+                 M422 S1 X10.00 Y100.00\nM422 S2 X200.00 Y101.00\nM422 W1 X-20.00 Y100.00\nG29 W I0 J0 Z0.1\n";
+    let done = of_text("x", lines, Some("cartesian"));
+    for line in [
+        "[mesh]\nis_on = true",
+        "fade = 10",
+        "[probe.offset]\nx = -45",
+        "y = -5",
+        "z = -1.2",
+        "[screws.1]\npoint_x = 10",
+        "[screws.2]\npoint_x = 200",
+        "point_y = 101",
+        "x = -20",
+        "z1 = [0, 0, 1]",
+    ] {
+        assert!(done.text.contains(line), "{line}: {}", done.text);
+    }
+    assert_eq!(verdict(&done.report, "M851", "X"), (Kind::Taken, "probe.offset.x = -45"));
+    assert!(done.report.open.iter().any(|open| open.starts_with("probe.kind = \"none\"")), "{:?}", done.report.open);
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod configurations;
 mod forms;
 #[path = "../support/reports.rs"]
 mod reports;
+mod sources;
 
 use corehbot_machine_file::Translation;
 use corehbot_machine_file::marlin::{Given, Kinematics, translate};

@@ -1,9 +1,9 @@
-//! Properties for any bytes at all, as a configuration of Klipper and as the answers of a printer with Marlin: one body
-//! for the fuzzer and for the property tests.
+//! Properties for any bytes at all, as a configuration of Klipper, as the answers of a printer with Marlin, as Marlin's
+//! source, and as a config.g: one body for the fuzzer and for the property tests.
 
 use corehbot_machine_file::klipper::{self, Config, Files};
 use corehbot_machine_file::marlin::{self, Firmware, Given, Kinematics};
-use corehbot_machine_file::{Translation, parse};
+use corehbot_machine_file::{Translation, configuration_h, parse, reprap};
 
 /// One file, which includes nothing but itself.
 struct One<'t>(&'t str);
@@ -18,7 +18,7 @@ impl Files for One<'_> {
     }
 }
 
-/// Reads the bytes as both. The first byte chooses a board and the kinematics.
+/// Reads the bytes as all of them. The first byte chooses a board and the kinematics.
 pub fn any(data: &[u8]) {
     let (choice, bytes) = data.split_first().map_or((0, data), |(first, rest)| (usize::from(*first), rest));
     let text = marlin::text_of(bytes);
@@ -26,6 +26,13 @@ pub fn any(data: &[u8]) {
     let kinematics = Kinematics::ALL.get(choice / 8);
     check(&marlin::translate("x", &text, Given { board, kinematics }));
     let _ = (marlin::is_report(&text), Firmware::heard(&text));
+    // Two of eight times, because they take as long as all others.
+    match choice % 8 {
+        0 => check(&configuration_h::translate(&[("x", &text)], Given { board, kinematics })),
+        1 => check(&reprap::translate("x", &text, Given { board, kinematics })),
+        _ => {}
+    }
+    let _ = (configuration_h::is_configuration(&text), reprap::is_config(&text));
     if let Ok(config) = Config::read("printer.cfg", &mut One(&text))
         && let Ok(done) = klipper::translate(&config, board)
     {

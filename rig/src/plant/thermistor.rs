@@ -55,6 +55,13 @@ impl Thermistor {
         Self::SteinhartHart { a: y0 - b * x0 - c * x0 * x0 * x0, b, c }
     }
 
+    /// Steinhart-Hart through the resistance at 25 C, ohm, with b = 1/`beta` and c in 1/K.
+    #[must_use]
+    pub fn bent(ohm_at_25: f64, beta: f64, c: f64) -> Self {
+        let log = libm::log(ohm_at_25);
+        Self::SteinhartHart { a: 1.0 / (25.0 + ZERO_CELSIUS) - log / beta - c * log * log * log, b: 1.0 / beta, c }
+    }
+
     /// The resistance at a temperature, ohm.
     #[must_use]
     pub fn ohm(&self, celsius: f64) -> f64 {

@@ -226,8 +226,8 @@ rows! {
     71 "output" = Chosen(&mut heater.output), "", [Spec::choice::<Output>()];
     /// The input of its temperature sensor.
     72 "sensor" = Chosen(&mut heater.sensor), "", [Spec::choice::<Sensor>()];
-    /// The kind of sensor; or an NTC by its resistance at 25 C in Ohm and its beta in K.
-    73 "thermistor" = heater.thermistor, "", [Spec::packed((1 << 45) - 1, Kind::Thermistor).from_zero()];
+    /// The kind of sensor; or an NTC by three points (C, Ohm), or by Ohm at 25 C, B in K and a cubic term.
+    73 "thermistor" = heater.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
     /// Highest target.
     74 "most" = heater.most, "C", [ranges::HOTEND.spec(), ranges::BED.spec(), ranges::BED.spec()];
     /// Power at full duty.

@@ -1,6 +1,7 @@
 //! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]. Its name in machine
 //! files, its number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
 
+use crate::settings::ranges;
 use crate::settings::rows::{Field, Value};
 use serde::{Deserialize, Serialize};
 
@@ -41,12 +42,15 @@ pub const SHEETS: [Sheet; 5] = [
 pub enum Thermistor {
     /// The sensor of a row of [`SHEETS`].
     Sheet(u8),
-    /// Any other NTC: its resistance at 25 C in Ohm, and its B in K.
+    /// Any other NTC, by 1/T = 1/T25 + ln(R/R25) / B + C (ln(R)^3 - ln(R25)^3): the equation of Steinhart and Hart.
     Beta {
         /// Resistance at 25 C, in Ohm.
         ohms: u32,
         /// B, in K.
         beta: u16,
+        /// C, in 1e-9 / K, up to [`MOST_CUBIC`](Thermistor::MOST_CUBIC); 0 of an NTC that is known by its B alone. With
+        /// it records hold multiples of 8 Ohm.
+        cubic: u16,
     },
 }
 
@@ -62,7 +66,7 @@ impl Thermistor {
 
     /// Every kind, of [`Self::Beta`] one that is usual.
     pub fn all() -> impl Iterator<Item = Self> {
-        let usual = Self::Beta { ohms: 100_000, beta: 3950 };
+        let usual = Self::Beta { ohms: 100_000, beta: 3950, cubic: 0 };
         (0..SHEETS.len() as u8).map(Self::Sheet).chain([usual])
     }
 
@@ -82,31 +86,53 @@ impl Thermistor {
         }
     }
 
-    /// The number of an NTC without a data sheet.
+    /// The greatest C, which has 9 bits in a record.
+    pub const MOST_CUBIC: u16 = 511;
+
+    /// The number of an NTC without a data sheet and without C.
     const BETA: i64 = 0xFF;
     /// Bits of the number of a kind, and of the Ohm of an NTC above them, in a record.
     const KIND_BITS: u32 = 8;
     const OHM_BITS: u32 = 21;
+
+    /// The number of an NTC with C. Above it are 18 bits of Ohm / 8, 12 bits of B above the least one, and C: records
+    /// have no room for more than 47 bits.
+    const BENT: i64 = 0xFE;
+    const BELOW_BETA: u32 = 26;
+    const BELOW_CUBIC: u32 = 38;
+    const LEAST_BETA: i64 = ranges::BETA.least as i64;
 }
 
 impl Field for Thermistor {
-    /// The number of a kind; of any other NTC 255, its Ohm and its B.
+    /// The number of a kind; of any other NTC 255, its Ohm and its B, or 254, its Ohm, its B and its C.
     fn get(&self) -> Value {
         Value::Number(match *self {
             Self::Sheet(place) => place.into(),
-            Self::Beta { ohms, beta } => {
+            Self::Beta { ohms, beta, cubic: 0 } => {
                 let ohms = i64::from(ohms) << Self::KIND_BITS;
                 i64::from(beta) << (Self::KIND_BITS + Self::OHM_BITS) | ohms | Self::BETA
+            }
+            Self::Beta { ohms, beta, cubic } => {
+                let beta = (i64::from(beta) - Self::LEAST_BETA) << Self::BELOW_BETA;
+                i64::from(cubic) << Self::BELOW_CUBIC | beta | i64::from(ohms >> 3) << Self::KIND_BITS | Self::BENT
             }
         })
     }
 
     fn set(&mut self, value: &Value) -> bool {
         let Value::Number(number) = *value else { return false };
-        if number & Self::BETA == Self::BETA {
+        let kind = number & 0xFF;
+        if kind == Self::BETA {
             let ohms = (number >> Self::KIND_BITS) & ((1 << Self::OHM_BITS) - 1);
             let beta = (number >> (Self::KIND_BITS + Self::OHM_BITS)) & 0xFFFF;
-            *self = Self::Beta { ohms: ohms as u32, beta: beta as u16 };
+            *self = Self::Beta { ohms: ohms as u32, beta: beta as u16, cubic: 0 };
+            return true;
+        }
+        if kind == Self::BENT {
+            let ohms = (number >> Self::KIND_BITS << 3) & 0x1F_FFFF;
+            let beta = (number >> Self::BELOW_BETA & 0xFFF) + Self::LEAST_BETA;
+            let cubic = (number >> Self::BELOW_CUBIC) as u16 & Self::MOST_CUBIC;
+            *self = Self::Beta { ohms: ohms as u32, beta: beta as u16, cubic };
             return true;
         }
         let place = u8::try_from(number).ok().filter(|place| usize::from(*place) < SHEETS.len());

@@ -49,6 +49,9 @@ const AT_25: i64 = (((1u64 << 40) as f64) / 298.15) as i64;
 /// Below every NTC (Vishay's catalogue begins at 2800 K); 1/B then has no more than 31 bits.
 const LEAST_BETA: u16 = 1000;
 
+/// 1e-9 with 48 fractional bits, within 0.001 %.
+const CUBIC: i32 = ((1u64 << 48) as f64 * 1e-9) as i32;
+
 /// Coefficients of IEC 60751: R / R0 = 1 + A t + B t^2, above 0 C; below, it is off by 0.02 K at -20 C.
 const A: f64 = 3.9083e-3;
 const B: f64 = -5.775e-7;
@@ -67,10 +70,11 @@ impl Curve {
                     [] => Self::Platinum,
                 }
             }
-            Thermistor::Beta { ohms, beta } => {
-                let b = (1 << 40) / if beta < LEAST_BETA { LEAST_BETA as i64 } else { beta as i64 };
-                let at_25 = natural(log2(if ohms == 0 { 1 } else { ohms }));
-                Self::SteinhartHart { a: AT_25 - ((b * at_25) >> FRACTION), b: b as i32, c: 0 }
+            Thermistor::Beta { ohms, beta, cubic } => {
+                let b = ((1 << 40) / if beta < LEAST_BETA { LEAST_BETA as i64 } else { beta as i64 }) as i32;
+                let c = (cubic & Thermistor::MOST_CUBIC) as i32 * CUBIC;
+                let at_25 = natural(log2(if ohms == 0 { 1 } else { ohms })) as i32;
+                Self::SteinhartHart { a: AT_25 - of_logarithm(at_25, b, c), b, c }
             }
         }
     }
@@ -147,18 +151,22 @@ fn of_steinhart_hart(sample: u16, a: i64, b: i32, c: i32) -> Celsius {
     let shift = sample.leading_zeros();
     let ratio = (sample << shift) / ((1 << 16) - sample);
     let log2_ohms = log2(ratio) - (i64::from(shift) << FRACTION) + const { log2(PULL_UP) };
-    // In words of 32 bits, with 26, 20 and 19 fractional bits.
-    let log = natural(log2_ohms) as i32;
-    let square = (wide_mul(log, log) >> 32) as i32;
-    let cube = (wide_mul(square, log) >> 27) as i32;
-    let inverse = a + (wide_mul(b, log) >> FRACTION) + (wide_mul(c, cube) >> 27);
+    let inverse = a + of_logarithm(natural(log2_ohms) as i32, b, c);
     // 38 fractional bits are left of the 40, so that 64 K and more fit into a word.
     let inverse = (inverse >> 2).clamp(1 << 26, u32::MAX.into()) as u32;
     Celsius::from_bits(saturated(i64::from(quotient(1 << 58, inverse)) - ZERO_C))
 }
 
-fn wide_mul(a: i32, b: i32) -> i64 {
-    i64::from(a) * i64::from(b)
+/// b ln R + c (ln R)^3, with 40 fractional bits. Logarithm, square and cube are words of 32 bits, with 26, 20 and 19
+/// fractional bits.
+const fn of_logarithm(log: i32, b: i32, c: i32) -> i64 {
+    let square = (wide_mul(log, log) >> 32) as i32;
+    let cube = (wide_mul(square, log) >> 27) as i32;
+    (wide_mul(b, log) >> FRACTION) + (wide_mul(c, cube) >> 27)
+}
+
+const fn wide_mul(a: i32, b: i32) -> i64 {
+    a as i64 * b as i64
 }
 
 fn of_platinum(sample: u16) -> Celsius {
@@ -232,12 +240,24 @@ mod tests {
 
     #[test]
     fn b_and_resistance_are_a_curve_too() {
-        let curve = Curve::new(Thermistor::Beta { ohms: 100_000, beta: 3950 });
+        let curve = Curve::new(Thermistor::Beta { ohms: 100_000, beta: 3950, cubic: 0 });
         for celsius in [0.0, 25.0, 60.0, 120.0, 200.0] {
             let ohms = 100_000.0 * f64::exp(3950.0 * (1.0 / (celsius + 273.15) - 1.0 / 298.15));
             let found = degrees(curve, ohms);
             assert!((found - celsius).abs() < 0.05, "{found} at {celsius}");
         }
+    }
+
+    /// EPCOS B57560G104F, by three points of its data sheet.
+    #[test]
+    fn with_a_cubic_term_the_curve_bends_as_the_data_sheet_does() {
+        let curve = Curve::new(Thermistor::Beta { ohms: 100_000, beta: 4612, cubic: 89 });
+        for (celsius, ohms) in [(25.0, 100_000.0), (150.0, 1641.9), (250.0, 226.15)] {
+            let found = degrees(curve, ohms);
+            assert!((found - celsius).abs() < 0.15, "{found} at {celsius}");
+        }
+        let by_b = degrees(Curve::new(Thermistor::Beta { ohms: 100_000, beta: 4148, cubic: 0 }), 226.15);
+        assert!(by_b > 255.0, "B alone was {by_b} at 250 C");
     }
 
     #[test]
@@ -270,8 +290,8 @@ mod tests {
         assert_eq!(Curve::Platinum.read(Some(u16::MAX)), Reading::Open);
         assert_eq!(Curve::Platinum.read(None), Reading::Silent);
         // Nonsense from a machine file must not panic either.
-        for (ohms, beta) in [(0, 0), (1, 1), (u32::MAX, u16::MAX)] {
-            let curve = Curve::new(Thermistor::Beta { ohms, beta });
+        for (ohms, beta, cubic) in [(0, 0, 0), (1, 1, 1), (u32::MAX, u16::MAX, u16::MAX)] {
+            let curve = Curve::new(Thermistor::Beta { ohms, beta, cubic });
             for sample in (0..=u16::MAX).step_by(97) {
                 let _ = curve.read(Some(sample));
             }

@@ -1,7 +1,7 @@
 //! A RatRig hybrid, a RatRig with a BLTouch, an Annex K3 and a Mercury One.1.
 
 use super::Printer;
-use corehbot_machine_file::klipper::Kind::{Decide, NotNeeded, NotYet, Taken};
+use corehbot_machine_file::klipper::Kind::{Decide, NotNeeded, Taken};
 
 pub(super) const OTHERS: &[Printer] = &[
     Printer {
@@ -143,9 +143,14 @@ pin: EBBCan:PB8
         needs: &[
             ("stepper_z2", "step_pin", Taken, "motors.z2 = \"M6\""),
             ("stepper_x", "endstop_pin", Decide, "EBBCan is another board"),
-            ("stepper_z", "endstop_pin", Decide, "there is no probe at an input"),
+            ("stepper_z", "endstop_pin", Taken, "probe.z_home = true"),
             ("extruder", "step_pin", Decide, "EBBCan is another board"),
-            ("probe", "pin", NotYet, "EBBCan is another board"),
+            (
+                "probe",
+                "pin",
+                Decide,
+                "EBBCan is another board, and a machine has one so far: write its input into endstops.probe",
+            ),
         ],
         is_machine: false,
         decisions: 4,

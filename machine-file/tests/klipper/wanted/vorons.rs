@@ -1,7 +1,7 @@
 //! The Vorons: gantries and beds that several motors of z lift.
 
 use super::Printer;
-use corehbot_machine_file::klipper::Kind::Taken;
+use corehbot_machine_file::klipper::Kind::{Decide, Taken};
 
 pub(super) const VORONS: &[Printer] = &[
     Printer {
@@ -49,10 +49,10 @@ home_xy_position: 206,350
             ("stepper_z3", "step_pin", Taken, "motors.z3 = \"M5\""),
             ("probe", "pin", Taken, "endstops.probe = \"E3DET\"; probe.kind = \"switch\""),
             ("quad_gantry_level", "points", Taken, "screws.1.point_x = 50"),
-            ("safe_z_home", "home_xy_position", Taken, "probe.home.x = 206; probe.home.y = 350"),
+            ("safe_z_home", "home_xy_position", Decide, "homes Z at X206 Y350 by its switch, not there yet"),
         ],
         is_machine: true,
-        decisions: 0,
+        decisions: 1,
     },
     Printer {
         name: "Voron 2.4: the same on a Spider, with its heaters",

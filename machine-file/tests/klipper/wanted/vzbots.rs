@@ -109,7 +109,7 @@ z_positions: -50,18
 ",
         needs: &[
             ("beacon", "serial", NotYet, "a scanner"),
-            ("stepper_z", "endstop_pin", Decide, "there is no probe at an input"),
+            ("stepper_z", "endstop_pin", Decide, "there is no probe with a contact"),
             ("stepper_z", "homing_retract_dist", Approximated, "meets its switch twice"),
             ("z_tilt", "z_positions", Taken, "screws.1.x = -50; screws.1.y = 18"),
         ],

@@ -92,7 +92,7 @@ fn the_longest_values_fit() {
     (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);
     (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
     s.thermal = hottest();
-    let thermistor = Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX };
+    let thermistor = Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX, cubic: 0 };
     s.sensors.fill(ExtraSensor { is_fitted: true, sensor: SensorSource::Mcu, thermistor });
     // All names as long as they may be, and each number as great as it may be.
     let name = Value::Text(Text24::try_from("1234").unwrap());
@@ -180,7 +180,7 @@ fn rows_longest_legal() -> usize {
 /// Heat settings with numbers that take the most bytes.
 fn hottest() -> ThermalSettings {
     let heater = HeaterSettings {
-        thermistor: Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX },
+        thermistor: Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX, cubic: 0 },
         most: Celsius::MIN,
         power: Watts::MAX,
         max_duty: Ratio::MAX,

@@ -156,7 +156,7 @@ pub fn heat() -> ThermalSettings {
     ThermalSettings {
         heaters: Heaters {
             hotend: heater(1, Output::He1, Sensor::Hotend1, Thermistor::PT1000),
-            bed: heater(2, Output::Bed, Sensor::Bed, Thermistor::Beta { ohms: 90_000, beta: 3900 }),
+            bed: heater(2, Output::Bed, Sensor::Bed, Thermistor::Beta { ohms: 90_000, beta: 3900, cubic: 0 }),
             chamber: heater(3, Output::He3, Sensor::Hotend2, Thermistor::Sheet(3)),
         },
         fans: [commanded, fan(FanRole::Hotend), fan(FanRole::Controller), commanded, commanded, commanded],

@@ -1,0 +1,71 @@
+//! What to say of defines that nothing here uses.
+
+use crate::pattern::matches;
+use crate::translation::Kind::{self, Decide, NotNeeded, NotYet};
+
+/// The remarks, by patterns of names; the first that fits counts.
+const REMARKS: &[(&str, Kind, &str)] = &[
+    ("CONFIGURATION_*", NotNeeded, "the version of the file"),
+    ("STRING_*", NotNeeded, "a text of Marlin"),
+    ("SHOW_*", NotNeeded, "of a display"),
+    ("CUSTOM_*", NotNeeded, "of Marlin's build"),
+    ("MACHINE_UUID", NotNeeded, "of Marlin's build"),
+    ("SERIAL_PORT*", NotNeeded, "every host line of the board is open"),
+    ("BAUD_RATE_GCODE", NotNeeded, "baud sets it"),
+    ("*LCD*", NotNeeded, "of a display"),
+    ("*DISPLAY*", NotNeeded, "of a display"),
+    ("*_MENU*", NotNeeded, "of a display"),
+    ("*ENCODER*", NotNeeded, "of a display"),
+    ("*GLCD*", NotNeeded, "of a display"),
+    ("*PREHEAT*", NotNeeded, "presets of a display"),
+    ("DOGLCD*", NotNeeded, "of a display"),
+    ("SPEAKER", NotNeeded, "of a display"),
+    ("SD*", NotNeeded, "files are on the host"),
+    ("EEPROM_*", NotNeeded, "M500 keeps settings"),
+    ("EMERGENCY_PARSER", NotNeeded, "M112, M410 and M524 act at once"),
+    ("PRINTJOB_*", NotNeeded, "times are the host's"),
+    ("PRINTCOUNTER", NotNeeded, "times are the host's"),
+    ("NOZZLE_PARK_*", NotNeeded, "[pause] has the place"),
+    ("ADVANCED_OK", NotNeeded, "advanced_ok sets it"),
+    ("BLOCK_BUFFER_SIZE", NotNeeded, "the look-ahead has a size of its own"),
+    ("*BUFSIZE", NotNeeded, "the firmware has buffers of its own"),
+    ("*_BUFFER_SIZE", NotNeeded, "the firmware has buffers of its own"),
+    ("ARC_*", NotNeeded, "arcs are built in (arc_tolerance)"),
+    ("THERMAL_PROTECTION*", NotNeeded, "guards follow the heater's model and cannot be switched off"),
+    ("*_PROTECTION_*", NotNeeded, "guards follow the heater's model and cannot be switched off"),
+    ("WATCH_*", NotNeeded, "guards follow the heater's model and cannot be switched off"),
+    ("HEATER_*_MINTEMP", NotNeeded, "guards notice an open and a shorted sensor"),
+    ("*_MINTEMP", NotNeeded, "guards notice an open and a shorted sensor"),
+    ("TEMP_*", NotNeeded, "M109 and M190 have a window of their own"),
+    ("DUMMY_*", NotNeeded, "no such sensor"),
+    ("TEMP_SENSOR_[1-7]", NotYet, "one hotend so far"),
+    ("PID_*", NotNeeded, "of Marlin's control"),
+    ("MIN_SOFTWARE_*", NotNeeded, "soft_endstops sets it"),
+    ("MAX_SOFTWARE_*", NotNeeded, "soft_endstops sets it"),
+    ("USE_*_PLUG", NotNeeded, "the end of each axis says it"),
+    ("ENDSTOPPULLUP*", NotNeeded, "the board pulls its inputs as their circuits need"),
+    ("*_ENABLE_ON", NotNeeded, "drivers are enabled by a low level"),
+    ("DISABLE_*", NotNeeded, "motors hold until M84"),
+    ("DEFAULT_NOMINAL_FILAMENT_DIA", NotNeeded, "the slicer knows it"),
+    ("S_CURVE_ACCELERATION", NotNeeded, "input shapers round the moves (shaper.x)"),
+    ("HOST_*", NotNeeded, "built in"),
+    ("AUTO_REPORT_*", NotNeeded, "built in (M155, M154)"),
+    ("EXTENDED_CAPABILITIES_REPORT", NotNeeded, "built in (M115)"),
+    ("*_SLAVE_ADDRESS", NotYet, "every driver has a line of its own"),
+    ("*_RSENSE", NotYet, "currents are computed for 0.11 Ohm"),
+    ("*_STALL_SENSITIVITY", NotYet, "no axis homes by StallGuard"),
+    ("SENSORLESS_HOMING", Decide, "homing by StallGuard is not there yet: plug in switches"),
+    ("FILAMENT_RUNOUT*", NotYet, "M119 reports a filament sensor, and nothing stops at the end of the filament"),
+    ("SWITCHING_*", NotYet, "one extruder so far"),
+    ("DUAL_X_CARRIAGE", NotYet, "a second carriage"),
+    ("BACKLASH_*", NotYet, "backlash is not compensated"),
+    ("SKEW_*", NotYet, "skew is not compensated"),
+    ("POWER_LOSS_RECOVERY", NotYet, "a print does not go on after a power cut"),
+    ("NEOPIXEL*", NotYet, "no lights"),
+    ("*LED*", NotYet, "no lights"),
+];
+
+/// What to say of a define.
+pub(super) fn remark(name: &str) -> Option<(Kind, &'static str)> {
+    REMARKS.iter().find(|(pattern, ..)| matches(pattern, name)).map(|(_, kind, text)| (*kind, *text))
+}

@@ -1,0 +1,135 @@
+//! Values that were wrong without a word: places of the nozzle, several keys on one of ours, and defaults.
+
+use super::{of_text, verdict};
+use corehbot_machine_file::klipper::Kind::{Decide, NotYet, Taken};
+
+/// A machine of two screws and a probe, 44 mm left of the nozzle and 6 mm in front of it.
+const LEVELLED: &str = "[printer]\nkinematics: cartesian\n\
+    [stepper_x]\nposition_max: 235\n[stepper_y]\nposition_max: 235\n\
+    [stepper_z]\nendstop_pin: probe:z_virtual_endstop\nposition_max: 250\n\
+    [bltouch]\nsensor_pin: ^PB7\ncontrol_pin: PB6\nx_offset: -44\ny_offset: -6\nz_offset: 2.1\n";
+
+/// Klipper's reference says of each key whose place it is.
+#[test]
+fn places_of_the_nozzle_become_places_of_the_probe() {
+    let text = format!(
+        "{LEVELLED}[safe_z_home]\nhome_xy_position: 117,117\n\
+         [z_tilt]\nz_positions: -10,117\n  245,117\npoints: 60,117\n  190,117\n\
+         [bed_mesh]\nmesh_min: 10,10\nmesh_max: 190,220\n"
+    );
+    let done = of_text(&text);
+    for line in [
+        "[probe.home]\nx = 73  # ",
+        "\ny = 111  # ",
+        "[screws.1]\nx = -10  # ",
+        "\npoint_x = 16  # ",
+        "[screws.2]\nx = 245  # ",
+        "\npoint_x = 146  # ",
+        "\npoint_y = 111  # ",
+    ] {
+        assert!(done.text.contains(line), "{line}: {}", done.text);
+    }
+    let (kind, said) = verdict(&done.report, "safe_z_home", "home_xy_position");
+    assert!(kind == Taken && said.contains("-44 from the nozzle's 117"), "{said}");
+}
+
+#[test]
+fn places_out_of_reach_are_told() {
+    for (place, who) in [("300,117", "the nozzle would be at x 300"), ("20,117", "the probe would be at x -24")] {
+        let done = of_text(&format!("{LEVELLED}[safe_z_home]\nhome_xy_position: {place}\n"));
+        let (kind, said) = verdict(&done.report, "safe_z_home", "home_xy_position");
+        assert!(kind == Decide && said.contains(who), "{said}");
+    }
+}
+
+/// Z homes at a place by its probe alone so far.
+#[test]
+fn what_goes_on_before_and_around_homing_is_to_be_decided() {
+    let text = "[stepper_z]\nendstop_pin: PG10\n[safe_z_home]\nhome_xy_position: 206,350\nz_hop: 10\n\
+                [homing_override]\naxes: z\nset_position_z: 5\ngcode:\n  G28 X Y\n";
+    let done = of_text(text);
+    for (section, key, told) in [
+        ("safe_z_home", "home_xy_position", "X206 Y350 by its switch"),
+        ("safe_z_home", "z_hop", "`G28 R10`"),
+        ("homing_override", "gcode", "homes z"),
+        ("homing_override", "set_position_z", "takes z for 5"),
+    ] {
+        let (kind, said) = verdict(&done.report, section, key);
+        assert!(kind == Decide && said.contains(told), "[{section}] {key}: {kind:?} {said}");
+    }
+    assert!(!done.text.contains("[probe.home]"), "it is the zero of the mesh too: {}", done.text);
+}
+
+#[test]
+fn several_keys_of_fans_are_each_told() {
+    let text = "[heater_fan hotend]\npin: !PE5\nmax_power: 0.5\nfan_speed: 0.8\nheater_temp: 45\n\
+                [heater_fan bed]\npin: PD12\nheater: heater_bed\nheater_temp: 60\n\
+                [controller_fan a]\npin: PD13\nidle_timeout: 15\n[controller_fan b]\npin: PD14\nidle_timeout: 40\n";
+    let done = of_text(text);
+    for line in [
+        "[fans.fan1]\nrole = \"hotend\"  # printer.cfg:2\nmost = 0.4  # printer.cfg:3\n",
+        "[fans.fan2]\nrole = \"commanded\"",
+        "hotend_fan_above = 45",
+        "fan_run_on_s = 15",
+    ] {
+        assert!(done.text.contains(line), "{line}: {}", done.text);
+    }
+    for (section, key, kind, told) in [
+        ("heater_fan hotend", "pin", Decide, "blows while it is high"),
+        ("heater_fan hotend", "max_power", Taken, "fans.fan1.most = 0.4; times fan_speed"),
+        ("heater_fan hotend", "fan_speed", Taken, "fans.fan1.most is max_power times it"),
+        ("heater_fan bed", "heater_temp", NotYet, "no fan follows this heater"),
+        ("controller_fan b", "idle_timeout", Decide, "fan_run_on_s = 15 from printer.cfg:12 already"),
+    ] {
+        let (found, said) = verdict(&done.report, section, key);
+        assert!(found == kind && said.contains(told), "[{section}] {key}: {found:?} {said}");
+    }
+}
+
+/// Klipper's defaults, read in its code (commit 84104bbb), and the lines of our file that they become.
+const DEFAULTS: [(&str, &str, &str); 27] = [
+    ("klippy/toolhead.py:211", "minimum_cruise_ratio", "0.5"),
+    ("klippy/toolhead.py:213", "corner.square_corner", "5"),
+    ("klippy/kinematics/cartesian.py:41", "axes.z.max_speed", "300"),
+    ("klippy/kinematics/cartesian.py:43", "axes.z.max_acceleration", "3000"),
+    ("klippy/kinematics/cartesian.py, _check_endstops", "require_homing", "true"),
+    ("klippy/stepper.py:361", "homing.x.fast", "5"),
+    ("klippy/stepper.py:362", "homing.x.slow", "2.5"),
+    ("klippy/stepper.py:366", "homing.z.back_off", "5"),
+    ("klippy/kinematics/extruder.py:14", "advance.time", "0"),
+    ("klippy/kinematics/extruder.py:15", "advance.window", "0.04"),
+    // 300 mm/s and 3000 mm/s2, by 4 x 0.4^2 / (pi x 1.75^2 / 4) = 0.266081.
+    ("klippy/kinematics/extruder.py:162", "axes.e.max_speed", "79.824324"),
+    ("klippy/kinematics/extruder.py:165", "axes.e.max_acceleration", "798.243241"),
+    ("klippy/kinematics/extruder.py:168", "axes.e.length", "50"),
+    ("klippy/kinematics/extruder.py:170", "extruder_jerk", "1"),
+    ("klippy/extras/heaters.py:34", "thermal.min_extrude", "170"),
+    ("klippy/extras/heater_fan.py:16", "thermal.hotend_fan_above", "50"),
+    ("klippy/extras/controller_fan.py:25", "thermal.fan_run_on_s", "30"),
+    ("klippy/extras/idle_timeout.py:25", "thermal.idle_min", "10"),
+    ("klippy/extras/probe.py:283", "probe.slow", "5"),
+    ("klippy/extras/probe.py:283", "probe.fast", "5"),
+    ("klippy/extras/probe.py:286", "probe.samples", "1"),
+    ("klippy/extras/probe.py:294", "probe.retries", "0"),
+    ("klippy/extras/probe.py:292", "probe.tolerance", "0.1"),
+    ("klippy/extras/probe.py:436", "probe.clearance", "5"),
+    ("klippy/extras/bed_mesh.py, probe_count", "mesh.columns", "3"),
+    ("klippy/extras/bed_mesh.py:98", "mesh.fade", "0"),
+    ("klippy/extras/input_shaper.py:20", "shaper.x.damping", "0.1"),
+];
+
+#[test]
+fn what_a_configuration_leaves_out_is_as_in_klipper() {
+    let text = "[printer]\nkinematics: cartesian\nmax_velocity: 300\nmax_accel: 3000\n\
+                [stepper_x]\n[stepper_y]\n[stepper_z]\n[extruder]\nnozzle_diameter: 0.4\nfilament_diameter: 1.75\n\
+                [heater_fan a]\npin: PE5\n[controller_fan b]\npin: PD12\n[probe]\npin: PB7\n[bed_mesh]\n\
+                [input_shaper]\nshaper_freq_x: 40\n";
+    let done = of_text(text);
+    let file: toml::Table = done.text.parse().unwrap();
+    for (source, path, wanted) in DEFAULTS {
+        let value = path.split('.').try_fold(&toml::Value::Table(file.clone()), |table, key| table.get(key)).cloned();
+        let value = value.unwrap_or_else(|| panic!("{path} of {source} is not there: {}", done.text));
+        assert!(value.to_string().starts_with(wanted), "{path} of {source}: {value}");
+    }
+    assert!(done.text.contains("kind = \"mzv\"  # Klipper's default"));
+}

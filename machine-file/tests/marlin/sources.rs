@@ -1,0 +1,353 @@
+//! Marlin's sources of settings and RepRapFirmware's config.g, as machine files.
+
+use super::reports::verdict;
+use corehbot_machine_file::Kind::{Approximated, Decide, NotNeeded, Taken};
+use corehbot_machine_file::marlin::{Given, is_report};
+use corehbot_machine_file::{Kind, Translation, configuration_h, reprap};
+use proptest::prelude::*;
+
+/// A small CoreXY in the words of Marlin's two files.
+const CONFIGURATION: &str = r#"
+/* #define COREXZ
+ */
+#ifndef CONFIGURATION_H
+#define MOTHERBOARD BOARD_BTT_OCTOPUS_V1_0 // the board
+#define CUSTOM_MACHINE_NAME "Small one"
+#define BAUDRATE 250000
+#define COREXY
+//#define COREXZ
+#define EXTRUDERS 1
+#define X_DRIVER_TYPE TMC2209
+#define Y_DRIVER_TYPE TMC2209
+#define Z_DRIVER_TYPE A4988
+#define Z2_DRIVER_TYPE A4988
+#define E0_DRIVER_TYPE TMC2209
+#define TEMP_SENSOR_0 1
+#define TEMP_SENSOR_BED 11
+#define HEATER_0_MAXTEMP 275
+#define HOTEND_OVERSHOOT 15
+#define PIDTEMP
+#if ENABLED(PIDTEMP)
+  #if ENABLED(PID_PARAMS_PER_HOTEND)
+    #define DEFAULT_Kp { 20, 21 }
+  #else
+    #define DEFAULT_Kp 22.20
+  #endif
+#endif
+//#define PID_PARAMS_PER_HOTEND
+//#define CLASSIC_JERK
+#if ENABLED(CLASSIC_JERK)
+  #define DEFAULT_XJERK 10.0
+#endif
+#if DISABLED(CLASSIC_JERK)
+  #define JUNCTION_DEVIATION_MM (0.010 + 0.003)
+#endif
+#define DEFAULT_AXIS_STEPS_PER_UNIT { 80, 2*40, \
+  (400), 93.5 }
+#define DEFAULT_MAX_FEEDRATE { 300, 300, 5, 25 }
+#define DEFAULT_MAX_ACCELERATION { 3000, 3000, 100, 10000 }
+#define DEFAULT_ACCELERATION 3000
+#define X_BED_SIZE 235
+#define Y_BED_SIZE 220
+#define X_MIN_POS -10
+#define Y_MIN_POS 0
+#define X_MAX_POS X_BED_SIZE
+#define Y_MAX_POS (Y_BED_SIZE + 5)
+#define Z_MAX_POS 250
+#define X_HOME_DIR -1
+#define Y_HOME_DIR 1
+#define Z_HOME_DIR -1
+#define X_MIN_ENDSTOP_INVERTING false
+#define Y_MAX_ENDSTOP_INVERTING true
+#define INVERT_X_DIR true
+#define INVERT_Y_DIR false
+#define BLTOUCH
+#define NOZZLE_TO_PROBE_OFFSET { -42, -5, -1.8 }
+#define USE_PROBE_FOR_Z_HOMING
+#define Z_SAFE_HOMING
+#if ENABLED(Z_SAFE_HOMING)
+  #define Z_SAFE_HOMING_X_POINT X_CENTER
+  #define Z_SAFE_HOMING_Y_POINT 100
+#endif
+#define HOMING_FEEDRATE_MM_M { (50*60), (50*60), (4*60) }
+#if UNKNOWN_TO_US
+  #define DEFAULT_TRAVEL_ACCELERATION 1000
+#else
+  #define DEFAULT_TRAVEL_ACCELERATION 2000
+#endif
+#endif
+"#;
+
+const ADVANCED: &str = r"
+#if HAS_TRINAMIC_CONFIG
+  #if AXIS_IS_TMC_CONFIG(X)
+    #define X_CURRENT 580
+    #define X_MICROSTEPS 16
+  #endif
+  #if AXIS_IS_TMC_CONFIG(Z)
+    #define Z_CURRENT 700
+  #endif
+#endif
+#define HOMING_BUMP_MM { 5, 5, 2 }
+#define HOMING_BUMP_DIVISOR { 2, 2, 4 }
+#define LIN_ADVANCE
+#if ENABLED(LIN_ADVANCE)
+  #define LIN_ADVANCE_K 0.22
+#endif
+#define NOBODY_KNOWS_IT 5
+";
+
+fn marlin() -> Translation {
+    configuration_h::translate(
+        &[("Configuration.h", CONFIGURATION), ("Configuration_adv.h", ADVANCED)],
+        Given::default(),
+    )
+}
+
+/// The value of a key in a machine file.
+fn value(done: &Translation, path: &str) -> Option<toml::Value> {
+    let file: toml::Table = done.text.parse().unwrap();
+    let mut keys = path.split('.');
+    let first = file.get(keys.next()?)?.clone();
+    keys.try_fold(first, |table, key| table.get(key).cloned())
+}
+
+fn holds(done: &Translation, pairs: &[(&str, &str)]) {
+    for (path, wanted) in pairs {
+        let found = value(done, path).unwrap_or_else(|| panic!("{path} is not there: {}", done.text));
+        assert_eq!(found.to_string(), *wanted, "{path}: {}", done.text);
+    }
+}
+
+#[test]
+fn defines_that_count_become_a_machine() {
+    let done = marlin();
+    holds(
+        &done,
+        &[
+            ("board", "\"octopus\""),
+            ("name", "\"Small one\""),
+            ("baud", "250000"),
+            ("mechanism.x", "[1, 1, 0]"),
+            ("mechanism.z1", "[0, 0, 1]"),
+            ("axes.x.steps_per_mm", "80"),
+            ("axes.y.steps_per_mm", "80"),
+            ("axes.z.steps_per_mm", "400"),
+            ("axes.e.steps_per_mm", "93.5"),
+            ("axes.z.max_speed", "5"),
+            ("axes.x.min", "-10"),
+            ("axes.x.length", "245"),
+            ("axes.y.length", "225"),
+            ("bed.width", "235"),
+            ("bed.left", "0"),
+            ("corner.junction_deviation", "0.013"),
+            ("heaters.hotend.pid.p", "22.2"),
+            ("heaters.hotend.most", "260"),
+            ("heaters.hotend.thermistor.points", "[[25, 100000], [150, 1641.9], [250, 226.15]]"),
+            ("heaters.bed.thermistor", "\"ntc_3950\""),
+            ("drivers.belt.current_ma", "580"),
+            ("homing.x.fast", "50"),
+            ("homing.x.slow", "25"),
+            ("homing.z.slow", "1"),
+            ("homing.z.back_off", "2"),
+            ("homing.y.end", "\"max\""),
+            ("motors.x", "\"!M0\""),
+            ("motors.y", "\"M1\""),
+            ("endstops.x", "\"X-STOP\""),
+            ("endstops.y", "\"!Y-STOP\""),
+            ("probe.kind", "\"bltouch\""),
+            ("probe.z_home", "true"),
+            ("probe.offset.z", "-1.8"),
+            ("probe.home.x", "\"auto\""),
+            ("probe.home.y", "100"),
+            ("advance.time", "0.22"),
+        ],
+    );
+    for path in ["corner.square_corner", "travel_acceleration", "drivers.z.stall_threshold"] {
+        assert_eq!(value(&done, path), None, "{path}");
+    }
+    let of = |section: &str, key: &str| verdict(&done.report, section, key);
+    assert_eq!(of("Configuration.h", "COREXY").0, Taken);
+    // Two values, of a condition that is not known here.
+    let (kind, said) = of("Configuration.h", "DEFAULT_TRAVEL_ACCELERATION");
+    assert!(kind == Decide && said.contains("says 1000"), "{said}");
+    assert_eq!(of("Configuration.h", "Z_DRIVER_TYPE").0, Approximated);
+    assert_eq!(of("Configuration_adv.h", "NOBODY_KNOWS_IT"), (Kind::NotYet, "no setting for it"));
+    assert!(!done.report.sections.iter().flat_map(|s| &s.keys).any(|key| key.key == "COREXZ"), "it is off");
+}
+
+#[test]
+fn conditions_are_those_of_the_preprocessor() {
+    let value_of = |condition: &str| {
+        let text = format!(
+            "#define MOTHERBOARD 5\n#define A\n#define B 0\n#define C 3\n//#define D\n#define E false\n\
+             #if {condition}\n\
+             #define X_BED_SIZE 111\n#else\n#define X_BED_SIZE 222\n#endif\n"
+        );
+        let done = configuration_h::translate(&[("Configuration.h", &text)], Given::default());
+        value(&done, "bed.width").map(|size| size == toml::Value::Integer(111))
+    };
+    for (condition, is) in [
+        ("ENABLED(A)", Some(true)),
+        ("ENABLED(A, B)", Some(false)),
+        ("ANY(B, D, A)", Some(true)),
+        ("ANY(B, D, E)", Some(false)),
+        ("EITHER(B, A) && DISABLED(D)", Some(true)),
+        ("BOTH(A, E)", Some(false)),
+        ("NONE(B, D)", Some(true)),
+        ("defined(B) && !defined(D)", Some(true)),
+        ("defined C", Some(true)),
+        ("C == 3 && C * 2 - 1 >= 5", Some(true)),
+        ("(C > 3) || (1 + 1 < C)", Some(true)),
+        ("C / 2 == 1.5", Some(true)),
+        ("D", Some(false)),
+        ("UNKNOWN && B", Some(false)),
+        ("UNKNOWN || C", Some(true)),
+        ("UNKNOWN", None),
+        ("ENABLED(UNKNOWN)", None),
+        ("C == ", None),
+    ] {
+        assert_eq!(value_of(condition), is, "{condition}");
+    }
+}
+
+/// A CoreXY as a config.g.
+const CONFIG_G: &str = "; a machine
+M550 P\"two; words\" ; its name
+M584 X0 Y1 Z2:3 E4
+M569 P0 S0 D3
+M569 P1 S1
+M569 P3 S0
+M350 X16 Y16 Z16 E16 I1
+M92 X80 Y80 Z400 E420:420
+M203 X18000.00 Y18000.00 Z600 E3600
+M201 X3000 Y2500 Z100 E5000
+M566 X600 Y480 Z24 E120
+M906 X800 Y800 Z1000 E600 I30
+M669 K1
+M208 X0 Y-5 Z0 S1
+M208 X230 Y210 Z200 S0
+M574 X1 S1 P\"!xstop\"
+M574 Y2 S1 P\"ystop\"
+M574 Z1 S2
+M558 P9 C\"^zprobe.in\" H5 F240:120 T6000 A3 S0.01
+G31 P500 X-16.4 Y-29.3 Z2.25
+M308 S0 P\"bedtemp\" Y\"thermistor\" T100000 B4138
+M950 H0 C\"bedheat\" T0
+M143 H0 S120
+M308 S1 P\"e0temp\" Y\"thermistor\" T100000 B4725 C7.06e-8
+M950 H1 C\"e0heat\" T1
+M307 H1 R2.4 K0.5:0.2 D5.5 S0.80
+M563 P0 D0 H1
+M572 D0 S0.05
+M593 P\"mzv\" F40
+M98 P\"other.g\"
+";
+
+#[test]
+fn a_config_g_becomes_a_machine() {
+    assert!(reprap::is_config(CONFIG_G));
+    let given = Given { board: Some(&corehbot_boards::octopus::CONNECTORS), kinematics: None };
+    let done = reprap::translate("config.g", CONFIG_G, given);
+    holds(
+        &done,
+        &[
+            ("name", "\"two words\""),
+            ("mechanism.x", "[1, 1, 0]"),
+            ("mechanism.z1", "[0, 0, 1]"),
+            ("axes.x.steps_per_mm", "80"),
+            ("axes.e.steps_per_mm", "420"),
+            ("axes.x.max_speed", "300"),
+            ("axes.z.max_speed", "10"),
+            ("axes.y.max_acceleration", "2500"),
+            ("corner.square_corner", "8"),
+            ("z_jerk", "0.4"),
+            ("extruder_jerk", "2"),
+            // Peaks of 800, 1000 and 600 mA.
+            ("drivers.belt.current_ma", "566"),
+            ("drivers.z.current_ma", "707"),
+            ("drivers.e.current_ma", "424"),
+            ("drivers.z.hold_percent", "30"),
+            ("drivers.belt.microsteps", "16"),
+            ("drivers.belt.interpolate", "true"),
+            ("axes.y.min", "-5"),
+            ("axes.y.length", "215"),
+            ("homing.y.end", "\"max\""),
+            ("motors.x", "\"!M0\""),
+            ("motors.y", "\"M1\""),
+            ("motors.z1", "\"!M3\""),
+            ("endstops.x", "\"!X-STOP\""),
+            ("probe.kind", "\"bltouch\""),
+            ("probe.z_home", "true"),
+            ("probe.fast", "4"),
+            ("probe.slow", "2"),
+            ("probe.travel", "100"),
+            ("probe.clearance", "5"),
+            ("probe.tolerance", "0.01"),
+            ("probe.offset.x", "-16.4"),
+            ("probe.offset.z", "-2.25"),
+            ("heaters.bed.thermistor", "{ beta = 4138, ohms = 100000 }"),
+            ("heaters.hotend.thermistor", "{ beta = 4725, cubic = 71, ohms = 100000 }"),
+            ("heaters.bed.most", "120"),
+            ("heaters.hotend.max_duty", "0.8"),
+            ("advance.time", "0.05"),
+            ("shaper.x.kind", "\"mzv\""),
+            ("shaper.y.frequency", "40"),
+            ("require_homing", "true"),
+        ],
+    );
+    let of = |section: &str, key: &str| verdict(&done.report, section, key);
+    assert_eq!(of("M307", "H1 R"), (Approximated, "its model has other numbers here: M303 finds them"));
+    assert_eq!(of("M98", "P").0, Approximated);
+    assert_eq!(of("M569", "P1 S"), (Taken, "motors.y is without `!`"));
+    assert_eq!(of("M574", "Z S").0, Taken);
+}
+
+/// Microsteps behind the steps of a mm change them, and a stall is no switch.
+#[test]
+fn a_config_g_is_read_as_its_firmware_reads_it() {
+    let text = "M584 X0 Y1 Z2 E3\nM92 X80 Y80 Z400\nM350 X32 I0\nM574 X1 S3\nM558 P1\nM558 P5 H3\nM669 K3\n";
+    let done = reprap::translate("config.g", text, Given::default());
+    holds(
+        &done,
+        &[("axes.x.steps_per_mm", "160"), ("axes.y.steps_per_mm", "80"), ("drivers.belt.interpolate", "false")],
+    );
+    let of = |section: &str, key: &str| verdict(&done.report, section, key);
+    assert_eq!(of("M574", "X S").0, Decide);
+    assert_eq!(of("M669", "K").0, Decide);
+    assert!(done.report.sections.iter().any(|section| section.keys.iter().any(|key| key.verdict.kind == NotNeeded)));
+    for other in ["M92 X80\nM203 X300\n", "[printer]\n[stepper_x]\n", "G28\nG1 X5\n", "#define A 5\n"] {
+        assert!(!reprap::is_config(other), "{other}");
+    }
+    assert!(configuration_h::is_configuration(CONFIGURATION) && configuration_h::is_configuration(ADVANCED));
+    assert!(!configuration_h::is_configuration(CONFIG_G) && !is_report(CONFIGURATION));
+}
+
+fn is_sound(done: &Translation) {
+    assert!(toml::from_str::<toml::Table>(&done.text).is_ok(), "{}", done.text);
+    assert!(!done.report.to_string().is_empty());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn any_text_becomes_a_file_and_a_report(text in any_source()) {
+        is_sound(&configuration_h::translate(&[("Configuration.h", &text)], Given::default()));
+        is_sound(&reprap::translate("config.g", &text, Given::default()));
+        let _ = (configuration_h::is_configuration(&text), reprap::is_config(&text));
+    }
+}
+
+/// Texts near either source.
+fn any_source() -> impl Strategy<Value = String> {
+    let of_both: Vec<String> = CONFIGURATION.lines().chain(CONFIG_G.lines()).map(str::to_owned).collect();
+    let line = prop_oneof![
+        6 => prop::sample::select(of_both),
+        1 => "#(if|elif|else|endif|define|undef|ifdef) ?[A-Z!&|()<>=+*/0-9 -]{0,20}",
+        1 => "[GM][0-9]{1,3}( [A-Z][-\"{}:0-9.eA-Z]{0,6}){0,4}",
+        1 => "\\PC{0,20}",
+        1 => "#define [A-Z]{1,3} [({]{0,60}",
+    ];
+    prop::collection::vec(line, 0..60).prop_map(|lines| lines.join("\n"))
+}
