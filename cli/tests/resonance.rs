@@ -69,9 +69,9 @@ fn a_sweep_becomes_modes_two_rankings_a_line_and_a_page() {
     assert_eq!(axis["klipper"]["shapers"].as_array().unwrap().len(), 6);
     let tool = &axis["tool"];
     assert!(tool["shapers"].as_array().unwrap().iter().all(|s| s["in_firmware"] == true), "{tool}");
-    assert!(tool["suggestion"]["worst_wall"]["rms_um"].as_f64().unwrap() > 0.0, "{tool}");
-    let line = tool["line"].as_str().unwrap();
-    assert!(line.starts_with("M593 X F") && line.contains(" D0.0") && line.contains(" T"), "{line}");
+    assert!(tool["nearest"]["worst_wall"]["rms_um"].as_f64().unwrap() > 0.0, "{tool}");
+    let line = axis["suggestion"]["line"].as_str().unwrap();
+    assert!(line.starts_with("M593 X F") && line.ends_with(" D0.100 T2"), "{line}");
     let html = std::fs::read_to_string(page).unwrap();
     assert!(html.contains(line) && html.contains("prefers-color-scheme") && html.ends_with("</html>\n"));
     // The table for people has the line too, and marks what the firmware lacks.
@@ -84,7 +84,7 @@ fn a_sweep_becomes_modes_two_rankings_a_line_and_a_page() {
 fn the_firmware_takes_the_line() {
     let y = swept("raw_data_y.csv", &[(60.0, 0.05, 1.0)]);
     let answer = json(&[&y], &SWEPT);
-    let line = answer["axes"][0]["tool"]["line"].as_str().unwrap().to_owned();
+    let line = answer["axes"][0]["suggestion"]["line"].as_str().unwrap().to_owned();
     let gcode = file("line.gcode", &format!("{line}\nG1 X101 F600\n"));
     let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
     let run = run.arg("run").arg(gcode).args(["--assume-homed", "100,100,1"]).output().unwrap();
@@ -243,7 +243,7 @@ fn bad_input_is_answered_with_its_file_and_line() {
     for (name, text, known) in [
         ("empty.csv", String::new(), "the file is empty"),
         ("none.csv", header.to_owned(), "no samples"),
-        ("psd.csv", "freq,psd_x,psd_y,psd_z,psd_xyz\n".to_owned(), "a spectrum, not raw data"),
+        ("psd.csv", "freq,psd_x,psd_y,psd_z,psd_xyz\n".to_owned(), "the frequencies of this spectrum are too few"),
         ("columns.csv", format!("{header}0,1,2\n"), "line 2: expected 4 columns, found 3"),
         ("nan.csv", format!("{header}0,1,nan,2\r\n"), "line 2: `nan` is not a number"),
         ("back.csv", format!("{header}1,1,1,2\n0.5,1,1,2\n"), "line 3: time does not grow"),

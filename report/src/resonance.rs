@@ -3,7 +3,7 @@
 
 use crate::twin::fill;
 use anyhow::{Context as _, Result};
-use corehbot_resonance::axis::{Axis, Measured, Net};
+use corehbot_resonance::axis::{Axis, Measured};
 use corehbot_resonance::belts::Comparison;
 use corehbot_resonance::klipper::{DAMPING, Rated, SPECTRUM_HZ};
 use corehbot_resonance::profile::Profile;
@@ -31,7 +31,7 @@ struct Shown<'a> {
     #[serde(flatten)]
     axis: &'a Axis,
     /// Of each recording.
-    over_time: Vec<&'a Spectrogram>,
+    over_time: Vec<Option<&'a Spectrogram>>,
     curves: Vec<Curve>,
 }
 
@@ -68,7 +68,7 @@ pub fn write(
 }
 
 fn shown(axis: &Axis) -> Shown<'_> {
-    let over_time = axis.recordings.iter().map(|recording| &recording.over_time).collect();
+    let over_time = axis.recordings.iter().map(|recording| recording.over_time.as_ref()).collect();
     Shown { axis, over_time, curves: curves(axis) }
 }
 
@@ -82,10 +82,12 @@ fn curves(axis: &Axis) -> Vec<Curve> {
         let name = format!("{words}: {} {:.1} Hz", rated.shaper.name(), rated.frequency_hz);
         Curve { name, left: left.map(|v| (v * 1e4).round() / 1e4).collect() }
     };
-    let own = axis.tool.as_ref().map(|tool| -> &Net { &tool.suggestion });
-    let own = own.map(|net| curve("suggested", &net.rated, net.damping_ratio));
-    let klippers = axis.klipper.suggestion.as_ref().map(|rated| curve("Klipper's", rated, DAMPING));
-    own.into_iter().chain(klippers).collect()
+    let own = axis.suggestion.as_ref().map(|own| curve("suggested", &own.rated, own.damping_ratio));
+    let nearest = axis.tool.as_ref().map(|tool| &tool.nearest);
+    let nearest = nearest.map(|net| curve("nearest to the walls", &net.rated, net.damping_ratio));
+    let lacking = axis.klipper.suggestion.as_ref().filter(|rated| !rated.in_firmware);
+    let klippers = lacking.map(|rated| curve("Klipper's", rated, DAMPING));
+    own.into_iter().chain(nearest).chain(klippers).collect()
 }
 
 #[cfg(test)]

@@ -239,8 +239,9 @@ impl fmt::Display for Summary {
         let (motion, heating, waiting) = (self.motion_time_s, self.heating_time_s, self.waiting_time_s);
         row("", format!("motion {motion:.3} s, heat {heating:.3} s, waits {waiting:.3} s"))?;
         if let Some(seconds) = self.slicer_time_s {
-            let off = 100.0 * (self.print_time_s / seconds - 1.0);
-            row("slicer's estimate", format!("{}, and it takes {off:+.0} %", clock(seconds)))?;
+            // A slicer does not count heating and waits for a user.
+            let off = 100.0 * (motion / seconds - 1.0);
+            row("slicer's estimate", format!("{}, and motion takes {off:+.0} %", clock(seconds)))?;
         }
         if self.wall_time_s > 0.0 {
             let factor = self.print_time_s / self.wall_time_s;

@@ -1,15 +1,17 @@
-//! Axis: modes, Klipper's ranking, the ranking by what the tool does, and the line that sets the shaper.
+//! Axis: modes, the shaper that is suggested and its line, and the ranking by what the tool does.
 //!
-//! Klipper rates the command that leaves the shaper. The second ranking rates the tool: its error on a wall, the worst
-//! over the uncertainty of the measured frequency and over all recordings of the axis.
+//! The measured spectrum decides, by Klipper's law among the shapers of this firmware: no fit stands between. The
+//! firmware's own SHAPER_CALIBRATE has the same law (`src/machine/resonance/choice.rs`). A second ranking tells about
+//! the tool: its error on a wall, the worst over the uncertainty of the measured frequency and over all recordings of
+//! the axis. It needs a good fit.
 
 use crate::klipper::{self, Choice, DAMPING, Normalised, Rated, SPECTRUM_HZ};
 use crate::label;
-use crate::modes::{self, Mode, Modes};
+use crate::modes::{self, Direction, Mode, Modes, Unfitted};
 use crate::recording::Recording;
 use crate::shapers::Shaper;
 use crate::spectrogram::Spectrogram;
-use crate::spectrum::{Spectrum, WINDOW_S};
+use crate::spectrum::{Density, Spectrum, WINDOW_S};
 use crate::sweep::Sweep;
 use corehbot_twin::shaping::by_tool::{Machines, RINGING, suggested};
 use corehbot_twin::shaping::shaper::{Impulse, Kind};
@@ -18,6 +20,9 @@ use serde::Serialize;
 
 /// Least uncertainty of a frequency, as a part of it. One place was measured, with one load, cold.
 pub const LEAST_UNCERTAINTY: f64 = 0.05;
+
+/// A fit with greater differences is poor, in dB: a factor of 1.4 in amplitude.
+pub const POOR_DB: f64 = 3.0;
 
 /// How an axis is judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,20 +49,41 @@ pub struct Named<'r> {
 pub struct Measured {
     /// The file.
     pub file: String,
-    /// Samples a second.
+    /// Samples a second; nothing for a file with a spectrum.
     #[serde(rename = "rate_Hz")]
-    pub rate_hz: f64,
-    /// Duration.
-    pub lasts_s: f64,
+    pub rate_hz: Option<f64>,
+    /// Duration; nothing for a file with a spectrum.
+    pub lasts_s: Option<f64>,
     /// Small flaws.
     pub remarks: Vec<String>,
     /// Density up to 200 Hz.
     pub spectrum: Spectrum,
+    /// The sum as Klipper chooses shapers by it.
+    #[serde(skip)]
+    pub normalised: Vec<f64>,
     /// Power over time, for the page.
     #[serde(skip)]
-    pub over_time: Spectrogram,
+    pub over_time: Option<Spectrogram>,
     /// The fit; nothing if there is none, and then the remarks say why.
     pub fit: Option<Modes>,
+    /// Whether the response has a peak: without one there is nothing for a shaper to do.
+    pub rings: bool,
+}
+
+impl Measured {
+    /// The density above a frequency of no interest is left out, and a fit that failed is told.
+    fn finished(mut self, fit: Result<Modes, Unfitted>) -> Self {
+        let count = (SPECTRUM_HZ / self.spectrum.step_hz) as usize + 1;
+        self.spectrum.sum.truncate(count);
+        self.spectrum.axes.iter_mut().for_each(|axis| axis.truncate(count));
+        self.normalised.truncate(count);
+        self.rings = !matches!(fit, Err(Unfitted::Flat));
+        if let Err(error) = &fit {
+            self.remarks.push(error.to_string());
+        }
+        self.fit = fit.ok();
+        self
+    }
 }
 
 /// A shaper by what the tool does.
@@ -89,13 +115,23 @@ pub struct Ranking {
     pub unshaped_wall: WallError,
     /// The best of each kind, the least error first.
     pub shapers: Vec<Net>,
-    /// The suggested one.
-    pub suggestion: Net,
-    /// Klipper's suggestion by the same measure.
-    pub klippers: Option<Net>,
+    /// The one that keeps the tool nearest to the wall, or the shortest of nearly equal ones.
+    pub nearest: Net,
+    /// The suggestion by the same measure.
+    pub suggested: Option<Net>,
+}
+
+/// The shaper that is suggested.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Suggestion {
+    /// It, played against the measured spectrum.
+    #[serde(flatten)]
+    pub rated: Rated,
+    /// Damping that it is made for.
+    pub damping_ratio: f64,
     /// The line that sets it, if x or y was measured.
     pub line: Option<String>,
-    /// Why it is or is not Klipper's.
+    /// How it was found, and what speaks for others.
     pub why: String,
 }
 
@@ -106,9 +142,11 @@ pub struct Axis {
     pub axis: Option<label::Axis>,
     /// Its recordings.
     pub recordings: Vec<Measured>,
+    /// The suggested shaper; nothing if no recording has a peak.
+    pub suggestion: Option<Suggestion>,
     /// Klipper's ranking.
     pub klipper: Choice,
-    /// The ranking by what the tool does; nothing without modes.
+    /// The ranking by what the tool does; nothing without a good fit.
     pub tool: Option<Ranking>,
 }
 
@@ -116,12 +154,9 @@ pub struct Axis {
 ///
 /// # Errors
 /// It is shorter than a window.
-pub fn measure(named: Named, sweep: &Sweep) -> Result<Measured, modes::Unfitted> {
+pub fn measure(named: Named, axis: Option<label::Axis>, sweep: &Sweep) -> Result<Measured, Unfitted> {
     let Named { file, recording } = named;
-    let mut spectrum = Spectrum::new(recording, WINDOW_S).ok_or(modes::Unfitted::Short)?;
-    let count = (SPECTRUM_HZ / spectrum.step_hz) as usize + 1;
-    spectrum.sum.truncate(count);
-    spectrum.axes.iter_mut().for_each(|axis| axis.truncate(count));
+    let spectrum = Spectrum::new(recording, WINDOW_S).ok_or(Unfitted::Short)?;
     let lasts_s = recording.axes[0].len() as f64 / recording.rate_hz;
     let mut remarks = recording.remarks.clone();
     let expected_s = sweep.lasts_s();
@@ -131,33 +166,79 @@ pub fn measure(named: Named, sweep: &Sweep) -> Result<Measured, modes::Unfitted>
             sweep.from_hz, sweep.to_hz
         ));
     }
-    let fit = modes::fit(recording, sweep);
-    if let Err(error) = &fit {
-        remarks.push(error.to_string());
+    let direction = Direction::of(recording, axis, sweep);
+    if let (Direction::Strongest(unit, true), Some(axis)) = (direction, axis) {
+        let [x, y, z] = unit.map(f64::abs);
+        let letter = if x >= y && x >= z {
+            'x'
+        } else if y >= z {
+            'y'
+        } else {
+            'z'
+        };
+        remarks.push(format!(
+            "the sensor hardly moves along {}, most along its own {letter}: the modes are those of this direction; \
+             check the file's name and how the sensor's axes are set",
+            axis.letter()
+        ));
     }
-    let over_time = Spectrogram::new(recording, SPECTRUM_HZ);
-    let (file, rate_hz) = (file.to_owned(), recording.rate_hz);
-    Ok(Measured { file, rate_hz, lasts_s, remarks, spectrum, over_time, fit: fit.ok() })
+    let measured = Measured {
+        file: file.to_owned(),
+        rate_hz: Some(recording.rate_hz),
+        lasts_s: Some(lasts_s),
+        remarks,
+        normalised: spectrum.normalised(),
+        spectrum,
+        over_time: Some(Spectrogram::new(recording, SPECTRUM_HZ)),
+        fit: None,
+        rings: true,
+    };
+    Ok(measured.finished(modes::fit_along(recording, direction, sweep)))
+}
+
+/// Spectrum and modes of a file with a spectrum.
+#[must_use]
+pub fn measure_density(file: &str, density: &Density, axis: Option<label::Axis>, sweep: &Sweep) -> Measured {
+    let measured = Measured {
+        file: file.to_owned(),
+        rate_hz: None,
+        lasts_s: None,
+        remarks: Vec::new(),
+        normalised: density.normalised(),
+        spectrum: density.spectrum.clone(),
+        over_time: None,
+        fit: None,
+        rings: true,
+    };
+    measured.finished(modes::fit_density(density, axis, sweep))
 }
 
 /// Judges an axis by its recordings.
 #[must_use]
 pub fn judge(axis: Option<label::Axis>, recordings: Vec<Measured>, question: &Question) -> Axis {
-    let normalised: Vec<Vec<f64>> = recordings.iter().map(|r| r.spectrum.normalised()).collect();
-    let spectra = recordings.iter().zip(&normalised).map(|(r, psd)| Normalised { step_hz: r.spectrum.step_hz, psd });
+    let spectra = recordings.iter().map(|r| Normalised { step_hz: r.spectrum.step_hz, psd: &r.normalised });
     let spectra: Vec<Normalised> = spectra.collect();
     let klipper = klipper::choose(&spectra);
-    let tool = rank(axis, &recordings, &spectra, &klipper, question);
-    Axis { axis, recordings, klipper, tool }
+    let own = klipper.in_firmware.filter(|_| recordings.iter().any(|r| r.rings));
+    let tool = rank(&recordings, &spectra, own.as_ref(), question);
+    let suggestion = own.map(|rated| Suggestion {
+        rated,
+        damping_ratio: DAMPING,
+        line: axis.and_then(|axis| line(axis, &rated)),
+        why: why(&rated, klipper.suggestion.as_ref(), tool.as_ref(), &recordings),
+    });
+    Axis { axis, recordings, suggestion, klipper, tool }
 }
 
-fn rank(
-    axis: Option<label::Axis>,
-    recordings: &[Measured],
-    spectra: &[Normalised],
-    klipper: &Choice,
-    question: &Question,
-) -> Option<Ranking> {
+/// Whether a fit tells enough of the response.
+fn is_good(fit: &Modes) -> bool {
+    fit.fit_error_db <= POOR_DB
+}
+
+fn rank(recordings: &[Measured], spectra: &[Normalised], own: Option<&Rated>, question: &Question) -> Option<Ranking> {
+    if !recordings.iter().filter_map(|r| r.fit.as_ref()).all(is_good) {
+        return None;
+    }
     let all: Vec<&[Mode]> = recordings.iter().filter_map(|r| r.fit.as_ref()).map(|fit| fit.modes.as_slice()).collect();
     // The recording in the middle stands for the axis.
     let mut order: Vec<&&[Mode]> = all.iter().filter(|modes| !modes.is_empty()).collect();
@@ -175,7 +256,7 @@ fn rank(
     let net = |shaper: Shaper, frequency_hz: f64, damping: f64| {
         let impulses = shaper.impulses(frequency_hz, damping);
         Net {
-            rated: klipper::rated(shaper, frequency_hz, spectra),
+            rated: klipper::rated(shaper, frequency_hz, damping, spectra),
             damping_ratio: damping,
             net_rounding_a_per_w2: net_rounding(&impulses, &modes),
             wall: machines.error(&impulses),
@@ -186,13 +267,11 @@ fn rank(
     // The shortest comes first here.
     let mut shapers: Vec<Net> = Kind::ALL.into_iter().map(best).collect();
     let errors: Vec<f64> = shapers.iter().map(|s| s.worst_wall.rms_um).collect();
-    let suggestion = *shapers.get(suggested(&errors)?)?;
+    let nearest = *shapers.get(suggested(&errors)?)?;
     shapers.sort_by(|a, b| a.worst_wall.rms_um.total_cmp(&b.worst_wall.rms_um));
-    let klippers = klipper.suggestion.map(|chosen| net(chosen.shaper, chosen.frequency_hz, DAMPING));
+    let suggested = own.map(|own| net(own.shaper, own.frequency_hz, DAMPING));
     let unshaped_wall = machines.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
-    let line = axis.and_then(|axis| line(axis, &suggestion));
-    let why = why(&suggestion, klippers.as_ref(), uncertainty);
-    Some(Ranking { uncertainty, print, most_ringing: RINGING, unshaped_wall, shapers, suggestion, klippers, line, why })
+    Some(Ranking { uncertainty, print, most_ringing: RINGING, unshaped_wall, shapers, nearest, suggested })
 }
 
 /// Modes as the walls need them.
@@ -213,35 +292,51 @@ fn first(modes: &[Mode]) -> Mode {
 }
 
 /// The line that sets a shaper.
-fn line(axis: label::Axis, net: &Net) -> Option<String> {
-    let Shaper::Own(kind) = net.rated.shaper else { return None };
+fn line(axis: label::Axis, rated: &Rated) -> Option<String> {
+    let Shaper::Own(kind) = rated.shaper else { return None };
     matches!(axis, label::Axis::X | label::Axis::Y).then(|| {
         let (letter, number) = (axis.letter(), kind.number());
-        format!("M593 {letter} F{:.1} D{:.3} T{number}", net.rated.frequency_hz, net.damping_ratio)
+        format!("M593 {letter} F{:.1} D{DAMPING:.3} T{number}", rated.frequency_hz)
     })
 }
 
-/// Why the suggestion is or is not Klipper's.
-fn why(own: &Net, klippers: Option<&Net>, uncertainty: f64) -> String {
-    let Some(theirs) = klippers else { return "Klipper's law has no suggestion for this spectrum.".to_owned() };
-    let (a, b) = (own.rated.shaper.name(), theirs.rated.shaper.name());
-    let over = format!("over {:.0} % of uncertainty of the frequency", 100.0 * uncertainty);
-    let errors = format!("{:.1} um ({a}) against {:.1} um ({b})", own.worst_wall.rms_um, theirs.worst_wall.rms_um);
-    if own.rated.shaper == theirs.rated.shaper {
-        let frequencies = format!("{:.1} Hz against {:.1} Hz", own.rated.frequency_hz, theirs.rated.frequency_hz);
-        return format!(
-            "Klipper suggests {b} too; frequencies are {frequencies}. Here the frequency is the one with the least error \
-             of the wall {over}, and the damping is the measured one; Klipper takes 0.1."
-        );
+/// How the suggestion was found, and what speaks for others.
+fn why(own: &Rated, klippers: Option<&Rated>, tool: Option<&Ranking>, recordings: &[Measured]) -> String {
+    let percent = |rated: &Rated| format!("{:.1} %", 100.0 * rated.remaining_vibration);
+    let mut parts = vec![format!(
+        "{} at {:.1} Hz leaves {} of the vibration that was measured. The spectrum decides, by Klipper's law.",
+        own.shaper.name(),
+        own.frequency_hz,
+        percent(own)
+    )];
+    if let Some(theirs) = klippers.filter(|theirs| !theirs.in_firmware) {
+        let (name, hz) = (theirs.shaper.name(), theirs.frequency_hz);
+        let left = percent(theirs);
+        parts.push(format!(
+            "Klipper would take {name} at {hz:.1} Hz, which leaves {left}. This firmware does not have it."
+        ));
     }
-    let lag = format!(
-        "the belts lag, and that cancels most of a shaper's rounding: {:.2} a/w^2 are left of it with {a}, {:.2} with {b}",
-        own.net_rounding_a_per_w2, theirs.net_rounding_a_per_w2
-    );
-    let lacks = if theirs.rated.in_firmware { "" } else { " This firmware does not have Klipper's." };
-    format!(
-        "Klipper suggests {b} at {:.1} Hz, because it counts how much the shaper rounds the command. The tool does \
-         otherwise: {lag}. So the wall is off by {errors}, RMS at the worst {over}.{lacks}",
-        theirs.rated.frequency_hz
-    )
+    let poor = recordings.iter().filter_map(|r| r.fit.as_ref()).filter(|fit| !is_good(fit));
+    if let Some(fit) = poor.max_by(|a, b| a.fit_error_db.total_cmp(&b.fit_error_db)) {
+        parts.push(format!(
+            "The fit is poor, within {:.1} dB: it lacks modes, so walls are not ranked by it.",
+            fit.fit_error_db
+        ));
+    }
+    if let Some((nearest, suggested)) = tool.and_then(|tool| Some((&tool.nearest, tool.suggested.as_ref()?)))
+        && nearest.worst_wall.rms_um < suggested.worst_wall.rms_um
+    {
+        let rated = &nearest.rated;
+        parts.push(format!(
+            "By the fitted modes {} at {:.1} Hz keeps the tool nearer to the walls, {:.1} um RMS against {:.1} um at \
+             the worst: the belts lag, and that cancels most of a shaper's rounding. But it leaves {} of the measured \
+             vibration.",
+            rated.shaper.name(),
+            rated.frequency_hz,
+            nearest.worst_wall.rms_um,
+            suggested.worst_wall.rms_um,
+            percent(rated)
+        ));
+    }
+    parts.join(" ")
 }

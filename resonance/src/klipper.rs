@@ -58,6 +58,8 @@ pub struct Choice {
     pub shapers: Vec<Rated>,
     /// Klipper's suggestion.
     pub suggestion: Option<Rated>,
+    /// The same law among the shapers of this firmware.
+    pub in_firmware: Option<Rated>,
 }
 
 /// Lowest frequency that is tried.
@@ -111,8 +113,8 @@ impl Bins {
     }
 }
 
-fn rate(shaper: Shaper, frequency_hz: f64, spectra: &[Bins]) -> Rated {
-    let impulses = shaper.impulses(frequency_hz, DAMPING);
+fn rate(shaper: Shaper, frequency_hz: f64, damping: f64, spectra: &[Bins]) -> Rated {
+    let impulses = shaper.impulses(frequency_hz, damping);
     let remaining_vibration = spectra.iter().map(|bins| bins.remaining(&impulses)).fold(0.0, f64::max);
     let smoothing_mm = smoothing_at_mm(&impulses, SMOOTHED_ACCELERATION, CORNER_SPEED);
     let v = remaining_vibration;
@@ -131,7 +133,7 @@ fn rate(shaper: Shaper, frequency_hz: f64, spectra: &[Bins]) -> Rated {
 fn fit(shaper: Shaper, spectra: &[Bins]) -> Option<(Vec<Rated>, Rated)> {
     let lowest = lowest_hz(shaper);
     let count = ((HIGHEST_HZ - lowest) / STEP_HZ - 1e-9).ceil() as usize;
-    let all: Vec<Rated> = (0..count).map(|i| rate(shaper, lowest + i as f64 * STEP_HZ, spectra)).collect();
+    let all: Vec<Rated> = (0..count).map(|i| rate(shaper, lowest + i as f64 * STEP_HZ, DAMPING, spectra)).collect();
     // Klipper tries the highest first, and keeps the first of equals.
     let calmest = *all.iter().rev().reduce(|a, b| if a.remaining_vibration > b.remaining_vibration { b } else { a })?;
     let enough = calmest.remaining_vibration * 1.1 + 0.0005;
@@ -142,41 +144,57 @@ fn fit(shaper: Shaper, spectra: &[Bins]) -> Option<(Vec<Rated>, Rated)> {
     Some((all, selected))
 }
 
-/// The rating of a shaper at a frequency, with its acceleration.
+/// The rating of a shaper at a frequency that is made for this damping, with its acceleration.
 #[must_use]
-pub fn rated(shaper: Shaper, frequency_hz: f64, spectra: &[Normalised]) -> Rated {
+pub fn rated(shaper: Shaper, frequency_hz: f64, damping: f64, spectra: &[Normalised]) -> Rated {
     let bins: Vec<Bins> = spectra.iter().map(|spectrum| Bins::new(*spectrum)).collect();
-    with_acceleration(rate(shaper, frequency_hz, &bins))
+    with_acceleration(rate(shaper, frequency_hz, damping, &bins), damping)
 }
+
+/// A shaper, its ratings at all frequencies, and the selected one.
+type Fitted = (Shaper, Vec<Rated>, Rated);
 
 /// Klipper's choice for one or more spectra of an axis; the worst of them counts.
 #[must_use]
 pub fn choose(spectra: &[Normalised]) -> Choice {
     let spectra: Vec<Bins> = spectra.iter().map(|spectrum| Bins::new(*spectrum)).collect();
+    let one = |shaper: Shaper| fit(shaper, &spectra).map(|(all, selected)| (shaper, all, selected));
+    let fitted: Vec<Fitted> = Shaper::ALL.into_iter().filter_map(one).collect();
+    let (mut shapers, suggestion) = best_of(&fitted, Shaper::in_klippers_choice);
+    let (_, in_firmware) = best_of(&fitted, |shaper| shaper.in_klippers_choice() && shaper.in_firmware());
+    let others = fitted.iter().filter(|(shaper, ..)| !shaper.in_klippers_choice()).map(|(_, _, selected)| *selected);
+    shapers.extend(others);
+    shapers.sort_by_key(|rated| Shaper::ALL.iter().position(|shaper| *shaper == rated.shaper));
+    let full = |rated: Rated| with_acceleration(rated, DAMPING);
+    Choice {
+        shapers: shapers.into_iter().map(full).collect(),
+        suggestion: suggestion.map(full),
+        in_firmware: in_firmware.map(full),
+    }
+}
+
+/// The ratings of some shapers, and the best of them by Klipper's law.
+fn best_of(fitted: &[Fitted], takes: impl Fn(Shaper) -> bool) -> (Vec<Rated>, Option<Rated>) {
     let (mut shapers, mut best): (Vec<Rated>, Option<Rated>) = (Vec::new(), None);
-    for shaper in Shaper::ALL {
-        let Some((all, mut selected)) = fit(shaper, &spectra) else { continue };
-        if !shaper.in_klippers_choice() {
-            shapers.push(with_acceleration(selected));
-            continue;
-        }
+    for (_, all, selected) in fitted.iter().filter(|(shaper, ..)| takes(*shaper)) {
+        let mut selected = *selected;
         let mut leader = match best {
             Some(best) if !is_much_better(&selected, &best) => best,
             _ => selected,
         };
-        for other in &all {
+        for other in all {
             if other.remaining_vibration < leader.remaining_vibration && other.smoothing_mm < leader.smoothing_mm {
                 (leader, selected) = (*other, *other);
             }
         }
         best = Some(leader);
-        shapers.push(with_acceleration(selected));
+        shapers.push(selected);
     }
     if let Some(zv) = best.filter(|best| best.shaper == Shaper::ALL[0]) {
-        let calmer = |s: &&Rated| s.shaper.in_klippers_choice() && s.remaining_vibration * 1.1 < zv.remaining_vibration;
+        let calmer = |s: &&Rated| s.shaper != zv.shaper && s.remaining_vibration * 1.1 < zv.remaining_vibration;
         best = shapers.iter().find(calmer).copied().or(best);
     }
-    Choice { shapers, suggestion: best.map(with_acceleration) }
+    (shapers, best)
 }
 
 /// By a fifth, or by a twentieth with a tenth less rounding.
@@ -185,8 +203,8 @@ fn is_much_better(next: &Rated, best: &Rated) -> bool {
 }
 
 /// With the acceleration that rounds by [`TARGET_MM`]. Smoothing grows with the acceleration on a straight line.
-fn with_acceleration(rated: Rated) -> Rated {
-    let impulses = rated.shaper.impulses(rated.frequency_hz, DAMPING);
+fn with_acceleration(rated: Rated, damping: f64) -> Rated {
+    let impulses = rated.shaper.impulses(rated.frequency_hz, damping);
     let smoothing = |acceleration: f64| smoothing_at_mm(&impulses, acceleration, CORNER_SPEED);
     let (mut low, mut high) = (0.0, 1.0);
     while smoothing(high) < TARGET_MM && high < 1e9 {
@@ -235,8 +253,8 @@ mod tests {
             let least = alone.remaining_vibration.min(other.remaining_vibration);
             assert!(both.remaining_vibration >= least, "{both:?}");
         }
-        let one = rated(Shaper::Own(Kind::Mzv), 55.0, &[low, high]).remaining_vibration;
-        let each = [low, high].map(|s| rated(Shaper::Own(Kind::Mzv), 55.0, &[s]).remaining_vibration);
+        let one = rated(Shaper::Own(Kind::Mzv), 55.0, DAMPING, &[low, high]).remaining_vibration;
+        let each = [low, high].map(|s| rated(Shaper::Own(Kind::Mzv), 55.0, DAMPING, &[s]).remaining_vibration);
         assert!((one - each[0].max(each[1])).abs() < 1e-12, "{one} {each:?}");
     }
 }

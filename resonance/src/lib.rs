@@ -9,10 +9,11 @@
 //! | [`recording`] | text of a raw file to checked samples |
 //! | [`stdata`] | files of Shake&Tune with several recordings |
 //! | [`spectrum`] | power spectral density, as Klipper computes it |
+//! | [`density`] | files with spectra instead of samples |
 //! | [`spectrogram`] | power over time and frequency, to look at |
 //! | [`sweep`] | the commanded acceleration of a sweep |
-//! | [`modes`] | frequencies and dampings, fitted to the response |
 //! | [`gcode`] | the same sweep as G-code |
+//! | [`modes`] | frequencies and dampings, fitted to the response |
 //! | [`shapers`] | shapers that are compared: those of this firmware, and one that only Klipper has |
 //! | [`klipper`] | Klipper's score and choice |
 //! | [`axis`] | an axis: modes, both rankings, the line that sets a shaper |
@@ -25,6 +26,7 @@
 
 pub mod axis;
 pub mod belts;
+pub mod density;
 pub mod gcode;
 pub mod klipper;
 pub mod label;

@@ -9,7 +9,7 @@
 //! Motors that turn together cannot be told apart here: their orders have the same frequencies. Directions along which
 //! one group turns and the others stand tell the groups apart.
 
-use crate::modes::{Mode, Modes, Point, Unfitted, fit_sources};
+use crate::modes::{Mode, Modes, Unfitted, fit_sources};
 use crate::run::{BAND_HZ, Run};
 use crate::spectrum::{Spectrum, WINDOW_S};
 use serde::Serialize;
@@ -147,7 +147,9 @@ fn of_group(drive: &Drive, runs: &[&Run], full_steps_hz: impl Fn(&Run) -> f64, a
             }
         }
         Err(Unfitted::Short) => remarks.push("no order of these motors is above the noise at eight speeds".to_owned()),
-        Err(Unfitted::Flat) => remarks.push("no mode was found: their orders have no peak".to_owned()),
+        Err(Unfitted::Flat | Unfitted::Unclear) => {
+            remarks.push("no mode was found: their orders have no peak".to_owned())
+        }
     }
     let (step_hz, density) = mean_density(runs);
     Motors {
@@ -202,9 +204,8 @@ fn tone(spectrum: &Spectrum, hz: f64) -> Option<f64> {
 }
 
 fn fit(orders: &[Order]) -> Result<Modes, Unfitted> {
-    let point =
-        |source: usize, (hz, um): (&f64, &f64)| Point { hz: *hz, commanded: 1.0, measured: 2.0 * um.ln(), source };
-    let mut points: Vec<Point> = orders
+    let point = |source: usize, (hz, um): (&f64, &f64)| (*hz, 2.0 * um.ln(), source);
+    let mut points: Vec<(f64, f64, usize)> = orders
         .iter()
         .enumerate()
         .flat_map(|(i, order)| order.frequencies_hz.iter().zip(&order.amplitudes_um).map(move |all| point(i, all)))
@@ -212,8 +213,8 @@ fn fit(orders: &[Order]) -> Result<Modes, Unfitted> {
     if points.is_empty() {
         return Err(Unfitted::Short);
     }
-    points.sort_by(|a, b| a.hz.total_cmp(&b.hz));
-    fit_sources(points, orders.len())
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    fit_sources(&points, orders.len())
 }
 
 /// Puts the fit into the orders, each with the strength that suits it best.

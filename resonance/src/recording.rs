@@ -4,6 +4,7 @@
 //! with `Rate 1344, overflows 0`. A recording that would mislead is refused with its line; one with a small flaw is
 //! taken with a remark.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// Header of Klipper's raw files, without a `#`.
@@ -59,12 +60,12 @@ pub enum Flaw {
     NoSamples,
     /// Not text; it looks like this.
     NotText(&'static str),
-    /// A spectrum and not raw data.
-    Spectrum,
+    /// The frequencies of a spectrum are too few, not even, or do not begin at 0.
+    Frequencies,
     /// The first line is no known header.
     Header(String),
-    /// A line without four columns: its number, and how many it has.
-    Columns(usize, usize),
+    /// A line with too few or too many columns: its number, how many it has, and how many there must be.
+    Columns(usize, usize, usize),
     /// A line with a word that is no finite number.
     Number(usize, String),
     /// Time does not grow at this line: the time before it, and its own.
@@ -95,14 +96,14 @@ impl fmt::Display for Flaw {
             Self::Empty => f.write_str("the file is empty; the recording did not begin, or was not written to its end"),
             Self::NoSamples => f.write_str("the file has a header and no samples; is the sensor connected?"),
             Self::NotText(kind) => write!(f, "expected a CSV file, found {kind}"),
-            Self::Spectrum => f.write_str(
-                "this is a spectrum, not raw data; Klipper writes raw data with TEST_RESONANCES ... OUTPUT=raw_data",
+            Self::Frequencies => f.write_str(
+                "the frequencies of this spectrum are too few, not even, or do not begin at 0 Hz; it is not whole",
             ),
             Self::Header(found) => {
                 write!(f, "line 1: expected the header `#{KLIPPER}` (Klipper) or `Sample,X,Y,Z` ")?;
                 write!(f, "(RepRapFirmware), found `{found}`")
             }
-            Self::Columns(line, count) => write!(f, "line {line}: expected 4 columns, found {count}"),
+            Self::Columns(line, count, known) => write!(f, "line {line}: expected {known} columns, found {count}"),
             Self::Number(line, word) => write!(f, "line {line}: `{word}` is not a number"),
             Self::Backwards(line, before, time) => {
                 write!(
@@ -147,25 +148,30 @@ const KINDS: [(&[u8], &str); 6] = [
     (b"\xfe\xff", "text in UTF-16; save it as UTF-8"),
 ];
 
-/// Reads a raw file.
+/// Text of a file, if it is one.
 ///
 /// # Errors
-/// It is no recording, or one that would mislead.
-pub fn read(bytes: &[u8]) -> Result<Recording, Flaw> {
+/// It is something else.
+pub fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Flaw> {
     if let Some((_, kind)) = KINDS.iter().find(|(head, _)| bytes.starts_with(head)) {
         return Err(Flaw::NotText(kind));
     }
     if bytes.contains(&0) {
         return Err(Flaw::NotText("binary data"));
     }
-    let text = String::from_utf8_lossy(bytes);
+    Ok(String::from_utf8_lossy(bytes))
+}
+
+/// Reads a raw file.
+///
+/// # Errors
+/// It is no recording, or one that would mislead.
+pub fn read(bytes: &[u8]) -> Result<Recording, Flaw> {
+    let text = text(bytes)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).filter(|(_, l)| !l.is_empty());
     let (_, first) = lines.next().ok_or(Flaw::Empty)?;
     let header = first.trim_start_matches('#').to_ascii_lowercase().replace(' ', "");
-    if header.starts_with("freq,") {
-        return Err(Flaw::Spectrum);
-    }
     if header == REPRAP {
         return reprap(lines);
     }
@@ -218,7 +224,7 @@ fn columns(number: usize, line: &str) -> Result<[f64; 4], Flaw> {
         }
         count += 1;
     }
-    if count == found.len() { Ok(found) } else { Err(Flaw::Columns(number, count)) }
+    if count == found.len() { Ok(found) } else { Err(Flaw::Columns(number, count, found.len())) }
 }
 
 /// Samples with their times, and the lines that they come from.

@@ -4,6 +4,7 @@
 //! overlapped, the mean removed from each. Kaiser: J. F. Kaiser, "Nonrecursive digital filter design using the
 //! I0-sinh window function", 1974.
 
+use crate::label::Axis;
 use crate::recording::Recording;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
@@ -32,6 +33,48 @@ pub struct Spectrum {
     pub sum: Vec<f64>,
 }
 
+/// A spectrum that was stored instead of samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Density {
+    /// Its values. Where a file has sums alone, the axes are empty.
+    pub spectrum: Spectrum,
+    /// Whether it is over frequency already, as [`Spectrum::normalised`] makes it.
+    pub is_normalised: bool,
+}
+
+impl Density {
+    /// The sum as Klipper chooses shapers by it.
+    #[must_use]
+    pub fn normalised(&self) -> Vec<f64> {
+        if self.is_normalised { self.spectrum.sum.clone() } else { self.spectrum.normalised() }
+    }
+
+    /// The density along an axis, or of all where the file has no axes.
+    pub(crate) fn along(&self, axis: Option<Axis>) -> Vec<f64> {
+        let [x, y, z] = &self.spectrum.axes;
+        let own = match axis {
+            Some(Axis::X) => x.clone(),
+            Some(Axis::Y) => y.clone(),
+            Some(Axis::Z) => z.clone(),
+            Some(Axis::A | Axis::B) => x.iter().zip(y).map(|(x, y)| x + y).collect(),
+            None => Vec::new(),
+        };
+        let own = if own.is_empty() { self.spectrum.sum.clone() } else { own };
+        let raw = |(i, psd): (usize, f64)| {
+            if self.is_normalised { psd / normalising(i as f64 * self.spectrum.step_hz) } else { psd }
+        };
+        own.into_iter().enumerate().map(raw).collect()
+    }
+}
+
+/// What a density is multiplied by at a frequency: a sweep has an acceleration in proportion to it, and below 10 Hz
+/// less counts.
+fn normalising(hz: f64) -> f64 {
+    let shifted = hz + 0.1;
+    let low = if hz < 2.0 * LEAST_HZ { (1.0 - (2.0 * LEAST_HZ / shifted).powi(2)).exp() } else { 1.0 };
+    low / shifted
+}
+
 impl Spectrum {
     /// With windows of about this length; nothing if the recording is shorter than one.
     #[must_use]
@@ -49,12 +92,7 @@ impl Spectrum {
     /// and with less below 10 Hz.
     #[must_use]
     pub fn normalised(&self) -> Vec<f64> {
-        let value = |(i, psd): (usize, &f64)| {
-            let hz = i as f64 * self.step_hz;
-            let shifted = hz + 0.1;
-            let low = if hz < 2.0 * LEAST_HZ { (1.0 - (2.0 * LEAST_HZ / shifted).powi(2)).exp() } else { 1.0 };
-            psd / shifted * low
-        };
+        let value = |(i, psd): (usize, &f64)| psd * normalising(i as f64 * self.step_hz);
         self.sum.iter().enumerate().map(value).collect()
     }
 

@@ -77,7 +77,9 @@ pub use stepper::Stepper;
 pub use surface::SurfaceFrame;
 pub use sweep::{Motion as SweepMotion, Piece, Pieces, Sweep};
 pub use ticks::MIN_STEP_INTERVAL;
-pub(crate) use trajectory::{AXES, impulses};
+pub(crate) use trajectory::AXES;
+#[cfg(test)]
+pub(crate) use trajectory::impulses;
 pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
 pub use work::{Entry, Work, surface_work};
 pub use z_limits::ZLimits;

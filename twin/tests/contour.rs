@@ -10,7 +10,7 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::run::Run;
 use corehbot_twin::run::report::Report;
 use corehbot_twin::run::watch::Watch;
-use corehbot_twin::steps::{Column, StepTrace, TICKS_PER_SECOND};
+use corehbot_twin::steps::{Begins, Column, Planned, StepTrace, TICKS_PER_SECOND};
 
 const STEP_MM: f64 = 0.0125;
 const CENTRE: Place = Place::flat(235.0, 235.0);
@@ -196,5 +196,44 @@ fn a_dense_zigzag_is_matched_by_time() {
             assert!(own.rms_mm() > before, "pitch {pitch}, {a} mm/s2");
             before = own.rms_mm();
         }
+    }
+}
+
+/// A circle of chords on a machine that gives way by next to nothing: the tool is off the planned line by what its
+/// steps are, and the line has no share of its own. A line through the steps is off by up to a step.
+#[test]
+fn a_planned_line_has_no_steps_in_it() {
+    let place = |i: u32| {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 90.0 + 0.3).sin_cos();
+        [8.0 * cos - 8.0 * 0.3_f64.cos(), 8.0 * sin - 8.0 * 0.3_f64.sin()]
+    };
+    let through: Vec<[f64; 2]> = (1..=90).map(place).collect();
+    let speed = 30.0;
+    let steps = Steps { through: &through, speed: &|_, _| speed };
+    let mut trace = steps.trace();
+    let stiff = Params { belt_ea_n: Params::default().belt_ea_n.times(400.0), ..Params::default() };
+    let play = |trace: &StepTrace| {
+        let detail = Detail { idlers: false, rotors: false };
+        Run::new(Machine::CoreHBot, &stiff, CENTRE, detail, trace).unwrap().play(|_| true).unwrap()
+    };
+    let cut = play(&trace);
+    let (mut from, mut way) = ([0.0, 0.0], 0.0);
+    for to in &through {
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let tick = |way: f64| (way / speed * TICKS_PER_SECOND) as u64;
+        let ticks = [tick(way), tick(way + length)];
+        trace.plan.push(Planned { ticks, way_mm: [to[0] - from[0], to[1] - from[1]], begins: Begins::AtTheEnd });
+        (from, way) = (*to, way + length);
+    }
+    let planned = play(&trace);
+    assert_eq!((planned.line_share_mm, cut.line_share_mm), (0.0, STEP_MM));
+    // Each motor is within half a step of its own place, so the tool is within half a step of its own.
+    let (tool, commanded) = (1000.0 * planned.contour.greatest_mm, 1000.0 * planned.commanded.greatest_mm);
+    assert!(commanded < 500.0 * STEP_MM + 0.1, "{commanded}");
+    assert!(tool < commanded + 1.0 && tool > 0.3 * commanded, "{tool} {commanded}");
+    assert!(cut.contour.greatest_mm > 1.5 * planned.contour.greatest_mm, "{} {tool}", cut.contour.greatest_mm);
+    for (vertex, at) in planned.contour.vertices.iter().zip(std::iter::once([0.0; 2]).chain(through)) {
+        let off = [CENTRE.x + at[0] - vertex.at[0], CENTRE.y + at[1] - vertex.at[1]];
+        assert!(off[0].hypot(off[1]) < 1e-9, "{vertex:?} {at:?}");
     }
 }

@@ -13,6 +13,9 @@ use corehbot::accelerometer::{Kind, SensorFault};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, MmPerSec2};
+use corehbot_resonance::axis::{Named, Question, judge, measure};
+use corehbot_resonance::label;
+use corehbot_resonance::recording::read;
 use corehbot_sim::accelerometer::{ModeTruth, SensorAccident, SensorTruth};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::world::Desk;
@@ -361,10 +364,51 @@ fn the_belt_plants_resonance_is_found_and_shaped_away() {
         let before = ringing(life);
         let line =
             life.heard.iter().find(|line| line.contains("M593 Y")).unwrap().trim_start_matches("echo:").to_owned();
-        assert!(line.ends_with(" T2"), "{line}");
+        assert!(line.ends_with(" D0.1 T2"), "{line}");
         assert!(life.ask("M593", "  M593 Y").contains("F0"), "nothing is set by itself");
         life.say(line.trim());
         let after = ringing(life);
         assert!(before > 0.05 && after < 0.05 * before, "{before} {after}");
     });
+}
+
+/// Letter, frequency, damping and kind of an M593 line.
+fn shaper(line: &str) -> (char, f64, f64, u8) {
+    let line = &line[line.find("M593").unwrap()..];
+    let number = |letter: char| line.split(' ').find_map(|word| word.strip_prefix(letter)).unwrap();
+    let kind = number('T').parse().unwrap();
+    (line.as_bytes()[5].into(), number('F').parse().unwrap(), number('D').parse().unwrap(), kind)
+}
+
+/// The board's line, and that of `corehbot resonance` for the raw data of the same sweep: the same kind, the frequency
+/// within 2 %. The board's windows are twice as long.
+#[test]
+fn the_board_and_the_command_give_one_answer() {
+    let mut settings = settings();
+    settings.accelerometer.rate = 800;
+    let machines: [&[(usize, f64, f64, f64)]; 4] = [
+        &[(0, 48.6, 0.06, 1.0)],
+        &[(0, 42.0, 0.05, 0.7), (0, 88.0, 0.08, 0.3)],
+        &[(0, 38.0, 0.05, 0.25), (0, 55.0, 0.05, 0.25), (0, 75.0, 0.05, 0.25), (0, 98.0, 0.05, 0.25)],
+        &[(0, 30.0, 0.08, 0.5), (0, 70.0, 0.06, 0.5)],
+    ];
+    for truth in machines {
+        live(&settings, modes(truth), |life| {
+            life.say("SHAPER_CALIBRATE AXIS=X HZ_PER_SEC=2 OUTPUT=raw_data");
+            let own = life.heard.iter().find(|line| line.contains("M593 X")).unwrap().clone();
+            let begin = life.heard.iter().position(|line| line.starts_with("#time")).unwrap();
+            let is_raw = |line: &&String| line.split(',').count() == 4;
+            let rows: Vec<String> = life.heard[begin..].iter().filter(is_raw).cloned().collect();
+            let recording = read(rows.join("\n").as_bytes()).unwrap();
+            let mut question = Question::default();
+            (question.sweep.hz_per_s, question.sweep.accel_per_hz) = (2.0, 34.0);
+            let named = Named { file: "x", recording: &recording };
+            let measured = measure(named, Some(label::Axis::X), &question.sweep).unwrap();
+            let command = judge(Some(label::Axis::X), vec![measured], &question).suggestion.unwrap().line.unwrap();
+            let ((axis, hz, damping, kind), known) = (shaper(&own), shaper(&command));
+            println!("{own} {command}");
+            assert_eq!((axis, damping, kind), (known.0, known.2, known.3), "{own} {command}");
+            near(hz, known.1, 0.02);
+        });
+    }
 }

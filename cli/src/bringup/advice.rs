@@ -12,11 +12,11 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
     found.note(match z.end {
         AxisEnd::Min => {
             "Home, heat the bed, and lower the nozzle onto a sheet of paper in the middle. M114 says Z then; subtract it from \
-             endstops.z.position in the machine file."
+             homing.z.position in the machine file."
         }
         AxisEnd::Max => {
             "Home, heat the bed, and lower the nozzle onto a sheet of paper in the middle. M114 says Z then; subtract it from \
-             endstops.z.position, which is the height of the switch above the bed."
+             homing.z.position, which is the height of the switch above the bed."
         }
     });
     found.note("Level the bed by its screws: the paper must drag alike in all four corners. Nothing here probes it.");

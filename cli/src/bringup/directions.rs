@@ -8,7 +8,7 @@ use corehbot::settings::AxisEnd;
 const OTHER: Failure = Failure {
     what: "it went elsewhere.",
     cure: "prints would be mirrored. Reverse every motor of this axis in [motors], and name the other end of its switch \
-           (endstops.*.end). If another axis moved, do the step of the motors again.",
+           (homing.*.end). If another axis moved, do the step of the motors again.",
 };
 const UNHOMED: Failure = Failure { what: "the board did not move it.", cure: "do the step of homing first." };
 

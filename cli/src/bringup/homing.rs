@@ -10,7 +10,7 @@ const MISSED: Failure = Failure {
 };
 const AWAY: Failure = Failure {
     what: "did not go gently to its switch.",
-    cure: "if it went away from it, the machine file names the wrong end (endstops.*.end), or the step of the motors is not done.",
+    cure: "if it went away from it, the machine file names the wrong end (homing.*.end), or the step of the motors is not done.",
 };
 const STOPPED: Failure =
     Failure { what: "was stopped by you.", cure: "see why; the board has restarted, so do this step again." };

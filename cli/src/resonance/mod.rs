@@ -10,16 +10,18 @@ mod text;
 use crate::answer::Json;
 use crate::printer::Printer;
 use crate::values::number;
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use corehbot_report::resonance as page;
-use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure};
+use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure, measure_density};
+use corehbot_resonance::density;
 use corehbot_resonance::label;
 use corehbot_resonance::motors::Drive;
 use corehbot_resonance::profile::{self, Profile};
-use corehbot_resonance::recording::{Recording, read};
+use corehbot_resonance::recording::{self, Flaw, Recording};
 use corehbot_resonance::run;
-use corehbot_resonance::stdata::{self, Contents};
+use corehbot_resonance::spectrum::Density;
+use corehbot_resonance::stdata;
 use corehbot_resonance::sweep::Sweep;
 use corehbot_twin::shaping::wall::Print;
 use serde::Serialize;
@@ -33,7 +35,7 @@ pub(crate) struct Resonance {
     #[command(subcommand)]
     part: Option<excite::Part>,
     /// Raw recordings: Klipper's (`#time,accel_x,accel_y,accel_z`), RepRapFirmware's (`Sample,X,Y,Z`), or Shake&Tune's
-    /// (.stdata, with the names of its recordings in it).
+    /// (.stdata, with the names of its recordings in it). Klipper's spectra of a sweep (`freq,psd_x,...`) serve too.
     #[arg(value_name = "FILE.csv", required = true)]
     files: Vec<PathBuf>,
     /// Axis of the sweep in files with names that do not tell it: x, y, z, or the belt paths a (1,-1) and b (1,1).
@@ -76,9 +78,21 @@ pub(crate) struct Resonance {
 const AXES_MAP: &str = "this is a calibration of the sensor's axes by Shake&Tune, with short moves and no sweep; \
                         record a sweep (AXES_SHAPER_CALIBRATION)";
 
+/// Why a spectrum of a run at one speed is refused.
+const RUN_SPECTRUM: &str = "this is a run at one speed, and its file has a spectrum; runs need raw data";
+
+/// What a file has of a sweep.
+enum Swept {
+    Samples(Recording),
+    Spectrum(Density),
+}
+
+/// The parts of a file with their names, and flaws of those that are left out.
+type Contents = (Vec<(String, Swept)>, Vec<String>);
+
 /// The recordings, read and checked.
 pub(crate) struct Prepared {
-    sweeps: BTreeMap<Option<label::Axis>, Vec<(String, Recording)>>,
+    sweeps: BTreeMap<Option<label::Axis>, Vec<(String, Swept)>>,
     runs: Vec<(String, [f64; 2], Recording)>,
     left_out: Vec<String>,
     drives: Vec<Drive>,
@@ -124,20 +138,16 @@ impl Prepared {
             // Before its samples, which are too few for a sweep.
             check(&name)?;
             let bytes = std::fs::read(path).with_context(cannot)?;
-            let contents = match bytes.starts_with(stdata::HEAD) {
-                true => stdata::read(&bytes),
-                false => read(&bytes)
-                    .map(|recording| Contents { recordings: vec![(name.clone(), recording)], left_out: Vec::new() }),
-            };
-            let contents = contents.with_context(|| name.clone())?;
-            left_out.extend(contents.left_out.iter().map(|flaw| format!("{}: {flaw}", short(&name))));
-            for (name, recording) in contents.recordings {
+            let (contents, flaws) = contents(&name, &bytes).with_context(|| name.clone())?;
+            left_out.extend(flaws.into_iter().map(|flaw| format!("{}: {flaw}", short(&name))));
+            for (name, part) in contents {
                 check(&name)?;
-                match label::run(&name) {
-                    Some((angle, speed)) => runs.push((name, [angle, speed], recording)),
-                    None => {
+                match (label::run(&name), part) {
+                    (Some((angle, speed)), Swept::Samples(recording)) => runs.push((name, [angle, speed], recording)),
+                    (Some(_), Swept::Spectrum(_)) => bail!("{name}: {RUN_SPECTRUM}"),
+                    (None, part) => {
                         let axis = label::axis(&name).or(args.axis);
-                        sweeps.entry(axis).or_insert_with(Vec::new).push((name, recording));
+                        sweeps.entry(axis).or_insert_with(Vec::new).push((name, part));
                     }
                 }
             }
@@ -165,10 +175,15 @@ impl Prepared {
     }
 
     fn answer(mut self, question: &Question) -> Result<Answer> {
-        let measured = |axis: Option<label::Axis>, (file, recording): &(String, Recording)| {
+        let measured = |axis: Option<label::Axis>, (file, part): &(String, Swept)| {
             let step = question.sweep.resolution_mm;
             let sweep = Sweep { resolution_mm: axis.map_or(step, |axis| along(axis, step)), ..question.sweep };
-            measure(Named { file: short(file), recording }, &sweep).with_context(|| file.clone())
+            match part {
+                Swept::Samples(recording) => {
+                    measure(Named { file: short(file), recording }, axis, &sweep).with_context(|| file.clone())
+                }
+                Swept::Spectrum(density) => Ok(measure_density(short(file), density, axis, &sweep)),
+            }
         };
         let both = [label::Axis::A, label::Axis::B].map(Some);
         let belts = match both.map(|path| self.sweeps.get(&path).and_then(|all| all.first())) {
@@ -185,7 +200,7 @@ impl Prepared {
             let [a, b] = &recordings;
             Belts { comparison: corehbot_resonance::belts::compare(a, b), recordings }
         });
-        let axis = |(axis, all): (&Option<label::Axis>, &Vec<(String, Recording)>)| {
+        let axis = |(axis, all): (&Option<label::Axis>, &Vec<(String, Swept)>)| {
             let all = all.iter().map(|one| measured(*axis, one)).collect::<Result<Vec<_>>>()?;
             Ok(judge(*axis, all, question))
         };
@@ -217,6 +232,24 @@ impl Resonance {
             uncertainty: self.uncertainty.map(|percent| percent / 100.0),
         }
     }
+}
+
+/// The parts of a file.
+fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Flaw> {
+    if bytes.starts_with(stdata::HEAD) {
+        let stdata::Contents { recordings, left_out } = stdata::read(bytes)?;
+        let recordings = recordings.into_iter().map(|(name, recording)| (name, Swept::Samples(recording))).collect();
+        return Ok((recordings, left_out.iter().map(ToString::to_string).collect()));
+    }
+    let text = recording::text(bytes)?;
+    if density::is_density(&text) {
+        let spectra = density::read(&text)?.into_iter().map(|(own, density)| {
+            let name = if own.is_empty() { name.to_owned() } else { format!("{name} ({own})") };
+            (name, Swept::Spectrum(density))
+        });
+        return Ok((spectra.collect(), Vec::new()));
+    }
+    Ok((vec![(name.to_owned(), Swept::Samples(recording::read(bytes)?))], Vec::new()))
 }
 
 /// The file's name without its folders.

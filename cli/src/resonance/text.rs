@@ -1,7 +1,7 @@
 //! Text: the answer for people.
 
 use super::Answer;
-use corehbot_resonance::axis::{Axis, Measured, Net, Ranking};
+use corehbot_resonance::axis::{Axis, Measured, Net, Ranking, Suggestion};
 use corehbot_resonance::belts::Comparison;
 use corehbot_resonance::klipper::Choice;
 use corehbot_resonance::label;
@@ -34,16 +34,38 @@ fn told_axis(f: &mut Formatter<'_>, axis: &Axis) -> Result {
     for recording in &axis.recordings {
         told_recording(f, recording)?;
     }
+    match &axis.suggestion {
+        Some(suggestion) => told_suggestion(f, suggestion, axis.axis)?,
+        None => writeln!(f, "  no shaper is suggested: nothing rings within the sweep")?,
+    }
     told_klipper(f, &axis.klipper)?;
     match &axis.tool {
-        Some(tool) => told_tool(f, tool, axis.axis),
-        None => writeln!(f, "  no ranking by the tool: no mode was found"),
+        Some(tool) => told_tool(f, tool),
+        None => writeln!(f, "  no ranking by the tool: no modes fit the response well"),
     }
+}
+
+/// What is left of the vibration stands first: it is what the measured spectrum says of the line.
+fn told_suggestion(f: &mut Formatter<'_>, suggestion: &Suggestion, axis: Option<label::Axis>) -> Result {
+    let rated = &suggestion.rated;
+    write!(f, "  {:.1} % of the measured vibration is left", 100.0 * rated.remaining_vibration)?;
+    match (&suggestion.line, axis) {
+        (Some(line), _) => {
+            let acceleration = rated.suggested_acceleration_mm_s2;
+            writeln!(f, ": {line}    ; accelerations up to {acceleration:.0} mm/s2")?;
+        }
+        (None, Some(_)) => writeln!(f, "; no line: shapers are set for x and y")?,
+        (None, None) => writeln!(f)?,
+    }
+    writeln!(f, "  {}", suggestion.why)
 }
 
 fn told_recording(f: &mut Formatter<'_>, recording: &Measured) -> Result {
     let Measured { file, rate_hz, lasts_s, remarks, fit, .. } = recording;
-    writeln!(f, "  {file}: {lasts_s:.1} s at {rate_hz:.0} Hz")?;
+    match (lasts_s, rate_hz) {
+        (Some(lasts_s), Some(rate_hz)) => writeln!(f, "  {file}: {lasts_s:.1} s at {rate_hz:.0} Hz")?,
+        _ => writeln!(f, "  {file}: a spectrum")?,
+    }
     if let Some(fit) = fit {
         for mode in &fit.modes {
             write!(f, "    {:.2} Hz +- {:.2}", mode.frequency_hz, 2.0 * mode.frequency_error_hz)?;
@@ -51,23 +73,28 @@ fn told_recording(f: &mut Formatter<'_>, recording: &Measured) -> Result {
             writeln!(f, ", {:.0} % of the motion", 100.0 * mode.part)?;
         }
         let one = if fit.modes.len() == 1 { "one mode only; " } else { "" };
-        writeln!(f, "    {one}the fit is within {:.1} dB, RMS", fit.fit_error_db)?;
+        write!(f, "    {one}the fit is within {:.1} dB, RMS", fit.fit_error_db)?;
+        let [share, off] = [fit.belt_damping_share, 2.0 * fit.belt_damping_share_error].map(|part| 100.0 * part);
+        match off {
+            ..50.0 => writeln!(f, "; {share:.0} % +- {off:.0} of the damping acts in the belts")?,
+            _ => writeln!(f)?,
+        }
     }
     remarks.iter().try_for_each(|remark| writeln!(f, "    remark: {remark}"))
 }
 
 fn told_klipper(f: &mut Formatter<'_>, choice: &Choice) -> Result {
     writeln!(f, "  Klipper's ranking, by how much the shaper rounds the command")?;
-    writeln!(f, "      shaper     frequency  vibration  smoothing   score  acceleration")?;
+    writeln!(f, "      shaper     vibration  frequency  smoothing   score  acceleration")?;
     for s in &choice.shapers {
         let is_chosen = choice.suggestion.is_some_and(|chosen| chosen.shaper == s.shaper);
         let mark = if is_chosen { "*" } else { " " };
         write!(
             f,
-            "    {mark} {:<9} {:>7.1} Hz {:>8.1} %",
+            "    {mark} {:<9} {:>8.1} % {:>7.1} Hz",
             s.shaper.name(),
-            s.frequency_hz,
-            100.0 * s.remaining_vibration
+            100.0 * s.remaining_vibration,
+            s.frequency_hz
         )?;
         write!(f, " {:>8.3} mm {:>7.4}", s.smoothing_mm, s.score)?;
         write!(f, " {:>6.0} mm/s2", s.suggested_acceleration_mm_s2)?;
@@ -76,32 +103,26 @@ fn told_klipper(f: &mut Formatter<'_>, choice: &Choice) -> Result {
     Ok(())
 }
 
-fn told_tool(f: &mut Formatter<'_>, tool: &Ranking, axis: Option<label::Axis>) -> Result {
+fn told_tool(f: &mut Formatter<'_>, tool: &Ranking) -> Result {
     let print = &tool.print;
     writeln!(f, "  Ranking by the error of the tool on the walls of a 10 mm square and an 8 mm hole")?;
     write!(f, "    at {:.0} mm/s2, {:.0} mm/s", print.acceleration_mm_s2, print.speed_mm_s)?;
     write!(f, ", corners at {:.0} mm/s; frequency within", print.corner_speed_mm_s)?;
     writeln!(f, " {:.1} %", 100.0 * tool.uncertainty)?;
-    writeln!(f, "      shaper     frequency  net rounding    RMS error  at the worst  acceleration")?;
+    writeln!(f, "      shaper     vibration  frequency  net rounding    RMS error  at the worst  acceleration")?;
     let none = &tool.unshaped_wall;
-    writeln!(f, "      none                                {:>8.1} um", none.rms_um)?;
+    writeln!(f, "      none                                           {:>8.1} um", none.rms_um)?;
     for s in &tool.shapers {
-        let mark = if s.rated.shaper == tool.suggestion.rated.shaper { "*" } else { " " };
+        let mark = if s.rated.shaper == tool.nearest.rated.shaper { "*" } else { " " };
         told_net(f, mark, s)?;
     }
-    writeln!(f, "  {}", tool.why)?;
-    let acceleration = tool.suggestion.rated.suggested_acceleration_mm_s2;
-    match (&tool.line, axis) {
-        (Some(line), _) => writeln!(f, "  {line}    ; accelerations up to {acceleration:.0} mm/s2"),
-        (None, Some(_)) => writeln!(f, "  no line: shapers are set for x and y"),
-        (None, None) => Ok(()),
-    }
+    Ok(())
 }
 
 fn told_net(f: &mut Formatter<'_>, mark: &str, s: &Net) -> Result {
     let rated = &s.rated;
-    write!(f, "    {mark} {:<9} {:>7.1} Hz", rated.shaper.name(), rated.frequency_hz)?;
-    write!(f, " {:>7.2} a/w^2 {:>9.1} um", s.net_rounding_a_per_w2, s.wall.rms_um)?;
+    write!(f, "    {mark} {:<9} {:>8.1} %", rated.shaper.name(), 100.0 * rated.remaining_vibration)?;
+    write!(f, " {:>7.1} Hz {:>7.2} a/w^2 {:>9.1} um", rated.frequency_hz, s.net_rounding_a_per_w2, s.wall.rms_um)?;
     writeln!(f, " {:>10.1} um {:>6.0} mm/s2", s.worst_wall.rms_um, rated.suggested_acceleration_mm_s2)
 }
 

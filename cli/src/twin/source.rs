@@ -10,8 +10,9 @@ use corehbot::motors::{Motor, MotorName, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
+use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::world::{self, Sink};
-use corehbot_twin::steps::{Column, StepTrace, csv};
+use corehbot_twin::steps::{Begins, Column, Planned, StepTrace, csv};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -73,7 +74,7 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     let survey = file.survey(|_| if stop.is_set() { bail!("interrupted") } else { Ok(()) })?;
     let name = file.name.clone();
     let mut host = Watched::new(FileHost::reading(file.into_lines()?, survey), stop);
-    let mut log = Log(StepTrace::new(columns(&machine.settings), step_mm(&machine.settings)));
+    let mut log = Log::new(&machine.settings);
     let outcome = match &mut eeprom {
         Some(eeprom) => world::run_with(&machine.settings, printer.assume_homed, eeprom, &mut [&mut host], &mut log),
         None => world::run(&machine.settings, printer.assume_homed, &mut host, &mut log),
@@ -89,7 +90,7 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     if outcome.halted {
         bail!("{name}: the print failed: an emergency stop holds");
     }
-    Ok(log.0)
+    Ok(log.steps)
 }
 
 /// The firmware's steps for G-code that begins at a place, as if homed there.
@@ -98,21 +99,21 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
 /// The print failed.
 pub(super) fn steps_of(gcode: &str, settings: &Settings, begin: [Mm; 3]) -> Result<StepTrace> {
     let mut host = FileHost::new(gcode);
-    let mut log = Log(StepTrace::new(columns(settings), step_mm(settings)));
+    let mut log = Log::new(settings);
     let outcome = world::run(settings, Some(begin), &mut host, &mut log).context("the simulation failed")?;
     if let Some(failure) = host.failure() {
         bail!("the print failed: {failure}");
     }
     ensure!(!outcome.halted, "the print failed: an emergency stop holds");
-    Ok(log.0)
+    Ok(log.steps)
 }
 
-pub(super) fn step_mm(settings: &Settings) -> f64 {
+fn step_mm(settings: &Settings) -> f64 {
     1.0 / settings.axes.x.steps_per_mm.to_num::<f64>()
 }
 
 /// The motors over x, y and z.
-pub(super) fn columns(settings: &Settings) -> Vec<Column> {
+fn columns(settings: &Settings) -> Vec<Column> {
     let (mechanism, axes) = (settings.mechanism, &settings.axes);
     let fitted = mechanism.fitted();
     let steps_per_mm = [&axes.x, &axes.y, &axes.z].map(|axis| axis.steps_per_mm.to_num::<f64>());
@@ -126,11 +127,56 @@ pub(super) fn columns(settings: &Settings) -> Vec<Column> {
     mechanism.motors().zip(settings.motor_names).take_while(|(_, name)| !name.is_none()).map(column).collect()
 }
 
-/// Keeps the steps.
-struct Log(StepTrace);
+/// Keeps the steps and the planned moves.
+pub(super) struct Log {
+    pub steps: StepTrace,
+    /// Since when a shaper delays x and y by so many ticks, in the mean.
+    late: Vec<(u64, [u64; 2])>,
+    /// Whether a switch may have ended the last move.
+    was_watched: bool,
+}
+
+impl Log {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let steps = StepTrace::new(columns(settings), step_mm(settings));
+        Self { steps, late: vec![(0, [0; 2])], was_watched: false }
+    }
+
+    /// The mean delay of the axis that is delayed more.
+    fn late_at(&self, tick: u64) -> u64 {
+        let change = self.late.iter().rev().find(|(from, _)| *from <= tick);
+        change.map_or(0, |(_, [x, y])| *x.max(y))
+    }
+}
 
 impl Sink for Log {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        self.0.add(tick, steps.0, forward.0);
+        self.steps.add(tick, steps.0, forward.0);
+    }
+
+    fn wants_moves(&self) -> bool {
+        true
+    }
+
+    fn moved(&mut self, made: &MadeMove) {
+        let late = self.late_at(made.begin);
+        let [x, y, ..] = made.way;
+        let begins = match (made.is_apart, self.was_watched) {
+            (true, true) => Begins::AtTheMotors,
+            (true, false) => Begins::NearTheEnd,
+            (false, _) => Begins::AtTheEnd,
+        };
+        // A move begins with its first copy.
+        self.steps.plan.push(Planned { ticks: [made.begin, made.end() + late], way_mm: [x, y], begins });
+        self.was_watched = made.is_watched;
+    }
+
+    fn reshaped(&mut self, change: &ShaperChange) {
+        let late = change.taps.iter().map(|tap| f64::from(tap.weight) * f64::from(tap.delay) / 256.0).sum::<f64>();
+        let mut all = self.late.last().map_or([0; 2], |(_, late)| *late);
+        if let Some(axis) = all.get_mut(change.axis) {
+            *axis = late as u64;
+        }
+        self.late.push((change.tick, all));
     }
 }

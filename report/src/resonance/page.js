@@ -13,33 +13,34 @@ const files = [...D.axes.flatMap(a => a.recordings), ...(D.belts ? D.belts.recor
 
 // ---- An axis
 for (const A of D.axes) {
-  const R = A.recordings, one = R.length === 1 ? R[0] : null, best = R.find(r => r.fit), T = A.tool, K = A.klipper.suggestion, strongest = best?.fit.modes[0];
-  parts.push(heading(A.axis ? "Axis " + A.axis : "Unknown axis", R.map(r => `${r.lasts_s.toFixed(1)} s at ${r.rate_Hz.toFixed(0)} Hz`).join(", ")), tileRow([
+  const R = A.recordings, one = R.length === 1 ? R[0] : null, best = R.find(r => r.fit), T = A.tool, S = A.suggestion, K = A.klipper.suggestion, strongest = best?.fit.modes[0];
+  parts.push(heading(A.axis ? "Axis " + A.axis : "Unknown axis", R.map(r => r.lasts_s === null ? "a spectrum" : `${r.lasts_s.toFixed(1)} s at ${r.rate_Hz.toFixed(0)} Hz`).join(", ")), tileRow([
+    S && [percent(S.remaining_vibration, 1), "", "of the measured vibration is left"], S && [S.shaper, hertz(S.frequency_Hz), "suggested shaper"], S && [S.suggested_acceleration_mm_s2.toFixed(0), "mm/s\u00b2", "suggested acceleration"],
     strongest && [strongest.frequency_Hz.toFixed(2), "Hz", "strongest mode"], strongest && [strongest.damping_ratio.toFixed(3), "", "its damping ratio"],
-    T && [T.suggestion.shaper, hertz(T.suggestion.frequency_Hz), "suggested shaper"], T && [T.suggestion.worst_wall.rms_um.toFixed(1), "\u00b5m RMS", "error of the wall, at worst"],
-    T && [T.unshaped_wall.rms_um.toFixed(1), "\u00b5m RMS", "without a shaper"], T && [T.suggestion.suggested_acceleration_mm_s2.toFixed(0), "mm/s\u00b2", "suggested acceleration"],
-    K && [K.shaper, hertz(K.frequency_Hz), "Klipper's choice"],
+    T?.suggested && [T.suggested.worst_wall.rms_um.toFixed(1), "\u00b5m RMS", "error of the wall, at worst"], T && [T.unshaped_wall.rms_um.toFixed(1), "\u00b5m RMS", "without a shaper"],
+    K && !K.in_firmware && [K.shaper, hertz(K.frequency_Hz), "Klipper's choice"],
   ]));
-  if (T) parts.push(card("Line to set the shaper", T.line ? copyLine(T.line) : note(A.axis ? "Shapers are set for x and y." : "No file name tells the axis: give --axis x or --axis y."), note(T.why.replace(/\bum\b/g, "\u00b5m").replace(/a\/w\^2/g, "a/\u03c9\u00b2"))));
+  if (!S) parts.push(card("Line to set the shaper", note("No shaper is suggested: nothing rings within the sweep.")));
+  else parts.push(card("Line to set the shaper", S.line ? copyLine(S.line) : note(A.axis ? "Shapers are set for x and y." : "No file name tells the axis: give --axis x or --axis y."), note(S.why.replace(/\bum\b/g, "\u00b5m").replace(/a\/w\^2/g, "a/\u03c9\u00b2"))));
   const step = one?.spectrum.step_Hz;
   const measured = one
     ? [...["x", "y", "z"].map((name, i) => spectrum(name, one.spectrum.xyz_mm2_s4_Hz[i], step, { isThin: true, colour: [tone("sky"), tone("green"), tone("grey")][i] })), spectrum("sum of all", one.spectrum.sum_mm2_s4_Hz, step, { colour: tone("blue", "yellow") })]
     : R.map(r => spectrum(r.file, r.spectrum.sum_mm2_s4_Hz, r.spectrum.step_Hz));
-  const left = A.curves.map((c, i) => ({ name: c.name, ...even(c.left, most / (c.left.length - 1)), isRight: true, dash: true, colour: tone(i ? "purple" : "vermilion") }));
+  const left = A.curves.map((c, i) => ({ name: c.name, ...even(c.left, most / (c.left.length - 1)), isRight: true, dash: true, colour: tone(["vermilion", "purple", "grey"][i]) }));
   parts.push(card("Spectrum", graph({ title: "Power spectral density of the acceleration" + (left.length ? ", and the part of it that shapers leave" : ""), unit: DENSITY, x: FREQUENCY, curves: [...measured, ...left], marks: marksOf(R), right: left.length ? "left by the shaper, of 1" : undefined }), ...remarks(R)));
   if (best) {
     const fits = R.filter(r => r.fit).flatMap((r, i) => [
       { name: (one ? "" : r.file + " ") + "measured", x: r.fit.frequencies_Hz, y: r.fit.measured, isThin: true, colour: () => curveColour(i) },
       { name: (one ? "" : r.file + " ") + "fitted", x: r.fit.frequencies_Hz, y: r.fit.fitted, dash: true, colour: () => curveColour(one ? 1 : i) }]);
-    parts.push(card("Response", graph({ title: "Response of the tool to the sweep, and the fit", unit: "tool over command", x: { ...FREQUENCY, to: Math.max(...best.fit.frequencies_Hz) }, curves: fits, marks: marksOf(R) }), modes(R), note(`The fit is within ${best.fit.fit_error_dB.toFixed(1)} dB, RMS.`)));
+    parts.push(card("Response", graph({ title: "Response of the tool to the sweep, and the fit", unit: "tool over command", x: { ...FREQUENCY, to: Math.max(...best.fit.frequencies_Hz) }, curves: fits, marks: marksOf(R) }), modes(R), note(`The fit is within ${best.fit.fit_error_dB.toFixed(1)} dB, RMS. ${best.fit.belt_damping_share_error < 0.25 ? `${percent(best.fit.belt_damping_share)} \u00b1 ${percent(2 * best.fit.belt_damping_share_error)} of the damping acts in the belts.` : ""}`)));
   }
-  parts.push(...A.over_time.map((seen, i) => card("Spectrogram" + (one ? "" : ": " + R[i].file), spectrogram(seen, R[i]), note("The bright slope is the sweep itself; flatter slopes are its harmonics. An upright line is something that runs by itself all the time, as a fan does."))));
+  parts.push(...A.over_time.flatMap((seen, i) => !seen ? [] : card("Spectrogram" + (one ? "" : ": " + R[i].file), spectrogram(seen, R[i]), note("The bright slope is the sweep itself; flatter slopes are its harmonics. An upright line is something that runs by itself all the time, as a fan does."))));
   const klippers = A.klipper.shapers, ranked = T?.shapers;
   parts.push(make("section", { className: "pair" }, card("Klipper\u2019s ranking: how the shaper rounds the command",
-    table(["Shaper", "Frequency", "Vibration", "Smoothing", "Score", "Acceleration"], klippers.map(s => [s.shaper, hertz(s.frequency_Hz), percent(s.remaining_vibration, 1), s.smoothing_mm.toFixed(3) + " mm", s.score.toFixed(4), s.suggested_acceleration_mm_s2.toFixed(0) + " mm/s\u00b2"]), "", i => K?.shaper === klippers[i].shaper),
+    table(["Shaper", "Vibration", "Frequency", "Smoothing", "Score", "Acceleration"], klippers.map(s => [s.shaper, percent(s.remaining_vibration, 1), hertz(s.frequency_Hz), s.smoothing_mm.toFixed(3) + " mm", s.score.toFixed(4), s.suggested_acceleration_mm_s2.toFixed(0) + " mm/s\u00b2"]), "", i => K?.shaper === klippers[i].shaper),
     note("Klipper never suggests ZVD. This firmware does not have 3HUMP_EI. Smoothing is at 5000 mm/s\u00b2; the acceleration rounds by 0.12 mm.")),
   ...(T ? [card("Ranking by what the tool does",
-    table(["Shaper", "Frequency", "Net rounding", "Error, RMS", "At worst", "Acceleration"], ranked.map(s => [s.shaper, hertz(s.frequency_Hz), s.net_rounding_a_per_w2.toFixed(2) + " a/\u03c9\u00b2", s.wall.rms_um.toFixed(1) + " \u00b5m", s.worst_wall.rms_um.toFixed(1) + " \u00b5m", s.suggested_acceleration_mm_s2.toFixed(0) + " mm/s\u00b2"]), "", i => T.suggestion.shaper === ranked[i].shaper),
+    table(["Shaper", "Vibration", "Frequency", "Net rounding", "Error, RMS", "At worst", "Acceleration"], ranked.map(s => [s.shaper, percent(s.remaining_vibration, 1), hertz(s.frequency_Hz), s.net_rounding_a_per_w2.toFixed(2) + " a/\u03c9\u00b2", s.wall.rms_um.toFixed(1) + " \u00b5m", s.worst_wall.rms_um.toFixed(1) + " \u00b5m", s.suggested_acceleration_mm_s2.toFixed(0) + " mm/s\u00b2"]), "", i => T.nearest.shaper === ranked[i].shaper),
     note(`Walls of a 10 mm square and an 8 mm hole at ${T.print.acceleration_mm_s2.toFixed(0)} mm/s\u00b2, ${T.print.speed_mm_s.toFixed(0)} mm/s, corners at ${T.print.corner_speed_mm_s.toFixed(0)} mm/s. At most ${percent(T.most_ringing, 1)} of the ringing is left at the measured frequency. At worst: over ${percent(T.uncertainty, 1)} of uncertainty of it.`))] : [])));
 }
 

@@ -63,7 +63,7 @@ function tiles(record) {
   const metre = mm => mm >= 10000 ? [(mm / 1000).toFixed(1), "m"] : [mm.toFixed(0), "mm"];
   const list = [
     [clock(T.total), "", `= motion ${clock(T.motion)} + heat ${clock(T.heat)} + waits ${clock(T.waits)}`],
-    T.slicer && [clock(T.slicer), "", `the slicer's estimate; the print takes ${signedPercent(T.total / T.slicer - 1)}`],
+    T.slicer && [clock(T.slicer), "", `the slicer's estimate; motion takes ${signedPercent(T.motion / T.slicer - 1)}`],
     F.mm > 0 && [...metre(F.mm), `filament of ${F.diameter_mm} mm, ${F.g.toFixed(F.g < 10 ? 2 : 1)} g at ${F.density_g_cm3} g/cm\u00b3${F.is_density_known === false ? ", the density of PLA" : ""}`],
     [...metre(S.path_mm), "path of the tool"],
     [count(S.moves), "", `moves of ${count(S.commands)} commands`],

@@ -21,47 +21,64 @@ impl Noise {
         (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
+    /// Between two numbers.
+    pub fn between(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.even()
+    }
+
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.even()).sum::<f64>() - 6.0
     }
 }
 
-/// Place, speed and force of a mode: `x'' = w^2 (y - x) - 2 z w x'`, as `x'' = a` while y has a constant acceleration.
+/// The acceleration of a mode with its damper on the frame: `q'' = w^2 (a - q) - 2 z w q'`, as acceleration passes like
+/// place does. With the damper on the belt it is `q + 2 z / w q'`.
 struct State {
     w: f64,
     z: f64,
     part: f64,
-    /// Distance from the command, and its speed; the damper is between tool and frame.
     x: f64,
     v: f64,
 }
 
-/// Acceleration of the tool for this sweep along the axis `along`, with noise on all three.
+/// A plant: modes along the swept axis x and across it, along y.
+#[derive(Clone, Copy, Default)]
+pub struct Plant<'m> {
+    pub modes: &'m [Mode],
+    pub across: &'m [Mode],
+    /// Share of the dampers between motor and tool; the rest is between tool and frame.
+    pub belt: f64,
+}
+
+/// Acceleration of the tool for this sweep along x, with noise on all three.
 pub fn recording(modes: &[Mode], sweep: &Sweep, rate_hz: f64, noise: f64, seed: u64) -> Recording {
-    // Acceleration passes like place does: q'' = w^2 (a - q) - 2 z w q', and q is the tool's acceleration.
-    let mut states: Vec<State> =
-        modes.iter().map(|(f, z, part)| State { w: TAU * f, z: *z, part: *part, x: 0.0, v: 0.0 }).collect();
-    let mut samples = Vec::new();
+    shaken(&Plant { modes, ..Plant::default() }, sweep, rate_hz, noise, seed)
+}
+
+/// Acceleration of the tool of a plant.
+pub fn shaken(plant: &Plant, sweep: &Sweep, rate_hz: f64, noise: f64, seed: u64) -> Recording {
+    let state = |(f, z, part): &Mode| State { w: TAU * f, z: *z, part: *part, x: 0.0, v: 0.0 };
+    let mut states = [plant.modes, plant.across].map(|modes| modes.iter().map(state).collect::<Vec<_>>());
+    let mut samples = [Vec::new(), Vec::new()];
     let mut now = 0.0;
     for segment in sweep.segments() {
         loop {
-            let next = samples.len() as f64 / rate_hz;
+            let next = samples[0].len() as f64 / rate_hz;
             let to = next.min(segment.end_s);
-            for state in &mut states {
-                state.advance(to - now, segment.accel);
-            }
+            states.iter_mut().flatten().for_each(|state| state.advance(to - now, segment.accel));
             now = to;
             if next > segment.end_s {
                 break;
             }
-            samples.push(states.iter().map(|s| s.part * s.x).sum::<f64>());
+            for (samples, states) in samples.iter_mut().zip(&states) {
+                samples.push(states.iter().map(|s| s.part * (s.x + plant.belt * 2.0 * s.z / s.w * s.v)).sum::<f64>());
+            }
         }
     }
     let mut source = Noise(seed);
     let mut noisy = |v: f64| v + noise * source.normal();
-    let x = samples.iter().map(|v| noisy(*v)).collect();
-    let y = samples.iter().map(|_| noisy(0.0)).collect();
-    let z = samples.iter().map(|_| noisy(9806.65)).collect();
+    let [x, y] = samples.map(|axis| axis.into_iter().map(&mut noisy).collect::<Vec<f64>>());
+    let z = x.iter().map(|_| noisy(9806.65)).collect();
     Recording { rate_hz, axes: [x, y, z], remarks: Vec::new() }
 }
 

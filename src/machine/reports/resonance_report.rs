@@ -87,8 +87,7 @@ pub(in crate::machine) fn report_resonance(to: &mut Speaker<'_>, answer: &Resona
             if let Some(Suggested { shaper, percent, most }) = shaper {
                 report_shaper(to, axis, shaper);
                 to.say(format_args!(
-                    "echo:it leaves {percent} % of the vibration, and suits accelerations up to {} mm/s2. Send the line \
-                    to set it",
+                    "echo:it leaves {percent} %, at up to {} mm/s2. Send the line to set it",
                     most.to_num::<u32>()
                 ));
             }

@@ -11,8 +11,8 @@
 //! square of the damping, by a third of the square of its frequency step (the variance of Hann's window).
 
 use super::response::{FREQUENCIES, Response};
+use super::root;
 use crate::machine::answers::resonance_answer::Mode;
-use crate::motion::root;
 use core::ops::RangeInclusive;
 use heapless::Vec;
 
@@ -107,27 +107,22 @@ fn fit(response: &Response, step: f32, peak: usize, range: RangeInclusive<usize>
     if count < FEWEST {
         return None;
     }
-    let square = |number: usize| {
-        let ratio = number as f32 / peak as f32;
-        ratio * ratio - 1.0
-    };
     // Scaled, so that all columns are of one size.
-    let (below, above) = (-square(*range.start()), square(*range.end()));
+    let (below, above) = (-square(peak, *range.start()), square(peak, *range.end()));
     let width = if below > above { below } else { above };
-    let row = |number: usize| {
-        let (s, x) = (response.at(number) / height, square(number) / width);
-        [s, s * x, s * x * x, -x, 1.0]
-    };
     let mut sums = [[0.0; 5]; 4];
+    let row = |number: usize| row(response.at(number) / height, square(peak, number) / width);
     for number in range.clone() {
-        let row = row(number);
-        for (sums, a) in sums.iter_mut().zip(row) {
-            for (sum, b) in sums.iter_mut().zip(row) {
-                *sum += a * b;
-            }
-        }
+        add_products(&mut sums, &row(number));
     }
-    let [a, b, c, d] = solve(sums)?;
+    let solution = solve(&mut sums)?;
+    let mut error = 0.0;
+    for number in range {
+        let row = row(number);
+        let fitted: f32 = row.iter().zip(solution).map(|(column, part)| column * part).sum();
+        error += (fitted - 1.0) * (fitted - 1.0);
+    }
+    let [a, b, c, _] = solution;
     // The polynomial in u: x is (u - 1) / width.
     let (b, c) = (b / width, c / (width * width));
     let (u0, u1, u2) = (a - b + c, b - 2.0 * c, c);
@@ -137,12 +132,6 @@ fn fit(response: &Response, step: f32, peak: usize, range: RangeInclusive<usize>
     let own = root(u0 / u2);
     let (hz, relative) = (root(own) * peak as f32 * step, 1.0 / (root(own) * peak as f32));
     let damping = 0.25 * (u1 / (u2 * own) + 2.0) - relative * relative / 3.0;
-    let mut error = 0.0;
-    for number in range {
-        let [s, sx, sxx, x, _] = row(number);
-        let difference = a * s + sx * b * width + sxx * c * width * width + d * x - 1.0;
-        error += difference * difference;
-    }
     let is_possible = damping > 0.0 && damping < 0.25;
     is_possible.then(|| Mode {
         centihertz: (hz * 100.0 + 0.5) as u32,
@@ -151,9 +140,31 @@ fn fit(response: &Response, step: f32, peak: usize, range: RangeInclusive<usize>
     })
 }
 
+/// The square of a frequency over the peak's, less 1.
+fn square(peak: usize, number: usize) -> f32 {
+    let ratio = number as f32 / peak as f32;
+    ratio * ratio - 1.0
+}
+
+/// The columns at a frequency: of a, b, c and d, and the right side.
+fn row(s: f32, x: f32) -> [f32; 5] {
+    [s, s * x, s * x * x, -x, 1.0]
+}
+
+/// Adds the products of each two columns. Rows of any number: loops are smaller than 20 sums.
+#[inline(never)]
+fn add_products(sums: &mut [[f32; 5]], row: &[f32]) {
+    for (sums, a) in sums.iter_mut().zip(row) {
+        for (sum, b) in sums.iter_mut().zip(row) {
+            *sum += a * b;
+        }
+    }
+}
+
 /// Solves four linear equations with a symmetric, positive matrix, the right side in the last column.
-fn solve(mut sums: [[f32; 5]; 4]) -> Option<[f32; 4]> {
-    for i in 0..4 {
+#[inline(never)]
+fn solve(sums: &mut [[f32; 5]]) -> Option<[f32; 4]> {
+    for i in 0..sums.len() {
         let pivot_row = *sums.get(i)?;
         let pivot = *pivot_row.get(i)?;
         if pivot <= 0.0 {
@@ -167,9 +178,9 @@ fn solve(mut sums: [[f32; 5]; 4]) -> Option<[f32; 4]> {
         }
     }
     let mut solution = [0.0; 4];
-    for (i, (value, row)) in solution.iter_mut().zip(&sums).enumerate() {
+    for (i, (value, row)) in solution.iter_mut().zip(sums).enumerate() {
         let [.., right] = row;
-        *value = right / row.get(i)?;
+        *value = *right / *row.get(i)?;
     }
     Some(solution)
 }

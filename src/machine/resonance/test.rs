@@ -3,7 +3,7 @@
 //! Shaping is off only in the sweep itself; the drop of the motion behind it, after M410 as well, brings it back. A
 //! sensor that fails ends the sweep by a brake, and the tool goes back to where it was.
 
-use super::choice::{Chosen, choose, most_acceleration};
+use super::choice::Search;
 use super::listen::{AT_ONCE, Listener, MOST_NOISE};
 use super::modes::{modes, shaken};
 use super::plan::{refusal, wanted, weaken};
@@ -130,12 +130,19 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Pend>(
     let ends = shaken(step, ends);
     let found = modes(&response, step, &ends);
     let base = shaper_of(&main_loop.settings.shapers, words.axis).filter(|_| words.chooses);
-    let chosen = base.and_then(|base| choose(&response, step, &ends, &found, base));
-    let shaper = chosen.map(|Chosen { shaper, left }| Suggested {
-        shaper,
-        percent: (left * 100.0 + 0.5) as u8,
-        most: most_acceleration(&shaper),
-    });
+    let shaper = match base.filter(|_| !found.is_empty()) {
+        Some(base) => {
+            let mut search = Search::new(&response, step, &ends);
+            while search.step() {
+                main_loop.poll().await?;
+            }
+            let chosen = search.found();
+            let shaper = chosen.shaper(base);
+            let percent = (chosen.left * 100.0 + 0.5) as u8;
+            Some(Suggested { shaper, percent, most: chosen.most_acceleration() })
+        }
+        None => None,
+    };
     let modes = [0, 1].map(|place| found.get(place).copied());
     Ok(Answer::Resonance(ResonanceAnswer::Found { axis: words.axis, modes, shaper }))
 }

@@ -38,6 +38,7 @@ mod taps;
 mod z_offset;
 
 pub(in crate::motion) use shaper::MOST_PUSH;
+#[cfg(test)]
 pub(crate) use shaper::impulses;
 pub use shaper::{advance_window, stiffenings, taps};
 pub(crate) use span::{ADVANCE, AXES, AxisState, Boundary, LONGEST, Position, Span, Z};

@@ -1,14 +1,15 @@
 //! Contour: the tool's distance from its commanded line.
 //!
-//! [`path`] makes the line from the steps, through commanded places and within a step of all of them. [`error`]
-//! compares the tool with it sample by sample, and treats each corner separately. [`pace`] gives the intended times if
-//! the line is from another file.
+//! [`plan`] makes the line from the planned moves, without rounding. Where only steps are known, [`path`] makes it from
+//! them, through commanded places and within a step of all of them. [`error`] compares the tool with it sample by
+//! sample, and treats each corner separately. [`pace`] gives the intended times if the line is from another file.
 //!
-//! Steps limit the accuracy of the line: on slanted moves its places are whole steps, so up to half a step (6 um) of
-//! error is the line's own.
+//! Motors make whole steps, so commanded places are off the planned line by up to a step's rounding. That is told apart
+//! from the tool's error. A line from steps alone may itself be off by a step.
 
 pub mod cut;
 pub mod error;
 pub mod pace;
 pub mod path;
+pub mod plan;
 pub mod trail;

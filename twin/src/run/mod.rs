@@ -13,6 +13,7 @@ pub mod watch;
 use crate::contour::error::{ContourError, Window};
 use crate::contour::pace::{Pace, Places};
 use crate::contour::path::{PathBuilder, Vertex};
+use crate::contour::plan::PlanBuilder;
 use crate::dynamics::plant::{Detail, Plant};
 use crate::dynamics::state::State;
 use crate::geometry::{Workspace, workspace};
@@ -23,7 +24,7 @@ use crate::routing::{Machine, Place};
 use crate::solve::modes::modes;
 use crate::steps::drive::{Drive, NoColumn, drives};
 use crate::steps::{StepTrace, TICKS_PER_SECOND};
-use watch::Watch;
+use watch::{Errors, Watch};
 
 /// Ticks between two looks.
 const LOOK: u64 = 1000;
@@ -107,7 +108,8 @@ impl<'t> Run<'t> {
             return Err(RunError::OutOfReach { path: line.taken, reach });
         }
         let window = window(machine, params, start, detail);
-        let watch = Watch::new(machine, &plant, ContourError::new(line.path, &line.places, window), line.residual_mm);
+        let residual_mm = line.residual_mm;
+        let watch = Watch::new(machine, &plant, line.errors(window), residual_mm);
         let state = State::at_rest(&plant);
         Ok(Self { trace, drives, plant, state, watch, window, tick: 0, next_look: 0 })
     }
@@ -123,7 +125,10 @@ impl<'t> Run<'t> {
         let line = Line::new(machine, &self.plant, &meant_drives, meant);
         let own = Line::new(machine, &self.plant, &self.drives, self.trace);
         let pace = Pace::new(&own.places, &line.places);
-        self.watch.contour = ContourError::new(line.path, &line.places, self.window).at_pace(pace);
+        let errors = line.errors(self.window);
+        self.watch.contour = errors.tool.at_pace(pace.clone());
+        self.watch.commanded = errors.commanded.at_pace(pace);
+        self.watch.line_share_mm = errors.line_share_mm;
         Ok(self)
     }
 
@@ -217,12 +222,21 @@ struct Line {
     taken: Workspace,
     /// Largest residual of the trace's steps.
     residual_mm: f64,
+    /// How far the line itself may be from the planned one.
+    share_mm: f64,
 }
 
 impl Line {
+    /// Errors of the tool and of commanded places from it.
+    fn errors(self, window: Window) -> Errors {
+        let tool = ContourError::new(self.path, &self.places, window);
+        Errors { commanded: tool.clone(), tool, line_share_mm: self.share_mm }
+    }
+
     fn new(machine: Machine, plant: &Plant, drives: &[Drive], trace: &StepTrace) -> Self {
         let start = plant.start();
         let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
+        let mut plan = PlanBuilder::new([start.x, start.y], &trace.plan, trace.step_mm);
         let mut places = Places::default();
         let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2], z: [start.z; 2] };
         let mut residual_mm = 0.0_f64;
@@ -237,7 +251,10 @@ impl Line {
             taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
             taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
             taken.z = [taken.z[0].min(start.z + z), taken.z[1].max(start.z + z)];
-            path.add(at, tick);
+            match trace.plan.is_empty() {
+                true => path.add(at, tick),
+                false => plan.add(at, tick),
+            }
             places.add(at, tick);
             // In whole steps, so that a residual of zero is exactly 0.
             let steps = sent_mm(drives, &counts, 1.0);
@@ -245,7 +262,11 @@ impl Line {
             residual_mm = residual_mm.max(strain);
             before = Some(sent);
         }
-        Self { path: path.finish(), places: places.finish(), taken, residual_mm }
+        let (path, share_mm) = match trace.plan.is_empty() {
+            true => (path.finish(), trace.step_mm),
+            false => (plan.finish(), 0.0),
+        };
+        Self { path, places: places.finish(), taken, residual_mm, share_mm }
     }
 }
 

@@ -74,6 +74,12 @@ pub struct ContourFigures {
     /// Largest distance from a corner at which the tool crossed its bisector, by equation 17 of Yin et al.; inside
     /// positive.
     pub bisector_max_mm: f64,
+    /// Largest distance of the commanded places from the line: rounding to steps, and a shaper's.
+    pub commanded_max_mm: f64,
+    /// Root of the mean square of these.
+    pub commanded_rms_mm: f64,
+    /// How far the line itself may be from the planned one: 0 if the plan is known, a step if only steps are.
+    pub line_share_mm: f64,
 }
 
 /// A corner.
@@ -139,6 +145,9 @@ impl Report {
                 .iter()
                 .filter_map(|corner| corner.bisector_mm)
                 .fold(0.0, |most: f64, mm| if mm.abs() > most.abs() { mm } else { most }),
+            commanded_max_mm: watch.commanded.greatest_mm,
+            commanded_rms_mm: watch.commanded.rms_mm(),
+            line_share_mm: watch.line_share_mm,
         };
         let motor = |(motor, watch): (u8, &super::watch::MotorWatch)| MotorFigures {
             motor,
@@ -194,8 +203,14 @@ impl std::fmt::Display for Report {
         let Self { model, duration_s, events, wall_time_s, times_real_time, .. } = self;
         writeln!(f, "{name}, {model}: {duration_s:.2} s, {events} instants of steps")?;
         writeln!(f, "  computed in {wall_time_s:.2} s, {times_real_time:.1} times as fast as the machine")?;
-        let ContourFigures { max_mm, rms_mm, rounding_max_mm, overshoot_max_mm, bisector_max_mm } = self.contour;
+        let ContourFigures { max_mm, rms_mm, rounding_max_mm, overshoot_max_mm, bisector_max_mm, .. } = self.contour;
         writeln!(f, "  contour error   max {max_mm:.4} mm, RMS {rms_mm:.4} mm")?;
+        let ContourFigures { commanded_max_mm, commanded_rms_mm, line_share_mm, .. } = self.contour;
+        write!(f, "  commanded       max {commanded_max_mm:.4} mm, RMS {commanded_rms_mm:.4} mm off the ")?;
+        match line_share_mm {
+            0.0 => writeln!(f, "planned line: rounding to steps, and shaping")?,
+            _ => writeln!(f, "line, which is drawn through the steps and may be {line_share_mm:.4} mm off the plan")?,
+        }
         writeln!(
             f,
             "  at {} corners   inside {rounding_max_mm:.4} mm, outside {overshoot_max_mm:.4}, on the bisector {bisector_max_mm:.4}",

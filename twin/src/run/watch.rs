@@ -53,6 +53,10 @@ pub struct Watch {
     machine: Machine,
     /// Errors of the tool.
     pub contour: ContourError,
+    /// Errors of the commanded places from the same line: rounding to steps, and a shaper's.
+    pub commanded: ContourError,
+    /// How far the line itself may be from the planned one, in mm: 0 for a plan, a step for a line of steps.
+    pub line_share_mm: f64,
     /// Tension of each span in N.
     pub tensions_n: Vec<Range>,
     /// Number of times that a span became slack.
@@ -78,6 +82,13 @@ pub struct Watch {
     now: Bin,
 }
 
+/// Errors from a line.
+pub(super) struct Errors {
+    pub tool: ContourError,
+    pub commanded: ContourError,
+    pub line_share_mm: f64,
+}
+
 /// Whether nothing moves, nor is about to.
 pub(super) fn is_at_rest(plant: &Plant, state: &mut State) -> bool {
     let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
@@ -86,11 +97,13 @@ pub(super) fn is_at_rest(plant: &Plant, state: &mut State) -> bool {
 
 impl Watch {
     /// A machine at rest.
-    pub(super) fn new(machine: Machine, plant: &Plant, contour: ContourError, commanded_residual_mm: f64) -> Self {
+    pub(super) fn new(machine: Machine, plant: &Plant, errors: Errors, commanded_residual_mm: f64) -> Self {
         let spans = plant.span_names().count();
         Self {
             machine,
-            contour,
+            contour: errors.tool,
+            commanded: errors.commanded,
+            line_share_mm: errors.line_share_mm,
             tensions_n: plant.tensions(&[]).map(Range::at).collect(),
             slack: 0,
             is_slack: vec![false; spans],
@@ -116,6 +129,8 @@ impl Watch {
         let State { at, speeds, sent_mm, .. } = state;
         let [x, y] = [at.first(), at.get(1)].map(|v| v.copied().unwrap_or(0.0));
         self.now.error_mm = self.contour.sample(tick, [plant.start().x + x, plant.start().y + y]);
+        let [x, y, _] = plant.ways.tool(sent_mm);
+        self.commanded.sample(tick, [plant.start().x + x, plant.start().y + y]);
         self.now.tensions_n.clear();
         self.now.forces_n.clear();
         let spans = self.tensions_n.iter_mut().zip(&mut self.is_slack);

@@ -31,6 +31,28 @@ pub struct Event {
     pub forward: u8,
 }
 
+/// A planned move of the tool over the bed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planned {
+    /// When it begins and ends, in ticks; a shaper's mean delay is in them.
+    pub ticks: [u64; 2],
+    /// Its way in mm.
+    pub way_mm: [f64; 2],
+    /// Where it begins.
+    pub begins: Begins,
+}
+
+/// Where a planned move begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begins {
+    /// At the end of the move before.
+    AtTheEnd,
+    /// There, or where the motors stand if this is more than a step away: a stop may have ended the move before.
+    NearTheEnd,
+    /// Where the motors stand: a switch ended the move before.
+    AtTheMotors,
+}
+
 /// A row of instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepTrace {
@@ -40,6 +62,8 @@ pub struct StepTrace {
     pub step_mm: f64,
     /// The instants, in order.
     pub events: Vec<Event>,
+    /// The planned moves in order; empty if only the steps are known.
+    pub plan: Vec<Planned>,
     last: u64,
 }
 
@@ -47,7 +71,7 @@ impl StepTrace {
     /// A trace without steps.
     #[must_use]
     pub const fn new(columns: Vec<Column>, step_mm: f64) -> Self {
-        Self { columns, step_mm, events: Vec::new(), last: 0 }
+        Self { columns, step_mm, events: Vec::new(), plan: Vec::new(), last: 0 }
     }
 
     /// Adds an instant; one before the last counts as the last.

@@ -8,12 +8,13 @@
 use super::sections::{Kind, Line, Modes, Section, is_kept, is_origin, sections};
 use crate::printer::Printer;
 use crate::stop::Stop;
-use crate::twin::source::{columns, step_mm};
+use crate::twin::source::Log;
 use crate::watched::Watched;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
 use corehbot_sim::host::FileHost;
+use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::trace::Header;
 use corehbot_sim::world::{self, Host, Sink};
 use corehbot_twin::compensation::chords::vertices;
@@ -22,7 +23,7 @@ use corehbot_twin::compensation::{Lead, lead_of};
 use corehbot_twin::math::{hypot, powi};
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
-use corehbot_twin::steps::{StepTrace, TICKS_PER_SECOND};
+use corehbot_twin::steps::{Planned, StepTrace, TICKS_PER_SECOND};
 use std::cell::Cell;
 use std::fmt::Write as _;
 
@@ -148,6 +149,8 @@ impl Played {
             at.step(event);
             rest.add(at.tick - begin, event.steps, event.forward);
         }
+        let later = steps.plan.iter().filter(|planned| planned.ticks[0] >= begin);
+        rest.plan = later.map(|one| Planned { ticks: one.ticks.map(|tick| tick - begin), ..*one }).collect();
         (rest, place)
     }
 
@@ -161,8 +164,7 @@ impl Played {
 pub(super) fn run(gcode: &str, printer: &Printer, stop: &Stop) -> Result<(StepTrace, Vec<usize>)> {
     let machine = printer.machine()?;
     let count = Cell::new(0);
-    let steps = StepTrace::new(columns(&machine.settings), step_mm(&machine.settings));
-    let mut log = Counted { steps, count: &count };
+    let mut log = Counted { log: Log::new(&machine.settings), count: &count };
     let host = Watched::new(FileHost::new(gcode), stop);
     let mut host = Marked { host, count: &count, ends: Vec::new(), is_resting: false };
     let outcome = match &mut printer.eeprom()? {
@@ -180,7 +182,7 @@ pub(super) fn run(gcode: &str, printer: &Printer, stop: &Stop) -> Result<(StepTr
     }
     ensure!(!outcome.halted, "the print failed: an emergency stop holds");
     ends.push(count.get());
-    Ok((log.steps, ends))
+    Ok((log.log.steps, ends))
 }
 
 /// A host that notes where rests are.
@@ -223,14 +225,26 @@ impl Host for Marked<'_, '_> {
 
 /// Keeps the steps and counts them.
 struct Counted<'c> {
-    steps: StepTrace,
+    log: Log,
     count: &'c Cell<usize>,
 }
 
 impl Sink for Counted<'_> {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        self.steps.add(tick, steps.0, forward.0);
-        self.count.set(self.steps.events.len());
+        self.log.event(tick, steps, forward);
+        self.count.set(self.log.steps.events.len());
+    }
+
+    fn wants_moves(&self) -> bool {
+        self.log.wants_moves()
+    }
+
+    fn moved(&mut self, made: &MadeMove) {
+        self.log.moved(made);
+    }
+
+    fn reshaped(&mut self, change: &ShaperChange) {
+        self.log.reshaped(change);
     }
 }
 

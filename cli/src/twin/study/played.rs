@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 pub(in crate::twin) struct Played {
     file: PathBuf,
     printer: Printer,
-    source: OnceLock<Source>,
+    source: OnceLock<Box<Source>>,
 }
 
 impl Played {
@@ -30,13 +30,13 @@ impl Played {
     pub(super) fn load(&self, stop: &Stop) -> Result<()> {
         if self.source.get().is_none() {
             let source = Source::read(&self.file, &self.printer, stop)?;
-            self.source.get_or_init(|| source);
+            self.source.get_or_init(|| Box::new(source));
         }
         Ok(())
     }
 
     /// Its steps, if it was read.
     pub(super) fn source(&self) -> Option<&Source> {
-        self.source.get()
+        self.source.get().map(Box::as_ref)
     }
 }

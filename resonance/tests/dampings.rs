@@ -1,0 +1,104 @@
+//! Dampers between motor and tool, and between tool and frame; vibration across the swept axis; spectra in files.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+mod plant;
+
+use corehbot_resonance::axis::{Named, Question, judge, measure, measure_density};
+use corehbot_resonance::density;
+use corehbot_resonance::label::Axis;
+use corehbot_resonance::modes::{Modes, fit};
+use corehbot_resonance::sweep::Sweep;
+use plant::{Plant, recording, shaken};
+use std::fmt::Write as _;
+
+const RATE: f64 = 1600.0;
+
+fn found(plant: &Plant) -> Modes {
+    let sweep = Sweep { hz_per_s: 2.0, ..Sweep::default() };
+    fit(&shaken(plant, &sweep, RATE, 100.0, 5), Some(Axis::X), &sweep).unwrap()
+}
+
+/// From 15 to 130 Hz, 0.01 to 0.2: the frequency within 1 %, the damping within 10 %, and one mode.
+#[test]
+fn a_damper_is_found_wherever_it_acts() {
+    for (hz, damping) in
+        [(15.0, 0.01), (15.0, 0.2), (18.0, 0.08), (26.0, 0.13), (60.0, 0.18), (130.0, 0.04), (130.0, 0.2)]
+    {
+        for belt in [0.0, 1.0] {
+            let found = found(&Plant { modes: &[(hz, damping, 1.0)], belt, ..Plant::default() });
+            let [mode] = found.modes[..] else { panic!("{hz} Hz, {damping}, {belt}: {:?}", found.modes) };
+            assert!((mode.frequency_hz / hz - 1.0).abs() < 0.01, "{hz} Hz, {damping}, {belt}: {mode:?}");
+            assert!((mode.damping_ratio / damping - 1.0).abs() < 0.1, "{hz} Hz, {damping}, {belt}: {mode:?}");
+        }
+    }
+}
+
+#[test]
+fn the_share_of_the_belt_is_told() {
+    // It counts by its square, so a small one is coarse.
+    for (belt, off) in [(0.0, 0.15), (0.5, 0.05), (1.0, 0.03)] {
+        let found = found(&Plant { modes: &[(60.0, 0.12, 1.0)], belt, ..Plant::default() });
+        assert!((found.belt_damping_share - belt).abs() < off, "{belt}: {}", found.belt_damping_share);
+        assert!((found.modes[0].damping_ratio / 0.12 - 1.0).abs() < 0.03, "{belt}: {:?}", found.modes);
+    }
+}
+
+#[test]
+fn vibration_across_the_axis_moves_no_frequency() {
+    let found = found(&Plant { modes: &[(70.0, 0.06, 1.0)], across: &[(43.0, 0.05, 0.5)], belt: 0.0 });
+    let [mode] = found.modes[..] else { panic!("{:?}", found.modes) };
+    assert!((mode.frequency_hz / 70.0 - 1.0).abs() < 0.002, "{mode:?}");
+}
+
+/// A sensor that was mounted with other axes: its own direction is taken, and a remark says so.
+#[test]
+fn a_sensor_along_another_axis_is_found_and_told() {
+    let sweep = Sweep { hz_per_s: 4.0, ..Sweep::default() };
+    let mut turned = recording(&[(60.0, 0.06, 1.0)], &sweep, RATE, 100.0, 4);
+    turned.axes.swap(0, 1);
+    let measured = measure(Named { file: "x", recording: &turned }, Some(Axis::X), &sweep).unwrap();
+    let mode = measured.fit.unwrap().modes[0];
+    assert!((mode.frequency_hz / 60.0 - 1.0).abs() < 0.005, "{mode:?}");
+    assert!(measured.remarks.iter().any(|remark| remark.contains("most along its own y")), "{:?}", measured.remarks);
+}
+
+/// The file that Klipper writes for a recording leads to the same shaper, and to nearly the same modes.
+#[test]
+fn a_spectrum_in_a_file_serves_like_its_recording() {
+    let sweep = Sweep { hz_per_s: 2.0, ..Sweep::default() };
+    let known = [(42.0, 0.06, 0.6), (88.0, 0.08, 0.4)];
+    let measured = |density: Option<&str>| {
+        let recording = recording(&known, &sweep, 3200.0, 100.0, 4);
+        let raw = measure(Named { file: "x", recording: &recording }, Some(Axis::X), &sweep).unwrap();
+        let Some(header) = density else { return raw };
+        let is_normalised = header.contains("shapers");
+        let mut text = format!("{header}\n");
+        for (i, sum) in raw.spectrum.sum.iter().enumerate() {
+            let by = if is_normalised { raw.normalised[i] / sum } else { 1.0 };
+            let [x, y, z] = raw.spectrum.axes.each_ref().map(|axis| by * axis[i]);
+            let hz = i as f64 * raw.spectrum.step_hz;
+            writeln!(
+                text,
+                "{hz:.1},{x:.3e},{y:.3e},{z:.3e},{:.3e}{}",
+                by * sum,
+                if is_normalised { ",,1" } else { "" }
+            )
+            .unwrap();
+        }
+        let all = density::read(&text).unwrap();
+        measure_density("x", &all[0].1, Some(Axis::X), &sweep)
+    };
+    let question = Question { sweep, ..Question::default() };
+    let line = |header| judge(Some(Axis::X), vec![measured(header)], &question).suggestion.unwrap().line;
+    let raw = line(None);
+    for header in ["freq,psd_x,psd_y,psd_z,psd_xyz", "freq,psd_x,psd_y,psd_z,psd_xyz,shapers:,zv(41.0)"] {
+        assert_eq!(line(Some(header)), raw, "{header}");
+        let fit = measured(Some(header)).fit.unwrap();
+        assert_eq!(fit.modes.len(), 2, "{header}: {fit:?}");
+        for (hz, damping, _) in known {
+            let near = |mode: &&corehbot_resonance::modes::Mode| (mode.frequency_hz / hz - 1.0).abs() < 0.01;
+            let found = fit.modes.iter().find(near).unwrap();
+            assert!((found.damping_ratio / damping - 1.0).abs() < 0.15, "{header}: {found:?}");
+        }
+    }
+}
