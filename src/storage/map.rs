@@ -9,7 +9,7 @@
 //! | 3,328 | 160 | mesh, slot B |
 //! | 3,488 | 480 | reserved: layers for a power loss, three records of 160 bytes in turn |
 //! | 3,968 | 96 | free |
-//! | 4,064 | 32 | the note of the last self-test |
+//! | 4,064 | 32 | notes: 8 bytes of the last self-test, 8 of the load of belt motors; 16 are free |
 //!
 //! A page stands a million writes (AT24C32E datasheet 8905F, 1). A position each second is 36,000 pages in a print of
 //! ten hours, 1,895 writes of each page, so the memory stands 527 such prints.
@@ -46,7 +46,7 @@ const LAYERS: Region = region(3488, 3 * 160);
 /// For later.
 const FREE: Region = region(3968, 3 * PAGE as u32);
 
-/// The note of the last self-test.
+/// Notes, which are written at any time: only this page needs no erased slot in flash.
 const NOTE: Region = region(4064, PAGE as u32);
 
 /// All of it, by address.
@@ -60,6 +60,9 @@ pub const STRIDE: u32 = SETTINGS[1].begin;
 
 /// The address of the note of the last self-test.
 pub(super) const SELF_TEST: u32 = NOTE.begin;
+
+/// The address of the note of the load of belt motors.
+pub(super) const BELT_LOADS: u32 = NOTE.begin + 8;
 
 // The regions follow each other without a gap, in whole pages, up to the end.
 const _: () = {

@@ -6,15 +6,16 @@
 //!
 //! An image has a place for its own record ([`machine_of`]): the machine of this board until another one is stored.
 //!
-//! The last page notes the last self-test of the heaters that was passed. `map` says where everything lies.
+//! The last page has notes ([`notes`]): the last self-test of the heaters that was passed, and the load that a mm of
+//! strain takes of belt motors. `map` says where everything lies.
 
 mod machine;
 mod machine_block;
 mod map;
 mod mesh;
+mod notes;
 mod payload;
 mod record;
-mod self_test;
 mod slots;
 
 pub use machine::{machine_in, record_of, stored_machine};
@@ -26,7 +27,7 @@ pub use mesh::{
     MOST_STORED, MeshFate, MeshNotSaved, MeshRejected, StoredMesh, follow_settings, forget_mesh, is_of_others,
     load_mesh, machine_of as mesh_machine, save_mesh,
 };
+pub use notes::{belt_loads, note_belt_loads, note_passed_test, passed_test};
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
-pub use self_test::{note_passed_test, passed_test};
 pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, survey, survey_on};

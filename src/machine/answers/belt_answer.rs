@@ -1,7 +1,9 @@
 //! Answers about motors that can pull against each other.
 
 use crate::driver::Fault;
+use crate::machine::state::pulleys::Shift;
 use crate::port::Motor;
+use crate::units::Mm;
 
 /// Why motors could not be aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -20,6 +22,10 @@ pub(in crate::machine) enum AlignError {
     Unsure,
     /// The motors have changed in the meantime.
     Changed,
+    /// Measured again, this strain is left in mm.
+    Strained(Mm),
+    /// The loads contradict each other by this strain in mm.
+    Drags(Mm),
     /// A motor has no torque left where it strains the belt by hardly anything.
     AtLimit(Motor),
     /// The drivers of motors that have just got power do not stand to each other as the phases of the belt say.
@@ -31,8 +37,12 @@ pub(in crate::machine) enum AlignError {
 pub(in crate::machine) enum Diagnosis {
     /// Nothing changed: the switches are in place, and no motor strains the belt.
     Nothing,
+    /// The tool is elsewhere, the motors agree, and no skip moves it so far.
+    Aside,
     /// The tool is elsewhere, and the motors agree: some have skipped alike, or a switch has moved.
     Alike,
+    /// The belt is strained as no skip does it, and nothing else is wrong.
+    Moved,
     /// One motor has skipped, by this many full steps.
     Skip { motor: Motor, full_steps: i32 },
     /// More than one skip, or a state that skips cannot explain.
@@ -48,9 +58,11 @@ impl Diagnosis {
     const fn rank(self) -> u8 {
         match self {
             Self::Nothing => 0,
-            Self::Alike => 1,
-            Self::Skip { .. } => 2,
-            Self::Several => 3,
+            Self::Aside => 1,
+            Self::Alike => 2,
+            Self::Moved => 3,
+            Self::Skip { .. } => 4,
+            Self::Several => 5,
         }
     }
 }
@@ -66,6 +78,12 @@ pub(in crate::machine) enum BeltAnswer {
     /// M122: the path of the tool in mm since x and y met their switches; none if they did not, or lost their place
     /// since.
     Met([Option<u32>; 2]),
+    /// A mm of strain takes another part of the load than before, of this residual.
+    Load { number: usize, now: u16, before: u16 },
+    /// The phase of this residual has changed by so many 1024ths of an electrical turn.
+    Pulley { number: usize, by: i32, shift: Shift, is_kept: bool },
+    /// A jumped tooth cannot be told from skips on this machine.
+    Untold,
     /// They are aligned; these are the results.
     Aligned,
     /// They could not be aligned.

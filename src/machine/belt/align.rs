@@ -7,12 +7,13 @@
 
 use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{
-    Findings, Load, PARTS, Readings, Slope, apex, dragged, is_less_loaded, load_of_stroke, slope, thousandths,
-    without_torque,
+    Findings, Load, PARTS, Readings, Slope, apex, contradiction, dragged, is_less_loaded, load_of_stroke, slope,
+    thousandths, without_torque,
 };
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
-use crate::machine::answers::belt_answer::AlignError;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -50,6 +51,9 @@ const ROUNDS: core::ops::Range<i64> = 3..12;
 /// `main_loop::phase` includes it.
 const SURE: i64 = 102;
 
+/// The proof's apex may be this far from the first one besides chance, in 256ths of a step: its bound, and half a step.
+const AGREES: i64 = 128 + SURE + 128;
+
 /// stealthChop tunes itself at rest for more than 130 ms (section 6.2.1).
 const TUNING_MS: u32 = 200;
 
@@ -77,13 +81,26 @@ impl From<AlignError> for BeltError {
 pub(in crate::machine) struct ApexFound {
     /// In steps from the trimmed motor's start.
     pub step: i32,
+    /// The finding's distance from that step, in 256ths of a step.
+    pub beside: i64,
     /// Its error bound, in 256ths of a step.
-    within: i64,
+    pub within: i64,
+    /// Loads contradict each other.
+    pub is_contradicted: bool,
     slope: Slope,
+}
+
+impl ApexFound {
+    /// The fall of a reading for a mm of strain.
+    pub fn readings_per_mm(&self, settings: &Settings) -> u16 {
+        self.slope.readings_per_mm(settings.axes.x.steps_per_mm.to_num())
+    }
 }
 
 /// State of a scan: the motor's trim from its start.
 struct Scan {
+    /// The residual's number.
+    number: usize,
     motor: Motor,
     motors: MotorSet,
     /// Strokes go along y, because not all of the motors turn for x.
@@ -93,10 +110,15 @@ struct Scan {
 
 impl Scan {
     /// A scan of a residual, with the motor at its present place.
-    fn new<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, motor: Motor, residual: &Residual) -> Self {
+    fn new<P: PortSet, W: Pend>(
+        main_loop: &MainLoop<'_, P, W>,
+        number: usize,
+        motor: Motor,
+        residual: &Residual,
+    ) -> Self {
         let (motors, mechanism) = (motors_in(residual), main_loop.motion.groups().mechanism());
         let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
-        Self { motor, motors, is_along_y, at: 0 }
+        Self { number, motor, motors, is_along_y, at: 0 }
     }
 }
 
@@ -123,15 +145,16 @@ async fn align_each<P: PortSet, W: Pend>(
     residuals: &Residuals,
 ) -> Result<(), BeltError> {
     for (number, residual) in residuals.iter().enumerate() {
-        let Some(found) = apart(pin!(find_apex(main_loop, residual))).await? else { continue };
-        let phase = find_phase(main_loop, residual).await?;
+        let Some(found) = apart(pin!(find_apex(main_loop, number, residual))).await? else { continue };
+        let phase = find_phase(main_loop, residual, found.beside).await?;
         leave_at(main_loop, number, residual, found, phase).await?;
     }
     Ok(())
 }
 
 /// Proves that the belt has the wanted strain. A skip after trimming, or one that spoiled the findings, strains it by
-/// about four full steps. The proof relies on no earlier finding.
+/// about four full steps. A roller that holds strain back holds another one after homing. The proof relies on no
+/// earlier finding, and both have to agree.
 pub(in crate::machine) async fn measure_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
@@ -149,20 +172,26 @@ async fn measure_each_again<P: PortSet, W: Pend>(
     residuals: &Residuals,
 ) -> Result<(), BeltError> {
     let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
-    for residual in residuals.iter() {
+    for (number, residual) in residuals.iter().enumerate() {
         let Some((motor, times)) = trimmed(residual) else { continue };
-        let mut scan = Scan::new(main_loop, motor, residual);
+        let mut scan = Scan::new(main_loop, number, motor, residual);
         let (middle, arm) = (-preload_of(residual, main_loop.settings.preload_steps()) / times, ARM * full_step);
         let loads = loads_about(main_loop, &mut scan, middle, arm).await;
         if !matches!(loads, Err(BeltError::Interrupted(_))) {
             go_to(main_loop, &mut scan, 0).await?;
         }
         let loads @ [left, _, right] = loads?;
-        each_follows(loads)?;
-        let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
-        if apex(left, right, slope).is_beyond(full_step) {
-            return Err(AlignError::Changed.into());
+        let slope = slope(loads, arm.into());
+        let contradiction = each_follows(main_loop, loads, arm, slope)?;
+        let slope = slope.ok_or(AlignError::Flat)?;
+        let apex = apex(left, right, slope);
+        if apex.at.abs() > AGREES + contradiction + 3 * apex.variance.isqrt() {
+            let strain = main_loop.settings.belt_length(thousandths(apex.at * i64::from(-times)));
+            return Err(AlignError::Strained(strain).into());
         }
+        let within = main_loop.settings.belt_length(thousandths(128 + SURE + contradiction));
+        let per_mm = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
+        main_loop.trimming.prove(number, (contradiction > 0).then_some(within), per_mm);
     }
     Ok(())
 }
@@ -173,18 +202,17 @@ pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
-    ApexFound { step, within, slope }: ApexFound,
+    apex: ApexFound,
     phase: Option<u16>,
 ) -> Result<(), Interrupt> {
     let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
     trim(main_loop, motor, preload_of(residual, main_loop.settings.preload_steps()) / times).await?;
-    let was = main_loop.settings.belt_length(i64::from(-step * times) * 1000);
-    let per_mm = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
     let found = Found {
-        was,
-        within: main_loop.settings.belt_length(thousandths(within)),
-        readings_per_mm: Some(per_mm),
+        was: main_loop.settings.belt_length(i64::from(-apex.step * times) * 1000),
+        within: main_loop.settings.belt_length(thousandths(apex.within)),
+        readings_per_mm: Some(apex.readings_per_mm(&main_loop.settings)),
         phase,
+        is_contradicted: apex.is_contradicted,
     };
     main_loop.trimming.note(number, found);
     Ok(())
@@ -228,10 +256,11 @@ pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
 /// Finds the trim at which the motors of a residual do not pull against each other, and leaves the motor there.
 pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
     residual: &Residual,
 ) -> Result<Option<ApexFound>, BeltError> {
     let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
-    let mut scan = Scan::new(main_loop, motor, residual);
+    let mut scan = Scan::new(main_loop, number, motor, residual);
     let found = apart(pin!(climb(main_loop, &mut scan))).await;
     if let Err(BeltError::Align(_)) = found {
         // Nothing is known, so the motor returns.
@@ -264,8 +293,12 @@ async fn climb<P: PortSet, W: Pend>(
             return Err(AlignError::TooFar.into());
         }
     }
-    each_follows(loads)?;
-    let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
+    let slope = slope(loads, arm.into());
+    if let Some(slope) = slope {
+        tell_of_load(main_loop, scan.number, slope).await?;
+    }
+    let contradiction = each_follows(main_loop, loads, arm, slope)?;
+    let slope = slope.ok_or(AlignError::Flat)?;
     let [left, _, right] = loads;
     let mut findings = Findings::default();
     findings.note(middle, apex(left, right, slope));
@@ -285,13 +318,44 @@ async fn climb<P: PortSet, W: Pend>(
         }
     }
     go_to(main_loop, scan, about).await?;
-    Ok(ApexFound { step: about, within: findings.bound(), slope })
+    Ok(ApexFound {
+        step: about,
+        beside: findings.beside(),
+        within: findings.bound() + contradiction,
+        is_contradicted: contradiction > 0,
+        slope,
+    })
 }
 
-/// Refuses a motor that does not follow its field, with the apex in the middle: it moves with the next stroke.
-fn each_follows(loads: [Load; 3]) -> Result<(), AlignError> {
-    all_have_torque(&loads)?;
-    dragged(loads).map_or(Ok(()), |motor| Err(AlignError::AtLimit(motor)))
+/// Tells the host if a mm of strain takes much more or less of the load than before. A roller that holds
+/// strain back makes the belt stiffer for the motors next to it, and friction hides a part of the load.
+async fn tell_of_load<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
+    slope: Slope,
+) -> Result<(), Interrupt> {
+    let now = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
+    match main_loop.trimming.other_load(number, now) {
+        Some(before) => main_loop.reply(Answer::Belt(BeltAnswer::Load { number, now, before })).await,
+        None => Ok(()),
+    }
+}
+
+/// Refuses a motor that does not follow its field, with the apex in the middle: it moves with the next stroke. Refuses
+/// loads that contradict each other by more than half a full step, at which strain and phase are not known. If other
+/// motors do so without that motor, it is not to blame. Returns the contradiction, in fractions of a step.
+fn each_follows<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    loads: [Load; 3],
+    arm: i32,
+    slope: Option<Slope>,
+) -> Result<i64, AlignError> {
+    let blamed = without_torque(&loads).or_else(|| dragged(loads));
+    let found = slope.map_or(0, |slope| contradiction(loads, arm.into(), slope, blamed));
+    if found > i64::from(arm) * PARTS / 4 {
+        return Err(AlignError::Drags(main_loop.settings.belt_length(thousandths(found))));
+    }
+    blamed.map_or(Ok(found), |motor| Err(AlignError::AtLimit(motor)))
 }
 
 /// Refuses a motor without torque near the apex, where strain takes only a part of it. Far from the apex, strain may

@@ -32,6 +32,34 @@ fn of_motors(mechanism: &Mechanism, [x, y]: [i32; 2]) -> [i32; 2] {
     [x.saturating_mul(mechanism.most_times(0).into()), y.saturating_mul(mechanism.most_times(1).into())]
 }
 
+/// Whether motors that skip together, and strain nothing, move the tool so far: by half turns along x and y, the effect
+/// of a pair. Belts give way, and switches have a size: half a full step beside that.
+fn is_by_skips(mechanism: &Mechanism, aside: [i32; 2], full_step: i32) -> bool {
+    let half_turn = FULL_STEPS_A_TURN * full_step / 2;
+    let each = of_motors(mechanism, aside).map(|steps| {
+        let halves = (2 * steps + half_turn).div_euclid(2 * half_turn);
+        (halves, 2 * (steps - halves * half_turn).abs() <= full_step)
+    });
+    each.iter().all(|(_, is_near)| *is_near) && each.iter().any(|(halves, _)| *halves != 0)
+}
+
+/// The same if the phase of the residual says that a pulley has moved on the belt or its shaft. Without a whole turn of
+/// strain, no skip is needed to move the tool by up to half of the strain. But a tooth that jumped while motors had
+/// power is two turns or more, and no belt bears them: motors have skipped (`has_skipped`).
+pub(in crate::machine) fn with_moved_pulley(
+    mechanism: &Mechanism,
+    found: Diagnosis,
+    touched: Touched,
+    full_step: i32,
+    has_skipped: bool,
+) -> Diagnosis {
+    let turn = FULL_STEPS_A_TURN * full_step;
+    let strain = touched.residual.abs();
+    let is_alone = 4 * strain <= 3 * turn
+        && of_motors(mechanism, touched.aside).iter().all(|aside| 2 * aside.abs() <= strain + full_step / 2);
+    if !has_skipped && (is_alone || found == Diagnosis::Nothing) { Diagnosis::Moved } else { Diagnosis::Several }
+}
+
 /// The diagnosis, given the microsteps of a full step.
 pub(in crate::machine) fn diagnose(
     mechanism: &Mechanism,
@@ -48,7 +76,8 @@ pub(in crate::machine) fn diagnose(
     }
     match (turns, x, y) {
         (0, 0, 0) => return Diagnosis::Nothing,
-        (0, ..) => return Diagnosis::Alike,
+        (0, ..) if is_by_skips(mechanism, touched.aside, full_step) => return Diagnosis::Alike,
+        (0, ..) => return Diagnosis::Aside,
         (-1 | 1, ..) => {}
         _ => return Diagnosis::Several,
     }
@@ -108,9 +137,26 @@ mod tests {
     }
 
     #[test]
+    fn a_pulley_that_moved_explains_strain_without_a_skip() {
+        let mechanism = Mechanism::corehbot();
+        let of = |found, aside, residual, has_skipped| {
+            with_moved_pulley(&mechanism, found, Touched { aside, residual }, FULL_STEP, has_skipped)
+        };
+        assert_eq!(of(Diagnosis::Several, [0, 1], -32, false), Diagnosis::Moved);
+        assert_eq!(of(Diagnosis::Nothing, [0, 0], 8, false), Diagnosis::Moved);
+        assert_eq!(of(Diagnosis::Several, [27, 5], -32, false), Diagnosis::Several);
+        assert_eq!(of(Diagnosis::Several, [11, 5], -32, true), Diagnosis::Several);
+    }
+
+    #[test]
     fn what_no_single_skip_explains_has_no_name() {
         assert_eq!(corehbot([1, -1], 3), Diagnosis::Nothing);
         assert_eq!(corehbot([25, 1], -3), Diagnosis::Alike);
+        assert_eq!(corehbot([-64, 33], -3), Diagnosis::Alike);
+        // Two steps are no skip of anything.
+        for aside in [[4, 1], [1, 5], [0, 11], [16, 16], [32, 16]] {
+            assert_eq!(corehbot(aside, 3), Diagnosis::Aside, "{aside:?}");
+        }
         // Between two turns; two turns; a displacement that is too large; a tool at its place.
         for (aside, residual) in [([7, 7], 30), ([14, 14], 128), ([80, 80], -64), ([0, 0], 64), ([7, 0], 64)] {
             assert_eq!(corehbot(aside, residual), Diagnosis::Several, "{aside:?} {residual}");

@@ -17,7 +17,7 @@
 use crate::motors::{MOTORS, Motor, MotorSet};
 
 /// Fractions of a reading and of a step in which means are counted.
-pub(super) const PARTS: i64 = 256;
+pub(in crate::machine) const PARTS: i64 = 256;
 
 /// Minimum number of readings per motor for a mean.
 const LEAST_READINGS: u32 = 8;
@@ -80,7 +80,7 @@ impl Readings {
             number += 1;
         }
         let all = || Mean { mean: all.mean / number, variance: all.variance / (number * number) };
-        (number > 0).then(|| Load { all: all(), each, at_limit: self.at_limit(motors) })
+        (number > 0).then(|| Load { all: all(), ways: [all(); 2], each, at_limit: self.at_limit(motors) })
     }
 }
 
@@ -105,6 +105,8 @@ impl Mean {
 pub(super) struct Load {
     /// Over all motors.
     all: Mean,
+    /// The same in each direction of motion.
+    ways: [Mean; 2],
     /// Of each of them.
     each: [Mean; MOTORS],
     /// The motor without torque left, if there is one.
@@ -117,7 +119,8 @@ pub(super) fn load_of_stroke(there: &Readings, back: &Readings, motors: MotorSet
     let (there, back) = (there.load(motors)?, back.load(motors)?);
     let mut each = there.each;
     each.iter_mut().zip(back.each).for_each(|(there, back)| *there = there.between(back));
-    Some(Load { all: there.all.between(back.all), each, at_limit: there.at_limit.or(back.at_limit) })
+    let at_limit = there.at_limit.or(back.at_limit);
+    Some(Load { all: there.all.between(back.all), ways: [there.all, back.all], each, at_limit })
 }
 
 /// Twice the height of the curve's middle above its arms, where the arms meet, and its variance.
@@ -152,13 +155,6 @@ pub(super) struct Apex {
     pub variance: i64,
 }
 
-impl Apex {
-    /// Whether it is at least this many steps from the trim in the middle.
-    pub const fn is_beyond(self, steps: i32) -> bool {
-        self.at.abs() >= steps as i64 * PARTS
-    }
-}
-
 /// Fall of a reading per step of trim, in fractions of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slope(i64);
@@ -181,6 +177,48 @@ pub(super) fn slope(loads: [Load; 3], arm: i64) -> Option<Slope> {
     let Mean { mean: rise, variance } = rise(loads.map(|load| load.all));
     let slope = rise / (2 * arm.max(1));
     (rise > 0 && slope > 0 && rise * rise > 36 * variance).then_some(Slope(slope))
+}
+
+/// By how much the loads contradict each other, in fractions of a step. Where nothing drags, both directions of motion
+/// and all motors have their least load at one trim, and the load of each motor changes with the strain. A roller that
+/// does not turn holds strain back on one side of it, and a motor that rubs hides a part of it. The mean of all has an
+/// apex all the same. What chance may explain (four standard errors) counts as nothing. With a motor to leave out, only
+/// the other motors are compared: it may be the one that rubs.
+pub(super) fn contradiction(
+    [left, middle, right]: [Load; 3],
+    arm: i64,
+    Slope(slope): Slope,
+    without: Option<Motor>,
+) -> i64 {
+    let tilts = [0, 1].map(|way| {
+        let [left, right] = [left, right].map(|load| load.ways.get(way).copied().unwrap_or_default());
+        Mean { mean: right.mean - left.mean, variance: left.variance + right.variance }
+    });
+    let [there, back] = tilts;
+    let by_way = (there.mean - back.mean).abs();
+    let is_by_way = by_way * by_way > 16 * (there.variance + back.variance);
+    let of_ways = if is_by_way && without.is_none() { by_way * PARTS / (4 * slope) } else { 0 };
+    let each =
+        || left.each.into_iter().zip(middle.each).zip(right.each).map(|((left, middle), right)| [left, middle, right]);
+    let most = each().map(|own| rise(own).mean).max().unwrap_or_default();
+    let common = (right.all.mean - left.all.mean) * PARTS / (2 * slope);
+    let of_motor = |own @ [left, middle, right]: [Mean; 3]| {
+        let height = rise(own).mean;
+        if middle.mean == 0 && left.mean == 0 && right.mean == 0 {
+            return 0;
+        }
+        // Its load hardly changes. Friction is what it follows then: by half a full step its rotor may lag at rest.
+        if 4 * height < most {
+            return arm * PARTS / 4;
+        }
+        let apart = ((right.mean - left.mean) * arm * PARTS / height.max(1) - common).abs();
+        let chance = (16 * (left.variance + right.variance)).isqrt() * arm * PARTS / height.max(1);
+        // Friction rounds the tip, which moves an apex between the middle and an arm by up to a third of a full step.
+        if apart > chance + arm * PARTS / 6 { apart } else { 0 }
+    };
+    let left_out = without.map(Motor::index);
+    let others = each().enumerate().filter(|(index, _)| Some(*index) != left_out).map(|(_, own)| of_motor(own));
+    others.max().unwrap_or_default().max(of_ways)
 }
 
 /// Where arms of this slope meet.
@@ -226,16 +264,20 @@ impl Findings {
         ((2 * self.sum + PARTS * self.count).div_euclid((2 * PARTS * self.count).max(1))) as i32
     }
 
+    /// Their mean's distance from that step, in fractions of a step.
+    pub fn beside(&self) -> i64 {
+        self.sum / self.count.max(1) - i64::from(self.step()) * PARTS
+    }
+
     /// Bound of their mean's distance from that step, in fractions of a step: the distance plus three standard errors.
     pub fn bound(&self) -> i64 {
         let count = self.count.max(1);
-        let beside = (self.sum / count - i64::from(self.step()) * PARTS).abs();
-        beside + 3 * (self.variance / (count * count)).isqrt() + 1
+        self.beside().abs() + 3 * (self.variance / (count * count)).isqrt() + 1
     }
 }
 
 /// Fractions as thousandths of a step.
-pub(super) const fn thousandths(parts: i64) -> i64 {
+pub(in crate::machine) const fn thousandths(parts: i64) -> i64 {
     parts * 1000 / PARTS
 }
 
@@ -246,7 +288,7 @@ mod tests {
 
     fn load(mean: i64) -> Load {
         let all = Mean { mean: mean * PARTS, variance: PARTS };
-        Load { all, each: [Mean::default(); MOTORS], at_limit: None }
+        Load { all, ways: [all; 2], each: [Mean::default(); MOTORS], at_limit: None }
     }
 
     /// 400 without load, 2 less a step.
@@ -262,7 +304,6 @@ mod tests {
             assert_eq!((slope, slope.readings_per_mm(80)), (Slope(2 * PARTS), 160));
             let found = apex(arms[0], arms[2], slope);
             assert_eq!(found.at, apex_at * PARTS);
-            assert!(found.is_beyond(apex_at.abs() as i32) && !found.is_beyond(apex_at.abs() as i32 + 1));
             // Two readings with a standard error of 1/16 each, over twice a slope of 2.
             assert_eq!(found.variance, 2 * PARTS * PARTS * PARTS / (4 * 4 * PARTS * PARTS));
         }
@@ -370,8 +411,51 @@ mod tests {
         };
         let same = load_of_stroke(&of(300), &of(300), motor).unwrap();
         let unlike = load_of_stroke(&of(290), &of(310), motor).unwrap();
-        assert_eq!(same, unlike);
+        assert_eq!((same.all, same.each), (unlike.all, unlike.each));
         assert_eq!(load_of_stroke(&of(300), &Readings::default(), motor), None);
+    }
+
+    /// Readings of four motors left, in the middle and right, as the belt's twin makes them; the same both ways, or
+    /// with so much more there than back.
+    fn stroke_of_four(own: [u32; 4], tilt: u32) -> Load {
+        let motors = [prototype::M1, prototype::M4, prototype::M8, prototype::M11];
+        let all = motors.into_iter().fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)));
+        let [there, back] = [tilt, 0].map(|tilt| {
+            let mut readings = Readings::default();
+            for (motor, own) in motors.into_iter().zip(own) {
+                (0..25_u32).for_each(|n| readings.note(motor, own + tilt + n % 5));
+            }
+            readings
+        });
+        load_of_stroke(&there, &back, all).unwrap()
+    }
+
+    #[test]
+    fn loads_contradict_each_other_where_something_drags() {
+        const ARM: i64 = 32;
+        let of = |rows: [[u32; 4]; 3], tilts: [u32; 3]| {
+            let loads = [0, 1, 2].map(|place| stroke_of_four(rows[place], tilts[place]));
+            contradiction(loads, ARM, slope(loads, ARM).unwrap(), None)
+        };
+        let sound = [[329, 328, 329, 328], [388; 4], [327, 329, 329, 329]];
+        assert_eq!(of(sound, [0; 3]), 0);
+        // Motors that measure unlike loads agree about the apex.
+        assert_eq!(of([[329, 228, 259, 358], [388, 308, 299, 428], [329, 228, 259, 358]], [0; 3]), 0);
+        // A roller drags: there the apex is 8 steps to one side, back 8 to the other.
+        let tilted = of(sound, [0, 0, 60]);
+        assert!((tilted - 8 * PARTS).abs() < PARTS, "{tilted}");
+        // Rollers 6 and 13 hold strain back: the motors next to them have their apex 14 to 28 steps to the sides.
+        let six = of([[276, 170, 301, 385], [382, 315, 279, 346], [310, 338, 251, 280]], [0; 3]);
+        assert!((20 * PARTS..32 * PARTS).contains(&six), "{six}");
+        let thirteen = of([[179, 277, 373, 325], [304, 336, 369, 388], [110, 209, 312, 385]], [0; 3]);
+        assert!(thirteen > 12 * PARTS, "{thirteen}");
+        // Without motor 11 the others contradict each other all the same.
+        let rows = [[179, 277, 373, 0], [304, 336, 369, 0], [110, 209, 312, 0]];
+        let loads = rows.map(|row| stroke_of_four(row, 0));
+        assert!(contradiction(loads, ARM, slope(loads, ARM).unwrap(), Some(prototype::M11)) > 8 * PARTS);
+        // A motor that rubs with 50 N: its own load hardly changes.
+        let rubs = of([[99, 330, 332, 329], [101, 377, 377, 381], [101, 330, 331, 331]], [0; 3]);
+        assert_eq!(rubs, 8 * PARTS);
     }
 
     #[test]

@@ -33,11 +33,12 @@
 //! | [`align`] | motors are aligned |
 //! | `main_loop::phase` | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
+//! | `state::pulleys` | what a changed phase says of the pulleys |
 //! | [`report`] | the belt's part of M122 |
 //! | `main_loop::limp` | one motor has failed, and the others park the tool |
 
 pub(in crate::machine) mod align;
 pub(in crate::machine) mod circulate;
 pub(in crate::machine) mod diagnosis;
-mod load_curve;
+pub(in crate::machine) mod load_curve;
 pub(in crate::machine) mod report;

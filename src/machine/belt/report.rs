@@ -21,7 +21,10 @@ pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
     // Drivers are read only at rest: in motion their positions would change between the replies.
     if main_loop.trimming.is_aligned() && !main_loop.motion.has_motion() && main_loop.power.is_on(residuals.motors()) {
         for (number, residual) in residuals.iter().enumerate() {
-            if let Some(strain) = strain(main_loop, number, residual).await? {
+            // Against the phase of this alignment: settings may have got another one.
+            let phase = main_loop.trimming.found(number).and_then(|found| found.phase);
+            let Some(phase) = phase else { continue };
+            if let Some(strain) = strain(main_loop, phase.into(), residual).await? {
                 main_loop.reply(Answer::Belt(BeltAnswer::Fields(strain))).await?;
             }
         }

@@ -3,20 +3,25 @@
 
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
+use super::settings::stored::note_belt_loads;
 use super::shift_z::shift_z;
 use crate::gcode::AxisFlags;
 use crate::kinematics::{Mechanism, Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
 use crate::machine::apart::apart;
-use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, find_apex, leave_at};
-use crate::machine::belt::diagnosis::{Touched, diagnose};
+use crate::machine::belt::align::{ApexFound, BeltError, begin_measuring, end_measuring, find_apex, leave_at};
+use crate::machine::belt::diagnosis::{Touched, diagnose, with_moved_pulley};
+use crate::machine::belt::load_curve::{PARTS, thousandths};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::trim::{trim, trimmed};
+use crate::machine::main_loop::phase::{drop_phase, keep_findings, phase_at_apex};
+use crate::machine::main_loop::trim::{preload_of, trim, trimmed};
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
+use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of, shows_a_tooth};
+use crate::machine::state::trimming::Trimming;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::units::Mm;
@@ -61,12 +66,12 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     let aside = touch_both(main_loop).await?;
     main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
     // Until the check has succeeded, the position counts as unknown: M410 may end this with a motor on its way.
-    let (homed, trimming) = (main_loop.homed, main_loop.trimming);
-    let aside = Aside { now: aside, homed: trimming.homed_aside() };
+    let (homed, mut before) = (main_loop.homed, main_loop.trimming);
+    let aside = Aside { now: aside, homed: before.homed_aside(), had_power: !before.is_by_phases() };
     main_loop.trimming.forget();
     let mechanism = main_loop.motion.groups().mechanism();
     main_loop.homed.release(residuals.motors(), mechanism);
-    let mut answer = match examine(main_loop, &residuals, aside, repairs).await {
+    let mut answer = match examine(main_loop, &residuals, &mut before, aside, repairs).await {
         Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
         Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
         Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
@@ -81,13 +86,18 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
             answer = BeltAnswer::Diagnosis(Diagnosis::Several);
         } else if main_loop.power.is_on(residuals.motors()) {
             main_loop.homed.believe(&homed);
-            main_loop.trimming = trimming;
+            main_loop.trimming = before;
         }
     } else if repairs && is_known {
         main_loop.reply(Answer::Belt(answer)).await?;
         home_and_align(main_loop, notices, BELT_AXES, false).await?;
-        answer = match apart(pin!(prove(main_loop))).await {
-            Ok(aside) => BeltAnswer::Repaired(aside),
+        let proven = apart(pin!(prove(main_loop))).await;
+        answer = match proven {
+            Ok(aside) => {
+                keep_findings(main_loop, false).await?;
+                note_belt_loads(main_loop).await?;
+                BeltAnswer::Repaired(aside)
+            }
             Err(BeltError::Align(error)) => BeltAnswer::NotRepaired(error),
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
         };
@@ -103,13 +113,30 @@ struct Aside {
     now: [i32; 2],
     /// When they were homed since the motors were aligned.
     homed: [i32; 2],
+    /// Motors have had power since the belt's strain was measured.
+    had_power: bool,
 }
 
 impl Aside {
     /// The diagnosis of a residual: by the present distances of the switches; or, if x and y were homed after the skip,
     /// by the distances that homing removed.
-    fn diagnose(self, mechanism: &Mechanism, residual: &Residual, strain: i32, full_step: i32) -> Diagnosis {
-        let of = |aside| diagnose(mechanism, residual, Touched { aside, residual: strain }, full_step);
+    fn diagnose(
+        self,
+        mechanism: &Mechanism,
+        residual: &Residual,
+        strain: i32,
+        full_step: i32,
+        shift: Shift,
+    ) -> Diagnosis {
+        let of = |aside| {
+            let touched = Touched { aside, residual: strain };
+            let found = diagnose(mechanism, residual, touched, full_step);
+            let has_skipped = self.had_power && matches!(shift, Shift::Teeth(_));
+            match shift {
+                Shift::None => found,
+                _ => with_moved_pulley(mechanism, found, touched, full_step, has_skipped),
+            }
+        };
         let [x, y] = [0, 1].map(|axis| {
             let of = |aside: [i32; 2]| aside.get(axis).copied().unwrap_or_default();
             of(self.now).saturating_add(of(self.homed))
@@ -126,11 +153,12 @@ impl Aside {
 async fn examine<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
+    before: &mut Trimming,
     aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
     begin_measuring(main_loop, residuals.motors()).await?;
-    let result = examine_each(main_loop, residuals, aside, repairs).await;
+    let result = examine_each(main_loop, residuals, before, aside, repairs).await;
     if !matches!(result, Err(BeltError::Interrupted(_))) {
         end_measuring(main_loop).await?;
     }
@@ -140,6 +168,7 @@ async fn examine<P: PortSet, W: Pend>(
 async fn examine_each<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
+    before: &mut Trimming,
     aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
@@ -147,18 +176,48 @@ async fn examine_each<P: PortSet, W: Pend>(
     let mut said = Diagnosis::Nothing;
     for (number, residual) in residuals.iter().enumerate() {
         let Some((motor, times)) = trimmed(residual) else { continue };
-        let preload = main_loop.settings.preload_steps();
-        let Some(apex) = apart(pin!(find_apex(main_loop, residual))).await? else { continue };
-        let step = apex.step;
-        let found = aside.diagnose(&main_loop.settings.mechanism, residual, -step * times - preload, full_step);
+        let preload = preload_of(residual, main_loop.settings.preload_steps());
+        let Some(apex) = apart(pin!(find_apex(main_loop, number, residual))).await? else { continue };
+        let strain = -apex.step * times - preload;
+        let phase = phase_at_apex(main_loop, residual, apex.beside).await?;
+        let known = before.found(number).and_then(|found| found.phase);
+        let by = phase.zip(known).map(|(phase, known)| difference(phase.into(), known.into()));
+        // Drivers that cannot be asked have made the steps that are counted.
+        let by = by.unwrap_or_else(|| difference(-strain * TURN / (4 * full_step.max(1)), 0));
+        let shift = shift_of(&main_loop.settings, residual, by);
+        let found = aside.diagnose(&main_loop.settings.mechanism, residual, strain, full_step, shift);
         said = found.graver(said);
         if repairs && found != Diagnosis::Nothing {
-            leave_at(main_loop, number, residual, apex, None).await?;
+            leave_at(main_loop, number, residual, apex, known.and(phase)).await?;
         } else {
-            trim(main_loop, motor, -step).await?;
+            trim(main_loop, motor, -apex.step).await?;
+            note_measured(main_loop, before, number, strain, &apex);
+            if repairs && let Some(found) = before.found(number) {
+                main_loop.trimming.note(number, found);
+            }
+        }
+        if shift != Shift::None && !repairs {
+            drop_phase(main_loop, number, by, shift).await?;
+        } else if matches!(found, Diagnosis::Skip { .. } | Diagnosis::Several | Diagnosis::Alike)
+            && !shows_a_tooth(&main_loop.settings, residual)
+        {
+            main_loop.reply(Answer::Belt(BeltAnswer::Untold)).await?;
         }
     }
     Ok(said)
+}
+
+/// Nothing has changed, and that is measured: motors are not aligned by phases alone any more.
+fn note_measured<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    before: &mut Trimming,
+    number: usize,
+    strain: i32,
+    apex: &ApexFound,
+) {
+    let parts = i64::from(strain.abs()) * PARTS + apex.within;
+    let within = main_loop.settings.belt_length(thousandths(parts));
+    before.prove(number, Some(within), apex.readings_per_mm(&main_loop.settings));
 }
 
 /// Lifts z if its position is known, and returns the lift.

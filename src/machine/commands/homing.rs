@@ -11,6 +11,7 @@
 
 use super::proof::prove;
 use super::retraction::forget_retraction;
+use super::settings::stored::note_belt_loads;
 use super::shift_z::shift_z;
 use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::{AxisFlags, HomeWords};
@@ -21,7 +22,7 @@ use crate::machine::belt::align::{BeltError, align, lacks_alignment};
 use crate::machine::belt::circulate::advance_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::phase::keep_phases;
+use crate::machine::main_loop::phase::keep_findings;
 use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::main_loop::z_offset::{name_home, z_reach};
 use crate::machine::ports::PortSet;
@@ -211,7 +212,8 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
     };
     match proved {
         Ok(()) => {
-            keep_phases(main_loop);
+            keep_findings(main_loop, true).await?;
+            note_belt_loads(main_loop).await?;
             main_loop.reply(Answer::Belt(BeltAnswer::Aligned)).await
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),

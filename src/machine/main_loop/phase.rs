@@ -22,12 +22,10 @@ use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of};
 use crate::machine::state::trimming::Found;
 use crate::port::{Motor, MotorSet, Pend};
-use crate::settings::{PHASES, Settings};
-
-/// Places of a sine table: an electrical turn of four full steps.
-const TURN: i32 = 1024;
+use crate::settings::{Belt, PHASES, Settings};
 
 /// Places of a full step.
 const FULL_STEP: i32 = TURN / 4;
@@ -40,11 +38,6 @@ const WITHIN: i64 = 1400;
 /// klippy/extras/tmc.py, where a phase is `1023 - MSCNT` if the line is not inverted).
 fn way(s: &Settings, motor: Motor) -> i32 {
     if s.wiring.of(motor).is_reversed { 1 } else { -1 }
-}
-
-/// The difference of two phases, at most half a turn.
-fn difference(a: i32, b: i32) -> i32 {
-    (a - b + TURN / 2).rem_euclid(TURN) - TURN / 2
 }
 
 /// The motor of `motors` that a residual takes, and how often, if there is just one.
@@ -67,13 +60,12 @@ async fn phase_sum<P: PortSet, W: Pend>(
     Ok(Some(sum.rem_euclid(TURN)))
 }
 
-/// Error of this residual's strain in steps, or `None` if its phase is unknown.
+/// Error of this residual's strain in steps against a phase, or `None` if a driver does not answer.
 pub(in crate::machine) async fn strain<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    number: usize,
+    phase: i32,
     residual: &Residual,
 ) -> Result<Option<i32>, Interrupt> {
-    let Some(phase) = main_loop.settings.known_phase(number) else { return Ok(None) };
     let Some(sum) = phase_sum(main_loop, residual).await? else { return Ok(None) };
     let microsteps = i32::from(main_loop.settings.drivers.belt.microsteps);
     let strained =
@@ -114,10 +106,11 @@ async fn unstrain<P: PortSet, W: Pend>(
     motor: Motor,
     times: i32,
 ) -> Result<[Option<i32>; 2], Interrupt> {
-    let found = strain(main_loop, number, residual).await?;
+    let Some(phase) = main_loop.settings.known_phase(number) else { return Ok([None; 2]) };
+    let found = strain(main_loop, phase, residual).await?;
     let Some(steps) = found.filter(|steps| steps / times != 0) else { return Ok([found; 2]) };
     trim(main_loop, motor, -steps / times).await?;
-    let left = strain(main_loop, number, residual).await?;
+    let left = strain(main_loop, phase, residual).await?;
     if left.is_none_or(|left| left / times != 0) {
         trim(main_loop, motor, steps / times).await?;
     }
@@ -164,49 +157,89 @@ async fn is_in_phase<P: PortSet, W: Pend>(
 
 /// Notes the steps by which fields would strain a residual, or have strained it.
 fn note_strain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, number: usize, steps: i32) {
-    let was = main_loop.settings.belt_length(i64::from(steps) * 1000);
-    main_loop.trimming.note(
-        number,
-        Found { was, within: main_loop.settings.belt_length(WITHIN), readings_per_mm: None, phase: None },
-    );
+    let (was, within) = (i64::from(steps) * 1000, WITHIN);
+    let [was, within] = [was, within].map(|thousandths| main_loop.settings.belt_length(thousandths));
+    let phase = main_loop.settings.known_phase(number).and_then(|phase| u16::try_from(phase).ok());
+    main_loop.trimming.note(number, Found { was, within, readings_per_mm: None, phase, is_contradicted: false });
 }
 
-/// The phase of a residual while its motors strain nothing, if the driver of the trimmed motor counts correctly.
+/// The phase of a residual while its motors strain nothing, given how far beside their place (in 256ths of a step) that
+/// is.
+pub(in crate::machine) async fn phase_at_apex<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residual: &Residual,
+    beside: i64,
+) -> Result<Option<u16>, Interrupt> {
+    let Some((_, times)) = trimmed(residual) else { return Ok(None) };
+    let here = phase_sum(main_loop, residual).await?;
+    // A turn is 1024 places and 4 full steps, so a 256th of a microstep is a place over the number of microsteps.
+    let beside = (beside / i64::from(main_loop.settings.drivers.belt.microsteps)) as i32;
+    Ok(here.and_then(|here| u16::try_from((here + times * beside).rem_euclid(TURN)).ok()))
+}
+
+/// The same, if the driver of the trimmed motor counts correctly.
 pub(in crate::machine) async fn find_phase<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residual: &Residual,
+    beside: i64,
 ) -> Result<Option<u16>, Interrupt> {
     let Some((motor, times)) = trimmed(residual) else { return Ok(None) };
+    let phase = phase_at_apex(main_loop, residual, beside).await?;
     let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
     let here = phase_sum(main_loop, residual).await?;
     trim(main_loop, motor, full_step).await?;
     let there = phase_sum(main_loop, residual).await?;
     trim(main_loop, motor, -full_step).await?;
     let counts = here.zip(there).filter(|(here, there)| difference(*there, *here) == difference(times * FULL_STEP, 0));
-    Ok(counts.and_then(|(here, _)| u16::try_from(here).ok()))
+    Ok(counts.and(phase))
 }
 
-/// Keeps the phases that were found as the settings of the belt.
-pub(in crate::machine) fn keep_phases<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
-    for number in 0..PHASES {
-        let found = main_loop.trimming.found(number).and_then(|found| found.phase);
-        if found.is_some_and(|phase| main_loop.settings.keep_phase(number, phase)) {
-            main_loop.trimming.note_phase(true);
+/// Keeps the proved findings, phases as the settings of the belt, and tells what the phases say of the pulleys. With
+/// `after_work`, as M915 is due after work on the belt, every phase is kept. Otherwise not one of a pulley that slips
+/// on its shaft: it may slip again.
+pub(in crate::machine) async fn keep_findings<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    after_work: bool,
+) -> Result<(), Interrupt> {
+    let residuals = main_loop.settings.residuals();
+    for (number, residual) in residuals.iter().enumerate().take(PHASES) {
+        let Some(found) = main_loop.trimming.found(number) else { continue };
+        if let Some(load) = found.readings_per_mm.filter(|_| !found.is_contradicted) {
+            main_loop.trimming.keep_load(number, load);
+        }
+        let Some(phase) = found.phase else { continue };
+        let by = main_loop.settings.known_phase(number).map_or(0, |known| difference(phase.into(), known));
+        let shift = shift_of(&main_loop.settings, residual, by);
+        let is_kept = after_work || shift != Shift::Slipped;
+        let kept = if is_kept { phase } else { Belt::NO_PHASE };
+        // What a repair finds within the errors of two findings is no news.
+        let is_news = after_work || shift != Shift::None;
+        if is_news && main_loop.settings.keep_phase(number, kept) {
+            main_loop.trimming.note_phase(is_kept);
+        }
+        if shift != Shift::None {
+            main_loop.reply(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept })).await?;
         }
     }
+    Ok(())
+}
+
+/// A diagnosis has found that a pulley has moved on the belt or its shaft, and nothing has proved the new phase. So
+/// none is known, and motors are not aligned by the old one when they get power.
+pub(in crate::machine) async fn drop_phase<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
+    by: i32,
+    shift: Shift,
+) -> Result<(), Interrupt> {
+    main_loop.settings.keep_phase(number, Belt::NO_PHASE);
+    main_loop.reply(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept: false })).await
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::motors::{per_motor, prototype};
-
-    #[test]
-    fn phases_differ_by_half_a_turn_at_most() {
-        for (a, b, expected) in [(5, 3, 2), (3, 1020, 7), (1020, 3, -7), (512, 0, -512), (511, 0, 511), (0, 0, 0)] {
-            assert_eq!(difference(a, b), expected, "{a} {b}");
-        }
-    }
 
     #[test]
     fn the_last_motor_of_a_residual_is_found() {

@@ -5,10 +5,11 @@ use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer, Diagnosis};
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::Thousandths;
+use crate::machine::state::pulleys::{Shift, TURN};
 use crate::machine::state::trimming::{Found, Trimming};
 use crate::port::Motor;
 use crate::settings::Settings;
-use crate::units::StepsPerMm;
+use crate::units::{Mm, StepsPerMm};
 use core::fmt;
 
 /// A residual as a sum of motors: `m1 - m4 + m8 - m11`.
@@ -52,13 +53,21 @@ impl fmt::Display for Why<'_> {
                 f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)")
             }
             AlignError::Changed => f.write_str("a motor has skipped meanwhile"),
+            AlignError::Strained(by) => {
+                write!(f, "measured again, it is strained by {} mm: ", Thousandths(*by))?;
+                f.write_str("a motor has skipped meanwhile, or something drags (a roller, a pulley)")
+            }
+            AlignError::Drags(by) => {
+                write!(f, "strain differs by {} mm with direction or motor: something drags ", Thousandths(*by))?;
+                f.write_str("(a roller, a pulley, a motor); see that all turn freely, then M915")
+            }
             AlignError::AtLimit(motor) => {
                 write!(
                     f,
-                    "motor {} has no torque left: it rubs, or its current is too low (M906); ",
+                    "motor {} has no torque left: it, its pulley or a roller of its belt drags, ",
                     s.name_of(*motor)
                 )?;
-                f.write_str("see that it turns freely, then M915")
+                f.write_str("or its current is too low (M906); see that all turn freely, then M915")
             }
             AlignError::Unsure => f.write_str("the loads that the drivers measure do not agree"),
         }
@@ -75,12 +84,23 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
     let per_mm = s.axes.x.steps_per_mm;
     match *answer {
         BeltAnswer::State => {
-            let state = if trimming.is_aligned() { "aligned" } else { "not aligned since motors got power (M915)" };
+            let state = match trimming.is_aligned() {
+                false => "not aligned since motors got power (M915)",
+                true if trimming.is_by_phases() => {
+                    "aligned by stored phases alone: no load was measured (M915 D measures)"
+                }
+                true => "aligned",
+            };
             to.say(format_args!("Belt: motors {state}"));
-            report_found(to, "Belt: ", trimming, s);
             for (number, residual) in Residuals::new(&s.mechanism, s.belt.is_closed).iter().enumerate() {
-                if let Some(readings) = trimming.found(number).and_then(|found| found.readings_per_mm) {
-                    to.say(format_args!("Belt: {}: a mm of strain takes {readings} of SG_RESULT", Sum(residual, s)));
+                let Some(Found { was, within, readings_per_mm, .. }) = trimming.found(number) else { continue };
+                let (sum, was, within) = (Sum(residual, s), Thousandths(was), Thousandths(within));
+                match readings_per_mm {
+                    None => to.say(format_args!("Belt: {sum} was {was} mm from its stored phase")),
+                    Some(readings) => {
+                        to.say(format_args!("Belt: {sum} was {was} mm, then measured within {within} mm"));
+                        to.say(format_args!("Belt: {sum}: a mm of strain takes {readings} of SG_RESULT"));
+                    }
                 }
             }
         }
@@ -95,6 +115,40 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
             to.say(format_args!("Belt: x met its switch {x} mm of path ago, y {y} (M915 D meets them again)"));
         }
         BeltAnswer::Met(_) => to.say(format_args!("Belt: x and y have not met their switches (G28)")),
+        BeltAnswer::Load { number, now, before } => {
+            if let Some(residual) = Residuals::new(&s.mechanism, s.belt.is_closed).iter().nth(number) {
+                to.say(format_args!(
+                    "echo:{}: a mm of strain takes {now} of SG_RESULT, {before} before: a roller or motor drags, the \
+                    belt has changed, or currents (M906)",
+                    Sum(residual, s)
+                ));
+            }
+        }
+        BeltAnswer::Pulley { number, by, shift, is_kept } => {
+            let Some(residual) = Residuals::new(&s.mechanism, s.belt.is_closed).iter().nth(number).copied() else {
+                return;
+            };
+            let turns = Thousandths(Mm::ONE.saturating_mul_int(by.into()) / i64::from(TURN));
+            let kept =
+                if is_kept { "the new phase is used, M500 stores it" } else { "no phase is kept (M915 finds it)" };
+            let sum = Sum(&residual, s);
+            match shift {
+                Shift::Teeth(number) => {
+                    let teeth = if number == 1 { "tooth" } else { "teeth" };
+                    to.say(format_args!(
+                        "echo:phase of {sum} is off by {turns} of an electrical turn, as a jump of {number} {teeth} \
+                        makes it: check the belt's tension; {kept}"
+                    ));
+                }
+                _ => to.say(format_args!(
+                    "echo:phase of {sum} is off by {turns} of an electrical turn, which no jump of teeth makes: a \
+                    pulley has slipped on its shaft, tighten its screw; {kept}"
+                )),
+            }
+        }
+        BeltAnswer::Untold => to.say(format_args!(
+            "echo:a tooth is whole electrical turns on this machine: jumped teeth cannot be told from skips"
+        )),
         BeltAnswer::Aligned => {
             report_found(to, "echo:belt motors aligned: ", trimming, s);
             if trimming.has_new_phase() {
@@ -117,6 +171,15 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
             to.say(format_args!("echo:the tool is off its position by X{x} Y{y} mm"));
         }
         BeltAnswer::Diagnosis(Diagnosis::Nothing) => to.say(format_args!("echo:no motor has skipped")),
+        BeltAnswer::Diagnosis(Diagnosis::Aside) => {
+            to.say(format_args!(
+                "echo:the belt is not strained, and no skip moves the tool so far: a switch has moved, or something \
+                drags"
+            ));
+        }
+        BeltAnswer::Diagnosis(Diagnosis::Moved) => {
+            to.say(format_args!("echo:no skip strains the belt like this (M915 aligns)"));
+        }
         BeltAnswer::Diagnosis(Diagnosis::Alike) => {
             to.say(format_args!(
                 "echo:all motors have skipped equally, or a switch has moved: the belt is not \

@@ -58,6 +58,7 @@ pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod position;
 pub(in crate::machine) mod probing;
 pub(in crate::machine) mod program;
+pub(in crate::machine) mod pulleys;
 pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_tests;
 pub(in crate::machine) mod soft_endstops;

@@ -17,8 +17,10 @@ pub(in crate::machine) struct Found {
     pub within: Mm,
     /// The fall of the load that drivers measure (SG_RESULT) for a mm of strain, if they measured it.
     pub readings_per_mm: Option<u16>,
-    /// The phase at which nothing strains the belt (`main_loop::phase`), if it was looked for.
+    /// The phase at which nothing strains the belt (`main_loop::phase`), if it is known.
     pub phase: Option<u16>,
+    /// The loads contradict each other: something drags.
+    pub is_contradicted: bool,
 }
 
 /// The known state of motors that can pull against each other.
@@ -34,6 +36,10 @@ pub(in crate::machine) struct Trimming {
     /// A phase of the belt was found that settings had not.
     has_new_phase: bool,
     found: [Option<Found>; RESIDUALS],
+    /// The fall of the load per mm of strain of each residual when nothing dragged; 0 is not known.
+    loads: [u16; RESIDUALS],
+    /// Those are not noted in storage.
+    has_new_loads: bool,
     /// Total distance in steps by which homing x and y since the alignment has corrected the position.
     homed_aside: [i32; 2],
 }
@@ -48,6 +54,8 @@ impl Trimming {
             buzzing: MotorSet::NONE,
             has_new_phase: false,
             found: [None; RESIDUALS],
+            loads: [0; RESIDUALS],
+            has_new_loads: false,
             homed_aside: [0; 2],
         }
     }
@@ -94,6 +102,48 @@ impl Trimming {
         if let Some(place) = self.found.get_mut(number) {
             *place = Some(found);
         }
+    }
+
+    /// The proof of a residual's finding: the fall of the load per mm, and the bound if loads contradict each other.
+    pub fn prove(&mut self, number: usize, within: Option<Mm>, readings_per_mm: u16) {
+        if let Some(found) = self.found.get_mut(number).and_then(Option::as_mut) {
+            found.is_contradicted |= within.is_some();
+            found.within = within.map_or(found.within, |within| within.max(found.within));
+            found.readings_per_mm = Some(readings_per_mm);
+        }
+    }
+
+    /// The loads that storage knows.
+    pub const fn know_loads(&mut self, loads: [u16; RESIDUALS]) {
+        self.loads = loads;
+    }
+
+    /// The known fall of the load of a residual, if this one is another one: by a quarter. Chance and the place of the
+    /// apex make less than a sixth (measured on the belt plant).
+    pub fn other_load(&self, number: usize, now: u16) -> Option<u16> {
+        let is_other = |before: u16| {
+            let (now, before) = (u32::from(now), u32::from(before));
+            before > 0 && (4 * now > 5 * before || 5 * now < 4 * before)
+        };
+        self.loads.get(number).copied().filter(|before| is_other(*before))
+    }
+
+    /// A proved fall of the load of a residual counts from now on, if none was known or it is another one.
+    pub fn keep_load(&mut self, number: usize, now: u16) {
+        let is_other = self.other_load(number, now).is_some();
+        if let Some(known) = self.loads.get_mut(number).filter(|known| is_other || **known == 0) {
+            (*known, self.has_new_loads) = (now, true);
+        }
+    }
+
+    /// The loads that storage does not know.
+    pub fn take_new_loads(&mut self) -> Option<[u16; RESIDUALS]> {
+        core::mem::take(&mut self.has_new_loads).then_some(self.loads)
+    }
+
+    /// Whether they agree by their phases alone: no load was measured since they got power.
+    pub fn is_by_phases(&self) -> bool {
+        self.found.iter().flatten().any(|found| found.readings_per_mm.is_none())
     }
 
     /// The finding for a residual.

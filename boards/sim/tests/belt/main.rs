@@ -15,6 +15,7 @@ mod parts;
 mod phases;
 mod power;
 mod printer;
+mod pulleys;
 mod quiet;
 mod routings;
 mod skips;

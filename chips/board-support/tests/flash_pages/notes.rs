@@ -2,7 +2,7 @@
 
 use crate::nor::{Nor, TEARS};
 use crate::{newest, now, save, variant, with};
-use corehbot::storage::{note_passed_test, passed_test};
+use corehbot::storage::{belt_loads, note_belt_loads, note_passed_test, passed_test};
 
 fn note(flash: Nor, tested: u32) -> (bool, Nor) {
     let (result, flash) = with(flash, |memory| now(note_passed_test(memory, tested)));
@@ -83,4 +83,19 @@ fn a_cut_leaves_no_note_that_was_not_written() {
     println!("lost and kept {counts:?}");
     // Those about the erase: both marks made zero, the erase, the note and the mark.
     assert!(counts[0] <= (8 + 1 + 8 + 4) * TEARS.len() && counts[1] > 100 * TEARS.len());
+}
+
+/// The load of belt motors is noted at any time, too: it erases no slot, and both notes stay.
+#[test]
+fn the_load_of_belt_motors_stands_beside_the_self_test() {
+    let (is_saved, flash) = save(Nor::blank(), &variant(3));
+    assert!(is_saved);
+    let (_, flash) = note(flash.revived(), 5);
+    let (result, flash) = with(flash.revived(), |memory| now(note_belt_loads(memory, [150, 60_000])));
+    assert!(result.is_ok() && flash.erases.is_empty());
+    let (loads, flash) = with(flash.revived(), |memory| now(belt_loads(memory)).unwrap());
+    assert_eq!(loads, [150, 60_000]);
+    let (tested, flash) = noted(flash);
+    let (settings, _) = newest(flash.revived());
+    assert_eq!((tested, settings), (Some(5), Some(variant(3))));
 }

@@ -103,6 +103,10 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     paced.into_result()?;
     // A note that cannot be read costs a test, and no more.
     main_loop.heat.know_passed_test(passed.unwrap_or_default());
+    let mut paced = Paced::new(main_loop);
+    let loads = storage::belt_loads(&mut paced).await;
+    paced.into_result()?;
+    main_loop.trimming.know_loads(loads.unwrap_or_default());
     Ok(Answer::Storage(StorageNews::loaded(&survey)))
 }
 
@@ -113,6 +117,17 @@ pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
     let Some(tested) = main_loop.heat.take_passed_test() else { return Ok(()) };
     let mut paced = Paced::new(main_loop);
     let _ = storage::note_passed_test(&mut paced, tested).await;
+    paced.into_result()
+}
+
+/// Notes the load that a mm of strain takes of belt motors, if it is another one than noted.
+pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let Some(loads) = main_loop.trimming.take_new_loads() else { return Ok(()) };
+    main_loop.finish().await?;
+    let mut paced = Paced::new(main_loop);
+    let _ = storage::note_belt_loads(&mut paced, loads).await;
     paced.into_result()
 }
 
