@@ -34,8 +34,8 @@ impl Status {
     pub(crate) fn set_known(&self, known: Known) {
         // Not `map`, which optimisation for the least size calls as a function, in every turn.
         let [x, y, z] = known.homed;
-        let homed = u8::from(x) | u8::from(y) << 1 | u8::from(z) << 2;
-        self.known.store(homed | u8::from(known.touches) * TOUCHES, Relaxed);
+        let homed = u8::from(x) | (u8::from(y) << 1) | (u8::from(z) << 2);
+        self.known.store(homed | (u8::from(known.touches) * TOUCHES), Relaxed);
         self.below_um.store(known.below_um, Relaxed);
     }
 

@@ -153,8 +153,8 @@ impl Cell {
             control([&mut first[i], &mut second[i], &mut third[i], &mut fourth[i]]);
         }
         let mut bounds = Bounds::FLAT;
-        for i in 0..4 {
-            let (dx, dxx) = changes(net[i]);
+        for (i, row) in net.iter().enumerate() {
+            let (dx, dxx) = changes(*row);
             let (dy, dyy) = changes([net[0][i], net[1][i], net[2][i], net[3][i]]);
             bounds.dx = most(bounds.dx, 3.0 * dx);
             bounds.dy = most(bounds.dy, 3.0 * dy);

@@ -271,7 +271,7 @@ impl<'m> Trajectory<'m> {
         for (axis, end) in ring.end.position.iter_mut().enumerate() {
             *end = point(first[axis], last[axis], phase.end);
         }
-        ring.end.time = ring.end.time + phase.time;
+        ring.end.time += phase.time;
         let cut = cut.take();
         let begin = &self.ring.span(number).begin;
         self.ring.end.scale = match cut {
