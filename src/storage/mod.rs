@@ -6,7 +6,7 @@
 //!
 //! An image has a place for its own record ([`machine_of`]): the machine of this board until another one is stored.
 //!
-//! The last page has notes ([`notes`]): the last self-test of the heaters that was passed, and the load that a mm of
+//! The last page has notes (`notes`): the last self-test of the heaters that was passed, and the load that a mm of
 //! strain takes of belt motors. `map` says where everything lies.
 
 mod machine;

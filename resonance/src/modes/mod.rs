@@ -13,9 +13,9 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | [`points`] | recordings and spectra to bands of frequencies, each with its commanded and measured power |
-//! | [`model`] | the power of a band by the modes, and its derivatives |
-//! | [`search`] | the modes with the least differences, and how many there are |
+//! | `points` | recordings and spectra to bands of frequencies, each with its commanded and measured power |
+//! | `model` | the power of a band by the modes, and its derivatives |
+//! | `search` | the modes with the least differences, and how many there are |
 
 mod model;
 mod points;

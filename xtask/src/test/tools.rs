@@ -1,10 +1,11 @@
 //! The tools: downloads missing ones on a fresh machine.
 
 use super::Verdict;
-use crate::checkout::{BROWSER, TARGET, cargo, run};
+use crate::checkout::{BROWSER, TARGET, cargo, run, target_dir};
 use crate::qemu::PROGRAM;
 use crate::usb::TARGET as GUEST;
 use anyhow::{Context as _, Result};
+use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -45,15 +46,20 @@ pub fn lack_of_emulator() -> String {
     format!("{PROGRAM} is missing; install it with: sudo apt-get install {PACKAGE}")
 }
 
-/// The root user gets a package of Debian; other users get a hint.
+/// The root user gets a package of Debian; other users get a hint. Lanes that need packages at the same time wait for
+/// each other, since a second apt-get fails at once, and for a computer that updates itself.
 pub fn install(package: &str) -> Result<()> {
     if !is_root() {
         return Ok(());
     }
+    let place = target_dir()?.join("packages.lock");
+    let lock = File::create(&place).with_context(|| format!("cannot write {}", place.display()))?;
+    lock.lock().with_context(|| format!("cannot lock {}", place.display()))?;
     let mut update = Command::new("apt-get");
     update.arg("update");
     let mut install = Command::new("apt-get");
-    install.args(["install", "--yes", "--no-install-recommends", package]).env("DEBIAN_FRONTEND", "noninteractive");
+    install.args(["--option", "DPkg::Lock::Timeout=300", "install", "--yes", "--no-install-recommends", package]);
+    install.env("DEBIAN_FRONTEND", "noninteractive");
     for mut command in [update, install] {
         command.stdout(Stdio::null());
         run(command)
