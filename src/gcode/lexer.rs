@@ -64,7 +64,8 @@ pub(super) const fn is_outside(byte: u8) -> bool {
     is_blank(byte) || matches!(byte, b'\r' | b'\n')
 }
 
-/// `text` without the blanks it begins with.
+/// `text` without the blanks it begins with. Not by `trim_start`, which calls `is_blank` for each byte: every word of a
+/// line passes here.
 #[inline(always)]
 pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
     while let [byte, after @ ..] = text

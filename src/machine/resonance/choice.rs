@@ -6,7 +6,7 @@
 //! (`resonance/src/klipper.rs`), so both give one answer.
 
 use super::response::Response;
-use super::root;
+use crate::motion::root;
 use crate::settings::{Shaper, ShaperKind};
 use crate::units::{Hertz, MmPerSec2, Ratio};
 use core::ops::RangeInclusive;

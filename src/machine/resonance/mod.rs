@@ -28,9 +28,3 @@ mod modes;
 mod plan;
 mod response;
 pub(in crate::machine) mod test;
-
-/// A square root. It is a function of its own: the choice and the modes take several, and none is in a hurry.
-#[inline(never)]
-fn root(square: f32) -> f32 {
-    crate::motion::root(square)
-}

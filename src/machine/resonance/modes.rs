@@ -11,8 +11,8 @@
 //! square of the damping, by a third of the square of its frequency step (the variance of Hann's window).
 
 use super::response::{FREQUENCIES, Response};
-use super::root;
 use crate::machine::answers::resonance_answer::Mode;
+use crate::motion::root;
 use core::ops::RangeInclusive;
 use heapless::Vec;
 

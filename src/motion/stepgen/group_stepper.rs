@@ -65,6 +65,7 @@ fn axes(group: &Group) -> impl Iterator<Item = (usize, i8)> {
 fn sum(group: &Group, trajectory: &Trajectory, at: SubTicks) -> AxisState {
     let mut sum = AxisState::at_rest(Steps::ZERO);
     let [x, y, z, e] = group.row;
+    // Not `axes`: at the least size its filter is called for each axis, and this runs for each piece.
     for (axis, times) in [x, y, z, e, e].iter().copied().enumerate() {
         if times == 0 {
             continue;

@@ -18,7 +18,8 @@ enum Way {
     Resumed,
     /// Homed, and the file goes on.
     Streamed,
-    /// The file goes on, and its first line that moves an axis is held. Another host homes and answers: M24, M108, the prompt.
+    /// The file goes on, and its first line that moves an axis is held. Another host homes and answers: M24, M108, the
+    /// prompt.
     Held(&'static str),
 }
 
@@ -58,8 +59,8 @@ fn answer_held(host: &mut Host<'_, '_>, way: Way, line: &str) {
     host.life.say("M400");
 }
 
-/// Reproducer: M84 in a pause ended the print. Its file went on all the same: unhomed, at the height where it was parked,
-/// and after G28 at Z0.
+/// Reproducer: M84 in a pause ended the print. Its file went on all the same: unhomed, at the height where it was
+/// parked, and after G28 at Z0.
 #[test]
 fn a_print_whose_motors_were_off_in_a_pause_goes_on_where_it_was_once_homed() {
     let settings = Settings::prototype();
