@@ -78,16 +78,17 @@ function addAccident(accident) {
 }
 
 function showAccidents() {
-  $('chosen').replaceChildren(...accidents.map((accident, index) => make('li', {},
-    make('label', {}, `${LISTS[accident.kind][1]} `, make('input', {
-      value: accident.text, size: 18, 'aria-describedby': `trouble-${index}`,
-      oninput: event => { accident.text = event.target.value; checkOptions(); },
-    })),
-    make('button', {
-      type: 'button', 'aria-label': `remove ${accident.text}`,
-      onclick: () => { accidents.splice(index, 1); showAccidents(); },
-    }, '×'),
-    make('span', { class: 'trouble', id: `trouble-${index}`, role: 'alert' }))));
+  const lines = accidents.map((accident, index) => {
+    const remove = make('button', { type: 'button', onclick: () => { accidents.splice(index, 1); showAccidents(); } }, '×');
+    const named = () => remove.setAttribute('aria-label', `remove ${accident.text}`);
+    const oninput = event => { accident.text = event.target.value; named(); checkOptions(); };
+    named();
+    return make('li', {},
+      make('label', {}, `${LISTS[accident.kind][1]} `, make('input', {
+        ...PLAIN, value: accident.text, size: 18, 'aria-describedby': `trouble-${index}`, oninput,
+      })), remove, make('span', { class: 'trouble', id: `trouble-${index}`, role: 'alert' }));
+  });
+  $('chosen').replaceChildren(...lines);
   checkOptions();
 }
 
@@ -111,21 +112,33 @@ answers.call('accidents').then(text => {
 }, () => {});
 
 const chosenKind = () => kinds.get($('accident').value);
-const HEATED = ['hotend', 'bed', 'chamber', 'part'];
+const HEATED = ['hotend', 'bed', 'chamber', 'part'], PROBES = ['probe'];
 let beltParts = [];
 
-function showKind() {
+function usualPlaces() {
+  const kind = chosenKind();
+  return kind?.option === 'accidents' ? beltParts : kind?.is_of_probe ? PROBES : HEATED;
+}
+
+// The kind or the machine has changed: a place of other ones gives way to a usual one. What a person types stays, also a
+// place that no list has, which is refused in the command's words.
+function showKind(earlier = beltParts) {
   const kind = chosenKind();
   if (!kind) return;
-  const isOfBelts = kind.option === 'accidents', place = $('accident-place');
-  const usual = isOfBelts ? beltParts : kind.is_of_probe ? ['probe'] : HEATED;
-  if (!usual.includes(place.value.trim())) place.value = usual[0] ?? '';
+  const place = $('accident-place'), usual = usualPlaces(), now = place.value.trim();
+  const isOfOthers = !now || !usual.includes(now) && [...earlier, ...HEATED, ...PROBES].includes(now);
+  if (isOfOthers && document.activeElement !== place) place.value = usual[0] ?? '';
   $('places').replaceChildren(...usual.map(value => make('option', { value })));
   $('accident-how-label').hidden = !kind.how;
   $('accident-says').textContent = `${kind.name}: ${kind.says}.${kind.how ? ` How much is ${kind.how[0]}.` : ''}`;
-  partsPicture.mark(isOfBelts ? place.value.trim() : '');
+  markPlace();
 }
-$('accident').onchange = $('accident-place').oninput = showKind;
+
+function markPlace() {
+  partsPicture.mark(chosenKind()?.option === 'accidents' ? $('accident-place').value.trim() : '');
+}
+$('accident').onchange = () => showKind();
+$('accident-place').oninput = markPlace;
 
 // A click on a belt breaks its cords; one on a motor or a pulley keeps the kind, if it can be of one.
 const partsPicture = new MachinePicture($('parts'), (role, name) => {
@@ -141,13 +154,14 @@ async function showParts() {
   const still = JSON.parse(await answers.call('parts', JSON.stringify(machineJob())));
   if (asked !== machineText()) return;
   showPicture(partsPicture.draw(still));
+  const earlier = beltParts;
   beltParts = [];
   if (still.resting) {
     partsPicture.move(still.resting);
     const named = still.resting.pulleys.filter(({ name }) => name);
     beltParts = [...new Set(['motor', 'idler'].flatMap(role => named.filter(pulley => pulley.role === role).map(({ name }) => name)))];
   }
-  showKind();
+  showKind(earlier);
 }
 
 $('add-accident').onclick = () => {

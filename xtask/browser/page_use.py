@@ -43,14 +43,21 @@ def text(browser, selector):
     return browser.run("return document.querySelector(arguments[0]).textContent", selector)
 
 
-def value(browser, selector, value):
-    browser.run(
-        """const [selector, value] = arguments, control = document.querySelector(selector);
-        control.value = value;
-        for (const name of ['input', 'change']) control.dispatchEvent(new Event(name, {bubbles: true}));""",
-        selector,
-        value,
-    )
+# The page asks one worker about what was typed; after one more answer all earlier ones have come.
+SETTLED = "const done = arguments[0]; answers.call('hands').then(() => done());"
+
+
+def type_in(browser, selector, words):
+    """Types in place of what a field has, key by key. A field has what was typed after each key, and when the page has thought
+    about it."""
+    field = browser.find(selector)
+    field.send_keys(Keys.CONTROL, "a")
+    field.send_keys(Keys.BACKSPACE)
+    for i, letter in enumerate(words, 1):
+        field.send_keys(letter)
+        browser.driver.execute_async_script(SETTLED)
+        has = value_of(browser, selector)
+        check(has == words[:i], f"{selector} has {has!r} after {words[:i]!r} was typed")
 
 
 def press(browser, selector):
@@ -152,11 +159,60 @@ def check_accident(browser):
     check(printed(browser) == "failed", "a thermistor that is off ends no print")
     check("sensor" in text(browser, "#failure").lower(), f"why: {text(browser, '#failure')}")
     browser.find("#chosen button").click()
-    value(browser, "#assume-homed", "1,2")
+    type_in(browser, "#assume-homed", "1,2")
     browser.wait("refusal", lambda: "three numbers" in text(browser, "#assume-homed-trouble"))
     browser.find("#start").click()
     check("three numbers" in printed(browser), f"two numbers are no place: {printed(browser)}")
-    value(browser, "#assume-homed", "")
+    type_in(browser, "#assume-homed", "")
+
+
+# Fields for words and numbers, each with its tab and what is typed there: two places of accidents, the first in no list.
+TYPED = (
+    ("print", "#seed", "1234"),
+    ("print", "#assume-homed", "100,90,1.5"),
+    ("print", "#bed", "tilt.x=0.0004,bowl=0.25"),
+    ("print", "#accident-place", "m99"),
+    ("print", "#accident-place", "m8"),
+    ("print", "#accident-how", "0.5"),
+    ("print", "#accident-time", "2.5s"),
+    ("print", "#chosen input", "seized:7@1s"),
+    ("machine", "#find-key", "Fan speed"),
+    ("machine", "#text", "[axes.x]\nmax_speed = 20 # mm/s, as Mum's\n"),
+    ("terminal", "#command", "m117 Hello, world"),
+)
+
+# Fields for words and numbers that are on the page.
+FIELDS = """return [...document.querySelectorAll('input, textarea')]
+    .filter(({ type }) => !['checkbox', 'radio', 'range', 'file'].includes(type))
+    .map(field => field.id ? '#' + field.id : field.closest('#chosen') ? '#chosen input' : field.outerHTML);"""
+
+
+def check_typing(browser):
+    """No field changes what is typed there, by the page or by a phone's keyboard."""
+    browser.find("#tab-print").click()
+    browser.wait("kinds of accidents", lambda: browser.find_all("#accident option"))
+    Select(browser.find("#accident")).select_by_value("Belts loose")
+    browser.find("#presets button").click()
+    fields = browser.run(FIELDS)
+    check(set(fields) == {field for _, field, _ in TYPED}, f"fields of the page: {fields}")
+    for tab, field, words in TYPED:
+        browser.find(f"#tab-{tab}").click()
+        type_in(browser, field, words)
+        wrong = browser.run("const field = document.querySelector(arguments[0]); return ['autocapitalize', 'autocorrect', 'autocomplete'].filter(name => field.getAttribute(name) !== 'off')", field)
+        check(not wrong, f"{field}: a keyboard may change words: {wrong}")
+    # The begun line comes back when the arrows leave the history.
+    command = browser.find("#command")
+    command.send_keys(Keys.ENTER, "M105", Keys.ARROW_UP)
+    check(value_of(browser, "#command") == TYPED[-1][2], "there is no history")
+    command.send_keys(Keys.ARROW_DOWN)
+    check(value_of(browser, "#command") == "M105", f"the begun line is {value_of(browser, '#command')!r}")
+    # A place stays with another kind of its group, and gives way to one of another group.
+    browser.find("#tab-print").click()
+    for kind, place in (("Belts seized", "m8"), ("Heat open", "hotend"), ("Belts seized", "m1")):
+        Select(browser.find("#accident")).select_by_value(kind)
+        check(value_of(browser, "#accident-place") == place, f"the place of {kind} is {value_of(browser, '#accident-place')}")
+    browser.driver.refresh()
+    browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
 
 
 def check_parts(browser):
@@ -172,18 +228,18 @@ def check_parts(browser):
     Select(browser.find("#accident")).select_by_value("Belts seized")
     browser.find("#parts [data-part='7']").send_keys(Keys.ENTER)
     check(value_of(browser, "#accident-place") == "7", "a pulley cannot be chosen by the keyboard")
-    value(browser, "#accident-time", "1s")
+    type_in(browser, "#accident-time", "1s")
     browser.find("#add-accident").click()
     check(value_of(browser, "#chosen input") == "seized:7@1s" and browser.find("#belt").is_selected(), "no pulley is seized")
     wrong, trouble = "seized:99@1s", lambda: text(browser, "#chosen .trouble")
-    value(browser, "#chosen input", wrong)
+    type_in(browser, "#chosen input", wrong)
     browser.wait("refusal", lambda: "neither a belt motor" in trouble())
-    value(browser, "#chosen input", "seized:7@1s")
+    type_in(browser, "#chosen input", "seized:7@1s")
     browser.wait("accident that can be", lambda: trouble() == "")
     for field, wrong, why in (("seed", "many", "whole number"), ("bed", "bowl=1", "no probe")):
-        value(browser, f"#{field}", wrong)
+        type_in(browser, f"#{field}", wrong)
         browser.wait("refusal", lambda: why in text(browser, f"#{field}-trouble"))
-        value(browser, f"#{field}", "")
+        type_in(browser, f"#{field}", "")
         browser.wait("field without a fault", lambda: text(browser, f"#{field}-trouble") == "")
     browser.find("#start").click()
     check(printed(browser) == "printed" and "seized:7@1s" in text(browser, "#words"), f"a seized pulley: {text(browser, '#words')}")
@@ -217,7 +273,7 @@ def check_targets(browser):
 
 def check_editor(browser):
     browser.find("#tab-machine").click()
-    value(browser, "#text", "[axes.x]\nmax_sped = 200\n")
+    type_in(browser, "#text", "[axes.x]\nmax_sped = 200\n")
     browser.wait("error in its line", lambda: "did you mean" in browser.run("return document.querySelector('#under .bad em')?.textContent ?? ''"))
     check(browser.run("return [...document.querySelectorAll('#under div')].findIndex(line => line.className == 'bad')") == 1, "the wrong line is marked")
     area = browser.find("#text")
@@ -226,9 +282,9 @@ def check_editor(browser):
     area.send_keys("[axes.x]\nmax_speed = 200")
     browser.wait("file without a fault", lambda: "without a fault" in text(browser, "#problem-count"))
     check("Speed limit" in text(browser, "#key-meaning"), f"the key's meaning: {text(browser, '#key-meaning')}")
-    value(browser, "#find-key", "probe")
+    type_in(browser, "#find-key", "probe")
     check(browser.run("return document.querySelectorAll('#keys dt').length") > 5, "no keys of the probe")
-    value(browser, "#find-key", "")
+    type_in(browser, "#find-key", "")
     # A table opens, and a key without a default is written with a value of its type.
     browser.run("showKeys()")
     for name in ("corner", "corner.square_corner"):
@@ -368,7 +424,8 @@ def check_every_control(browser):
     """Nothing complains when every control is used in haste. Then a printer can be switched on, and the page prints."""
     used = 0
     # A word keeps the list of keys as it is when a key is written.
-    value(browser, "#find-key", "speed")
+    browser.find("#tab-machine").click()
+    type_in(browser, "#find-key", "speed")
     for tab, least in (("print", 40), ("machine", 40), ("terminal", 25)):
         browser.find(f"#tab-{tab}").click()
         used += use_all(browser, f"#{tab}", least)
@@ -406,7 +463,7 @@ def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal):
+        for part in (check_tabs, check_typing, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal):
             part(browser)
             browser.check_quiet()
         for size, is_dark in ((PHONE, False), (DESK, True)):
