@@ -29,20 +29,18 @@ async function takeFile(file) {
 
 $('file').onchange = event => takeFile(event.target.files[0]);
 
-// Takes files that are dropped in a document, unless a part of it has taken them.
-function takeDrops(where) {
-  for (const name of ['dragover', 'dragleave', 'drop'])
-    where.addEventListener(name, async event => {
-      const isTaken = event.defaultPrevented;
-      event.preventDefault();
-      $('drop').classList.toggle('over', name === 'dragover' && !isTaken);
-      const [file] = event.dataTransfer.files;
-      if (name !== 'drop' || isTaken || !file) return;
-      await takeFile(file);
-      $('drop').scrollIntoView({ block: 'nearest' });
-    });
+// A file is held over the page, or let go; the report tells of those over it.
+async function dropped(isOver, file) {
+  $('drop').classList.toggle('over', isOver);
+  if (!file) return;
+  await takeFile(file);
+  $('drop').scrollIntoView({ block: 'nearest' });
 }
-takeDrops(document);
+for (const name of ['dragover', 'dragleave', 'drop'])
+  document.addEventListener(name, event => {
+    event.preventDefault();
+    dropped(name === 'dragover', name === 'drop' ? event.dataTransfer.files[0] : undefined);
+  });
 
 $('example').append(make('option', { value: '' }, 'choose an example'),
   ...Object.keys(EXAMPLES.gcode).map(name => make('option', { value: name }, name.replace(/\.gcode$/, ''))));
@@ -266,27 +264,32 @@ function done(file, { summary, words, report, seconds }) {
   $('badge').className = `badge ${isGood ? 'good' : 'bad'}`;
   $('sha256').textContent = figures.trace_sha256;
   $('words').textContent = words;
-  $('report').srcdoc = new TextDecoder().decode(report);
-  for (const id of ['result', 'report']) $(id).hidden = false;
+  showReport(new TextDecoder().decode(report));
+  $('result').hidden = false;
   if (figures.failure) fail(figures.failure);
   $(figures.failure ? 'failure' : 'result').scrollIntoView({ block: 'start' });
 }
 
-// The report is as high as its content, so that there is one scroll bar.
+// The report is as high as its content, so that there is one scroll bar. It is in a sandbox, since it has texts of files
+// and of the printer: it tells its height, and the files that are dropped on it, through a port of its own.
 const BORDERS_PX = 2;
 
-$('report').onload = () => {
-  const content = $('report').contentDocument?.documentElement;
-  if (!content || !printed) return;
-  const fit = () => {
-    // A frame that is hidden has no height; it keeps its own, so that the page can scroll to the next result.
-    const height = content.querySelector('body').scrollHeight;
-    if (height) $('report').style.height = `${height + BORDERS_PX}px`;
+// Each report has a frame of its own: Chromium 156 shows nothing of one that was loaded into a frame while that was hidden.
+// It begins as high as the last one, so that the page can scroll to the result above it at once.
+function showReport(text) {
+  const frame = $('report').cloneNode();
+  frame.hidden = false;
+  frame.srcdoc = text;
+  frame.onload = () => {
+    const { port1: port, port2 } = new MessageChannel();
+    port.onmessage = ({ data: { height, isOver, file } }) => {
+      if (Number.isFinite(height)) frame.style.height = `${height + BORDERS_PX}px`;
+      if (isOver !== undefined) dropped(isOver === true, file instanceof File ? file : undefined);
+    };
+    frame.contentWindow.postMessage('corehbot-page', '*', [port2]);
   };
-  new ResizeObserver(fit).observe(content.querySelector('body'));
-  fit();
-  takeDrops($('report').contentDocument);
-};
+  $('report').replaceWith(frame);
+}
 
 $('start').onclick = start;
 $('cancel').onclick = () => printer.end();

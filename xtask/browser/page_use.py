@@ -24,7 +24,7 @@ ENDLESS = "const lines = ['G28', 'G1 F3000']; for (let i = 0; i < 40000; i++) li
 # A file that is dropped, as a file manager does it.
 DROP = """const data = new DataTransfer();
     data.items.add(new File(['G28\\nG1 X10 F6000\\n'], arguments[0]));
-    (arguments[1] ? document.querySelector(arguments[1]).contentDocument : document).body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
 
 # What file inputs hold when they are about to be used again. The event opens no window of the system.
 CLEARED = """return [...document.querySelectorAll('input[type=file]')].map(input => {
@@ -36,7 +36,19 @@ CLEARED = """return [...document.querySelectorAll('input[type=file]')].map(input
 });"""
 
 # How high the picture in the report is.
-TALL = "return document.querySelector('#report').contentDocument?.querySelector('.stage')?.clientHeight ?? 0"
+TALL = "return document.querySelector('.stage')?.clientHeight ?? 0"
+
+# Whether the frame is as high as what is in it, but for its borders.
+FITS = "return Math.abs(innerHeight - document.body.scrollHeight) < 1 && innerHeight > 400"
+
+
+def in_report(browser, script, *args):
+    """The result of a script in the report, which is in a sandbox: the page cannot look into it, the driver can."""
+    browser.driver.switch_to.frame(browser.find("#report"))
+    try:
+        return browser.run(script, *args)
+    finally:
+        browser.driver.switch_to.default_content()
 
 
 def text(browser, selector):
@@ -101,7 +113,7 @@ def check_print(browser):
     check_place(browser, "#result")
     first = text(browser, "#sha256")
     check(len(first) == 64, f"its SHA-256 is {first}")
-    browser.wait("report", lambda: browser.run("return document.querySelector('#report').contentDocument?.querySelector('canvas') != null"))
+    browser.wait("report as high as its content", lambda: in_report(browser, "return document.querySelector('.charts') != null") and in_report(browser, FITS))
     # Cancelled by a click, and once more by the keyboard.
     for cancel in (lambda: browser.find("#cancel").click(), lambda: browser.find("body").send_keys(Keys.ESCAPE)):
         browser.run(ENDLESS)
@@ -126,9 +138,72 @@ def check_drop(browser):
     browser.find("#start").click()
     check(printed(browser) == "printed", f"the dropped file: {text(browser, '#failure')}")
     # On the report too, but for the place that takes a second report.
-    browser.wait("report", lambda: browser.run(TALL) > 0)
-    browser.run(DROP, "on-report.gcode", "#report")
+    browser.wait("report", lambda: in_report(browser, TALL) > 0)
+    in_report(browser, DROP, "on-report.gcode")
     browser.wait("file", lambda: text(browser, "#file-name") == "on-report.gcode")
+
+
+# What a report in a sandbox must not reach, each as a promise that fails.
+BARRED = {
+    "the page": "async () => parent.document.body",
+    "the page's storage": "async () => localStorage.length",
+    "the network": "async () => fetch('https://corehbot.invalid/')",
+    "a file": "async () => fetch('file:///etc/hostname')",
+    "another server's picture": "() => new Promise((good, bad) => Object.assign(new Image(), { onload: good, onerror: bad, src: 'https://corehbot.invalid/a.png' }))",
+    "the page's address": "async () => { top.location = 'https://corehbot.invalid/'; throw Error('no word of a browser'); }",
+}
+REACH = "const done = arguments[0]; (%s)().then(() => done(true), () => done(false));"
+
+# Names that would be a script's if they ever were markup.
+EVIL = "<img src=x onerror=window.hacked=1><script>window.hacked=1</script>"
+
+# What has become of them, in a page or in a report.
+HACKED = "return window.hacked !== undefined || document.querySelector('img, [onerror]') !== null"
+
+
+def check_sandbox(browser):
+    """The report cannot reach the page, its storage or a network, and the page cannot reach a network."""
+    check_print(browser)
+    browser.check_quiet()
+    browser.driver.switch_to.frame(browser.find("#report"))
+    for what, script in BARRED.items():
+        check(not browser.driver.execute_async_script(REACH % script), f"a report reaches {what}")
+    browser.driver.switch_to.default_content()
+    for what in ("the network", "another server's picture"):
+        check(not browser.driver.execute_async_script(REACH % BARRED[what]), f"the page reaches {what}")
+    check(browser.run("return location.protocol") == "file:", "the report has led the page elsewhere")
+    # The browser complains of each, and lists what was not asked.
+    for log in ("browser", "performance"):
+        browser.driver.get_log(log)
+
+
+def check_names(browser):
+    """Names and answers are text, whatever is in them: of files, machines, motors, parts and accidents, and from the printer."""
+    browser.run("add(arguments[0] + '.toml', EXAMPLES.machines['prototype.toml'])", EVIL)
+    lines = f"G28\n;TYPE:{EVIL}\nG1 X10 E1 F6000\nM118 {EVIL}\nM117 {EVIL}\n{EVIL}\nM862.3 P\"{EVIL}\"\n"
+    browser.find("#tab-print").click()
+    browser.run("take(arguments[0] + '.gcode', arguments[1])", EVIL, lines)
+    check(EVIL in text(browser, "#file-name"), "the file's name is not shown as it is")
+    browser.find("#start").click()
+    printed(browser)
+    check(EVIL in text(browser, "#result-name"), f"the result is called {text(browser, '#result-name')}")
+    browser.wait("report", lambda: in_report(browser, "return document.querySelector('.charts') != null"))
+    check(in_report(browser, "return document.body.innerText.includes(arguments[0])", EVIL), "the report does not show names as they are")
+    check(not in_report(browser, HACKED), "a name is markup in the report")
+    browser.run("addAccident({ breaks: arguments[0] })", EVIL)
+    browser.wait("refusal", lambda: text(browser, "#chosen .trouble"))
+    browser.find("#chosen button").click()
+    browser.find("#tab-machine").click()
+    type_in(browser, "#text", f'name = "{EVIL}"\n[{EVIL}]\n')
+    browser.wait("refusal", lambda: browser.find_all("#problems .bad"))
+    Select(browser.find("#machine-to-edit")).select_by_value("prototype.toml")
+    browser.find("#tab-terminal").click()
+    browser.wait("greeting", lambda: "start" in text(browser, "#log"))
+    for line in (EVIL, f"M118 {EVIL}", f"M117 {EVIL}"):
+        begin = len(text(browser, "#log")) + len(line)
+        browser.find("#command").send_keys(line, Keys.ENTER)
+        browser.wait("answer", lambda: text(browser, "#log")[begin:].endswith("ok\n"))
+    check(not browser.run(HACKED), "a name is markup in the page")
 
 
 def check_scrolls(browser):
@@ -463,7 +538,7 @@ def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_typing, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal):
+        for part in (check_tabs, check_typing, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal, check_sandbox, check_names):
             part(browser)
             browser.check_quiet()
         for size, is_dark in ((PHONE, False), (DESK, True)):
@@ -476,8 +551,8 @@ def run(_corehbot, folder):
             browser.check_width()
             check_targets(browser)
             # The frame is as high as the report, which must not be as high as a share of its frame.
-            browser.wait("report", lambda: browser.run(TALL) > 0)
-            check(browser.run(TALL) < size[1], f"the picture of the report is {browser.run(TALL)} px high")
+            browser.wait("report", lambda: in_report(browser, TALL) > 0)
+            check(in_report(browser, TALL) < size[1], f"the picture of the report is {in_report(browser, TALL)} px high")
             browser.check_quiet()
         check_saved(browser, folder)
         check_served(browser)

@@ -2,9 +2,9 @@
 
 const ICONS = { play: "M3 1l10 6-10 6z", pause: "M2 1h4v12H2zM8 1h4v12H8z" };
 function playButton(player) {
-  const button = make("button", { className: "play", type: "button" });
+  const shape = makeSvg("path"), button = make("button", { className: "play", type: "button" }, makeSvg("svg", { viewBox: "0 0 14 14", "aria-hidden": "true" }, shape));
   const show = () => {
-    button.innerHTML = `<svg viewBox="0 0 14 14" aria-hidden="true"><path d="${player.playing ? ICONS.pause : ICONS.play}"/></svg>`;
+    shape.setAttribute("d", player.playing ? ICONS.pause : ICONS.play);
     button.ariaLabel = player.playing ? "Pause" : "Play";
   };
   button.onclick = () => player.play();
