@@ -8,6 +8,8 @@ const accidents = [];
 // --- the file
 
 function take(name, text, example = '') {
+  // What is said of an earlier file is not of this one.
+  $('failure').hidden = true;
   $('example').value = example;
   if (example) $('file').value = '';
   gcode = { name, bytes: typeof text === 'string' ? new TextEncoder().encode(text) : text };

@@ -74,6 +74,7 @@ pub fn style() -> String {
         include_str!("viewer/uplot/uPlot.min.css"),
         "\n",
         include_str!("viewer/viewer.css"),
+        include_str!("viewer/paper.css"),
     ]
     .concat()
 }
@@ -105,7 +106,9 @@ mod tests {
         let script = script();
         assert!(!script.contains("</script") && !script.contains("<!--"), "they would end the script");
         assert!(!style().contains("</style"));
-        for text in PARTS.into_iter().chain([TEMPLATE, include_str!("viewer/viewer.css")]) {
+        for text in
+            PARTS.into_iter().chain([TEMPLATE, include_str!("viewer/viewer.css"), include_str!("viewer/paper.css")])
+        {
             // The name of SVG is no address that is asked.
             let text = text.replace("\"http://www.w3.org/2000/svg\"", "");
             assert!(!["http://", "https://", "@import", "fetch("].iter().any(|word| text.contains(word)), "{text}");

@@ -286,8 +286,8 @@ def check_typing(browser):
     for kind, place in (("Belts seized", "m8"), ("Heat open", "hotend"), ("Belts seized", "m1")):
         Select(browser.find("#accident")).select_by_value(kind)
         check(value_of(browser, "#accident-place") == place, f"the place of {kind} is {value_of(browser, '#accident-place')}")
-    browser.driver.refresh()
-    browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
+    browser.run("localStorage.clear()")
+    reload(browser)
 
 
 def check_parts(browser):
@@ -374,6 +374,69 @@ def check_editor(browser):
     Select(browser.find("#machine-to-edit")).select_by_visible_text("prototype")
     check(value_of(browser, "#text").startswith("[axes.x]\nmax_speed = 200"), f"the edited file is lost: {value_of(browser, '#text')[:40]}")
     Select(browser.find("#machine-to-edit")).select_by_value("prototype.toml")
+
+
+# Reads of a file that the browser keeps, or of none.
+KEPT = "return Object.keys(localStorage).filter(key => key.startsWith('corehbot machine ')).map(key => JSON.parse(localStorage[key]).text)"
+
+
+def reload(browser):
+    browser.driver.refresh()
+    browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
+
+
+def check_kept(browser):
+    """Edited files outlive a reload, in this window and in another one; they go only when a person says so, and come back."""
+    browser.run("localStorage.clear()")
+    reload(browser)
+    browser.find("#tab-machine").click()
+    shown = lambda selector: browser.find(selector).is_displayed()
+    check(not shown("#kept") and not shown("#forget-machine"), "the page speaks of files that are not there")
+    type_in(browser, "#text", "[axes.x]\nmax_speed = 199\n")
+    check("keeps your file" in text(browser, "#kept") and "Save file" in text(browser, "#kept"), f"the person is told {text(browser, '#kept')}")
+    browser.run("add('mine.toml', '[axes.y]\\nmax_speed = 99\\n')")
+    check("keeps your 2 files" in text(browser, "#kept"), f"the person is told {text(browser, '#kept')}")
+    reload(browser)
+    browser.find("#tab-machine").click()
+    check(value_of(browser, "#text") == "[axes.y]\nmax_speed = 99\n", f"the chosen file is {value_of(browser, '#text')[:60]!r}")
+    Select(browser.find("#machine-to-edit")).select_by_visible_text("prototype")
+    check(value_of(browser, "#text") == "[axes.x]\nmax_speed = 199\n", f"the edited file is {value_of(browser, '#text')[:60]!r}")
+    # Another window keeps its own file, and overwrites none.
+    first = browser.driver.current_window_handle
+    browser.driver.switch_to.new_window("window")
+    browser.open(os.environ["PAGE"])
+    browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
+    browser.run("add('other.toml', '# other')")
+    browser.driver.close()
+    browser.driver.switch_to.window(first)
+    type_in(browser, "#text", "# edited")
+    check(sorted(browser.run(KEPT)) == ["# edited", "# other", "[axes.y]\nmax_speed = 99\n"], f"kept: {browser.run(KEPT)}")
+    browser.find("#forget-machine").click()
+    check("# edited" not in browser.run(KEPT) and value_of(browser, "#machine-to-edit") == "prototype.toml", "the file is not forgotten")
+    browser.find("#restore-machine").click()
+    check("# edited" in browser.run(KEPT) and value_of(browser, "#text") == "# edited", "the file is not brought back")
+    # A browser that keeps nothing is told of, and what it has kept of other pages is no file.
+    browser.run("localStorage['corehbot machine 0'] = '{'; localStorage['corehbot machine 1'] = '{\"name\": 1}'; Storage.prototype.setItem = () => { throw Error('full'); }; edit('# more')")
+    check("does not keep your 2 files (full)" in text(browser, "#kept"), f"the person is told {text(browser, '#kept')}")
+    reload(browser)
+    check(browser.run("return own.length") == 3, f"files: {browser.run('return own.length')}")
+    browser.run("localStorage.clear()")
+    reload(browser)
+
+
+def check_old_failure(browser):
+    """What is said of an earlier file goes when another one is chosen."""
+    for choose in (lambda: Select(browser.find("#example")).select_by_value("tiny.gcode"), lambda: browser.run(DROP, "new.gcode")):
+        browser.find("#tab-print").click()
+        Select(browser.find("#machine-of-print")).select_by_value("heat.toml")
+        Select(browser.find("#example")).select_by_value("heat.gcode")
+        press(browser, "#presets button")
+        browser.find("#start").click()
+        check(printed(browser) == "failed" and browser.find("#failure").is_displayed(), "a thermistor that is off ends no print")
+        choose()
+        browser.wait("page without the failure", lambda: not browser.find("#failure").is_displayed())
+        press(browser, "#chosen button")
+    Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
 
 
 # Where each part of the picture is.
@@ -538,9 +601,10 @@ def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_typing, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal, check_sandbox, check_names):
+        for part in (check_tabs, check_typing, check_print, check_drop, check_accident, check_parts, check_old_failure, check_editor, check_kept, check_terminal, check_sandbox, check_names):
             part(browser)
             browser.check_quiet()
+        browser.run("localStorage.clear()")
         for size, is_dark in ((PHONE, False), (DESK, True)):
             browser.resize(size, is_dark)
             browser.open(os.environ["PAGE"])

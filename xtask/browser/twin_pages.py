@@ -8,6 +8,7 @@ import math
 import subprocess
 
 from chromium import DESK, PHONE, Chromium, check
+from paper import check_paper
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 from trial import ROOT, main
@@ -26,7 +27,7 @@ head_mass_kg = { from = 0.4, to = 0.8 }
 FROM_HZ, TO_HZ, HZ_PER_S, RATE_HZ = 20, 60, 4, 1600
 MODE_HZ, DAMPING = 40, 0.06
 
-# Charts are drawn once they are in sight.
+# Charts are drawn when they are in sight, or when the page has nothing else to do.
 DRAWN = """const places = [...document.querySelectorAll('.plot')].filter(place => place.checkVisibility());
     const missing = places.find(place => !place.querySelector('.u-over'));
     missing?.scrollIntoView({ block: 'center' });
@@ -183,6 +184,7 @@ def run(corehbot, folder):
             for name, (charts, use) in USE.items():
                 browser.open(files[name])
                 check_family(browser, name, charts)
+                check_paper(browser, name, size, is_dark=size == PHONE)
                 if use:
                     use(browser, kind)
                 browser.check_quiet()

@@ -8,7 +8,7 @@ const marksOf = recordings => recordings.flatMap(r => r.fit ? r.fit.modes.map(m 
 const modes = recordings => table(["File", "Mode", "Damping", "Of the motion"], recordings.flatMap(r => r.fit ? r.fit.modes.map(m => [r.file, `${m.frequency_Hz.toFixed(2)} \u00b1 ${(2 * m.frequency_error_Hz).toFixed(2)} Hz`, m.damping_ratio.toFixed(4), percent(m.part)]) : []));
 const remarks = recordings => { const all = recordings.flatMap(r => r.remarks.map(text => r.file + ": " + text)); return all.length ? [remarkList(all)] : []; };
 const graph = options => new Graph({ height: 260, low: 0, ...options }).element;
-const hertz = v => v.toFixed(1) + " Hz", tone = (light, dark = light) => () => rgb(OKABE_ITO[darkScheme.matches ? dark : light]);
+const hertz = v => v.toFixed(1) + " Hz", tone = (light, dark = light) => () => rgb(OKABE_ITO[isDark() ? dark : light]);
 const files = [...D.axes.flatMap(a => a.recordings), ...(D.belts ? D.belts.recordings : [])].map(r => r.file).concat(D.profile ? [D.profile.runs.length + " runs"] : []);
 
 // ---- An axis
@@ -158,7 +158,7 @@ function polar(P, speeds, fastest, top) {
       }
     }
     for (const v of [fastest / 3, 2 * fastest / 3, fastest]) picture.append(makeSvg("circle", { r: radius(v).toFixed(1) }), makeSvg("text", { x: 2, y: -radius(v) - 2 }, v.toFixed(0)));
-    picture.append(makeSvg("text", { x: 160, y: 4 }, "x"), makeSvg("text", { x: -8, y: -160, "text-anchor": "end" }, "y"));
+    picture.append(makeSvg("text", { x: 160, y: 4 }, "x"), makeSvg("text", { x: -14, y: -160, "text-anchor": "end" }, "y"));
   };
   draw(); onScheme(picture, draw);
   return [sayer(picture), picture];

@@ -15,6 +15,7 @@ class Stage {
     for (const kind of ["layers", "hidden"]) player.on(kind, () => this.redraw());
     player.on("time", () => this.advance());
     onScheme(this.element, () => this.redraw());
+    onPaper(this.element, isPaper => this.turn(isPaper));
     new ResizeObserver(() => this.resize()).observe(this.element);
   }
   /** Least and greatest place of what is printed, without skirt and purge line unless they are wanted. */
@@ -69,7 +70,7 @@ class Stage {
     this.wantsWay = isOn;
     if (isOn) {
       const moves = await readPath(this.record.data, path);
-      if (this.wantsWay && !this.way) this.way = this.lines.add(moves, darkScheme.matches ? WHITE : BLACK);
+      if (this.wantsWay && !this.way) this.way = this.lines.add(moves, isDark() ? WHITE : BLACK);
     }
     this.redraw();
   }
@@ -120,6 +121,19 @@ class Stage {
       this.ask();
     }
     this.drawOver();
+  }
+  /** Grid, lines and marks as one canvas. */
+  flat(tall = 0) {
+    const { width, height } = this.over, canvas = make("canvas", { className: "printed", width, height: height + tall }), g = canvas.getContext("2d");
+    for (const layer of [this.under, this.middle, this.over]) g.drawImage(layer, 0, 0, width, height);
+    return canvas;
+  }
+  /** For paper the picture is one canvas of now, as a page that is printed does not wait: Chromium prints a canvas that was
+   * drawn just now as its orders, and the one that clears it would clear those below it too. */
+  turn(isPaper) {
+    this.element.querySelector(".printed")?.remove();
+    if (isPaper || isDark()) { this.drawUnder(); this.drawOver(); }
+    if (isPaper) this.element.append(this.flat());
   }
   surface(canvas) {
     const g = canvas.getContext("2d", { willReadFrequently: this.lines.isSoftware }), ratio = devicePixelRatio || 1;
