@@ -20,7 +20,7 @@ pub(crate) const TEMPLATE: &str = include_str!("viewer/page.html");
 const UPLOT: &str = include_str!("viewer/uplot/uPlot.iife.min.js");
 
 /// The files of the script; each uses only names of those before it, or inside of functions.
-const PARTS: [&str; 26] = [
+const PARTS: [&str; 29] = [
     include_str!("viewer/words.js"),
     include_str!("viewer/colours.js"),
     include_str!("viewer/pieces.js"),
@@ -37,6 +37,9 @@ const PARTS: [&str; 26] = [
     include_str!("viewer/controls.js"),
     include_str!("viewer/marks.js"),
     include_str!("viewer/gcode.js"),
+    include_str!("viewer/find.js"),
+    include_str!("viewer/objects.js"),
+    include_str!("viewer/view.js"),
     include_str!("viewer/curves.js"),
     include_str!("viewer/charts.js"),
     include_str!("viewer/motion.js"),
