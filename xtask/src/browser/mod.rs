@@ -27,7 +27,7 @@ const AXE: Venv<'static> = Venv { name: "axe", packages: &["axe-playwright-pytho
 const FOLDER: &str = "xtask/browser";
 
 /// The trials, in this order.
-const TRIALS: [&str; 8] = [
+const TRIALS: [&str; 9] = [
     "golden.py",
     "colours.py",
     "viewer.py",
@@ -35,6 +35,7 @@ const TRIALS: [&str; 8] = [
     "access.py",
     "twin_pages.py",
     "page_use.py",
+    "page_keeps.py",
     "page_hashes.py",
 ];
 
