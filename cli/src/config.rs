@@ -50,9 +50,9 @@ pub(crate) struct New {
     /// The board that the machine is plugged into.
     #[arg(long, value_parser = board())]
     board: &'static BoardConnectors,
-    /// The kind of machine.
+    /// How its motors move it.
     #[arg(long, value_parser = kinds())]
-    machine: Kind,
+    kinematics: Kind,
     /// A hotend and a bed are fitted, on the board's usual outputs and sensors.
     #[arg(long)]
     heaters: bool,
@@ -103,7 +103,7 @@ fn say(text: &str) -> Result<u8> {
 }
 
 fn write_new(new: &New) -> Result<u8> {
-    let text = template::file(new.machine, new.board, new.heaters)?;
+    let text = template::file(new.kinematics, new.board, new.heaters)?;
     match &new.output {
         Some(path) => create(path, &text),
         None => say(&text),

@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Args)]
 pub(crate) struct Printer {
     /// The machine; without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
+    machine_file: Option<PathBuf>,
     /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
     #[arg(long, value_name = "E.bin")]
     storage: Option<PathBuf>,
@@ -26,18 +26,18 @@ pub(crate) struct Printer {
 
 impl Printer {
     /// One that keeps nothing.
-    pub(crate) const fn new(settings: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
-        Self { settings, storage: None, assume_homed }
+    pub(crate) const fn new(machine_file: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
+        Self { machine_file, storage: None, assume_homed }
     }
 
     /// The machine.
     pub(crate) fn machine(&self) -> Result<Machine> {
-        read_machine(self.settings.as_deref())
+        read_machine(self.machine_file.as_deref())
     }
 
     /// The files that define it.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        [&self.settings, &self.storage].into_iter().flatten().map(PathBuf::as_path)
+        [&self.machine_file, &self.storage].into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// The storage for its settings.

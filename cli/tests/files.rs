@@ -135,7 +135,7 @@ fn an_output_never_is_an_input_or_another_output() {
         &["--storage", &other, "--json", &other],
     ];
     for args in cases {
-        let output = corehbot().arg(&gcode).args(["--settings", &machine]).args(args).output().unwrap();
+        let output = corehbot().arg(&gcode).args(["--machine", &machine]).args(args).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{args:?}");
         assert_eq!(std::fs::read(&gcode).unwrap(), b"G1 X101 F600\n", "{args:?}");
     }
@@ -170,7 +170,7 @@ fn control_bytes_are_never_echoed() {
     let gone = corehbot().arg(place.join("gone\x1b[2J")).output().unwrap();
     let machine = place.join("m.toml");
     std::fs::write(&machine, "\"a\\u001b[2J\" = 1\n").unwrap();
-    let refused = corehbot().arg(&file).arg("--settings").arg(&machine).output().unwrap();
+    let refused = corehbot().arg(&file).arg("--machine").arg(&machine).output().unwrap();
     for output in [output, gone, refused] {
         for bytes in [output.stdout, output.stderr] {
             assert!(bytes.iter().all(|byte| *byte == b'\n' || !byte.is_ascii_control()), "{:?}", text(&bytes));
@@ -178,7 +178,7 @@ fn control_bytes_are_never_echoed() {
     }
 }
 
-/// The emulator does this with `--settings`: a machine stored in the EEPROM of another one is that machine.
+/// The emulator does this with `--machine`: a machine stored in the EEPROM of another one is that machine.
 #[test]
 fn a_stored_machine_prints_as_one_that_was_made_so() {
     let place = scratch("stored");
@@ -196,7 +196,7 @@ fn a_stored_machine_prints_as_one_that_was_made_so() {
         (output.status.code(), line)
     };
     let stored = digest(["--storage", image.to_str().unwrap()]);
-    assert_eq!(stored, digest(["--settings", machine.to_str().unwrap()]));
+    assert_eq!(stored, digest(["--machine", machine.to_str().unwrap()]));
     assert_ne!(stored, digest(["--assume-homed", "0,0,0"]));
 }
 
@@ -276,7 +276,7 @@ fn a_bed_is_levelled_and_measured_without_a_violation_or_a_warning() {
     std::fs::write(&machine, "[endstops]\nprobe = \"PROBE\"\n[probe]\nkind = \"switch\"\n").unwrap();
     let gcode = b"G28\nG34\nG29 V4\nG1 X60 Y60 Z0.3 F9000\nG1 X300 Y350\nM420 S0\n";
     let bed = "bowl=0.2,screw=-25/200/0.2,screw=415/200/-0.2";
-    let run = print(gcode, &["--settings", machine.to_str().unwrap(), "--bed", bed]);
+    let run = print(gcode, &["--machine", machine.to_str().unwrap(), "--bed", bed]);
     let said = text(&run.stdout);
     assert!(run.status.success(), "{said}{}", text(&run.stderr));
     assert!(!said.contains("warnings") && !said.contains("violations"), "{said}");

@@ -220,7 +220,7 @@ fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
 fn a_new_start_cools_no_heater() {
     let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/clients/heat.toml");
     let served =
-        Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--settings", machine.to_str().unwrap()]);
+        Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--machine", machine.to_str().unwrap()]);
     let mut client = Client::open(&served.path);
     while !client.hear().starts_with("echo:corehbot") {}
     client.ask("M109 S200");

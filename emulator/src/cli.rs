@@ -61,7 +61,7 @@ struct Cli {
     board: Board,
     /// The machine, stored in the EEPROM of the Octopus, or put into the image of the Nucleo; without it, the CoreH-bot
     /// prototype.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
     #[arg(long, value_name = "T.csv")]

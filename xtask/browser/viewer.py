@@ -129,7 +129,7 @@ def other_file(browser, report):
 
 def fault(browser, corehbot, folder):
     """The card of a fault opens the part of the documents about it; its place is marked in the path and in the charts."""
-    options = ("--settings", HEAT / "heat.toml", "--break", "open:hotend@60s")
+    options = ("--machine", HEAT / "heat.toml", "--break", "open:hotend@60s")
     browser.open(print_report(corehbot, HEAT / "heat.gcode", folder, *options, ends_well=False))
     whole(browser)
     document = (ROOT / "docs/reference/errors.md").read_text()

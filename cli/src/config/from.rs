@@ -33,7 +33,7 @@ pub(crate) struct From {
     board: Option<&'static BoardConnectors>,
     /// How the motors of a Marlin printer move it, which most of them do not say.
     #[arg(long, value_parser = kinematics())]
-    machine: Option<&'static Kinematics>,
+    kinematics: Option<&'static Kinematics>,
     /// The file to write, which must not exist; the default is standard output.
     #[arg(short, long, value_name = "M.toml")]
     output: Option<PathBuf>,
@@ -82,7 +82,7 @@ pub(super) fn from(args: &From) -> Result<u8> {
 
 /// The translation of whatever it is.
 fn translated(args: &From) -> Result<Translation> {
-    let given = Given { board: args.board, kinematics: args.machine };
+    let given = Given { board: args.board, kinematics: args.kinematics };
     #[cfg(unix)]
     if let Some(port) = args.printer.port() {
         return Ok(marlin::translate(&port.display().to_string(), &args.printer.ask(port)?, given));
@@ -105,8 +105,8 @@ fn translated(args: &From) -> Result<Translation> {
         }
     }
     ensure!(
-        args.machine.is_none(),
-        "--machine is for printers with Marlin or RepRapFirmware: {name} says its own kinematics"
+        args.kinematics.is_none(),
+        "--kinematics is for printers with Marlin or RepRapFirmware: {name} says its own kinematics"
     );
     of_klipper::translate(&klipper::read(&first)?, args.board).map_err(anyhow::Error::msg)
 }

@@ -65,8 +65,8 @@ pub(crate) struct Resonance {
     corner_speed: f64,
     /// The machine file of the machine that was recorded: in runs at one speed its motors' steps have frequencies of
     /// their own. Without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
+    machine_file: Option<PathBuf>,
     /// Writes a page with spectra, shapers, belts and the profile.
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
@@ -152,7 +152,7 @@ impl Prepared {
                 }
             }
         }
-        let drives = drives::of(&Printer::new(args.settings.clone(), None).machine()?.settings);
+        let drives = drives::of(&Printer::new(args.machine_file.clone(), None).machine()?.settings);
         Ok(Self { sweeps, runs, left_out, drives })
     }
 
@@ -164,7 +164,7 @@ impl Prepared {
         if let Some(part) = &args.part {
             return part.run();
         }
-        let inputs = || args.files.iter().chain(&args.settings).map(PathBuf::as_path);
+        let inputs = || args.files.iter().chain(&args.machine_file).map(PathBuf::as_path);
         args.json.check(inputs(), &args.report)?;
         let answer = self.answer(&args.question())?;
         args.json.give_with(&answer, inputs(), |outputs| {

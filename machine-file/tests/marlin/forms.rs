@@ -188,7 +188,7 @@ fn what_the_printer_does_not_say_is_to_be_filled_in() {
     assert!(done.text.contains("\nlength = 100  # to be filled in\n"), "{}", done.text);
     // The machine is one, but motors that nobody plugged in do not turn, and nobody said how they move it.
     assert!(done.machine.is_some(), "{:?}", done.problems);
-    assert!(!done.is_whole() && done.report.notes.iter().any(|note| note.text.contains("--machine")));
+    assert!(!done.is_whole() && done.report.notes.iter().any(|note| note.text.contains("--kinematics")));
     // A delta has no matrix.
     let delta = of_text("x", &(text("mega") + "M665 L250 R125 H300\n"), None);
     assert!(!delta.is_whole() && verdict(&delta.report, "M665", "L250 R125 H300").0 == Kind::Decide);

@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
     assume_homed: Option<[Mm; 3]>,
     /// The machine; without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
 }
 
