@@ -12,6 +12,7 @@ use crate::printer::Printer;
 use crate::values::number;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
+use corehbot_machine_file::file_kind::{FileKind, START, Wanted, WrongFile};
 use corehbot_report::resonance as page;
 use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure, measure_density};
 use corehbot_resonance::density;
@@ -134,10 +135,13 @@ impl Prepared {
         for path in &args.files {
             let name = path.display().to_string();
             let cannot = || format!("cannot read {name}");
-            ensure!(!path.is_dir(), "{}: it is a directory", cannot());
+            let wanted = Wanted::Recording;
+            ensure!(!path.is_dir(), "{}: {}", cannot(), WrongFile { kind: FileKind::Folder, wanted });
             // Before its samples, which are too few for a sweep.
             check(&name)?;
             let bytes = std::fs::read(path).with_context(cannot)?;
+            let kind = FileKind::of(&bytes[..bytes.len().min(START)], bytes.len() as u64);
+            wanted.check(kind).with_context(|| name.clone())?;
             let (contents, flaws) = contents(&name, &bytes).with_context(|| name.clone())?;
             left_out.extend(flaws.into_iter().map(|flaw| format!("{}: {flaw}", short(&name))));
             for (name, part) in contents {

@@ -3,7 +3,8 @@
 use super::{LOGS, configurations, of_text, text, translated, verdict};
 use corehbot::settings::{AxisEnd, CornerRule, HomedAxis, Settings, ShaperKind};
 use corehbot_machine_file::Kind;
-use corehbot_machine_file::marlin::{Firmware, Given, is_report, text_of, translate};
+use corehbot_machine_file::file_kind::text_of;
+use corehbot_machine_file::marlin::{Firmware, Given, is_report, translate};
 use proptest::prelude::*;
 
 /// The settings of a log's machine file.
