@@ -351,9 +351,11 @@ fn marlin(name: &str) -> String {
 
 #[test]
 fn a_saved_answer_of_marlin_becomes_a_machine() {
-    for (name, more) in
-        [("mega.log", &["--kinematics", "cartesian"][..]), ("core.log", &["--kinematics", "corexy"]), ("shaped.log", &[])]
-    {
+    for (name, more) in [
+        ("mega.log", &["--kinematics", "cartesian"][..]),
+        ("core.log", &["--kinematics", "corexy"]),
+        ("shaped.log", &[]),
+    ] {
         for board in [&["--board", "octopus"][..], &[]] {
             let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension("toml");
             let _ = std::fs::remove_file(&path);

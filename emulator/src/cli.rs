@@ -23,7 +23,7 @@ use clap::Parser;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot_cli::heat_args::HeatArgs;
-use corehbot_cli::input;
+use corehbot_cli::input::{self, Plate};
 use corehbot_cli::output::{Outputs, STANDARD, Stream};
 use corehbot_cli::plant_args::PlantArgs;
 use corehbot_cli::serve::{Port, Surroundings, println};
@@ -153,7 +153,7 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         SettingsMemory::Eeprom => eeprom.save(&settings)?,
         SettingsMemory::Flash => firmware.put_machine(&mut settings)?,
     }
-    let gcode = cli.file.as_deref().map(input::read).transpose()?.unwrap_or_default();
+    let gcode = cli.file.as_deref().map(|file| input::read(file, Plate::default())).transpose()?.unwrap_or_default();
     let (heat, plugs) = (cli.heat.setup(&settings)?, cli.around.plugs(&settings)?);
     ensure!(
         cli.heat.probe_accidents(&settings)?.is_empty(),

@@ -107,8 +107,7 @@ pub struct EqualArgs {
 pub fn main(args: &Args) -> Result<()> {
     // The emulator ends in an orderly way, and this program waits for it.
     let _stop = Stop::at_signals()?;
-    let options =
-        [("--machine", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd), ("--pty", &args.pty)];
+    let options = [("--machine", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd), ("--pty", &args.pty)];
     print(args.board, args.file.as_deref(), options, &args.plant, &args.more)
 }
 
