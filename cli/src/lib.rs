@@ -22,6 +22,7 @@ mod bringup;
 pub mod cli;
 mod config;
 mod digest;
+mod examples;
 pub mod heat_args;
 pub mod image;
 pub mod input;

@@ -178,7 +178,8 @@ impl Prepared {
         let names = Names {
             file: &name,
             machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
-            motors: machine.settings.motor_names,
+            motors: settings.motor_names,
+            fitted: settings.mechanism.fitted(),
         };
         let heat = std::mem::take(&mut done.heat);
         let Results { trace, figures, findings, path, mut moves } = Results::new(done, &outcome)?;

@@ -102,6 +102,18 @@ fn a_print_leaves_a_trace_a_summary_and_a_report() {
 }
 
 #[test]
+fn a_summary_has_the_motors_that_there_are() {
+    let (circle, machine) = (example("circle.gcode"), example("machines/cartesian.toml"));
+    let output = corehbot().args(["run", "--json", "-", "--machine"]).arg(machine).arg(circle).output().unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for list in ["steps", "net_steps"] {
+        let names: Vec<_> = summary[list].as_object().unwrap().keys().collect();
+        assert_eq!(names, ["e0", "m1", "m4", "z1", "z2"], "{list}");
+    }
+    assert!(!String::from_utf8(output.stderr).unwrap().contains("\nm8 "));
+}
+
+#[test]
 fn every_example_prints_without_a_remark() {
     let place = scratch("examples");
     let mut printed = 0;

@@ -200,6 +200,28 @@ fn a_wrong_file_is_told_with_its_way_by_every_command() {
     }
 }
 
+#[test]
+fn a_file_in_place_of_a_command_is_told_with_its_command() {
+    let place = scratch("no_command");
+    for (text, words) in [
+        ("G28\nG1 X5\n", "x.gcode is G-code: `corehbot run "),
+        ("[printer]\nkinematics: none\n", "x.gcode is Klipper's printer.cfg: `corehbot config from "),
+    ] {
+        let path = place.join("x.gcode");
+        std::fs::write(&path, text).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg(&path).output().unwrap();
+        let told = text_of(&output);
+        assert!(output.status.code() == Some(2) && told.lines().count() == 1, "{told}");
+        assert!(told.contains(&format!("{words}{}`", path.display())), "{told}");
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("prin").output().unwrap();
+    assert!(text_of(&output).contains("unrecognized subcommand"), "{}", text_of(&output));
+}
+
+fn text_of(output: &Output) -> String {
+    text(&output.stderr)
+}
+
 /// The step trace of a file, by its SHA-256.
 fn digest(file: &Path, args: &[&str]) -> String {
     let output = corehbot().arg(file).args(args).args(["--json", "-"]).output().unwrap();

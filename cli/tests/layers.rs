@@ -21,7 +21,11 @@ const CRATES: [(&str, &str, &[&str]); 12] = [
     ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring", "corehbot-twin"]),
     ("gcode-file", "corehbot-gcode-file", &["corehbot-machine-file"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
-    ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-sim"]),
+    (
+        "report",
+        "corehbot-report",
+        &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-machine-file", "corehbot-sim"],
+    ),
     (
         "page",
         "corehbot-page",

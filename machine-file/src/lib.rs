@@ -69,7 +69,7 @@ use resolution::resolution;
 pub use schema::schema;
 use std::path::Path;
 pub use translation::{Kind, OfKey, OfSection, Report, Translation, Verdict};
-pub use written::written;
+pub use written::{keyed, written};
 
 /// A machine as its file describes it.
 #[derive(Clone, PartialEq, Debug)]

@@ -81,6 +81,7 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
         file: &job.file,
         machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
         motors: settings.motor_names,
+        fitted: settings.mechanism.fitted(),
     };
     let moves = moves.finish()?;
     let ended = Ended {

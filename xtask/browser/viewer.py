@@ -64,6 +64,7 @@ def run(corehbot, folder):
         frames = browser.frames_per_second()
         told_marks(browser, corehbot, folder)
         other_file(browser, report)
+        other_settings(browser, corehbot, folder)
         fault(browser, corehbot, folder)
         browser.resize(PHONE, True)
         browser.open(report)
@@ -124,6 +125,27 @@ def other_file(browser, report):
     first = min(TOLD) + 2
     expected = ("told.gcode", "first-print.gcode", f"They differ from line {first} on")
     check(all(word in told() for word in expected), f"no warning of another file: {told()[:400]}")
+    browser.check_quiet()
+
+
+def other_settings(browser, corehbot, folder):
+    """Another page is refused in words, and the keys of settings that differ are listed, each of them."""
+    chosen, told = browser.find("input[type=file]"), lambda: browser.find("section[aria-label^=Compare]").text
+    pages = {
+        "other.html": ("<!doctype html><title>corehbot</title>\nconst D = {};\n", "another page of corehbot"),
+        "web.html": ("<!doctype html><title>news</title>", "a page of something else"),
+        "text.html": ("G28", "is no page"),
+    }
+    for name, (text, words) in pages.items():
+        (folder / name).write_text(text)
+        chosen.send_keys(str(folder / name))
+        browser.wait(f"{name}: {words}", lambda: f"{name} is" in told() and words in told())
+    machine = folder / "quick.toml"
+    machine.write_text('name = "quick"\nz_jerk = 1\nprint_acceleration = 2000\n[corner]\nsquare_corner = 4\n[axes.x]\nmax_acceleration = 2500\n')
+    second = print_report(corehbot, ROOT / "examples/tiny.gcode", folder, "--machine", machine)
+    chosen.send_keys(str(second))
+    keys = "name", "z_jerk", "print_acceleration", "corner.square_corner", "corner.junction_deviation", "axes.x.max_acceleration"
+    browser.wait("keys that differ", lambda: all(f"\n{key} " in told() for key in keys))
     browser.check_quiet()
 
 
