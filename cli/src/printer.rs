@@ -10,13 +10,17 @@ use corehbot_sim::eeprom::Eeprom;
 use corehbot_twin::description::Description;
 use std::path::{Path, PathBuf};
 
+/// The word for no storage, in place of an image.
+const NO_STORAGE: &str = "none";
+
 /// The printer that commands have in common.
 #[derive(Clone, Args)]
 pub(crate) struct Printer {
     /// The machine; without it, the CoreH-bot prototype.
     #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     machine_file: Option<PathBuf>,
-    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
+    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist; `none` keeps
+    /// nothing. Without it, `serve` keeps them in the user's folder for data, and other commands nowhere.
     #[arg(long, value_name = "E.bin")]
     storage: Option<PathBuf>,
     /// Starts as if homed, with the tool at this place in mm.
@@ -37,12 +41,21 @@ impl Printer {
 
     /// The files that define it.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        [&self.machine_file, &self.storage].into_iter().flatten().map(PathBuf::as_path)
+        [self.machine_file.as_deref(), self.image()].into_iter().flatten()
     }
 
     /// The storage for its settings.
     pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
-        self.storage.as_deref().map(Eeprom::open).transpose()
+        self.image().map(Eeprom::open).transpose()
+    }
+
+    /// Whether the command line says where its settings are kept, or that they are not.
+    pub(crate) const fn says_storage(&self) -> bool {
+        self.storage.is_some()
+    }
+
+    fn image(&self) -> Option<&Path> {
+        self.storage.as_deref().filter(|path| *path != Path::new(NO_STORAGE))
     }
 }
 

@@ -38,7 +38,7 @@ class Printer:
     `xtask` stands for."""
 
     def __init__(self, program, link=None, speed="max", settings=None, trace=None):
-        command = [program, "serve", "--speed", str(speed)]
+        command = [program, "serve", "--speed", str(speed), "--storage", "none"]
         if os.path.basename(program) == "xtask":
             command = [program, "qemu", "--serve"]
         if link:
