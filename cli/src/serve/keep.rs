@@ -75,7 +75,9 @@ fn image(name: Option<&str>, machine: &Settings) -> Option<PathBuf> {
         name.unwrap_or("machine").chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
     let mut file = name.to_ascii_lowercase();
     file.push('-');
-    Sha256::digest(&record[..length]).iter().take(DIGEST).for_each(|byte| drop(write!(file, "{byte:02x}")));
+    for byte in Sha256::digest(&record[..length]).iter().take(DIGEST) {
+        let _ = write!(file, "{byte:02x}");
+    }
     Some(data()?.join(FOLDER).join(file + ".eeprom"))
 }
 
@@ -96,7 +98,7 @@ mod tests {
     #[test]
     fn every_machine_has_an_image_of_its_own() {
         let first = Settings::prototype();
-        let second = Settings { keepalive_s: first.keepalive_s + 1, ..first.clone() };
+        let second = Settings { keepalive_s: first.keepalive_s + 1, ..first };
         let of = |name: &str, machine: &Settings| image(Some(name), machine).unwrap();
         let path = of("My CoreXY/2", &first);
         let file = path.file_name().unwrap().to_str().unwrap();
