@@ -75,7 +75,7 @@ impl From<WrongFile> for GcodeFileError {
 }
 
 impl From<io::Error> for GcodeFileError {
-    /// Readers of packed data tell damage, and [`crate::text::Bounded`] its bound, by errors of input.
+    /// Readers of packed data tell damage, and `Bounded` its bound, by errors of input.
     fn from(error: io::Error) -> Self {
         use io::ErrorKind::{FileTooLarge, InvalidData, InvalidInput, UnexpectedEof};
         match error.kind() {

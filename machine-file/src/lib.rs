@@ -1,7 +1,7 @@
 //! Machine files: settings as TOML that a person writes; read, checked, written and described.
 //!
-//! For commands, other tools and web pages. Only [`read`] and [`read_text`] open a file; everything else goes from text to values and
-//! back.
+//! For commands, other tools and web pages. Only [`read`] and [`read_text`] open a file; everything else goes from text
+//! to values and back.
 //!
 //! Every key is optional and overrides the prototype's value, except for `[mechanism]`, which lists all motors or is
 //! left out. An unknown key or a value outside its legal range is an error that names both. Keys, kinds, ranges and
