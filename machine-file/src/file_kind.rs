@@ -3,8 +3,8 @@
 //! People give a command or the page another file than it wants: a configuration in place of G-code, a model in place
 //! of its sliced file. Both then tell what the file is and which command takes it, in the words of this table.
 //!
-//! Names and endings count for nothing. A text is judged by its first bytes ([`START`]); a configuration has to be whole in
-//! them.
+//! Names and endings count for nothing. A text is judged by its first bytes ([`START`]); a configuration has
+//! to be whole in them.
 
 use crate::{configuration_h, keys, marlin, reprap};
 use std::fmt::{self, Display};
