@@ -31,7 +31,7 @@ pub(crate) struct Image {
     #[arg(long, value_name = "IMAGE.bin")]
     from: Option<PathBuf>,
     /// The machine; without it, the image has no machine, and moves nothing.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long, alias = "settings", value_name = "M.toml")]
     machine: Option<PathBuf>,
     /// Where to write the image.
     #[arg(short, long, value_name = "firmware.bin")]

@@ -26,7 +26,7 @@ const PEERS: &[Peer] = &[
     Peer("full_steps_per_rotation", Use("full_steps", "")),
     Peer("step_distance", Use("steps_per_mm", "1 / step_distance")),
     Peer("default_axis_steps_per_unit", Use("steps_per_mm", "")),
-    Peer("kinematics", Use("mechanism", "a row for each motor; `corehbot config new --machine` writes them")),
+    Peer("kinematics", Use("mechanism", "a row for each motor; `corehbot config new --kinematics` writes them")),
     Peer("step_pin", Use("motors", "the socket of the board, such as \"M0\"")),
     Peer("dir_pin", Use("motors", "\"!M0\" turns a motor the other way round")),
     Peer("enable_pin", Use("motors", "the socket of the board has the pin")),

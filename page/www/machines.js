@@ -152,9 +152,24 @@ $('restore-machine').onclick = () => {
   choose(`own ${place}`);
 };
 
+// What a file is, by its content. All of an archive is needed, of other files the begin.
+async function told(file, isMachineWanted) {
+  let begin;
+  try {
+    begin = new Uint8Array(await file.slice(0, 1 << 20).arrayBuffer());
+    if (begin[0] === 0x50 && begin[1] === 0x4b) begin = new Uint8Array(await file.arrayBuffer());
+  } catch { begin = undefined; }
+  return JSON.parse(await answers.call('told', begin, file.size, isMachineWanted));
+}
+
 // A file of the user's: it is edited where its errors are shown in their lines.
 async function openMachine(file) {
   if (!file) return;
+  const { trouble } = await told(file, true);
+  if (trouble) {
+    $('problem-count').textContent = `${file.name}: ${trouble}`;
+    return;
+  }
   add(file.name, await file.text());
   show($('tab-machine'));
 }

@@ -7,11 +7,13 @@ const accidents = [];
 
 // --- the file
 
-function take(name, text, example = '') {
+function take(name, text, example = '', plates = []) {
   // What is said of an earlier file is not of this one.
   $('failure').hidden = true;
   $('example').value = example;
   if (example) $('file').value = '';
+  $('plate').replaceChildren(...plates.map(number => make('option', { value: number }, String(number))));
+  $('plate-label').hidden = plates.length < 2;
   gcode = { name, bytes: typeof text === 'string' ? new TextEncoder().encode(text) : text };
   $('file-name').textContent = name;
   $('file-size').textContent = `${(gcode.bytes.byteLength / 1000).toLocaleString('en', { maximumFractionDigits: 1 })} kB`;
@@ -24,9 +26,16 @@ function ready() {
 
 async function takeFile(file) {
   if (!file) return;
-  if (/\.toml$/i.test(file.name)) return openMachine(file);
-  take(file.name, new Uint8Array(await file.arrayBuffer()));
+  const { kind, plates, trouble } = await told(file, false);
+  if (kind === 'machine') return openMachine(file);
   show($('tab-print'));
+  $('failure').hidden = !trouble;
+  if (trouble) {
+    fail(`${file.name}: ${trouble}`);
+    $('failure').scrollIntoView({ block: 'nearest' });
+    return;
+  }
+  take(file.name, new Uint8Array(await file.arrayBuffer()), '', plates);
 }
 
 $('file').onchange = event => takeFile(event.target.files[0]);
@@ -206,7 +215,7 @@ function job() {
   const of = kind => accidents.filter(accident => accident.kind === kind).map(accident => accident.text);
   const word = id => $(id).value.trim() || null;
   return {
-    file: gcode?.name ?? '', ...machineJob(), homed: word('assume-homed'), bed: word('bed'), seed: word('seed'),
+    file: gcode?.name ?? '', plate: Number($('plate').value) || null, ...machineJob(), homed: word('assume-homed'), bed: word('bed'), seed: word('seed'),
     has_belt_plant: $('belt').checked, ...Object.fromEntries(Object.keys(LISTS).map(kind => [kind, of(kind)])),
   };
 }

@@ -15,7 +15,7 @@ HEAT = ROOT / "xtask/clients"
 # set.
 PRINTS = {
     "lines": (ROOT / "examples/first-print.gcode",),
-    "fault": (HEAT / "heat.gcode", "--settings", HEAT / "heat.toml", "--break", "open:hotend@60s"),
+    "fault": (HEAT / "heat.gcode", "--machine", HEAT / "heat.toml", "--break", "open:hotend@60s"),
     "belt": (ROOT / "examples/shaping.gcode", "--plant", "belt"),
 }
 

@@ -5,11 +5,14 @@ Arguments: corehbot. `PAGE` is the page's first file.
 """
 
 import functools
+import gzip
 import http.server
+import io
 import json
 import os
 import pathlib
 import threading
+import zipfile
 
 from chromium import DESK, PHONE, Chromium, check
 from every import use_all
@@ -23,7 +26,8 @@ ENDLESS = "const lines = ['G28', 'G1 F3000']; for (let i = 0; i < 40000; i++) li
 
 # A file that is dropped, as a file manager does it.
 DROP = """const data = new DataTransfer();
-    data.items.add(new File(['G28\\nG1 X10 F6000\\n'], arguments[0]));
+    const content = arguments[1] ? Uint8Array.from(arguments[1]) : 'G28\\nG1 X10 F6000\\n';
+    data.items.add(new File([content], arguments[0]));
     document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
 
 # What file inputs hold when they are about to be used again. The event opens no window of the system.
@@ -127,10 +131,11 @@ def check_print(browser):
 
 
 def check_drop(browser):
-    """A file that is dropped on any tab is shown where it is used."""
-    for name, tab in (("dropped.gcode", "print"), ("dropped.toml", "machine"), ("again.gcode", "print")):
+    """A file that is dropped on any tab is shown where it is used, by its content and not by its name."""
+    machine = list(b"[axes.x]\nlength = 200\n")
+    for name, tab, content in (("machine.toml", "print", None), ("print.gcode", "machine", machine), ("again.gcode", "print", None)):
         browser.find("#tab-terminal").click()
-        browser.run(DROP, name)
+        browser.run(DROP, name, content)
         browser.wait(f"place of {name}", lambda: browser.find(f"#{tab}").is_displayed())
     check(text(browser, "#file-name") == "again.gcode", f"the file is {text(browser, '#file-name')}")
     check(browser.run(CLEARED) == ["", ""], "a file that is chosen again is not read again")
@@ -141,6 +146,29 @@ def check_drop(browser):
     browser.wait("report", lambda: in_report(browser, TALL) > 0)
     in_report(browser, DROP, "on-report.gcode")
     browser.wait("file", lambda: text(browser, "#file-name") == "on-report.gcode")
+
+
+def check_kinds(browser):
+    """Another kind of file is told with its way, packed G-code prints, and a plate is chosen."""
+    browser.find("#tab-print").click()
+    Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
+    browser.run(DROP, "printer.gcode", list(b"[printer]\nkinematics: corexy\n"))
+    browser.wait("way", lambda: "printer.gcode: this is Klipper's printer.cfg, not G-code: `corehbot config from" in text(browser, "#failure"))
+    browser.run(DROP, "a.gcode.gz", list(gzip.compress(b"G28\nG1 X20 F6000\n")))
+    browser.wait("packed file", lambda: text(browser, "#file-name") == "a.gcode.gz" and not browser.find("#failure").is_displayed())
+    browser.find("#start").click()
+    check(printed(browser) == "printed", f"packed: {text(browser, '#failure')}")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number in (1, 2):
+            archive.writestr(f"Metadata/plate_{number}.gcode", f"G28\nG1 X{number}0 F6000\n")
+    browser.run(DROP, "two.3mf", list(packed.getvalue()))
+    browser.wait("plates", lambda: browser.find("#plate").is_displayed())
+    Select(browser.find("#plate")).select_by_value("2")
+    browser.find("#start").click()
+    check(printed(browser) == "printed", f"plate 2: {text(browser, '#failure')}")
+    browser.run(DROP, "cut.3mf", list(packed.getvalue()[:90]))
+    browser.wait("damage", lambda: "cut.3mf: the file is damaged" in text(browser, "#failure"))
 
 
 def check_scrolls(browser):
@@ -426,7 +454,7 @@ def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal):
+        for part in (check_tabs, check_print, check_drop, check_kinds, check_accident, check_parts, check_editor, check_terminal):
             part(browser)
             browser.check_quiet()
         browser.run("localStorage.clear()")
