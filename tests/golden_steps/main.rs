@@ -267,20 +267,20 @@ fn corners_and_speeds() {
     check("long and fast", &generate_on(&plan(&long(), &coarse), &coarse), (40_664, 3_803_253_347, 0xF5C5_3144));
     check("axes", &generate(&plan(&axes(), &settings)), (4_120, 5_758_940, 0xDC2E_7B94));
     check("retracts", &generate(&plan(&retracts(), &settings)), (11_162, 14_381_082, 0xA5AF_778A));
-    check("bends", &generate(&plan(&bends(), &settings)), (13_602, 15_275_851, 0xE28B_F5AA));
-    check("straight", &generate(&plan(&straight(), &settings)), (15_970, 19_195_729, 0x7937_37C4));
+    check("bends", &generate(&plan(&bends(), &settings)), (13_602, 15_443_806, 0x336E_7373));
+    check("straight", &generate(&plan(&straight(), &settings)), (15_971, 19_195_845, 0x3B80_0C7E));
 }
 
 #[test]
 fn wild_moves() {
     let settings = Settings::prototype();
-    check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_415, 226_897_685, 0xE323_75B0));
+    check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_416, 226_957_455, 0xF617_1099));
     let mut elsewhere = Settings { mechanism: UNEQUAL, ..settings };
     elsewhere.travel_acceleration = elsewhere.travel_acceleration / 8;
     check(
         "unequal",
         &generate_on(&plan(&wild(0x5EED_0002, 60), &elsewhere), &elsewhere),
-        (18_903, 70_747_040, 0x5E67_C975),
+        (18_903, 70_760_032, 0xBCC5_EF2C),
     );
 }
 
@@ -288,7 +288,7 @@ fn wild_moves() {
 fn steps_so_dense_that_pulses_must_keep_their_distance() {
     let fine = of_resolution([1700, 800, 400]);
     let path: Path = [circle(), tiny()].concat();
-    check("fine steps", &generate_on(&plan(&path, &fine), &fine), (119_329, 8_178_253, 0xBEA5_5400));
+    check("fine steps", &generate_on(&plan(&path, &fine), &fine), (119_343, 8_180_150, 0x570C_C0AF));
 }
 
 #[test]
@@ -319,9 +319,9 @@ fn shapers_and_pressure_advance() {
     }
     let mut slow = shaped([ShaperKind::TwoHumpEi, ShaperKind::Zvd], [0, 840]);
     slow.shapers.x.frequency = Hertz::from_num(22);
-    check("fine circle", &generate_shaped(&plan(&fine_circle(), &slow), &slow), (3_938, 16_743_523, 0xB1D5_3013));
+    check("fine circle", &generate_shaped(&plan(&fine_circle(), &slow), &slow), (3_940, 16_749_319, 0xA06F_5A03));
     let elsewhere = Settings { mechanism: UNEQUAL, ..shaped([ShaperKind::Zv, ShaperKind::Zvd], [0; 2]) };
-    check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (62_189, 15_614_025, 0xCC5D_FDB9));
+    check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (62_199, 15_781_980, 0x1358_137A));
     // So slow, and between belts so short, that taps may not come nearer to each other as fast as they would.
     let mut steep = shaped([ShaperKind::TwoHumpEi, ShaperKind::Mzv], [220, 300]);
     (steep.shapers.x.frequency, steep.shapers.x.motor_frequency) = (Hertz::from_num(3), Hertz::ZERO);
@@ -330,7 +330,7 @@ fn shapers_and_pressure_advance() {
 
 #[test]
 fn a_console_that_does_all_that_it_may() {
-    for (seed, expected) in [(0x5EED_0003, (199_799, 0xFCED_D6A3)), (0x5EED_0004, (200_551, 0xF699_D137))] {
+    for (seed, expected) in [(0x5EED_0003, (199_562, 0x701A_B823)), (0x5EED_0004, (200_546, 0xA3A9_551A))] {
         let (count, all) = console::run(seed);
         assert_eq!((count, all), expected, "{seed}: what is seen is another: ({count}, {all:#010X})");
     }
@@ -350,12 +350,12 @@ fn a_planner_that_does_all_that_it_may() {
     lifting.axes.z = lifting.axes.x;
     lifting.motor_max_acceleration = MmPerSec2::from_num(1200);
     for (seed, settings, expected) in [
-        (0x5EED_0005, &prototype, (399, 0xF9E8_514B)),
-        (0x5EED_0006, &prototype, (273, 0x3534_DA93)),
-        (0x5EED_0007, &prototype, (346, 0xDA4B_609D)),
-        (0x5EED_0008, &square, (372, 0x2387_73FC)),
-        (0x5EED_000B, &lifting, (363, 0x092B_79AD)),
-        (0x5EED_0009, &weak, (341, 0x57E6_25F2)),
+        (0x5EED_0005, &prototype, (399, 0x6B60_77F4)),
+        (0x5EED_0006, &prototype, (273, 0xC541_067B)),
+        (0x5EED_0007, &prototype, (346, 0x3127_544E)),
+        (0x5EED_0008, &square, (372, 0x3035_CED2)),
+        (0x5EED_000B, &lifting, (363, 0xFAD6_6D1A)),
+        (0x5EED_0009, &weak, (341, 0x52B3_3F6A)),
     ] {
         let (count, all) = planner::planned(seed, seed == 0x5EED_0005, settings);
         assert_eq!((count, all), expected, "{seed}: what is planned is another: ({count}, {all:#010X})");

@@ -181,8 +181,8 @@ fn contour_at(course: &[Knot], targets: &Targets, frequency: f64) -> [f64; 2] {
 }
 
 /// A rounded corner at one speed shakes the tool less than one that is entered fast and left slowly. Klipper's plan of
-/// the same path is the rival again: it has one speed in the bend. In chords of 0.03 mm it is slower than the tool
-/// here, by up to 1.4 %, because the points' errors look like corners; so one path has a third more error.
+/// the same path is the rival again: it has one speed in the bend. In chords below 0.05 mm it is slower than the tool
+/// here, by up to 1.4 %, because the points' errors look like corners; so some of these paths have more error.
 #[test]
 fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     let s = machine();
@@ -195,10 +195,8 @@ fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
                 let ours = contour(&course([Steps::ZERO; 4], &stream(&targets, &s), &s), &targets);
                 let theirs = contour(&klipper::course(&targets, &LIMITS), &targets);
                 let ratio = [ours[0] / theirs[0], ours[1] / theirs[1]];
-                assert!(
-                    ratio[0] < 1.35 && ratio[1] < 1.35,
-                    "{shape}, {fillet:?}: {ours:?} um, {theirs:?} with Klipper"
-                );
+                let most = if radius * FRAC_PI_2 / chords < 0.05 { 1.3 } else { 1.015 };
+                assert!(ratio.iter().all(|r| *r < most), "{shape}, {fillet:?}: {ours:?} um, {theirs:?} with Klipper");
                 for i in 0..2 {
                     (mean[i], greatest[i]) = (mean[i] + ratio[i], greatest[i].max(ratio[i]));
                 }
@@ -208,7 +206,7 @@ fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     }
     let mean = mean.map(|sum| sum / count);
     println!("{mean:?} of Klipper's contour error, {greatest:?} at most, in {count} paths");
-    assert!(mean.iter().all(|mean| *mean < 1.045), "{mean:?} of Klipper's contour error");
+    assert!(mean.iter().all(|mean| *mean < 1.025), "{mean:?} of Klipper's contour error");
 }
 
 /// The law that `curves` holds to, where the rule is a square corner: within 4 ms the velocity changes by no more than

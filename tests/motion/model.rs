@@ -215,9 +215,9 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
             bend = bend.min(if shorter >= 1.0 {
                 row.min(least)
             } else {
-                // The same corner may come again, by a turn and chords that are known but for their points' errors.
+                // The same corner may come again.
                 let chord = if p.length.max(q.length) >= 1.0 { shorter } else { (p.length + q.length) / 2.0 };
-                let again = circle(chord, size(turn) - 0.0003 * (1.0 / p.length + 1.0 / q.length)).max(0.4 * arc);
+                let again = circle(chord, size(turn)).max(0.25 * arc);
                 let is_known = curve < 1.05 * again;
                 arc.min(row).min(if is_known { f64::INFINITY } else { again }).max(least)
             });

@@ -23,8 +23,8 @@
 //! - **A bend has one speed.** It is over before the lead is known, too: a first corner that uses up all of the jump
 //!   makes all others slow. So between short chords the law of long ones bounds the bend from two sides. A corner is
 //!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of
-//!   both chords, because the next corner may be alike; the error of points is taken off t before ([`POINT_ERROR`]). A
-//!   corner that stays a single one loses little, because it keeps [`GOES_ON`] of its `v^2`.
+//!   both chords, because the next corner may be alike. A corner that stays a single one loses little, because it
+//!   keeps [`GOES_ON`] of its `v^2`.
 //!
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.
@@ -59,14 +59,10 @@ const LEAST_TURN_SQ: f32 = 1e-12;
 /// [curvature](super::path_curvature) of the path, which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
-/// The error of a coordinate in thousandths of a millimetre, in mm: 0.001 over the square root of 12. Over the length
-/// of a chord it is the chord's part in the error of a turn.
-const POINT_ERROR: f32 = 0.000_3;
-
 /// The part of the squared speed of junction deviation that a corner between short chords may have whatever follows it.
-/// With a quarter, fine curves with errors take longer; with a half, small fillets shake the tool more (measured on
-/// `tests/motion/fillets.rs` and random curves).
-const GOES_ON: f32 = 0.4;
+/// With a fifth, straight lines in rounded chords of 0.02 mm take 4 % longer; with 0.4, small fillets shake the tool
+/// more (measured on `tests/motion/joining.rs` and `fillets.rs`).
+const GOES_ON: f32 = 0.25;
 
 /// Where the curvature allows less than this times what the two chords allow, it counts alone. With 1.15, rounded
 /// corners in twelve chords shake the tool more, and curves with errors take as long (measured likewise).
@@ -232,19 +228,17 @@ fn corner(
     }
     // 1 - sine without its cancellation.
     let arc = 4.0 * base * sine * (1.0 + sine) / turn_sq;
-    let (p, q, turn, bears) = (before.size, after.size, root(turn_sq), max_accel * sine);
+    let (p, q, curve) = (before.size, after.size, max_accel * sine / root(turn_sq));
     let shorter = least(p, q);
-    let circle = least(arc, shorter * bears / turn);
+    let circle = least(arc, shorter * curve);
     if shorter >= LONG_CHORD {
         return least(of_bend, circle);
     }
     // A chord behind a long line may be the first of a curve.
     let size = if p < LONG_CHORD && q < LONG_CHORD { 0.5 * (p + q) } else { shorter };
-    let known = turn - POINT_ERROR * (p + q) / (p * q);
-    let most = least(of_bend, arc);
-    let goes_on = greatest(GOES_ON * arc, size * bears / known);
+    let (most, goes_on) = (least(of_bend, arc), greatest(GOES_ON * arc, size * curve));
     // Where the curvature is known and says nearly the same it counts, because points' errors disturb it less.
-    let most = if known > 0.0 && of_curve >= NEARLY * goes_on { least(most, goes_on) } else { most };
+    let most = if of_curve >= NEARLY * goes_on { least(most, goes_on) } else { most };
     greatest(most, circle)
 }
 
