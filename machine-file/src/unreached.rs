@@ -1,12 +1,21 @@
-//! Places of a machine that its probe does not reach: commands refuse to touch there.
+//! Places of a machine that its probe or its nozzle does not reach: commands refuse to touch there.
 
-use corehbot::settings::{Settings, WholePlace, ranges};
+use corehbot::settings::{HomedAxis, Settings, WholePlace, ranges};
 use corehbot::units::Mm;
 
 /// The places, each with the key that would change it; those of screws only if the file `has_screws`. Without a probe
-/// nothing is touched.
+/// only the switch of z has a place.
 pub(super) fn places(s: &Settings, has_screws: bool) -> Vec<(String, String)> {
     let mut found = Vec::new();
+    if let Some([x, y]) = s.unreached_z_home() {
+        let [reach_x, reach_y] = [HomedAxis::X, HomedAxis::Y].map(|axis| s.reach(axis));
+        let key = if reach_x.holds(x) { "safe_z_home.y" } else { "safe_z_home.x" };
+        let text = format!(
+            "safe_z_home is at X{x} Y{y}, but the nozzle reaches from X{} Y{} to X{} Y{}",
+            reach_x.least, reach_y.least, reach_x.most, reach_y.most
+        );
+        found.push((key.to_owned(), text));
+    }
     if !s.probe.is_fitted() {
         return found;
     }
