@@ -129,6 +129,18 @@ mod tests {
     }
 
     #[test]
+    fn a_switch_that_homes_z_where_the_nozzle_cannot_be_is_an_error() {
+        let said = |text: &str| {
+            let (machine, found) = problems(text);
+            assert!(machine.is_some(), "{found:?}");
+            found.into_iter().filter(|problem| problem.is_error).map(|problem| problem.text).collect::<Vec<_>>()
+        };
+        assert_eq!(said("[safe_z_home]\nx = 0\ny = 417.6\n"), [""; 0]);
+        let far = said("[safe_z_home]\nx = 10\ny = 418\n");
+        assert_eq!(far, ["safe_z_home is at X10 Y418, but the nozzle reaches from X0 Y0 to X390 Y417.6"]);
+    }
+
+    #[test]
     fn nothing_touches_without_a_probe() {
         let (_, found) = problems("[probe.home]\nx = -500\n");
         assert!(found.is_empty(), "{found:?}");
