@@ -1,7 +1,7 @@
 //! The Vorons: gantries and beds that several motors of z lift.
 
 use super::Printer;
-use corehbot_machine_file::klipper::Kind::{Decide, Taken};
+use corehbot_machine_file::klipper::Kind::Taken;
 
 pub(super) const VORONS: &[Printer] = &[
     Printer {
