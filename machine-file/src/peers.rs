@@ -117,7 +117,7 @@ const PEERS: &[Peer] = &[
     Peer("bed_mesh", Use("mesh", "its points and its fade; G29 has the rest")),
     Peer("quad_gantry_level", Use("screws", "[screws.1] and so on: place and probed point of each belt (G34)")),
     Peer("z_tilt*", Use("screws", "[screws.1] and so on: place and probed point of each screw (G34)")),
-    Peer("safe_z_home", Use("probe.home", "with probe.z_home = true")),
+    Peer("home_xy_position", Use("safe_z_home.x", "and y, of a switch of z; a probe that homes z has [probe.home]")),
     Peer(
         "filament_switch_sensor",
         Use("endstops.filament", "its input; M119 reports it, and nothing stops at the end of the filament"),

@@ -49,7 +49,7 @@ fn a_place_for_homing_that_the_tool_does_not_reach_is_refused() {
         begin(&s, |life| {
             let why = format!("Z is homed by the probe, which cannot touch at {told}. Correct probe.home");
             for line in ["G28", "G28 Z", "G28 X Y Z", "G29 N"] {
-                let why = if line == "G28 Z" { "X or Y is not homed" } else { why.as_str() };
+                let why = if line == "G28 Z" { "one of them is not homed" } else { why.as_str() };
                 let why = if line == "G29 N" { REACH } else { why };
                 refuses(life, line, why);
             }
