@@ -130,3 +130,21 @@ fn screws_that_nothing_has_placed_are_not_levelled() {
         assert_eq!(life.count("Did 1 of 5"), 1, "{:?}", life.heard);
     });
 }
+
+/// Reproducer: after a touch, the world held the shift of z to the name that z had before.
+#[test]
+fn z_is_shifted_right_after_the_touch_that_homed_it() {
+    let s = machine(ProbeKind::Switch);
+    for after in [&["M290 Z-0.2"][..], &["G1 X100 Z5 F6000", "M290 Z-0.2", "G1 X200"], &["M290 Z-1", "M290 Z0.5"]] {
+        begin(&s, |life| {
+            life.say("G28");
+            let [.., before] = life.nozzle();
+            after.iter().for_each(|line| life.say(line));
+            life.say("M400");
+            let [.., z] = life.nozzle();
+            assert!(z < before, "{after:?}: {z}, {before} before");
+            life.say("G1 Z1 F600");
+            life.say("M400");
+        });
+    }
+}
