@@ -105,13 +105,13 @@ impl Reach {
                 self.within[axis] = None;
                 continue;
             };
-            // A shift goes on from where z was. After a touch it comes before the first move by the new name.
-            let mut shifted = 0.0;
+            // A shift goes on from where z was: after a touch it comes before the first move by the new name.
+            let (mut shift, mut shifted) = (0.0, 0.0);
             if axis == 2 {
                 let offset = (!(least..=most).contains(&at)).then(&offset);
                 if let Some(offset) = offset {
                     (least, most) = (least - offset, most + TOP + offset);
-                    shifted = offset - self.offset.unwrap_or(offset);
+                    (shift, shifted) = (offset, offset - self.offset.unwrap_or(0.0));
                 }
                 self.offset = offset;
             }
@@ -128,8 +128,10 @@ impl Reach {
                 self.found = Some(Beyond { axis: char::from(b"XYZ"[axis]), at, end, tick });
             }
             // Slow ways out add up.
-            self.within[axis] =
-                Some([if at < least { at.max(low) } else { at }, if at > most { at.min(high) } else { at }]);
+            self.within[axis] = Some([
+                if at < least { low.max(at - shift) } else { at },
+                if at > most { high.min(at + shift) } else { at },
+            ]);
         }
         self.found
     }
