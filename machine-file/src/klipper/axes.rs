@@ -238,7 +238,7 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
         }
         _ => {}
     }
-    match work.pins.input(&pin, Circuit::Plain).filter(|_| pin.is_on_board()) {
+    match work.pins.input(&pin, Circuit::Plain) {
         Some(input) => {
             work.take(entry, &path, input.plug(&pin));
             if let Some((kind, text)) = input.of_pull(&pin) {

@@ -1,5 +1,6 @@
 //! Fans: their outputs, roles and duties.
 
+use super::board::FAN;
 use super::pin::PinText;
 use super::work::Work;
 use crate::pattern::matches;
@@ -16,7 +17,7 @@ pub(super) fn fans(work: &mut Work<'_>) {
     let names = config.sections.iter().map(|section| section.name.as_str());
     let of = |section: &'_ str| FANS.iter().find(|(pattern, _)| matches(pattern, section)).map(|(_, role)| *role);
     let all: Vec<(&str, &str)> = names.filter_map(|section| Some((section, of(section)?))).collect();
-    let number = |work: &Work<'_>, pin: &PinText| work.pins.fan(&pin.name).filter(|_| pin.is_on_board());
+    let number = |work: &Work<'_>, pin: &PinText| work.pins.fan(pin);
     let mut free: Vec<usize> = (0..work.pins.connectors.fans.len()).collect();
     let mut foreign = Vec::new();
     for (section, role) in all {
@@ -30,10 +31,7 @@ pub(super) fn fans(work: &mut Work<'_>) {
         }
     }
     for (section, role, entry, pin) in foreign {
-        let place = match pin.is_on_board() {
-            true => format!("{} is no fan output of the {}", pin.name, work.pins.connectors.name),
-            false => format!("{} is another board, and a machine has one so far", pin.chip),
-        };
+        let place = work.pins.elsewhere(&pin, FAN);
         if free.is_empty() {
             work.say(entry, Kind::Decide, format!("{place}, and none is left for it"));
             of_heater(work, section, role);
@@ -156,7 +154,7 @@ fn tachometer(work: &mut Work<'_>, section: &str, fan: &str) {
         return;
     }
     let Some(input) = work.pins.input(&pin, Circuit::Plain) else {
-        let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
+        let text = work.pins.elsewhere(&pin, "input");
         return work.say(entry, Kind::Decide, text);
     };
     work.take(entry, &format!("{fan}.tachometer"), input.name.to_string());

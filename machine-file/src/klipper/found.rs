@@ -105,6 +105,32 @@ impl Pinned {
         self.strangers(entry).is_empty() && self.is_in_sockets(entry)
     }
 
+    /// Whether it may be that board: a part of a configuration may have no motors.
+    pub fn may_be(&self, entry: &Entry) -> bool {
+        self.fits(entry) || (!self.has_motors() && self.strangers(entry).is_empty())
+    }
+
+    /// How many of the fans are at outputs of a board.
+    fn fans_of(&self, entry: &Entry) -> usize {
+        entry.board.fans.iter().filter(|fan| self.fans.contains(&fan.pin)).count()
+    }
+
+    /// Whether no other board with these pins has more of the fans.
+    pub fn has_fans_of(&self, entry: &Entry) -> bool {
+        let most = entries().filter(|entry| self.fits(entry)).map(|entry| self.fans_of(entry)).max();
+        most.is_none_or(|most| self.fans_of(entry) == most)
+    }
+
+    /// That the pins are not those of a board, if so.
+    pub fn strange_on(&self, board: &BoardConnectors) -> Option<String> {
+        let entry = entries().find(|entry| entry.board.connectors.key == board.key && !self.may_be(entry))?;
+        Some(format!(
+            "these are not the pins of the {}, as it differs in {}: so each pin counts as another board's",
+            board.name,
+            self.differs(entry)
+        ))
+    }
+
     /// Whether a processor's name says that it is not the board's.
     pub fn is_other_chip(&self, entry: &Entry) -> bool {
         self.chip.as_ref().is_some_and(|chip| !entry.chip.to_lowercase().starts_with(chip.as_str()))
@@ -119,10 +145,9 @@ impl Pinned {
         if !self.has_motors() {
             return Err("cannot tell the board, because the main processor has no motors: name one by --board".into());
         }
-        let fans = |entry: &Entry| entry.board.fans.iter().filter(|fan| self.fans.contains(&fan.pin)).count();
         let fitting: Vec<&Entry> = entries().filter(|entry| self.fits(entry)).collect();
-        let most = fitting.iter().map(|entry| fans(entry)).max();
-        let alike: Vec<&Entry> = fitting.into_iter().filter(|entry| Some(fans(entry)) == most).collect();
+        let most = fitting.iter().map(|entry| self.fans_of(entry)).max();
+        let alike: Vec<&Entry> = fitting.into_iter().filter(|entry| Some(self.fans_of(entry)) == most).collect();
         if alike.is_empty() {
             return Err(self.nearest());
         }
@@ -176,7 +201,18 @@ impl Pinned {
     /// That no board has these pins.
     fn nearest(&self) -> String {
         let Some(nearest) = entries().min_by_key(|entry| self.strangers(entry).len()) else { return String::new() };
-        let strangers = self.strangers(nearest);
+        let chip = self.chip.as_ref().map(|chip| format!(", an {},", chip.to_uppercase())).unwrap_or_default();
+        format!(
+            "the board of this configuration{chip} is not supported, because no board here has its pins (nearest: {}, \
+             which differs in {}); --board names the one that the machine gets instead",
+            nearest.board.connectors.name,
+            self.differs(nearest)
+        )
+    }
+
+    /// The pins that a board has no connector for, in words.
+    fn differs(&self, entry: &Entry) -> String {
+        let strangers = self.strangers(entry);
         let told = |used: &&Used| format!("[{}] {} {}", used.section, used.key, used.text);
         let mut differs: Vec<_> = strangers.iter().take(MOST_TOLD).map(told).collect();
         if strangers.len() > MOST_TOLD {
@@ -185,13 +221,7 @@ impl Pinned {
         if differs.is_empty() {
             differs.push("its motors, which are on headers".to_owned());
         }
-        let chip = self.chip.as_ref().map(|chip| format!(", an {},", chip.to_uppercase())).unwrap_or_default();
-        format!(
-            "the board of this configuration{chip} is not supported, because no board here has its pins (nearest: {}, \
-             which differs in {}); --board names the one that the machine gets instead",
-            nearest.board.connectors.name,
-            differs.join(", ")
-        )
+        differs.join(", ")
     }
 }
 

@@ -51,10 +51,14 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     let is_given = board.is_some();
     let pinned = Pinned::of(config, &aliases);
     let board = board.map_or_else(|| pinned.board(), Ok)?;
-    let pins = Pins::of(board).ok_or_else(|| format!("the {} has no pins: name another --board", board.key))?;
+    let pins =
+        Pins::of(board, &pinned).ok_or_else(|| format!("the {} has no pins: name another --board", board.key))?;
     let mut work = Work::new(config, &pins, &aliases);
     let from = if is_given { "--board" } else { "by its pins" };
     work.lines.set("board", board.key.into(), from);
+    if let Some(text) = pinned.strange_on(board) {
+        work.notes.push(Verdict::new(Kind::Decide, text));
+    }
     for (at, pattern) in &config.missing {
         let text = format!(
             "{}: there is no file {}: copy it to its place, or take out the line; the rest was read",

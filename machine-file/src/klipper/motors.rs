@@ -123,11 +123,8 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
     // What is not the pin is kept: a `!` alone is no socket, so the owner has to decide.
     work.lines.set(&path, sign.into(), "no socket");
     let pins = work.pins;
-    let Some(socket) = pins.socket(&step.name).filter(|_| step.is_on_board()) else {
-        let place = match step.is_on_board() {
-            true => format!("{} is no step pin of the {}", step.name, pins.connectors.name),
-            false => format!("{} is another board, and a machine has one so far", step.chip),
-        };
+    let Some(socket) = pins.socket(&step) else {
+        let place = pins.elsewhere(&step, "step pin");
         let how = if sign.is_empty() { "" } else { ", behind the `!`, because it turns the other way" };
         work.say(entry, Kind::Decide, format!("{place}: write the motor's socket into {path}{how}"));
         return foreign(work, stepper, &path, sign);
