@@ -107,7 +107,13 @@ impl Pinned {
 
     /// Whether it may be that board: a part of a configuration may have no motors.
     pub fn may_be(&self, entry: &Entry) -> bool {
-        self.fits(entry) || (!self.has_motors() && self.strangers(entry).is_empty())
+        let fits = self.fits(entry) || (!self.has_motors() && self.strangers(entry).is_empty());
+        fits && self.namesake(entry).is_none()
+    }
+
+    /// The name of a board that only shares pins with this one, if that one is named.
+    fn namesake<'e>(&self, entry: &'e Entry) -> Option<&'e str> {
+        self.first_name(&[entry]).filter(|(_, entry)| entry.is_none()).map(|(name, _)| name)
     }
 
     /// How many of the fans are at outputs of a board.
@@ -124,11 +130,11 @@ impl Pinned {
     /// That the pins are not those of a board, if so.
     pub fn strange_on(&self, board: &BoardConnectors) -> Option<String> {
         let entry = entries().find(|entry| entry.board.connectors.key == board.key && !self.may_be(entry))?;
-        Some(format!(
-            "these are not the pins of the {}, as it differs in {}: so each pin counts as another board's",
-            board.name,
-            self.differs(entry)
-        ))
+        let why = match self.namesake(entry).filter(|_| self.strangers(entry).is_empty()) {
+            Some(name) => format!("a comment or a name says {name}"),
+            None => format!("it differs in {}", self.differs(entry)),
+        };
+        Some(format!("these are not the pins of the {}, as {why}: so each pin counts as another board's", board.name))
     }
 
     /// Whether a processor's name says that it is not the board's.
@@ -168,20 +174,9 @@ impl Pinned {
     /// at one place the longer one, because "octopus pro" names the Octopus too.
     fn named(&self, alike: &[&'static Entry]) -> Result<&'static Entry, String> {
         let key = |entry: &Entry| entry.board.connectors.key;
-        let mut names: Vec<(&str, Option<&Entry>)> = Vec::new();
-        for entry in alike.iter().copied() {
-            names.push((key(entry), Some(entry)));
-            names.extend(entry.printed.namesakes.iter().map(|name| (*name, None)));
-        }
-        let place = |name: &str| {
-            let spelled = [" ", "-", "_"].map(|between| name.replace(['-', ' '], between));
-            spelled.iter().filter_map(|name| self.words.find(name)).min()
-        };
-        let found = names.into_iter().filter_map(|(name, entry)| Some((place(name)?, name, entry)));
-        let first = found.min_by_key(|(place, name, _)| (*place, std::cmp::Reverse(name.len())));
-        match first {
-            Some((_, _, Some(entry))) => return Ok(entry),
-            Some((_, name, None)) => {
+        match self.first_name(alike) {
+            Some((_, Some(entry))) => return Ok(entry),
+            Some((name, None)) => {
                 return Err(format!(
                     "these are pins of the {}, but a comment or a name says {name}, which is not supported; --board \
                      names the board that the machine gets instead",
@@ -196,6 +191,20 @@ impl Pinned {
             let keys: Vec<_> = alike.iter().map(|entry| key(entry)).collect();
             format!("cannot tell the board: {} have these pins; name yours by --board", keys.join(" and "))
         })
+    }
+
+    /// The first name of a board, or of one that only shares pins with it.
+    fn first_name<'e>(&self, boards: &[&'e Entry]) -> Option<(&'e str, Option<&'e Entry>)> {
+        let own = boards.iter().map(|entry| (entry.board.connectors.key, Some(*entry)));
+        let others = boards.iter().flat_map(|entry| entry.printed.namesakes.iter().map(|name| (*name, None)));
+        let place = |name: &str| {
+            let spelled = [" ", "-", "_"].map(|between| name.replace(['-', ' '], between));
+            let all = spelled.iter().flat_map(|name| self.words.match_indices(name.as_str()).map(|(at, _)| at));
+            all.filter(|at| !self.words.get(..*at).is_some_and(is_denied)).min()
+        };
+        let found = own.chain(others).filter_map(|(name, entry)| Some((place(name)?, name, entry)));
+        let first = found.min_by_key(|(place, name, _)| (*place, std::cmp::Reverse(name.len())));
+        first.map(|(_, name, entry)| (name, entry))
     }
 
     /// That no board has these pins.
@@ -224,6 +233,16 @@ impl Pinned {
         differs.join(", ")
     }
 }
+
+/// Whether the words before a name say that it is not meant: `not for the`.
+fn is_denied(before: &str) -> bool {
+    const DENY: [&str; 5] = ["not", "no", "isn't", "unlike", "instead"];
+    let sentence = before.rsplit(['.', ',', ';', ':', '!', '(']).next().unwrap_or_default();
+    sentence.split(' ').rev().take(WORDS_BEFORE).any(|word| DENY.contains(&word))
+}
+
+/// Words between `not` and the name: `not for the BTT`.
+const WORDS_BEFORE: usize = 5;
 
 /// Pins that a message names.
 const MOST_TOLD: usize = 3;

@@ -148,3 +148,18 @@ fn fans_of_another_version_are_to_be_decided() {
     let done = translate(&read(text).unwrap(), Some(&corehbot_boards::spider_v1::CONNECTORS)).unwrap();
     assert_eq!(verdict(&done.report, "fan", "pin").0, Kind::Taken);
 }
+
+/// A board with the same pins has other heaters on them, or another bootloader: its name is said.
+#[test]
+fn pins_of_a_named_namesake_are_not_taken() {
+    let text = "[stepper_x]\nstep_pin: PE11\n[heater_bed]\nheater_pin: PC8\nsensor_pin: PC3\n";
+    let of = |comment: &str| {
+        translate(&read(&format!("{comment}{text}")).unwrap(), Some(&corehbot_boards::spider::CONNECTORS)).unwrap()
+    };
+    let done = of("# pins of a Fysetc S6\n");
+    assert_eq!(verdict(&done.report, "heater_bed", "heater_pin").0, Kind::Decide);
+    assert!(done.report.notes.iter().any(|note| note.text.contains("a comment or a name says fysetc s6")));
+    for comment in ["", "# a Spider, with the pins of a Fysetc S6\n", "# not for the Fysetc S6\n"] {
+        assert_eq!(verdict(&of(comment).report, "heater_bed", "heater_pin").0, Kind::Taken, "{comment}");
+    }
+}
