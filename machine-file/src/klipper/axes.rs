@@ -111,7 +111,7 @@ pub(super) fn step_rates(work: &mut Work<'_>) {
 }
 
 /// Full steps of a turn (`stepper.py`, full_steps_per_rotation).
-const FULL_STEPS: f64 = 200.0;
+pub(super) const FULL_STEPS: f64 = 200.0;
 
 fn slow_down(work: &mut Work<'_>, path: &str, steps_per_mm: f64) {
     let Some(speed) = work.lines.number(path).filter(|_| steps_per_mm > 0.0) else { return };

@@ -1,5 +1,6 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
+use super::axes::FULL_STEPS;
 use super::work::{DEFAULT, Work, is_true};
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
@@ -66,8 +67,8 @@ pub(super) fn motors(work: &mut Work<'_>) {
         let row: Vec<Toml> = stepper.row[..used].iter().map(|times| (*times).into()).collect();
         work.lines.set(&format!("mechanism.{}", stepper.name), Toml::Array(row), &format!("[{}]", stepper.section));
         socket(work, stepper);
-        resolution(work, stepper);
-        driver(work, stepper);
+        resolution(work, &steppers, stepper);
+        driver(work, &steppers, stepper);
     }
 }
 
@@ -178,7 +179,7 @@ fn foreign(work: &mut Work<'_>, stepper: &Stepper, path: &str, sign: &str) {
 }
 
 /// Steps a millimetre of its axis, by the movement of a turn, or of a step in older configurations.
-fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
+fn resolution(work: &mut Work<'_>, steppers: &[Stepper], stepper: &Stepper) {
     let axis = format!("axes.{}", AXES[stepper.axis]);
     let path = format!("{axis}.rotation_distance");
     let gears = work.value(&stepper.section, "gear_ratio").map(|(entry, text)| (entry, ratio(text)));
@@ -203,9 +204,7 @@ fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
             work.notes.push(Verdict::new(Kind::Decide, text));
         }
     }
-    if let Some((entry, full_steps)) = work.number(&stepper.section, "full_steps_per_rotation") {
-        same_or_take(work, entry, &format!("{axis}.full_steps"), full_steps);
-    }
+    full_steps(work, steppers, stepper, &format!("{axis}.full_steps"));
     let path = format!("{}.microsteps", stepper.group());
     // Older configurations have it with the driver.
     let of_driver = driver_section(work, &stepper.section).and_then(|(driver, _)| work.number(&driver, "microsteps"));
@@ -215,6 +214,30 @@ fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
             work.leave_open(&path);
             let text = format!("[{}] has no microsteps: write {path}", stepper.section);
             work.notes.push(Verdict::new(Kind::Decide, text));
+        }
+    }
+}
+
+/// Full steps of a turn. Motors of an axis have one number of them, so a motor without the key counts too.
+fn full_steps(work: &mut Work<'_>, steppers: &[Stepper], stepper: &Stepper, path: &str) {
+    const KEY: &str = "full_steps_per_rotation";
+    if let Some((entry, number)) = work.number(&stepper.section, KEY) {
+        return same_or_take(work, entry, path, number);
+    }
+    let mut others = steppers.iter().filter(|other| other.axis == stepper.axis);
+    if !others.any(|other| work.value(&other.section, KEY).is_some()) {
+        return;
+    }
+    match work.lines.number(path) {
+        None => work.set_default(path, FULL_STEPS),
+        Some(FULL_STEPS) => {}
+        Some(first) => {
+            let text = format!(
+                "[{}] has no {KEY}, so {FULL_STEPS}, but another motor has {first}, and {path} holds for both",
+                stepper.section
+            );
+            work.notes.push(Verdict::new(Kind::Decide, text));
+            work.leave_open(path);
         }
     }
 }
@@ -250,7 +273,7 @@ fn driver_section(work: &Work<'_>, stepper: &str) -> Option<(String, String)> {
 }
 
 /// The driver's settings.
-fn driver(work: &mut Work<'_>, stepper: &Stepper) {
+fn driver(work: &mut Work<'_>, steppers: &[Stepper], stepper: &Stepper) {
     let Some((section, name)) = driver_section(work, &stepper.section) else {
         let text = format!(
             "[{}] has no [tmc2209 {0}]: its driver must be one, with the current of {}",
@@ -271,20 +294,31 @@ fn driver(work: &mut Work<'_>, stepper: &Stepper) {
         (Some((entry, hold)), Some((_, run))) if run > 0.0 => {
             group(work, entry, stepper, "hold_percent", (100.0 * hold / run).clamp(0.0, 100.0));
         }
-        (None, _) if work.lines.get(&format!("{}.hold_percent", stepper.group())).is_none() => {
-            work.set_default(&format!("{}.hold_percent", stepper.group()), 100.0);
-        }
+        // Without the key it holds with the running current.
+        (None, _) => usual(work, &section, stepper, ("hold_current", "hold_percent", 100.0)),
         _ => {}
     }
+    let is_said = |work: &Work<'_>, key: &str| {
+        let mut others = steppers.iter().filter(|other| other.group() == stepper.group());
+        others.any(|other| {
+            driver_section(work, &other.section).is_some_and(|(driver, _)| work.value(&driver, key).is_some())
+        })
+    };
     let threshold = work.number(&section, "stealthchop_threshold");
     if let Some((entry, threshold)) = threshold {
-        group_switch(work, entry, stepper, "stealth", threshold > 0.0);
+        group_switch(work, entry, stepper, ("stealth", threshold > 0.0), Kind::Decide);
         // Above the fastest move it is stealthChop for ever.
         let limit = if threshold > FASTEST { 0.0 } else { threshold };
         group(work, entry, stepper, "hybrid_threshold", limit);
+    } else if is_said(work, "stealthchop_threshold") {
+        usual_mode(work, &section, stepper);
     }
-    if let Some((entry, threshold)) = work.number(&section, "driver_sgthrs") {
-        group(work, entry, stepper, "stall_threshold", threshold);
+    match work.number(&section, "driver_sgthrs") {
+        Some((entry, threshold)) => group(work, entry, stepper, "stall_threshold", threshold),
+        None if is_said(work, "driver_sgthrs") => {
+            usual(work, &section, stepper, ("driver_sgthrs", "stall_threshold", 0.0));
+        }
+        None => {}
     }
     if let Some((entry, ohms)) = work.number(&section, "sense_resistor") {
         if (ohms - SENSE_OHMS).abs() < 0.0005 {
@@ -300,11 +334,40 @@ fn driver(work: &mut Work<'_>, stepper: &Stepper) {
     interpolation(work, &section, stepper);
 }
 
+/// Klipper's default for a motor without a key, which another motor of its group may have.
+fn usual(work: &mut Work<'_>, section: &str, stepper: &Stepper, (key, leaf, number): (&str, &str, f64)) {
+    let path = format!("{}.{leaf}", stepper.group());
+    let own = format!("drivers.{}.{leaf}", stepper.name);
+    match work.lines.number(&path) {
+        None => work.set_default(&path, number),
+        Some(first) if (first - number).abs() < 0.5 => {}
+        // 0 of a motor alone is its group's.
+        Some(_) if number >= 1.0 && work.is_legal(&own, number) => work.set_default(&own, number),
+        Some(first) => {
+            let text = format!("[{section}] has no {key}, so {number}, but {path} = {first} holds for its group");
+            work.notes.push(Verdict::new(Kind::Decide, text));
+        }
+    }
+}
+
+/// Klipper's drivers are in spreadCycle unless they are told a threshold.
+fn usual_mode(work: &mut Work<'_>, section: &str, stepper: &Stepper) {
+    let path = format!("{}.stealth", stepper.group());
+    match work.lines.get(&path).and_then(Toml::as_bool) {
+        None => work.lines.set(&path, false.into(), DEFAULT),
+        Some(false) => {}
+        Some(true) => {
+            let text = format!("[{section}] has no stealthchop_threshold, but {path} = true holds for its group");
+            work.notes.push(Verdict::new(Kind::Decide, text));
+        }
+    }
+}
+
 /// Klipper's drivers interpolate unless they are told not to.
 fn interpolation(work: &mut Work<'_>, section: &str, stepper: &Stepper) {
     let path = format!("{}.interpolate", stepper.group());
     if let Some((entry, text)) = work.value(section, "interpolate") {
-        return group_switch(work, entry, stepper, "interpolate", is_true(text));
+        return group_switch(work, entry, stepper, ("interpolate", is_true(text)), Kind::Approximated);
     }
     match work.lines.get(&path).and_then(Toml::as_bool) {
         None => work.lines.set(&path, true.into(), DEFAULT),
@@ -328,22 +391,22 @@ fn group(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, numbe
     let own = format!("drivers.{}.{leaf}", stepper.name);
     match work.lines.number(&path) {
         Some(first) if (first - number).abs() < 0.5 => work.say(entry, Kind::Taken, path),
-        Some(_) if work.is_key(&own) => work.take_number(entry, &own, number),
+        Some(_) if number >= 1.0 && work.is_key(&own) => work.take_number(entry, &own, number),
         Some(first) => {
             let text = format!("{path} = {first} holds for all of these motors, and another one set it");
-            work.say(entry, Kind::Approximated, text);
+            work.say(entry, Kind::Decide, text);
         }
         None => work.take_number(entry, &path, number),
     }
 }
 
-/// The same with a switch.
-fn group_switch(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, is_on: bool) {
+/// The same with a switch, and how grave it is that the group has another.
+fn group_switch(work: &mut Work<'_>, entry: usize, stepper: &Stepper, (leaf, is_on): (&str, bool), other: Kind) {
     let path = format!("{}.{leaf}", stepper.group());
     match work.lines.get(&path).and_then(Toml::as_bool) {
         Some(first) if first != is_on => {
             let text = format!("{path} = {first} holds for all of these motors, and another one set it");
-            work.say(entry, Kind::Approximated, text);
+            work.say(entry, other, text);
         }
         Some(_) => work.say(entry, Kind::Taken, path),
         None => work.take(entry, &path, is_on),

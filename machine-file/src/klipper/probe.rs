@@ -149,14 +149,18 @@ pub(super) fn shapers(work: &mut Work<'_>) {
         }
         let own = work.value(SECTION, &format!("shaper_type_{axis}"));
         match own.or_else(|| work.value(SECTION, "shaper_type")) {
-            Some((entry, name)) => match SHAPERS.iter().find(|(known, _)| *known == name) {
+            Some((entry, name)) => match SHAPERS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
                 Some((_, ours)) => {
                     work.take(entry, &path, *ours);
-                    if *ours != name {
+                    if !ours.eq_ignore_ascii_case(name) {
                         work.say(entry, Kind::Approximated, "the nearest there is");
                     }
                 }
-                None => work.say(entry, Kind::NotYet, "no such shaper: choose one of M593"),
+                None => {
+                    // A frequency without a kind would shape with another one.
+                    work.lines.set(&path, "none".into(), "to decide");
+                    work.say(entry, Kind::Decide, "no such shaper: choose one of M593");
+                }
             },
             None => work.lines.set(&path, "mzv".into(), DEFAULT),
         }
