@@ -143,7 +143,7 @@ fn kinematics(work: &mut Work<'_>, given: Option<&'static Kinematics>) -> &'stat
 /// Motors of an axis: drivers are listed one by one, and Z motors that are aligned are numbered.
 fn count(work: &Work<'_>, letter: char) -> usize {
     let words = &work.said.words;
-    let of_drivers = words.iter().filter(|word| ["M906", "M913", "M569", "M122"].contains(&word.code.as_str()));
+    let of_drivers = words.iter().filter(|word| ["M906", "M913", "M569", "M122", "M584"].contains(&word.code.as_str()));
     let parts = of_drivers.filter_map(|word| {
         let (part, of) = word.key.strip_prefix('I')?.split_once(' ')?;
         (of.starts_with(letter)).then(|| part.parse::<usize>().ok())?
