@@ -112,8 +112,10 @@ impl Pinned {
     }
 
     /// The name of a board that only shares pins with this one, if that one is named.
-    fn namesake<'e>(&self, entry: &'e Entry) -> Option<&'e str> {
-        self.first_name(&[entry]).filter(|(_, entry)| entry.is_none()).map(|(name, _)| name)
+    fn namesake(&self, entry: &Entry) -> Option<&'static str> {
+        let alike: Vec<&'static Entry> = entries().filter(|other| self.fits(other)).collect();
+        let (name, _) = self.first_name(&alike).filter(|(_, entry)| entry.is_none())?;
+        entry.printed.namesakes.contains(&name).then_some(name)
     }
 
     /// How many of the fans are at outputs of a board.

@@ -149,6 +149,17 @@ fn fans_of_another_version_are_to_be_decided() {
     assert_eq!(verdict(&done.report, "fan", "pin").0, Kind::Taken);
 }
 
+/// The Octopus has the pins of the Pro, and a note on yet another one comes later.
+#[test]
+fn pins_of_a_twin_are_taken() {
+    let text = "# pins of the Octopus; those of the Octopus Pro v1.1 differ\n[stepper_x]\nstep_pin: PF13\n\
+        [heater_bed]\nheater_pin: PA1\n";
+    for board in [&corehbot_boards::octopus::CONNECTORS, &corehbot_boards::octopus_pro::CONNECTORS] {
+        let done = translate(&read(text).unwrap(), Some(board)).unwrap();
+        assert_eq!(verdict(&done.report, "heater_bed", "heater_pin").0, Kind::Taken, "{}", board.key);
+    }
+}
+
 /// A board with the same pins has other heaters on them, or another bootloader: its name is said.
 #[test]
 fn pins_of_a_named_namesake_are_not_taken() {
