@@ -14,9 +14,11 @@
 //! | file | job |
 //! |---|---|
 //! | `points` | recordings and spectra to bands of frequencies, each with its commanded and measured power |
+//! | `knots` | the bins of a spectrum that a file has on a finer grid |
 //! | `model` | the power of a band by the modes, and its derivatives |
 //! | `search` | the modes with the least differences, and how many there are |
 
+mod knots;
 mod model;
 mod points;
 mod search;

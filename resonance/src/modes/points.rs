@@ -6,6 +6,7 @@
 //!
 //! Only the motion along the swept axis counts: a mode across it would move the frequencies.
 
+use super::knots::at_bins;
 use super::model::{Data, Line, Point};
 use super::search::fitted;
 use super::{Modes, Unfitted};
@@ -158,6 +159,8 @@ fn noise(recording: &Recording) -> f64 {
 
 /// Bins of a spectrum that was computed with windows.
 pub(super) fn of_density(density: &Density, sweep: &Sweep, axis: Option<Axis>) -> Option<Data> {
+    let found = at_bins(density);
+    let density = found.as_ref().unwrap_or(density);
     let (spectrum, step) = (&density.spectrum, density.spectrum.step_hz);
     let window = kaiser(1024);
     let rate_hz = step * window.len() as f64;
