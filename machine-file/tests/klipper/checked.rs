@@ -198,6 +198,25 @@ fn shapers_have_no_case_and_an_unknown_one_shapes_nothing() {
     assert_eq!(verdict(&done.report, "input_shaper", "shaper_type_y").0, Decide);
 }
 
+#[test]
+fn keys_of_z_and_of_a_round_mesh_are_not_lost() {
+    for missing in ["", "max_velocity: fast\n"] {
+        let done = of_text(&format!("[printer]\n{missing}max_z_velocity: 15\nmax_z_accel: 120\n"));
+        assert!(done.text.contains("[axes.z]\nmax_speed = 15  #"), "{}", done.text);
+        assert!(done.text.contains("max_acceleration = 120  #"), "{}", done.text);
+    }
+    let done = of_text("[bed_mesh]\nmesh_radius: 75\nround_probe_count: 7\n");
+    assert!(done.text.contains("columns = 7  #") && done.text.contains("rows = 7  #"), "{}", done.text);
+    assert_eq!(verdict(&done.report, "bed_mesh", "round_probe_count").0, Approximated);
+    let done = of_text("[bed_mesh]\nmesh_radius: 75\n");
+    assert!(done.text.contains("columns = 5  # Klipper's default"), "{}", done.text);
+    // The touches that home Z are the probe's.
+    let text = "[stepper_z]\nendstop_pin: probe:z_virtual_endstop\nhoming_speed: 10\n[probe]\npin: ^PB7\nspeed: 4\n";
+    let done = of_text(text);
+    let (kind, said) = verdict(&done.report, "stepper_z", "homing_speed");
+    assert!(kind == Approximated && said.contains("probe.fast is the speed of the probe's touches"), "{said}");
+}
+
 /// Klipper's defaults, read in its code (commit 84104bbb), and the lines of our file that they become.
 const DEFAULTS: [(&str, &str, &str); 27] = [
     ("klippy/toolhead.py:211", "minimum_cruise_ratio", "0.5"),
