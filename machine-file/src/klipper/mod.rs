@@ -8,7 +8,8 @@
 //! | `pin`, `board` | pins to connectors |
 //! | `found` | which board it is on |
 //! | `work` | the translation so far |
-//! | `motors`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
+//! | `stepper` | a motor |
+//! | `motors`, `drivers`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
 //! | `defaults` | what counts where Klipper's files say nothing |
 //! | `tables` | keys that are one number, and remarks on the rest |
 //! | `report` | what became of every key |
@@ -20,6 +21,7 @@ mod bed;
 mod board;
 mod config;
 mod defaults;
+mod drivers;
 mod fans;
 mod found;
 mod heat;
@@ -27,6 +29,7 @@ mod motors;
 mod pin;
 mod probe;
 mod report;
+mod stepper;
 mod tables;
 mod work;
 
