@@ -214,6 +214,7 @@ pub(super) fn drivers(work: &mut Work<'_>, motors: &Motors) {
             }
         }
     }
+    silent_mode(work, motors);
     let groups: BTreeSet<_> = motors.motors.iter().map(Motor::group).collect();
     let keys = |leaf: &str, number: i64| -> Vec<(String, Toml)> {
         groups.iter().map(|group| (format!("{group}.{leaf}"), number.into())).collect()
@@ -226,6 +227,21 @@ pub(super) fn drivers(work: &mut Work<'_>, motors: &Motors) {
         if !open.is_empty() {
             work.fill_in(&open, what);
         }
+    }
+}
+
+/// Of two motors of the belt one may say that it is in stealthChop, and the other one nothing: the group's mode would
+/// count for both. A second motor of an axis has a word only where it differs, so it does not count here.
+fn silent_mode(work: &mut Work<'_>, motors: &Motors) {
+    let path = "drivers.belt.stealth";
+    if work.lines.get(path).and_then(Toml::as_bool) != Some(true) {
+        return;
+    }
+    let first = motors.motors.iter().filter(|motor| motor.group() == "drivers.belt" && !motor.word.contains(' '));
+    let silent = first.filter(|motor| work.value("M569", &motor.word).is_none());
+    for name in silent.map(|motor| motor.name.clone()).collect::<Vec<_>>() {
+        let text = format!("the mode of {name} is not said, but {path} = true holds for its group");
+        work.notes.push(Verdict::new(Kind::Decide, text));
     }
 }
 

@@ -105,6 +105,26 @@ fn decoration_does_not_count() {
     }
 }
 
+/// A motor without a word for its mode has no mode by its neighbour's.
+#[test]
+fn the_mode_of_one_motor_is_not_anothers() {
+    let of = |lines: &str| of_text("x", &format!("M92 X80 Y80 Z400 E90\nM906 X800 Y800\n{lines}\n"), Some("corexy"));
+    let told = |lines: &str| {
+        let notes = of(lines).report.notes;
+        notes.into_iter().filter(|note| note.kind == Kind::Decide && note.text.contains("is not said")).count()
+    };
+    for (lines, count) in [
+        ("M569 S1 X", 1),
+        ("M569 S1 Y", 1),
+        ("M569 S1 X Y", 0),
+        ("M569 S0 X", 0),
+        ("M906 I1 X800\nM569 S1 X Y", 0),
+        ("", 0),
+    ] {
+        assert_eq!(told(lines), count, "{lines}: {:?}", of(lines).report.notes);
+    }
+}
+
 /// Levelling words of M503: what the printer says is taken, and which probe it has is to be filled in.
 #[test]
 fn the_probe_the_mesh_and_the_screws_are_taken() {
