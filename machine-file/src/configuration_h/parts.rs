@@ -334,7 +334,7 @@ fn mark(look: &mut Look<'_, '_, '_>, name: &str, path: &str, is_marked: bool) {
         (true, true) => format!("write `!` before the connector in {path}"),
     };
     if is_marked && !is_open {
-        look.work.lines.set(path, format!("!{plug}").into(), &format!("to be filled in; `!`: {name}"));
+        look.work.plug(path, &format!("!{plug}"), &format!("to be filled in; `!`: {name}"));
     }
     look.work.say(entry, if is_marked && is_open { Kind::Approximated } else { Kind::Taken }, how);
 }

@@ -244,13 +244,13 @@ fn mark(work: &mut Work<'_>, word: &Word, path: &str, is_marked: bool) {
     match (is_marked, plug.is_empty()) {
         (false, is_empty) => {
             if !is_empty {
-                work.lines.set(path, plug.into(), "to be filled in");
+                work.plug(path, plug, "to be filled in");
             }
             say(work, word, Kind::Taken, &format!("{path} is without `!`"));
         }
         (true, true) => say(work, word, Kind::Approximated, &format!("write `!` before the connector in {path}")),
         (true, false) => {
-            work.lines.set(path, format!("!{plug}").into(), "to be filled in; `!`: it is reversed");
+            work.plug(path, &format!("!{plug}"), "to be filled in; `!`: it is reversed");
             say(work, word, Kind::Taken, &format!("{path} has `!`"));
         }
     }

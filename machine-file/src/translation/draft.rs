@@ -166,6 +166,15 @@ impl Draft {
         self.open.push(format!("{}: {what}", said.join(", ")));
     }
 
+    /// Sets a connector again, in what the owner is asked to fill in too.
+    pub fn plug(&mut self, path: &str, plug: &str, from: &str) {
+        if let Some(before) = self.lines.get(path).cloned() {
+            let (old, new) = (format!("{path} = {before}"), format!("{path} = {plug:?}"));
+            self.open.iter_mut().for_each(|open| *open = open.replace(&old, &new));
+        }
+        self.lines.set(path, plug.into(), from);
+    }
+
     /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.
     fn in_range(&self, path: &str, number: f64) -> (toml::Value, Option<String>) {
         let Some((kind, legal)) = self.kind_of(path) else { return (float_toml(rounded(number)), None) };

@@ -387,6 +387,8 @@ fn switches_that_close_keep_their_sign() {
     ] {
         let done = reprap::translate("config.g", &format!("M584 X0 Y1 Z2 E3\n{lines}\n"), given);
         holds(&done, &[("endstops.x", &format!("{x:?}")), ("endstops.y", &format!("{y:?}"))]);
+        let asked = done.report.open.join("\n");
+        assert!(asked.contains(&format!("endstops.x = {x:?}, endstops.y = {y:?}")), "as in the file: {asked}");
     }
     let done = reprap::translate("config.g", "M574 X1 Y2 S0\n", given);
     assert_eq!(verdict(&done.report, "M574", "XY S"), (Taken, "endstops.x has `!`; endstops.y has `!`"));
