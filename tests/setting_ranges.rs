@@ -46,7 +46,7 @@ const LEAST: [i64; 4] = [i64::MIN, i32::MIN as i64, i16::MIN as i64, 0];
 
 /// Numbers that are legal with any value; and numbers with 0 as a legal value, which usually switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
-const MAY_BE_0: [&str; 27] = [
+const MAY_BE_0: [&str; 28] = [
     "z_jerk",
     "quiet",
     "retries",
@@ -74,6 +74,7 @@ const MAY_BE_0: [&str; 27] = [
     "damping",
     "motor_frequency",
     "fade",
+    "hop",
 ];
 
 fn is_one_of(path: &str, names: &[&str]) -> bool {

@@ -6,17 +6,23 @@
 #[cfg(unix)]
 use crate::bringup::{self, Bringup};
 use crate::config::{self, Config};
+use crate::examples::with_examples;
 use crate::image::{self, Image};
 use crate::resonance::{self, Resonance};
 use crate::run::{self, Run};
-#[cfg(unix)]
 use crate::say::note;
+#[cfg(unix)]
 use crate::serve::{self, Serve};
 use crate::status::{FAILED, UNUSABLE};
 use crate::twin::{self, Twin};
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use corehbot_machine_file::file_kind::{FileKind, START};
 use corehbot_report::printable;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The CoreH-bot firmware on this computer: prints G-code on a simulated machine.
@@ -53,10 +59,28 @@ enum Command {
     Resonance(Resonance),
 }
 
+/// The command line, with examples in the help of each command.
+#[must_use]
+pub fn command() -> clap::Command {
+    with_examples(Cli::command(), "")
+}
+
 /// Runs the command that the process was called with.
 #[must_use]
 pub fn main() -> ExitCode {
-    match Cli::parse().command {
+    let called = match command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(called) => called,
+        Err(error) => {
+            if error.kind() == ErrorKind::InvalidSubcommand
+                && let Some(way) = std::env::args_os().nth(1).and_then(|file| way_of(Path::new(&file)))
+            {
+                note(format_args!("corehbot: {}", printable::line(&way)));
+                return ExitCode::from(UNUSABLE);
+            }
+            error.exit()
+        }
+    };
+    match called.command {
         Command::Run(args) => end(run::Prepared::new(&args), |prepared| prepared.run(&args)),
         #[cfg(unix)]
         Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
@@ -67,6 +91,21 @@ pub fn main() -> ExitCode {
         Command::Resonance(args) => end(resonance::Prepared::new(&args), |prepared| prepared.run(&args)),
         Command::Twin(question) => end(Ok(question), |question| twin::run(&question)),
     }
+}
+
+/// What to do with a file that stands in place of a command.
+fn way_of(path: &Path) -> Option<String> {
+    let mut start = Vec::new();
+    let (kind, file) = if path.is_dir() {
+        (FileKind::Folder, path)
+    } else {
+        let file = File::open(path).ok()?;
+        let length = file.metadata().ok()?.len();
+        file.take(START as u64).read_to_end(&mut start).ok()?;
+        (FileKind::of(&start, length), path)
+    };
+    let file = file.display().to_string();
+    Some(format!("{file} is {}: {}", kind.name(), kind.way().replace("FILE", &file).replace("FOLDER", &file)))
 }
 
 /// Runs the prepared command, and returns the exit status.

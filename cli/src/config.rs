@@ -20,7 +20,7 @@ use clap::{Args, Subcommand};
 use corehbot::connectors::BoardConnectors;
 use corehbot_boards as boards;
 use corehbot_machine_file::template::{self, Kind};
-use corehbot_machine_file::{problems, schema};
+use corehbot_machine_file::{self as machine_file, problems, schema};
 use corehbot_report::printable;
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -50,9 +50,9 @@ pub(crate) struct New {
     /// The board that the machine is plugged into.
     #[arg(long, value_parser = board())]
     board: &'static BoardConnectors,
-    /// The kind of machine.
+    /// How its motors move it.
     #[arg(long, value_parser = kinds())]
-    machine: Kind,
+    kinematics: Kind,
     /// A hotend and a bed are fitted, on the board's usual outputs and sensors.
     #[arg(long)]
     heaters: bool,
@@ -103,7 +103,7 @@ fn say(text: &str) -> Result<u8> {
 }
 
 fn write_new(new: &New) -> Result<u8> {
-    let text = template::file(new.machine, new.board, new.heaters)?;
+    let text = template::file(new.kinematics, new.board, new.heaters)?;
     match &new.output {
         Some(path) => create(path, &text),
         None => say(&text),
@@ -119,7 +119,7 @@ fn create(path: &Path, text: &str) -> Result<u8> {
 }
 
 fn report(path: &Path) -> Result<u8> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+    let text = machine_file::read_text(path)?;
     let (machine, found) = problems(&text);
     let file = path.display();
     let mut lines: String = found.iter().map(|problem| format!("{file}:{problem}\n")).collect();

@@ -31,7 +31,7 @@ pub(crate) struct Image {
     #[arg(long, value_name = "IMAGE.bin")]
     from: Option<PathBuf>,
     /// The machine; without it, the image has no machine, and moves nothing.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long, alias = "settings", value_name = "M.toml")]
     machine: Option<PathBuf>,
     /// Where to write the image.
     #[arg(short, long, value_name = "firmware.bin")]
@@ -101,7 +101,9 @@ pub fn put(image: &mut [u8], machine: &mut Settings) -> Result<Receipt> {
     let board = board_in(image)?;
     machine.name_connectors(board);
     machine.check_connectors(board)?;
-    put_machine(block_in(image)?, machine).context("the machine does not fit")
+    put_machine(block_in(image)?, machine).context(
+        "the settings of this machine are too long for an image: send it to the board (`corehbot config send`)",
+    )
 }
 
 /// Puts an image on the board of that key.

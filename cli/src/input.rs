@@ -1,15 +1,31 @@
 //! Input: a G-code file of any size, read line by line.
 //!
 //! Input from a pipe is kept in a temporary file first, because it is read twice: once to count its commands and find
-//! its limits, once to print it. Input that is not text is refused with a hint.
+//! its limits, once to print it. So is the text of a packed file. Input that is not G-code is refused with its way.
 
 use crate::output::STANDARD;
-use anyhow::{Context as _, Result, ensure};
+use crate::say::note;
+use anyhow::{Context as _, Result, bail};
+use clap::Args;
+use corehbot_gcode_file::{GcodeFileError, Unpacked, unpack};
+use corehbot_machine_file::file_kind::{FileKind, Wanted, WrongFile};
+use corehbot_report::printable;
 use corehbot_sim::lines::{Lines, Survey, survey};
-use corehbot_sim::not_gcode::{HEAD, check_head, check_line};
+use corehbot_sim::not_gcode::check_line;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek as _};
+use std::io::{self, BufRead, BufReader, IsTerminal as _, Read, Seek as _};
 use std::path::Path;
+
+/// Bytes of the text in a packed file: hundred times as many as a long print has.
+const MOST: u64 = 4 << 30;
+
+/// Which part of a file.
+#[derive(Clone, Copy, Default, Args)]
+pub struct Plate {
+    /// The plate of a sliced .3mf that has several; without it, a person at a terminal is asked.
+    #[arg(long, value_name = "N")]
+    plate: Option<u32>,
+}
 
 /// A G-code file that can be read twice.
 #[derive(Debug)]
@@ -23,20 +39,21 @@ impl GcodeFile {
     /// Opens a file, `-` being standard input.
     ///
     /// # Errors
-    /// If it cannot be read, or is not text.
-    pub fn open(path: &Path) -> Result<Self> {
+    /// If it cannot be read, or is not G-code.
+    pub fn open(path: &Path, Plate { plate }: Plate) -> Result<Self> {
         let (name, file) = if path == Path::new(STANDARD) {
             ("stdin".to_owned(), keep(io::stdin().lock()).context("cannot read standard input")?)
         } else {
             let cannot = || format!("cannot open {}", path.display());
             let file = File::open(path).with_context(cannot)?;
             let kind = file.metadata().with_context(cannot)?;
-            ensure!(!kind.is_dir(), "{}: it is a directory", cannot());
+            if kind.is_dir() {
+                bail!("{}: {}", cannot(), WrongFile { kind: FileKind::Folder, wanted: Wanted::Gcode });
+            }
             (path.display().to_string(), if kind.is_file() { file } else { keep(file).with_context(cannot)? })
         };
-        let mut opened = Self { name, file };
-        opened.refuse_binaries()?;
-        Ok(opened)
+        let file = text_of(&file, &name, plate).with_context(|| name.clone())?.unwrap_or(file);
+        Ok(Self { name, file })
     }
 
     /// Counts its commands and shows `each`.
@@ -68,11 +85,27 @@ impl GcodeFile {
         self.file.rewind().with_context(|| self.name.clone())?;
         Ok(Lines::new(Box::new(BufReader::new(self.file))))
     }
+}
 
-    fn refuse_binaries(&mut self) -> Result<()> {
-        let mut head = Vec::new();
-        (&self.file).take(HEAD as u64).read_to_end(&mut head).with_context(|| format!("cannot read {}", self.name))?;
-        check_head(&head).with_context(|| self.name.clone())
+/// The text of a packed file; `None` if the file is the text.
+fn text_of(file: &File, name: &str, plate: Option<u32>) -> Result<Option<File>> {
+    let text = tempfile::tempfile()?;
+    match unpack(file, io::BufWriter::new(&text), plate, MOST) {
+        Ok(Unpacked::AsItIs) => Ok(None),
+        Ok(Unpacked::Written) => Ok(Some(text)),
+        Err(GcodeFileError::Several(plates)) if io::stdin().is_terminal() && io::stderr().is_terminal() => {
+            for plate in &plates {
+                note(format_args!("plate {}: {}", plate.number, printable::line(&plate.name)));
+            }
+            note(format_args!("which plate of {}?", printable::line(name)));
+            let mut answer = String::new();
+            io::stdin().read_line(&mut answer).context("cannot read the answer")?;
+            let chosen = answer.trim().parse().context("a plate is a number")?;
+            let text = tempfile::tempfile()?;
+            unpack(file, io::BufWriter::new(&text), Some(chosen), MOST)?;
+            Ok(Some(text))
+        }
+        Err(error) => Err(error.into()),
     }
 }
 
@@ -80,8 +113,8 @@ impl GcodeFile {
 ///
 /// # Errors
 /// If it cannot be read, or is not text.
-pub fn read(path: &Path) -> Result<String> {
-    let mut opened = GcodeFile::open(path)?;
+pub fn read(path: &Path, plate: Plate) -> Result<String> {
+    let mut opened = GcodeFile::open(path, plate)?;
     opened.survey(|_| Ok(()))?;
     opened.file.rewind()?;
     let mut bytes = Vec::new();

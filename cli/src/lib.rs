@@ -6,8 +6,9 @@
 //!
 //! ```text
 //!  cli ──> report ──> sim ──> machine-file ──> core
-//!          │     └──> twin <──┘ └──> rig ───────────^
-//!          └──> resonance ^
+//!  │       │     └──> twin <──┘ └──> rig ───────────^
+//!  │       └──> resonance ^
+//!  └──> gcode-file ──> machine-file
 //! ```
 //! An arrow means "uses". `tests/layers.rs` of this crate checks the arrows, and that no files of a crate use each
 //! other in a circle.
@@ -21,6 +22,7 @@ mod bringup;
 pub mod cli;
 mod config;
 mod digest;
+mod examples;
 pub mod heat_args;
 pub mod image;
 pub mod input;

@@ -10,13 +10,17 @@ use corehbot_sim::eeprom::Eeprom;
 use corehbot_twin::description::Description;
 use std::path::{Path, PathBuf};
 
+/// The word for no storage, in place of an image.
+const NO_STORAGE: &str = "none";
+
 /// The printer that commands have in common.
 #[derive(Clone, Args)]
 pub(crate) struct Printer {
     /// The machine; without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
-    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
+    machine_file: Option<PathBuf>,
+    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist; `none` keeps
+    /// nothing. Without it, `serve` keeps them in the user's folder for data, and other commands nowhere.
     #[arg(long, value_name = "E.bin")]
     storage: Option<PathBuf>,
     /// Starts as if homed, with the tool at this place in mm.
@@ -26,23 +30,32 @@ pub(crate) struct Printer {
 
 impl Printer {
     /// One that keeps nothing.
-    pub(crate) const fn new(settings: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
-        Self { settings, storage: None, assume_homed }
+    pub(crate) const fn new(machine_file: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
+        Self { machine_file, storage: None, assume_homed }
     }
 
     /// The machine.
     pub(crate) fn machine(&self) -> Result<Machine> {
-        read_machine(self.settings.as_deref())
+        read_machine(self.machine_file.as_deref())
     }
 
     /// The files that define it.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        [&self.settings, &self.storage].into_iter().flatten().map(PathBuf::as_path)
+        [self.machine_file.as_deref(), self.image()].into_iter().flatten()
     }
 
     /// The storage for its settings.
     pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
-        self.storage.as_deref().map(Eeprom::open).transpose()
+        self.image().map(Eeprom::open).transpose()
+    }
+
+    /// Whether the command line says where its settings are kept, or that they are not.
+    pub(crate) const fn says_storage(&self) -> bool {
+        self.storage.is_some()
+    }
+
+    fn image(&self) -> Option<&Path> {
+        self.storage.as_deref().filter(|path| *path != Path::new(NO_STORAGE))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::bed_args::BedArgs;
 use crate::digest::RingSha256;
 use crate::heat_args::HeatArgs;
-use crate::input::GcodeFile;
+use crate::input::{GcodeFile, Plate};
 use crate::output::Outputs;
 use crate::plant_args::PlantArgs;
 use crate::printer::Printer;
@@ -46,8 +46,10 @@ use std::time::Instant;
 /// The file to print, and the outputs.
 #[derive(Args)]
 pub(crate) struct Run {
-    /// G-code file, `-` for standard input.
+    /// G-code file, plain or packed (.bgcode, .gcode.gz, sliced .3mf); `-` for standard input.
     file: PathBuf,
+    #[command(flatten)]
+    plate: Plate,
     /// Writes every step event as CSV; `-` is standard output, for any one of these.
     #[arg(long, value_name = "T.csv")]
     trace: Option<PathBuf>,
@@ -99,7 +101,7 @@ impl Prepared {
         let bed = args.bed.plant(&machine.settings)?;
         let probe_accidents = args.heat.probe_accidents(&machine.settings)?;
         // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
-        let mut file = GcodeFile::open(&args.file)?;
+        let mut file = GcodeFile::open(&args.file, args.plate)?;
         let stop = Stop::at_signals()?;
         let mut eeprom = args.printer.eeprom()?;
         let mut outputs =
@@ -176,7 +178,8 @@ impl Prepared {
         let names = Names {
             file: &name,
             machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
-            motors: machine.settings.motor_names,
+            motors: settings.motor_names,
+            fitted: settings.mechanism.fitted(),
         };
         let heat = std::mem::take(&mut done.heat);
         let Results { trace, figures, findings, path, mut moves } = Results::new(done, &outcome)?;

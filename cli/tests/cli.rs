@@ -59,7 +59,7 @@ fn a_print_leaves_a_trace_a_summary_and_a_report() {
         .arg(&json)
         .arg("--report")
         .arg(&report)
-        .arg("--settings")
+        .arg("--machine")
         .arg(example("machines/prototype.toml"))
         .output()
         .unwrap();
@@ -99,6 +99,18 @@ fn a_print_leaves_a_trace_a_summary_and_a_report() {
     }
     assert!(std::fs::read_to_string(vcd).unwrap().contains("$timescale 100 ns $end"));
     assert!(std::fs::read_to_string(report).unwrap().contains("axes.gcode"));
+}
+
+#[test]
+fn a_summary_has_the_motors_that_there_are() {
+    let (circle, machine) = (example("circle.gcode"), example("machines/cartesian.toml"));
+    let output = corehbot().args(["run", "--json", "-", "--machine"]).arg(machine).arg(circle).output().unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for list in ["steps", "net_steps"] {
+        let names: Vec<_> = summary[list].as_object().unwrap().keys().collect();
+        assert_eq!(names, ["e0", "m1", "m4", "z1", "z2"], "{list}");
+    }
+    assert!(!String::from_utf8(output.stderr).unwrap().contains("\nm8 "));
 }
 
 #[test]
@@ -194,7 +206,7 @@ fn a_line_of_a_megabyte_is_not_printed_whole() {
         format!("board = \"{long}\""),
     ] {
         std::fs::write(&machine, wrong).unwrap();
-        for command in [["config", "check"], ["run", "--settings"]] {
+        for command in [["config", "check"], ["run", "--machine"]] {
             let mut said = corehbot();
             said.args(command).arg(&machine);
             if command[0] == "run" {
@@ -213,7 +225,7 @@ fn heat_text(test: &str, gcode: &str, args: &[&str]) -> Output {
     let (file, machine) = (place.join("h.gcode"), place.join("m.toml"));
     std::fs::write(&file, gcode).unwrap();
     std::fs::write(&machine, "[heaters.hotend]\nis_fitted = true\n").unwrap();
-    corehbot().arg("run").arg(file).arg("--settings").arg(machine).args(args).output().unwrap()
+    corehbot().arg("run").arg(file).arg("--machine").arg(machine).args(args).output().unwrap()
 }
 
 #[test]
@@ -342,9 +354,9 @@ fn what_cannot_be_printed_is_status_2_and_says_why() {
     let axes = axes.to_str().unwrap();
     let cases: [(&[&str], &str); 8] = [
         (&["run", "no-such.gcode"], "corehbot: cannot open no-such.gcode"),
-        (&["run", axes, "--settings", "no-such.toml"], "corehbot: cannot open no-such.toml"),
+        (&["run", axes, "--machine", "no-such.toml"], "corehbot: cannot open no-such.toml"),
         (
-            &["run", axes, "--settings", machine.to_str().unwrap()],
+            &["run", axes, "--machine", machine.to_str().unwrap()],
             "bad.toml:2:13: axes.x.max_speed = 5000 is outside 0.01 to 3000",
         ),
         (&["run", axes, "--assume-homed", "1,2"], "three numbers"),

@@ -117,7 +117,7 @@ fn a_new_file_is_a_machine_and_prints() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new.toml");
     let _ = std::fs::remove_file(&path);
     let name = path.to_str().unwrap();
-    let new = ["new", "--board", "octopus", "--machine", "corexy", "--heaters", "-o", name];
+    let new = ["new", "--board", "octopus", "--kinematics", "corexy", "--heaters", "-o", name];
     assert_eq!(config(&new).status.code(), Some(0));
     let check = config(&["check", name]);
     assert_eq!(check.status.code(), Some(0));
@@ -130,7 +130,7 @@ fn a_new_file_is_a_machine_and_prints() {
     let print = Command::new(env!("CARGO_BIN_EXE_corehbot"))
         .arg("run")
         .arg(machines().join("../circle.gcode"))
-        .args(["--settings", name])
+        .args(["--machine", name])
         .output()
         .unwrap();
     assert_eq!(print.status.code(), Some(0), "{}", out(&print));
@@ -230,7 +230,7 @@ fn the_document_names_every_board_and_every_kind_of_machine() {
         let kind = if name == "prototype" { "corehbot" } else { name };
         assert!(document.contains(&format!("`{kind}`")), "{kind}");
         assert_eq!(
-            config(&["new", "--board", "octopus", "--machine", kind]).status.code(),
+            config(&["new", "--board", "octopus", "--kinematics", kind]).status.code(),
             Some(0),
             "`config new` does not know {kind}"
         );
@@ -351,9 +351,11 @@ fn marlin(name: &str) -> String {
 
 #[test]
 fn a_saved_answer_of_marlin_becomes_a_machine() {
-    for (name, more) in
-        [("mega.log", &["--machine", "cartesian"][..]), ("core.log", &["--machine", "corexy"]), ("shaped.log", &[])]
-    {
+    for (name, more) in [
+        ("mega.log", &["--kinematics", "cartesian"][..]),
+        ("core.log", &["--kinematics", "corexy"]),
+        ("shaped.log", &[]),
+    ] {
         for board in [&["--board", "octopus"][..], &[]] {
             let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension("toml");
             let _ = std::fs::remove_file(&path);
@@ -368,11 +370,11 @@ fn a_saved_answer_of_marlin_becomes_a_machine() {
             assert_eq!(check.status.code(), Some(0), "{name}: {}", out(&check));
         }
     }
-    // Without --machine the mechanism is to be decided, and with a configuration of Klipper it has no use.
+    // Without --kinematics the mechanism is to be decided, and with a configuration of Klipper it has no use.
     assert_eq!(config(&["from", &marlin("mega.log")]).status.code(), Some(1));
-    let from = config(&["from", &klipper("gantry.cfg"), "--machine", "corexy"]);
+    let from = config(&["from", &klipper("gantry.cfg"), "--kinematics", "corexy"]);
     assert!(
-        from.status.code() == Some(2) && String::from_utf8_lossy(&from.stderr).contains("--machine is for printers")
+        from.status.code() == Some(2) && String::from_utf8_lossy(&from.stderr).contains("--kinematics is for printers")
     );
 }
 
@@ -382,7 +384,7 @@ fn the_tutorials_show_the_new_machine_as_it_is() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("my-machine.toml");
     let _ = std::fs::remove_file(&path);
     let name = path.to_str().unwrap();
-    config(&["new", "--board", "octopus", "--machine", "corexy", "--heaters", "-o", name]);
+    config(&["new", "--board", "octopus", "--kinematics", "corexy", "--heaters", "-o", name]);
     let check = out(&config(&["check", name])).replace(name, "my-machine.toml");
     for document in ["README.md", "docs/tutorial/first-machine-file.md"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(document);

@@ -135,7 +135,7 @@ fn an_output_never_is_an_input_or_another_output() {
         &["--storage", &other, "--json", &other],
     ];
     for args in cases {
-        let output = corehbot().arg(&gcode).args(["--settings", &machine]).args(args).output().unwrap();
+        let output = corehbot().arg(&gcode).args(["--machine", &machine]).args(args).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{args:?}");
         assert_eq!(std::fs::read(&gcode).unwrap(), b"G1 X101 F600\n", "{args:?}");
     }
@@ -147,9 +147,9 @@ fn an_output_never_is_an_input_or_another_output() {
 fn what_is_no_gcode_is_refused_in_one_line_and_leaves_nothing() {
     let place = scratch("binary");
     for (bytes, way_out) in [
-        (&b"GCDE\x01\0\0\0\x01\0"[..], "File > Convert"),
-        (b"PK\x03\x04\x14\0\0\0", "Metadata/plate_1.gcode"),
-        (b"\x1f\x8b\x08\0\0\0\0\0", "gunzip FILE"),
+        (&b"GCDE\x01\0\0\0\x01\0"[..], "no block of G-code"),
+        (b"PK\x03\x04\x14\0\0\0", "no whole ZIP archive"),
+        (b"\x1f\x8b\x08\0\0\0\0\0", "its end is missing"),
         (b"\xff\xfeG\x002\x008\x00", "iconv -f UTF-16"),
         (b"G28\nG1 \0\n", "binary data"),
     ] {
@@ -162,6 +162,110 @@ fn what_is_no_gcode_is_refused_in_one_line_and_leaves_nothing() {
 }
 
 #[test]
+fn a_wrong_file_is_told_with_its_way_by_every_command() {
+    let place = scratch("wrong_files");
+    let file = |name: &str, text: &[u8]| {
+        let path = place.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    // Names and endings count for nothing.
+    let klipper = file("print.gcode", b"[printer]\nkinematics: corexy\nmax_velocity: 300\n");
+    let gcode = file("printer.cfg", b"G28\nG1 X5 F600\n");
+    let machine = file("data.csv", b"[axes.x]\nlength = 300\n");
+    let report = file("a.gcode", b"<!doctype html>\n<title>corehbot report</title>\n");
+    let folder = place.display().to_string();
+    let from = "`corehbot config from FILE` makes a machine file of it";
+    let cases: [(&[&str], String); 9] = [
+        (&["run", &klipper], format!("{klipper}: this is Klipper's printer.cfg, not G-code: {from}")),
+        (&["run", &gcode, "--machine", &klipper], format!("Klipper's printer.cfg, not a machine file: {from}")),
+        (&["run", &machine], "this is a machine file, not G-code: `--machine FILE` takes it".to_owned()),
+        (&["run", &report], "a page of `corehbot` with figures, not G-code".to_owned()),
+        (&["run", &folder], "this is a folder, not G-code".to_owned()),
+        (&["config", "check", &gcode], "this is G-code, not a machine file: `corehbot run FILE` prints it".to_owned()),
+        (&["config", "from", &machine], "this is a machine file, not another firmware's settings".to_owned()),
+        (&["twin", "stiffness", "--machine", &gcode], "this is G-code, not a machine file".to_owned()),
+        (&["resonance", &gcode], "this is G-code, not a recording".to_owned()),
+    ];
+    for (args, words) in cases {
+        let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).args(args).output().unwrap();
+        let told = text(&output.stderr);
+        // `twin` has nothing to prepare.
+        assert_eq!(
+            output.status.code(),
+            Some(if args[0] == "run" || args[0] == "resonance" { 2 } else { 1 + i32::from(args[0] == "config") }),
+            "{told}"
+        );
+        assert!(told.contains(&words) && told.lines().count() == 1, "{args:?}: {told}");
+    }
+}
+
+#[test]
+fn a_file_in_place_of_a_command_is_told_with_its_command() {
+    let place = scratch("no_command");
+    for (text, words) in [
+        ("G28\nG1 X5\n", "x.gcode is G-code: `corehbot run "),
+        ("[printer]\nkinematics: none\n", "x.gcode is Klipper's printer.cfg: `corehbot config from "),
+    ] {
+        let path = place.join("x.gcode");
+        std::fs::write(&path, text).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg(&path).output().unwrap();
+        let told = text_of(&output);
+        assert!(output.status.code() == Some(2) && told.lines().count() == 1, "{told}");
+        assert!(told.contains(&format!("{words}{}`", path.display())), "{told}");
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("prin").output().unwrap();
+    assert!(text_of(&output).contains("unrecognized subcommand"), "{}", text_of(&output));
+}
+
+fn text_of(output: &Output) -> String {
+    text(&output.stderr)
+}
+
+/// The step trace of a file, by its SHA-256.
+fn digest(file: &Path, args: &[&str]) -> String {
+    let output = corehbot().arg(file).args(args).args(["--json", "-"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    summary["trace_sha256"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn packed_g_code_makes_the_steps_of_the_plain_one_and_its_report_has_the_text() {
+    let place = scratch("packed");
+    let plain = include_bytes!("../../examples/tiny.gcode");
+    let pack = |text: &[u8]| {
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        packed.write_all(text).unwrap();
+        packed.finish().unwrap()
+    };
+    let binary = {
+        let mut block = [&1_u16.to_le_bytes()[..], &[0; 2], &(plain.len() as u32).to_le_bytes(), &[0; 2]].concat();
+        block.extend(plain);
+        [&b"GCDE"[..], &1_u32.to_le_bytes(), &[0; 2], &block].concat()
+    };
+    let old = text(plain).replace('\n', "\r").into_bytes();
+    let [first, second, third, fourth] =
+        ["a.gcode", "a.gcode.gz", "a.bgcode", "old.gcode"].map(|name| place.join(name));
+    for (path, bytes) in [(&first, &plain.to_vec()), (&second, &pack(plain)), (&third, &binary), (&fourth, &old)] {
+        std::fs::write(path, bytes).unwrap();
+    }
+    let expected = digest(&first, &[]);
+    let page = place.join("r.html");
+    assert_eq!(digest(&second, &["--report", page.to_str().unwrap()]), expected);
+    assert_eq!(digest(&third, &[]), expected);
+    assert_eq!(digest(&fourth, &[]), expected);
+    // Of the plain file the page says the same, apart from its name and the time.
+    let size = std::fs::metadata(&page).unwrap().len();
+    digest(&first, &["--report", page.to_str().unwrap()]);
+    assert!(size.abs_diff(std::fs::metadata(&page).unwrap().len()) < 100);
+    std::fs::write(&second, &pack(plain)[..200]).unwrap();
+    let cut = corehbot().arg(&second).output().unwrap();
+    let told = text(&cut.stderr);
+    assert!(cut.status.code() == Some(2) && told.contains("the file is damaged: its end is missing"), "{told}");
+}
+
+#[test]
 fn control_bytes_are_never_echoed() {
     let place = scratch("control");
     let file = place.join("evil\x1b[2J.gcode");
@@ -170,7 +274,7 @@ fn control_bytes_are_never_echoed() {
     let gone = corehbot().arg(place.join("gone\x1b[2J")).output().unwrap();
     let machine = place.join("m.toml");
     std::fs::write(&machine, "\"a\\u001b[2J\" = 1\n").unwrap();
-    let refused = corehbot().arg(&file).arg("--settings").arg(&machine).output().unwrap();
+    let refused = corehbot().arg(&file).arg("--machine").arg(&machine).output().unwrap();
     for output in [output, gone, refused] {
         for bytes in [output.stdout, output.stderr] {
             assert!(bytes.iter().all(|byte| *byte == b'\n' || !byte.is_ascii_control()), "{:?}", text(&bytes));
@@ -178,7 +282,7 @@ fn control_bytes_are_never_echoed() {
     }
 }
 
-/// The emulator does this with `--settings`: a machine stored in the EEPROM of another one is that machine.
+/// The emulator does this with `--machine`: a machine stored in the EEPROM of another one is that machine.
 #[test]
 fn a_stored_machine_prints_as_one_that_was_made_so() {
     let place = scratch("stored");
@@ -196,7 +300,7 @@ fn a_stored_machine_prints_as_one_that_was_made_so() {
         (output.status.code(), line)
     };
     let stored = digest(["--storage", image.to_str().unwrap()]);
-    assert_eq!(stored, digest(["--settings", machine.to_str().unwrap()]));
+    assert_eq!(stored, digest(["--machine", machine.to_str().unwrap()]));
     assert_ne!(stored, digest(["--assume-homed", "0,0,0"]));
 }
 
@@ -276,7 +380,7 @@ fn a_bed_is_levelled_and_measured_without_a_violation_or_a_warning() {
     std::fs::write(&machine, "[endstops]\nprobe = \"PROBE\"\n[probe]\nkind = \"switch\"\n").unwrap();
     let gcode = b"G28\nG34\nG29 V4\nG1 X60 Y60 Z0.3 F9000\nG1 X300 Y350\nM420 S0\n";
     let bed = "bowl=0.2,screw=-25/200/0.2,screw=415/200/-0.2";
-    let run = print(gcode, &["--settings", machine.to_str().unwrap(), "--bed", bed]);
+    let run = print(gcode, &["--machine", machine.to_str().unwrap(), "--bed", bed]);
     let said = text(&run.stdout);
     assert!(run.status.success(), "{said}{}", text(&run.stderr));
     assert!(!said.contains("warnings") && !said.contains("violations"), "{said}");

@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of each crate, its name, and the crates that it may use: only those above it.
-const CRATES: [(&str, &str, &[&str]); 11] = [
+const CRATES: [(&str, &str, &[&str]); 12] = [
     (".", "corehbot", &[]),
     ("rig", "corehbot-rig", &["corehbot"]),
     ("twin", "corehbot-twin", &[]),
@@ -19,8 +19,13 @@ const CRATES: [(&str, &str, &[&str]); 11] = [
     ("chips/wiring", "corehbot-wiring", &["corehbot"]),
     ("boards/registry", "corehbot-boards", &["corehbot", "corehbot-wiring"]),
     ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring", "corehbot-twin"]),
+    ("gcode-file", "corehbot-gcode-file", &["corehbot-machine-file"]),
     ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
-    ("report", "corehbot-report", &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-sim"]),
+    (
+        "report",
+        "corehbot-report",
+        &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-machine-file", "corehbot-sim"],
+    ),
     (
         "page",
         "corehbot-page",
@@ -30,6 +35,7 @@ const CRATES: [(&str, &str, &[&str]); 11] = [
             "corehbot-rig",
             "corehbot-twin",
             "corehbot-machine-file",
+            "corehbot-gcode-file",
             "corehbot-sim",
             "corehbot-report",
         ],
@@ -44,6 +50,7 @@ const CRATES: [(&str, &str, &[&str]); 11] = [
             "corehbot-twin",
             "corehbot-resonance",
             "corehbot-machine-file",
+            "corehbot-gcode-file",
             "corehbot-sim",
             "corehbot-report",
         ],

@@ -140,7 +140,7 @@ fn a_printer_that_resets_becomes_a_machine() {
     for baud in [250_000, 115_200] {
         let path = file(&format!("scripted-{baud}.toml"));
         let name = path.to_str().unwrap();
-        let args = ["--board", "octopus", "--machine", "cartesian", "-o", name];
+        let args = ["--board", "octopus", "--kinematics", "cartesian", "-o", name];
         let (status, said) = ask(Script { baud, ..MARLIN }, &args);
         assert_eq!(status, Some(0), "{baud}: {said}");
         for told in [
@@ -169,7 +169,7 @@ fn a_printer_that_resets_becomes_a_machine() {
 fn a_firmware_with_another_name_that_answers_as_marlin_is_taken() {
     const ANSWERS: &[(&str, &str)] =
         &[("M115", "FIRMWARE_NAME:Maker UFW 2.97 MACHINE_TYPE:Mine\nok\n"), ("M503", M503), UNKNOWN];
-    let (status, said) = ask(Script { answers: ANSWERS, ..MARLIN }, &["--machine", "corexy"]);
+    let (status, said) = ask(Script { answers: ANSWERS, ..MARLIN }, &["--kinematics", "corexy"]);
     assert_eq!(status, Some(0), "{said}");
     assert!(said.contains("Maker UFW 2.97 is not Marlin: check every line"), "{said}");
 }

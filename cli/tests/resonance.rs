@@ -214,7 +214,7 @@ fn runs_along_both_diagonals_tell_the_motors_and_the_symmetry() {
     assert!(out.contains("mirror each other: 67 %") && out.contains("electrical turns: at most"), "{out}");
     // On a Cartesian machine both motors turn along a diagonal.
     let cartesian = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/machines/cartesian.toml");
-    let profile = &json(&files, &["--settings", cartesian])["profile"];
+    let profile = &json(&files, &["--machine", cartesian])["profile"];
     assert!(profile["motors"].as_array().unwrap().is_empty() && !profile["symmetry"].is_null(), "{profile}");
 }
 

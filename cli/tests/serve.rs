@@ -27,7 +27,15 @@ impl Served {
 
     fn start_with(args: &[&str], input: Stdio) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_corehbot"));
-        let mut process = command.arg("serve").args(args).stdin(input).stdout(Stdio::piped()).spawn().unwrap();
+        // Nothing goes into the user's own folder.
+        let keeps = args.contains(&"--storage");
+        let storage: &[&str] = if keeps { &[] } else { &["--storage", "none"] };
+        command.arg("serve").args(args).args(storage);
+        Self::spawned(command, input)
+    }
+
+    fn spawned(mut command: Command, input: Stdio) -> Self {
+        let mut process = command.stdin(input).stdout(Stdio::piped()).spawn().unwrap();
         let mut out = BufReader::new(process.stdout.take().unwrap());
         let mut path = String::new();
         out.read_line(&mut path).unwrap();
@@ -220,7 +228,7 @@ fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
 fn a_new_start_cools_no_heater() {
     let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/clients/heat.toml");
     let served =
-        Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--settings", machine.to_str().unwrap()]);
+        Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--machine", machine.to_str().unwrap()]);
     let mut client = Client::open(&served.path);
     while !client.hear().starts_with("echo:corehbot") {}
     client.ask("M109 S200");
@@ -293,6 +301,36 @@ fn a_machine_is_sent_and_comes_back() {
     let (status, said) = config(&["get", got.to_str().unwrap()]);
     assert!(status == Some(2) && said.contains("as a serial line"), "{status:?} {said}");
     served.interrupt();
+}
+
+#[test]
+fn settings_are_kept_in_the_user_s_folder_for_data_one_image_for_each_machine() {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept");
+    let _ = std::fs::remove_dir_all(&place);
+    let serve = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+        command.args(["serve", "--speed", "max"]).args(more).env("XDG_DATA_HOME", &place);
+        Served::spawned(command, Stdio::null())
+    };
+    let speeds = |served: &Served| Client::open(&served.path).ask("M203").join("\n");
+    let first = serve(&[]);
+    let mut client = Client::open(&first.path);
+    client.ask("M203 X77");
+    client.ask("M500");
+    // Another one at the same time keeps nothing, and finds nothing.
+    let second = serve(&[]);
+    assert!(!speeds(&second).contains("X77"), "{}", speeds(&second));
+    second.interrupt();
+    first.interrupt();
+    let again = serve(&[]);
+    assert!(speeds(&again).contains("X77"), "{}", speeds(&again));
+    again.interrupt();
+    let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines/corexy.toml");
+    let other = serve(&["--machine", machine.to_str().unwrap()]);
+    assert!(!speeds(&other).contains("X77"), "{}", speeds(&other));
+    other.interrupt();
+    let images = std::fs::read_dir(place.join("corehbot")).unwrap().map(|file| file.unwrap().path());
+    assert_eq!(images.filter(|path| path.extension().is_some_and(|end| end == "eeprom")).count(), 2);
 }
 
 /// A hand presses a switch, which is plugged into another input; a driver does not answer.

@@ -177,7 +177,7 @@ fn what_cannot_be_is_said_in_one_line() {
     assert!(said("nothing.toml -o s.csv", 1).contains("cannot open nothing.toml"));
     assert!(said("", 2).contains("FILE"));
     // Options that the study sets conflict with it.
-    assert!(said("study.toml -o s.csv --machine corexy", 2).contains("cannot be used with"));
+    assert!(said("study.toml -o s.csv --routing corexy", 2).contains("cannot be used with"));
     assert!(said("study.toml -o s.csv --assume-homed 1,2,3", 2).contains("cannot be used with"));
     assert!(said("--vary belt_EA_N=1:2:3 -o s.csv", 2).contains("cannot be used with"));
     assert!(said("study.toml -o s.csv --jobs 0", 2).contains("--jobs"));

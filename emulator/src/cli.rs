@@ -23,7 +23,7 @@ use clap::Parser;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot_cli::heat_args::HeatArgs;
-use corehbot_cli::input;
+use corehbot_cli::input::{self, Plate};
 use corehbot_cli::output::{Outputs, STANDARD, Stream};
 use corehbot_cli::plant_args::PlantArgs;
 use corehbot_cli::serve::{Port, Surroundings, println};
@@ -61,7 +61,7 @@ struct Cli {
     board: Board,
     /// The machine, stored in the EEPROM of the Octopus, or put into the image of the Nucleo; without it, the CoreH-bot
     /// prototype.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
     #[arg(long, value_name = "T.csv")]
@@ -153,7 +153,7 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         SettingsMemory::Eeprom => eeprom.save(&settings)?,
         SettingsMemory::Flash => firmware.put_machine(&mut settings)?,
     }
-    let gcode = cli.file.as_deref().map(input::read).transpose()?.unwrap_or_default();
+    let gcode = cli.file.as_deref().map(|file| input::read(file, Plate::default())).transpose()?.unwrap_or_default();
     let (heat, plugs) = (cli.heat.setup(&settings)?, cli.around.plugs(&settings)?);
     ensure!(
         cli.heat.probe_accidents(&settings)?.is_empty(),

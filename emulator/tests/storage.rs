@@ -62,7 +62,7 @@ fn settings_are_kept_and_found_after_power_up() {
     assert_eq!(second.eeprom.writes, [], "what is stored already is not written again");
 }
 
-/// The machine of `--settings`.
+/// The machine of `--machine`.
 #[test]
 fn a_machine_in_the_eeprom_prints_as_the_simulator_does() {
     let gcode = "G92 X0 Y0 Z0\nG1 X60 Y30 F18000\nG1 X20\nM400\n";

@@ -86,7 +86,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 41] = [
+pub(crate) const TABLES: [(&str, &str); 42] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -114,6 +114,7 @@ pub(crate) const TABLES: [(&str, &str); 41] = [
     ("probe", "The Z probe: how it touches the bed, and where it sits."),
     ("probe.offset", "The probe's place minus the nozzle's (M851)."),
     ("probe.home", "Where the probe touches to home z."),
+    ("safe_z_home", "Where its switch homes z, and how far z rises before anything is homed."),
     ("accelerometer", "The accelerometer at the tool, by which resonances are measured (TEST_RESONANCES)."),
     ("accelerometer.axes", "The axis of the sensor that points along each axis of the machine."),
     ("homing", "How each axis finds its endstop, where that is, and in which order."),

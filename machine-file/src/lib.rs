@@ -1,7 +1,7 @@
 //! Machine files: settings as TOML that a person writes; read, checked, written and described.
 //!
-//! For commands, other tools and web pages. Only [`read`] opens a file; everything else goes from text to values and
-//! back.
+//! For commands, other tools and web pages. Only [`read`] and [`read_text`] open a file; everything else goes from text
+//! to values and back.
 //!
 //! Every key is optional and overrides the prototype's value, except for `[mechanism]`, which lists all motors or is
 //! left out. An unknown key or a value outside its legal range is an error that names both. Keys, kinds, ranges and
@@ -10,6 +10,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | [`file_kind`] | what a file is, by its content, and what to do with it |
 //! | `keys` | every key, and the subjects of tables |
 //! | `numbers`, `value`, `thermistor` | a value of TOML as a setting has it, and the reverse |
 //! | `reader`, `resolution` | a file to settings |
@@ -31,6 +32,7 @@
 
 pub mod configuration_h;
 mod error;
+pub mod file_kind;
 mod keys;
 pub mod klipper;
 pub mod marlin;
@@ -53,11 +55,12 @@ mod unwise;
 mod value;
 mod written;
 
-use anyhow::{Context as _, anyhow};
+use anyhow::{Context as _, anyhow, ensure};
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
 use corehbot_twin::description::Description;
 pub use error::MachineFileError;
+use file_kind::{FileKind, Wanted, WrongFile, text_of};
 pub use place::{Place, with_suggestion, words};
 pub use problems::{Problem, problems};
 use reader::Given;
@@ -66,7 +69,7 @@ use resolution::resolution;
 pub use schema::schema;
 use std::path::Path;
 pub use translation::{Kind, OfKey, OfSection, Report, Translation, Verdict};
-pub use written::written;
+pub use written::{keyed, written};
 
 /// A machine as its file describes it.
 #[derive(Clone, PartialEq, Debug)]
@@ -86,13 +89,26 @@ pub struct Machine {
 /// # Errors
 /// The error, after the file's name, line and column.
 pub fn read(path: &Path) -> anyhow::Result<Machine> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+    let text = read_text(path)?;
     let mut machine = parse(&text).map_err(|error| match error.place(&text) {
         Some(place) => anyhow!("{}:{place}: {error}", path.display()),
         None => anyhow!("{}: {error}", path.display()),
     })?;
     machine.name = machine.name.or_else(|| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
     Ok(machine)
+}
+
+/// The text of the machine file at `path`.
+///
+/// # Errors
+/// It cannot be read, or is another kind of file.
+pub fn read_text(path: &Path) -> anyhow::Result<String> {
+    let cannot = || format!("cannot open {}", path.display());
+    ensure!(!path.is_dir(), "{}: {}", cannot(), WrongFile { kind: FileKind::Folder, wanted: Wanted::Machine });
+    let bytes = std::fs::read(path).with_context(cannot)?;
+    let kind = FileKind::of(&bytes[..bytes.len().min(file_kind::START)], bytes.len() as u64);
+    Wanted::Machine.check(kind).with_context(|| path.display().to_string())?;
+    Ok(text_of(&bytes))
 }
 
 /// The settings of a machine file.

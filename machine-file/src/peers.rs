@@ -26,7 +26,7 @@ const PEERS: &[Peer] = &[
     Peer("full_steps_per_rotation", Use("full_steps", "")),
     Peer("step_distance", Use("steps_per_mm", "1 / step_distance")),
     Peer("default_axis_steps_per_unit", Use("steps_per_mm", "")),
-    Peer("kinematics", Use("mechanism", "a row for each motor; `corehbot config new --machine` writes them")),
+    Peer("kinematics", Use("mechanism", "a row for each motor; `corehbot config new --kinematics` writes them")),
     Peer("step_pin", Use("motors", "the socket of the board, such as \"M0\"")),
     Peer("dir_pin", Use("motors", "\"!M0\" turns a motor the other way round")),
     Peer("enable_pin", Use("motors", "the socket of the board has the pin")),
@@ -117,7 +117,7 @@ const PEERS: &[Peer] = &[
     Peer("bed_mesh", Use("mesh", "its points and its fade; G29 has the rest")),
     Peer("quad_gantry_level", Use("screws", "[screws.1] and so on: place and probed point of each belt (G34)")),
     Peer("z_tilt*", Use("screws", "[screws.1] and so on: place and probed point of each screw (G34)")),
-    Peer("safe_z_home", Use("probe.home", "with probe.z_home = true")),
+    Peer("home_xy_position", Use("safe_z_home.x", "and y, of a switch of z; a probe that homes z has [probe.home]")),
     Peer(
         "filament_switch_sensor",
         Use("endstops.filament", "its input; M119 reports it, and nothing stops at the end of the filament"),

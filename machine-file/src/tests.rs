@@ -15,7 +15,7 @@ fn an_empty_file_is_the_prototype() {
 fn the_example_is_the_prototype_with_every_key() {
     let text = include_str!("../../examples/machines/prototype.toml");
     assert_eq!(load(text).unwrap(), Settings::prototype());
-    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 339);
+    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 345);
 }
 
 #[test]

@@ -1,12 +1,21 @@
-//! Places of a machine that its probe does not reach: commands refuse to touch there.
+//! Places of a machine that its probe or its nozzle does not reach: commands refuse to touch there.
 
-use corehbot::settings::{Settings, WholePlace, ranges};
+use corehbot::settings::{HomedAxis, Settings, WholePlace, ranges};
 use corehbot::units::Mm;
 
 /// The places, each with the key that would change it; those of screws only if the file `has_screws`. Without a probe
-/// nothing is touched.
+/// only the switch of z has a place.
 pub(super) fn places(s: &Settings, has_screws: bool) -> Vec<(String, String)> {
     let mut found = Vec::new();
+    if let Some([x, y]) = s.unreached_z_home() {
+        let [reach_x, reach_y] = [HomedAxis::X, HomedAxis::Y].map(|axis| s.reach(axis));
+        let key = if reach_x.holds(x) { "safe_z_home.y" } else { "safe_z_home.x" };
+        let text = format!(
+            "safe_z_home is at X{x} Y{y}, but the nozzle reaches from X{} Y{} to X{} Y{}",
+            reach_x.least, reach_y.least, reach_x.most, reach_y.most
+        );
+        found.push((key.to_owned(), text));
+    }
     if !s.probe.is_fitted() {
         return found;
     }
@@ -117,6 +126,18 @@ mod tests {
         let keys = ["y", "point_x", "point_y"];
         let text = |key: &&str| format!("screws.3.{key} is missing: the machine has 3 screws of z");
         assert_eq!(missing, keys.iter().map(text).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_switch_that_homes_z_where_the_nozzle_cannot_be_is_an_error() {
+        let said = |text: &str| {
+            let (machine, found) = problems(text);
+            assert!(machine.is_some(), "{found:?}");
+            found.into_iter().filter(|problem| problem.is_error).map(|problem| problem.text).collect::<Vec<_>>()
+        };
+        assert_eq!(said("[safe_z_home]\nx = 0\ny = 417.6\n"), [""; 0]);
+        let far = said("[safe_z_home]\nx = 10\ny = 418\n");
+        assert_eq!(far, ["safe_z_home is at X10 Y418, but the nozzle reaches from X0 Y0 to X390 Y417.6"]);
     }
 
     #[test]

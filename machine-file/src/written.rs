@@ -17,6 +17,12 @@ pub fn written(machine: &Settings) -> anyhow::Result<String> {
     Ok(toml::to_string(&table(machine))?)
 }
 
+/// Every setting by its key, in the tables of a machine file, as JSON.
+#[must_use]
+pub fn keyed(machine: &Settings) -> serde_json::Value {
+    serde_json::to_value(table(machine)).unwrap_or_default()
+}
+
 /// The keys and values of a machine file.
 pub(crate) fn table(machine: &Settings) -> Table {
     let values = values(machine);

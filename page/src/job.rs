@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 pub struct Job {
     /// The G-code file's name.
     pub file: String,
+    /// The plate of a file that has several.
+    pub plate: Option<u32>,
     /// The machine file's name, and its text; without it, the CoreH-bot prototype.
     pub machine_file: String,
     /// See there.

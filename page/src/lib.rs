@@ -6,6 +6,7 @@
 //! | file | job |
 //! |---|---|
 //! | [`job`] | the machine, its plants and their accidents, as the page asks for them |
+//! | [`opening`] | what a chosen file is, and its G-code |
 //! | [`printing`] | a file printed to its end, with its trace's SHA-256 and its report |
 //! | [`terminal`] | a printer at the end of a serial line |
 //! | [`picture`] | frame, bar, head, motors and belts of a machine, for a drawing |
@@ -13,6 +14,7 @@
 
 pub mod editing;
 pub mod job;
+pub mod opening;
 pub mod picture;
 pub mod printing;
 pub mod terminal;
@@ -39,6 +41,14 @@ fn thrown(error: &anyhow::Error) -> JsError {
 #[wasm_bindgen(start)]
 pub fn begin() {
     std::panic::set_hook(Box::new(|info| complain(&info.to_string())));
+}
+
+/// What a chosen file is, as JSON: `kind`, `plates`, and `trouble` if it is of no use here. `begin` is its first MiB, or
+/// all of an archive; nothing if it cannot be read.
+#[wasm_bindgen]
+#[must_use]
+pub fn told(begin: Option<Vec<u8>>, length: f64, is_machine_wanted: bool) -> String {
+    opening::told(begin.as_deref(), length as u64, is_machine_wanted)
 }
 
 /// All problems of a machine file, as JSON.

@@ -1,6 +1,7 @@
 //! Printing: a file to its end, judged and recorded as `corehbot run --report` does.
 
 use crate::job::{Job, Prepared};
+use crate::opening;
 use anyhow::{Context as _, Result};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
@@ -19,7 +20,7 @@ use corehbot_sim::limits::Widening;
 use corehbot_sim::lines::{Lines, survey};
 use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::moves::{MadeMove, ShaperChange};
-use corehbot_sim::not_gcode::{HEAD, check_head, check_line};
+use corehbot_sim::not_gcode::check_line;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
 use std::io::{self, Cursor};
@@ -45,10 +46,9 @@ pub struct Printed {
 pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> Result<Printed> {
     let Prepared { machine, homed, belt, heat, bed, probe_accidents } = job.prepare()?;
     let settings = &machine.settings;
-    let gcode: Arc<[u8]> = gcode.into();
+    let gcode: Arc<[u8]> = opening::text(gcode, job.plate).with_context(|| job.file.clone())?.into();
     let lines = || Lines::new(Box::new(Cursor::new(gcode.clone())) as Box<_>);
     let mut limits = Widening::new(settings, None);
-    check_head(&gcode[..gcode.len().min(HEAD)]).with_context(|| job.file.clone())?;
     let known = survey(&mut lines(), |number, line, command| {
         check_line(number, line, command)?;
         if !command.is_empty() {
@@ -81,6 +81,7 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
         file: &job.file,
         machine: machine.name.as_deref().unwrap_or("CoreH-bot"),
         motors: settings.motor_names,
+        fitted: settings.mechanism.fitted(),
     };
     let moves = moves.finish()?;
     let ended = Ended {

@@ -7,9 +7,13 @@ const accidents = [];
 
 // --- the file
 
-function take(name, text, example = '') {
+function take(name, text, example = '', plates = []) {
+  // What is said of an earlier file is not of this one.
+  $('failure').hidden = true;
   $('example').value = example;
   if (example) $('file').value = '';
+  $('plate').replaceChildren(...plates.map(number => make('option', { value: number }, String(number))));
+  $('plate-label').hidden = plates.length < 2;
   gcode = { name, bytes: typeof text === 'string' ? new TextEncoder().encode(text) : text };
   $('file-name').textContent = name;
   $('file-size').textContent = `${(gcode.bytes.byteLength / 1000).toLocaleString('en', { maximumFractionDigits: 1 })} kB`;
@@ -22,27 +26,32 @@ function ready() {
 
 async function takeFile(file) {
   if (!file) return;
-  if (/\.toml$/i.test(file.name)) return openMachine(file);
-  take(file.name, new Uint8Array(await file.arrayBuffer()));
+  const { kind, plates, trouble } = await told(file, false);
+  if (kind === 'machine') return openMachine(file);
   show($('tab-print'));
+  $('failure').hidden = !trouble;
+  if (trouble) {
+    fail(`${file.name}: ${trouble}`);
+    $('failure').scrollIntoView({ block: 'nearest' });
+    return;
+  }
+  take(file.name, new Uint8Array(await file.arrayBuffer()), '', plates);
 }
 
 $('file').onchange = event => takeFile(event.target.files[0]);
 
-// Takes files that are dropped in a document, unless a part of it has taken them.
-function takeDrops(where) {
-  for (const name of ['dragover', 'dragleave', 'drop'])
-    where.addEventListener(name, async event => {
-      const isTaken = event.defaultPrevented;
-      event.preventDefault();
-      $('drop').classList.toggle('over', name === 'dragover' && !isTaken);
-      const [file] = event.dataTransfer.files;
-      if (name !== 'drop' || isTaken || !file) return;
-      await takeFile(file);
-      $('drop').scrollIntoView({ block: 'nearest' });
-    });
+// A file is held over the page, or let go; the report tells of those over it.
+async function dropped(isOver, file) {
+  $('drop').classList.toggle('over', isOver);
+  if (!file) return;
+  await takeFile(file);
+  $('drop').scrollIntoView({ block: 'nearest' });
 }
-takeDrops(document);
+for (const name of ['dragover', 'dragleave', 'drop'])
+  document.addEventListener(name, event => {
+    event.preventDefault();
+    dropped(name === 'dragover', name === 'drop' ? event.dataTransfer.files[0] : undefined);
+  });
 
 $('example').append(make('option', { value: '' }, 'choose an example'),
   ...Object.keys(EXAMPLES.gcode).map(name => make('option', { value: name }, name.replace(/\.gcode$/, ''))));
@@ -78,16 +87,17 @@ function addAccident(accident) {
 }
 
 function showAccidents() {
-  $('chosen').replaceChildren(...accidents.map((accident, index) => make('li', {},
-    make('label', {}, `${LISTS[accident.kind][1]} `, make('input', {
-      value: accident.text, size: 18, 'aria-describedby': `trouble-${index}`,
-      oninput: event => { accident.text = event.target.value; checkOptions(); },
-    })),
-    make('button', {
-      type: 'button', 'aria-label': `remove ${accident.text}`,
-      onclick: () => { accidents.splice(index, 1); showAccidents(); },
-    }, '×'),
-    make('span', { class: 'trouble', id: `trouble-${index}`, role: 'alert' }))));
+  const lines = accidents.map((accident, index) => {
+    const remove = make('button', { type: 'button', onclick: () => { accidents.splice(index, 1); showAccidents(); } }, '×');
+    const named = () => remove.setAttribute('aria-label', `remove ${accident.text}`);
+    const oninput = event => { accident.text = event.target.value; named(); checkOptions(); };
+    named();
+    return make('li', {},
+      make('label', {}, `${LISTS[accident.kind][1]} `, make('input', {
+        ...PLAIN, value: accident.text, size: 18, 'aria-describedby': `trouble-${index}`, oninput,
+      })), remove, make('span', { class: 'trouble', id: `trouble-${index}`, role: 'alert' }));
+  });
+  $('chosen').replaceChildren(...lines);
   checkOptions();
 }
 
@@ -111,21 +121,33 @@ answers.call('accidents').then(text => {
 }, () => {});
 
 const chosenKind = () => kinds.get($('accident').value);
-const HEATED = ['hotend', 'bed', 'chamber', 'part'];
+const HEATED = ['hotend', 'bed', 'chamber', 'part'], PROBES = ['probe'];
 let beltParts = [];
 
-function showKind() {
+function usualPlaces() {
+  const kind = chosenKind();
+  return kind?.option === 'accidents' ? beltParts : kind?.is_of_probe ? PROBES : HEATED;
+}
+
+// The kind or the machine has changed: a place of other ones gives way to a usual one. What a person types stays, also a
+// place that no list has, which is refused in the command's words.
+function showKind(earlier = beltParts) {
   const kind = chosenKind();
   if (!kind) return;
-  const isOfBelts = kind.option === 'accidents', place = $('accident-place');
-  const usual = isOfBelts ? beltParts : kind.is_of_probe ? ['probe'] : HEATED;
-  if (!usual.includes(place.value.trim())) place.value = usual[0] ?? '';
+  const place = $('accident-place'), usual = usualPlaces(), now = place.value.trim();
+  const isOfOthers = !now || !usual.includes(now) && [...earlier, ...HEATED, ...PROBES].includes(now);
+  if (isOfOthers && document.activeElement !== place) place.value = usual[0] ?? '';
   $('places').replaceChildren(...usual.map(value => make('option', { value })));
   $('accident-how-label').hidden = !kind.how;
   $('accident-says').textContent = `${kind.name}: ${kind.says}.${kind.how ? ` How much is ${kind.how[0]}.` : ''}`;
-  partsPicture.mark(isOfBelts ? place.value.trim() : '');
+  markPlace();
 }
-$('accident').onchange = $('accident-place').oninput = showKind;
+
+function markPlace() {
+  partsPicture.mark(chosenKind()?.option === 'accidents' ? $('accident-place').value.trim() : '');
+}
+$('accident').onchange = () => showKind();
+$('accident-place').oninput = markPlace;
 
 // A click on a belt breaks its cords; one on a motor or a pulley keeps the kind, if it can be of one.
 const partsPicture = new MachinePicture($('parts'), (role, name) => {
@@ -141,13 +163,14 @@ async function showParts() {
   const still = JSON.parse(await answers.call('parts', JSON.stringify(machineJob())));
   if (asked !== machineText()) return;
   showPicture(partsPicture.draw(still));
+  const earlier = beltParts;
   beltParts = [];
   if (still.resting) {
     partsPicture.move(still.resting);
     const named = still.resting.pulleys.filter(({ name }) => name);
     beltParts = [...new Set(['motor', 'idler'].flatMap(role => named.filter(pulley => pulley.role === role).map(({ name }) => name)))];
   }
-  showKind();
+  showKind(earlier);
 }
 
 $('add-accident').onclick = () => {
@@ -192,7 +215,7 @@ function job() {
   const of = kind => accidents.filter(accident => accident.kind === kind).map(accident => accident.text);
   const word = id => $(id).value.trim() || null;
   return {
-    file: gcode?.name ?? '', ...machineJob(), homed: word('assume-homed'), bed: word('bed'), seed: word('seed'),
+    file: gcode?.name ?? '', plate: Number($('plate').value) || null, ...machineJob(), homed: word('assume-homed'), bed: word('bed'), seed: word('seed'),
     has_belt_plant: $('belt').checked, ...Object.fromEntries(Object.keys(LISTS).map(kind => [kind, of(kind)])),
   };
 }
@@ -252,27 +275,32 @@ function done(file, { summary, words, report, seconds }) {
   $('badge').className = `badge ${isGood ? 'good' : 'bad'}`;
   $('sha256').textContent = figures.trace_sha256;
   $('words').textContent = words;
-  $('report').srcdoc = new TextDecoder().decode(report);
-  for (const id of ['result', 'report']) $(id).hidden = false;
+  showReport(new TextDecoder().decode(report));
+  $('result').hidden = false;
   if (figures.failure) fail(figures.failure);
   $(figures.failure ? 'failure' : 'result').scrollIntoView({ block: 'start' });
 }
 
-// The report is as high as its content, so that there is one scroll bar.
+// The report is as high as its content, so that there is one scroll bar. It is in a sandbox, since it has texts of files
+// and of the printer: it tells its height, and the files that are dropped on it, through a port of its own.
 const BORDERS_PX = 2;
 
-$('report').onload = () => {
-  const content = $('report').contentDocument?.documentElement;
-  if (!content || !printed) return;
-  const fit = () => {
-    // A frame that is hidden has no height; it keeps its own, so that the page can scroll to the next result.
-    const height = content.querySelector('body').scrollHeight;
-    if (height) $('report').style.height = `${height + BORDERS_PX}px`;
+// Each report has a frame of its own: Chromium 156 shows nothing of one that was loaded into a frame while that was hidden.
+// It begins as high as the last one, so that the page can scroll to the result above it at once.
+function showReport(text) {
+  const frame = $('report').cloneNode();
+  frame.hidden = false;
+  frame.srcdoc = text;
+  frame.onload = () => {
+    const { port1: port, port2 } = new MessageChannel();
+    port.onmessage = ({ data: { height, isOver, file } }) => {
+      if (Number.isFinite(height)) frame.style.height = `${height + BORDERS_PX}px`;
+      if (isOver !== undefined) dropped(isOver === true, file instanceof File ? file : undefined);
+    };
+    frame.contentWindow.postMessage('corehbot-page', '*', [port2]);
   };
-  new ResizeObserver(fit).observe(content.querySelector('body'));
-  fit();
-  takeDrops($('report').contentDocument);
-};
+  $('report').replaceWith(frame);
+}
 
 $('start').onclick = start;
 $('cancel').onclick = () => printer.end();

@@ -32,7 +32,7 @@ async function power() {
   isOpen = true;
   frame = null;
   $('log').replaceChildren();
-  history.length = 0;
+  history.length = back = 0;
   if (isOpening) line.end();
   isOpening = true;
   try {
@@ -72,7 +72,8 @@ $('speed').onchange = event => tell('speed', Number(event.target.value));
 // --- the line
 
 const history = [];
-let back = 0;
+// Where the arrow keys are in it, and the line that was begun before they left it.
+let back = 0, begunLine = '';
 
 // Whether the printer hears; a printer that a hand has switched off does not, and the log says so.
 function isHeard() {
@@ -98,8 +99,9 @@ $('command').onkeydown = event => {
   const step = { ArrowUp: -1, ArrowDown: 1 }[event.key];
   if (!step) return;
   event.preventDefault();
+  if (back === history.length) begunLine = $('command').value;
   back = Math.max(0, Math.min(history.length, back + step));
-  $('command').value = history[back] ?? '';
+  $('command').value = history[back] ?? begunLine;
 };
 $('commands').append(...COMMANDS.map(command => make('button', { type: 'button', onclick: () => send(command) }, command)));
 

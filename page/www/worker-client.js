@@ -71,6 +71,11 @@ class Firmware {
   }
 }
 
+// What is typed here are names and numbers, which no phone may spell or write in its own way.
+const PLAIN = { autocapitalize: 'off', autocomplete: 'off', autocorrect: 'off', spellcheck: 'false' };
+for (const field of document.querySelectorAll('input:not([type]), input[type=search], textarea'))
+  for (const [name, value] of Object.entries(PLAIN)) field.setAttribute(name, value);
+
 // A file that is chosen again is read again: browsers tell of another name only.
 for (const input of document.querySelectorAll('input[type=file]')) input.onclick = () => { input.value = ''; };
 

@@ -35,6 +35,7 @@ function on() {
 }
 
 const calls = {
+  told: (begin, length, isMachineWanted) => wasm_bindgen.told(begin, length, isMachineWanted),
   problems: text => wasm_bindgen.problems(text),
   schema: () => wasm_bindgen.schema(),
   accidents: () => wasm_bindgen.accidents(),

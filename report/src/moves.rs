@@ -87,6 +87,9 @@ pub struct StoredMoves<F> {
     pub file: F,
     /// The content of each chunk.
     pub chunks: Vec<MoveChunk>,
+    /// Filament that was used, in mm: the most that was ahead at any time. What is pulled back and primed again counts
+    /// once, and what is pulled back at the end was used.
+    pub filament_mm: f64,
     /// Sums by the index of the type.
     pub by_type: Vec<Sum>,
     /// Sums by the height of the layer in um. What comes before a layer's first printed move counts to the layer
@@ -103,8 +106,8 @@ pub struct StoredMoves<F> {
 impl<F> StoredMoves<F> {
     /// The same moves in another file.
     pub fn in_file<G>(self, file: G) -> StoredMoves<G> {
-        let Self { chunks, by_type, by_layer, outside, by_limit, shapers, .. } = self;
-        StoredMoves { file, chunks, by_type, by_layer, outside, by_limit, shapers }
+        let Self { chunks, filament_mm, by_type, by_layer, outside, by_limit, shapers, .. } = self;
+        StoredMoves { file, chunks, filament_mm, by_type, by_layer, outside, by_limit, shapers }
     }
 }
 
@@ -126,6 +129,9 @@ pub struct Moves<F: Write> {
     chunk: MoveChunk,
     chunks: Vec<MoveChunk>,
     before: Before,
+    /// Filament that is ahead in mm, pulled back one taken off, and the most of it so far.
+    ahead: f64,
+    used: f64,
     by_type: Vec<Sum>,
     by_layer: BTreeMap<i64, Sum>,
     by_limit: [f64; Limit::ALL.len()],
@@ -157,6 +163,8 @@ impl<F: Write> Moves<F> {
             chunk: EMPTY,
             chunks: Vec::new(),
             before: Before::default(),
+            ahead: 0.0,
+            used: 0.0,
             by_type: Vec::new(),
             by_layer: BTreeMap::new(),
             by_limit: [0.0; Limit::ALL.len()],
@@ -202,6 +210,8 @@ impl<F: Write> Moves<F> {
             self.by_type.resize(kind + 1, Sum::default());
         }
         self.by_type[kind].add(made);
+        self.ahead += made.way[3];
+        self.used = self.used.max(self.ahead);
         self.by_limit[made.limit as usize] += (made.end() - made.begin) as f64 / f64::from(TICKS_PER_SECOND);
         if laid.is_some()
             && let Some(before) = self.chunk.height
@@ -279,6 +289,7 @@ impl<F: Write> Moves<F> {
         Ok(StoredMoves {
             file: self.out.into_inner().map_err(io::IntoInnerError::into_error)?,
             chunks: self.chunks,
+            filament_mm: self.used,
             by_type: self.by_type,
             by_layer: self.by_layer,
             outside: [self.first, self.rest],

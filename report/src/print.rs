@@ -123,6 +123,8 @@ struct Data<'a> {
     time: TimeData,
     filament: Filament,
     machine: MachineData,
+    /// Every setting at the start, by its key in a machine file.
+    settings: serde_json::Value,
     /// What x and y follow, by time.
     shapers: Vec<ShaperSince>,
     move_chunks: Vec<[i64; 7]>,
@@ -251,7 +253,6 @@ impl Page<'_> {
         // Those of the moves: a purge line may be higher than the first layer.
         let has_layers = moves.chunks.iter().any(|chunk| chunk.height.is_some());
         let heights = if has_layers { moves.by_layer.keys().copied().collect() } else { stored.heights.clone() };
-        let filament_mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
         Data {
             summary,
             reach: [HomedAxis::X, HomedAxis::Y]
@@ -284,8 +285,9 @@ impl Page<'_> {
                 waits: summary.waiting_time_s,
                 slicer: summary.slicer_time_s,
             },
-            filament: Filament::new(filament_mm, notes),
+            filament: Filament::new(moves.filament_mm, notes),
             machine: MachineData::new(settings),
+            settings: corehbot_machine_file::keyed(settings),
             shapers: moves.shapers.iter().map(ShaperSince::new).collect(),
             move_chunks: moves.chunks.iter().map(|chunk| chunk_row(chunk, &heights)).collect(),
             preview: preview(moves.chunks.len()),
@@ -333,7 +335,7 @@ fn row(chunk: &Chunk, heights: &[i64]) -> [u64; 4] {
 fn motors(summary: &Summary, settings: &Settings) -> Vec<MotorData> {
     let fitted = settings.mechanism.fitted();
     let counts = summary.steps.iter().zip(summary.net_steps.iter());
-    let motors = settings.mechanism.motors().zip(counts).filter(|((motor, _), _)| fitted.has(*motor));
+    let motors = settings.mechanism.motors().filter(|(motor, _)| fitted.has(*motor)).zip(counts);
     let data = |((_, row), ((name, steps), (_, net)))| MotorData { name, drives: drives(row), steps, net };
     motors.map(data).collect()
 }

@@ -5,7 +5,7 @@ use crate::mesh::MeshSummary;
 use crate::moves::StoredMoves;
 use crate::printable::line;
 use crate::sums::{Filament, LayerSum, LimitSum, OutsideSum, TypeSum, by_layer, by_limit, by_type};
-use corehbot::motors::{MOTORS, MotorName};
+use corehbot::motors::{MOTORS, Motor, MotorName, MotorSet};
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::check::Findings;
@@ -19,13 +19,15 @@ use std::fmt;
 /// A limit of less than this part of the motion is not told: its percentage would be 0.0.
 const LEAST_SHARE: f64 = 0.0005;
 
-/// One number a motor, by its name.
+/// One number a motor that is fitted, by its name.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PerMotor(Vec<(MotorName, i64)>);
 
 impl PerMotor {
-    fn new(names: [MotorName; MOTORS], numbers: [i64; MOTORS]) -> Self {
-        Self(names.into_iter().zip(numbers).take_while(|(name, _)| !name.is_none()).collect())
+    fn new(names: Names<'_>, numbers: [i64; MOTORS]) -> Self {
+        let all = Motor::ALL.into_iter().zip(names.motors).zip(numbers);
+        let fitted = all.filter(|((motor, _), _)| names.fitted.has(*motor));
+        Self(fitted.map(|((_, name), number)| (name, number)).collect())
     }
 
     /// The names and numbers in the order of the trace's columns.
@@ -136,6 +138,8 @@ pub struct Names<'a> {
     pub machine: &'a str,
     /// Its motors.
     pub motors: [MotorName; MOTORS],
+    /// Those that there are.
+    pub fitted: MotorSet,
 }
 
 impl Summary {
@@ -172,8 +176,8 @@ impl Summary {
             heating_time_s: rounded(heating),
             waiting_time_s: rounded((whole - motion - heating).max(0.0)),
             path_mm: outcome.path_um as f64 / 1000.0,
-            steps: PerMotor::new(names.motors, figures.pulses.map(|n| n as i64)),
-            net_steps: PerMotor::new(names.motors, figures.position),
+            steps: PerMotor::new(names, figures.pulses.map(|n| n as i64)),
+            net_steps: PerMotor::new(names, figures.position),
             peak_speed_mm_s: rounded(figures.peak_speed),
             peak_event_rate_hz: rounded(figures.peak_rate),
             events: figures.events,
@@ -212,8 +216,8 @@ impl Summary {
         [self.before_layers, self.after_layers] = moves.outside.each_ref().map(OutsideSum::new);
         self.by_limit = by_limit(&moves.by_limit);
         self.slicer_time_s = notes.estimate_s();
-        let mm = moves.by_type.iter().map(|sum| sum.filament_mm).sum();
-        self.filament = self.by_type.iter().any(|row| row.filament_mm != 0.0).then(|| Filament::new(mm, notes));
+        let has_filament = self.by_type.iter().any(|row| row.filament_mm != 0.0);
+        self.filament = has_filament.then(|| Filament::new(moves.filament_mm, notes));
     }
 
     /// The summary as JSON, with a line end.

@@ -78,7 +78,7 @@ pub struct LimitSum {
 pub struct Filament {
     /// Its diameter.
     pub diameter_mm: f64,
-    /// Its length.
+    /// Its length: what was used, without what was pulled back in between.
     pub mm: f64,
     /// Its volume.
     pub cm3: f64,

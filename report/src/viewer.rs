@@ -10,6 +10,7 @@
 //! | `openRecord(root, data, streams)` | shows a record in an element, in place of what was there |
 //! | `openPreview(root, data, blobs)` | shows a first picture of a large record there, before the rest is read |
 //! | `streamsOfPage()`, `streamOfPage(name)` | the streams that are in the page's own scripts |
+//! | `joinPage()` | waits for the page around it, which may have put the report into a frame |
 //! | `recordOfText(text)` | data and streams in the text of a report |
 
 /// The page of a report.
@@ -19,7 +20,7 @@ pub(crate) const TEMPLATE: &str = include_str!("viewer/page.html");
 const UPLOT: &str = include_str!("viewer/uplot/uPlot.iife.min.js");
 
 /// The files of the script; each uses only names of those before it, or inside of functions.
-const PARTS: [&str; 25] = [
+const PARTS: [&str; 29] = [
     include_str!("viewer/words.js"),
     include_str!("viewer/colours.js"),
     include_str!("viewer/pieces.js"),
@@ -36,6 +37,9 @@ const PARTS: [&str; 25] = [
     include_str!("viewer/controls.js"),
     include_str!("viewer/marks.js"),
     include_str!("viewer/gcode.js"),
+    include_str!("viewer/find.js"),
+    include_str!("viewer/objects.js"),
+    include_str!("viewer/view.js"),
     include_str!("viewer/curves.js"),
     include_str!("viewer/charts.js"),
     include_str!("viewer/motion.js"),
@@ -44,6 +48,7 @@ const PARTS: [&str; 25] = [
     include_str!("viewer/facts.js"),
     include_str!("viewer/mesh.js"),
     include_str!("viewer/compare.js"),
+    include_str!("viewer/frame.js"),
     include_str!("viewer/open.js"),
 ];
 
@@ -60,7 +65,7 @@ pub(crate) fn shared() -> String {
 #[must_use]
 pub fn script() -> String {
     let parts = PARTS.join("\n");
-    let door = "return { openRecord, openPreview, streamsOfPage, streamOfPage, recordOfText };";
+    let door = "return { openRecord, openPreview, streamsOfPage, streamOfPage, recordOfText, joinPage };";
     format!("const corehbotViewer = (() => {{\n\"use strict\";\n{UPLOT}\n{parts}\n{door}\n}})();\n")
 }
 
@@ -72,6 +77,7 @@ pub fn style() -> String {
         include_str!("viewer/uplot/uPlot.min.css"),
         "\n",
         include_str!("viewer/viewer.css"),
+        include_str!("viewer/paper.css"),
     ]
     .concat()
 }
@@ -103,7 +109,11 @@ mod tests {
         let script = script();
         assert!(!script.contains("</script") && !script.contains("<!--"), "they would end the script");
         assert!(!style().contains("</style"));
-        for text in PARTS.into_iter().chain([TEMPLATE, include_str!("viewer/viewer.css")]) {
+        for text in
+            PARTS.into_iter().chain([TEMPLATE, include_str!("viewer/viewer.css"), include_str!("viewer/paper.css")])
+        {
+            // The name of SVG is no address that is asked.
+            let text = text.replace("\"http://www.w3.org/2000/svg\"", "");
             assert!(!["http://", "https://", "@import", "fetch("].iter().any(|word| text.contains(word)), "{text}");
         }
         // One comment of uPlot names its project.

@@ -6,7 +6,7 @@
 //! rows. Other places that depend on a setting:
 //!
 //! - Field, default and row: here, or `accelerometer`, `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`,
-//!   `probe`, `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and
+//!   `probe`, `safe_z_home`, `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and
 //!   `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
@@ -45,6 +45,7 @@ mod range;
 pub mod ranges;
 mod reach;
 pub mod rows;
+mod safe_z_home;
 mod screws;
 mod sensors;
 mod shaping;
@@ -70,6 +71,7 @@ pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
 pub use probe::{Probe, ProbeKind};
 pub use range::Range;
+pub use safe_z_home::SafeZHome;
 pub use screws::{Screw, WholePlace};
 pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
@@ -181,6 +183,8 @@ pub struct Settings {
     pub fan_pulses: u8,
     /// The accelerometer at the tool.
     pub accelerometer: AccelerometerSettings,
+    /// Where its switch homes z, and how far z rises before.
+    pub safe_z_home: SafeZHome,
 }
 
 impl Settings {
@@ -254,6 +258,7 @@ impl Settings {
             fans: [FanPlug::PLAIN; FANS],
             fan_pulses: fan_plugs::USUAL_PULSES,
             accelerometer: AccelerometerSettings::prototype(),
+            safe_z_home: SafeZHome::prototype(),
         }
     }
 
@@ -334,6 +339,7 @@ impl Settings {
             fans,
             fan_pulses: _,
             accelerometer: _,
+            safe_z_home: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring

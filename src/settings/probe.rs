@@ -165,9 +165,9 @@ pub(super) mod quiet {
     }
 }
 
-/// A place, or the middle of the bed. Records say 0 for the middle, so they say the least number above 0 for the place
-/// 0: earlier records and earlier firmware mean the same by their numbers.
-struct Place<'a>(&'a mut Option<Mm>);
+/// A place, or none, such as the middle of the bed. Records say 0 for none, so they say the least number above 0 for
+/// the place 0: earlier records and earlier firmware mean the same by their numbers.
+pub(super) struct Place<'a>(pub &'a mut Option<Mm>);
 
 impl Field for Place<'_> {
     fn get(&self) -> Value {

@@ -60,6 +60,8 @@ pub const PHASE: Range<u16> = Range { least: 0, most: NO_PHASE };
 pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
 /// Lift of z after a motor of the belt has failed.
 pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+/// Rise of z before homing: more is a way of its own, and no hop. Z of a place that is not known may have no room.
+pub const Z_HOP: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 /// Filament that a pause pulls back: bowden tubes need less than a tenth of it.
 pub const PAUSE_RETRACT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 /// Lift of the tool in a pause.

@@ -58,6 +58,8 @@ files! {
     accelerometer,
     accelerometer::axes,
     corner,
+    safe_z_home::place,
+    safe_z_home,
     sensors,
     shaping,
     shaping::advance,

@@ -17,7 +17,8 @@ pub async fn stored_machine(storage: &mut impl Storage) -> Option<Settings> {
 /// # Errors
 /// Why there is no machine.
 pub fn machine_in(record: &[u8]) -> Result<Settings, Rejected> {
-    let settings = decode(record)?.settings;
+    let mut settings = Settings::prototype();
+    decode(record, &mut settings)?;
     settings.check_machine().map_err(Rejected::Illegal)?;
     Ok(settings)
 }
@@ -25,9 +26,7 @@ pub fn machine_in(record: &[u8]) -> Result<Settings, Rejected> {
 /// Writes the record of a machine, and returns its length; `None` if it does not fit, which a compile-time check
 /// excludes.
 pub fn record_of(machine: &Settings, into: &mut [u8; LONGEST]) -> Option<usize> {
-    let record = encode(machine, &Unknown::NONE, 0)?;
-    *into = record.bytes;
-    Some(record.receipt.bytes)
+    encode(machine, &Unknown::NONE, 0, into).map(|receipt| receipt.bytes)
 }
 
 #[cfg(test)]

@@ -8,11 +8,11 @@
 //! | 0..16 | [`MARK`], which stands nowhere else in an image |
 //! | 16..32 | the key of the board that the image is on, with zeros behind it |
 //! | 32..96 | the keys of all boards that it may be on, with a blank after each and zeros behind them |
-//! | 96.. | a [record](super::record), or 0xFF throughout: no machine |
+//! | 96.. | a [record](super::record) of one part, or 0xFF throughout: no machine |
 
 use super::machine::machine_in;
 use super::payload::Unknown;
-use super::record::{LONGEST, Receipt, Rejected, encode};
+use super::record::{FIRST, LONGEST, Receipt, Rejected, encode};
 use crate::connectors::BoardConnectors;
 use crate::settings::Settings;
 
@@ -28,8 +28,8 @@ const KEYS: usize = 64;
 /// Where the record begins.
 const HEAD: usize = MARK.len() + KEY + KEYS;
 
-/// Bytes of a block.
-pub const BLOCK: usize = HEAD + LONGEST;
+/// Bytes of a block. It stays as it is: a block of another size would reach into the program of earlier images.
+pub const BLOCK: usize = HEAD + FIRST;
 
 /// A block without a machine, in an image that may be on any of these boards, and is on the first. One that the block
 /// has no room for does not compile in a `const`.
@@ -108,14 +108,15 @@ pub fn clear_machine(block: &mut [u8; BLOCK]) {
     block.split_at_mut(HEAD).1.fill(0xFF);
 }
 
-/// Puts a machine into a block; `None` if it does not fit, which a compile-time check of records excludes.
+/// Puts a machine into a block; `None` if its record has two parts, and then nothing has changed.
 pub fn put_machine(block: &mut [u8; BLOCK], machine: &Settings) -> Option<Receipt> {
-    let record = encode(machine, &Unknown::NONE, 0)?;
+    let mut record = [0; LONGEST];
+    let receipt = encode(machine, &Unknown::NONE, 0, &mut record)?;
     let (_, place) = block.split_at_mut(HEAD);
+    let used = record.get(..receipt.bytes).filter(|used| used.len() <= place.len())?;
     place.fill(0xFF);
-    let used = record.bytes.get(..record.receipt.bytes)?;
     place.get_mut(..used.len())?.copy_from_slice(used);
-    Some(record.receipt)
+    Some(receipt)
 }
 
 #[cfg(test)]
@@ -150,7 +151,7 @@ mod tests {
         let text = |place: &[u8], text: &str| {
             place.starts_with(text.as_bytes()) && place[text.len()..].iter().all(|b| *b == 0)
         };
-        assert_eq!(block.len(), 96 + LONGEST);
+        assert_eq!(block.len(), 96 + 1280);
         assert_eq!(block[..16], *b"corehbot machine");
         assert!(text(&block[16..32], "printer") && text(&block[32..96], "printer bench "));
         assert_eq!(machine_in(&block[96..]), Ok(Settings::prototype()));

@@ -19,7 +19,7 @@ use crate::settings::rows::{Field, Key, LONGEST_TEXT, Legal, Row, Text24, Value,
 use crate::settings::table::{self, ALL};
 
 /// Bytes of unknown elements that are kept, as settings of later firmware may be.
-pub(super) const MOST_UNKNOWN: usize = 32;
+pub(super) const MOST_UNKNOWN: usize = 64;
 
 /// The bit of a head that says that an id follows.
 const HAS_ID: u8 = 0x80;
@@ -353,11 +353,11 @@ pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> 
     (!out.is_full).then_some(out.at)
 }
 
-/// The settings in a payload, and the elements that are unknown.
+/// Reads the settings in a payload; returns the elements that are unknown.
 ///
 /// # Errors
 /// [`Damaged`] if it is no payload, or if a value does not fit its type.
-pub(super) fn read(payload: &[u8]) -> Result<(Settings, Unknown), Damaged> {
+pub(super) fn read(payload: &[u8], settings: &mut Settings) -> Result<Unknown, Damaged> {
     let payload = Elements::of(payload);
     let mut unknown = Unknown::NONE;
     for element in payload {
@@ -366,8 +366,8 @@ pub(super) fn read(payload: &[u8]) -> Result<(Settings, Unknown), Damaged> {
             unknown.keep(&element);
         }
     }
-    let mut settings = Settings::prototype();
+    *settings = Settings::prototype();
     let mut reader = Reader { payload, next: payload, open: Element::NONE, is_damaged: false };
     settings.visit(&mut reader);
-    if reader.is_damaged { Err(Damaged) } else { Ok((settings, unknown)) }
+    if reader.is_damaged { Err(Damaged) } else { Ok(unknown) }
 }

@@ -3,31 +3,51 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0..4 | `CHBS` |
-//! | 4..6 | format of the payload |
-//! | 6..8 | length of the payload |
+//! | 4..6 | format: 1, or 2 for a record of two parts |
+//! | 6..8 | length of the rest of the first part |
 //! | 8..12 | sequence number |
-//! | 12..16 | CRC-32 of all other bytes |
-//! | 16.. | the settings: elements that say their id, width and number of values (`payload`) |
+//! | 12..16 | CRC-32 of all other bytes of the first part |
+//! | 16..22 | only in format 2: length and CRC-32 of the second part |
+//! | then | the settings: elements that say their id, width and number of values (`payload`) |
 //!
 //! Numbers are little-endian. CRC-32 finds every burst of up to 32 bits; of anything worse it misses one
 //! in 2^32.
+//!
+//! A record of up to [`FIRST`] bytes has one part. A longer one has two parts, and its first part has [`FIRST`] bytes
+//! and is whole by itself. So firmware that only knows format 1 reads all shorter records, and names the format of a
+//! longer one instead of calling it damaged.
 
 use super::payload::{Damaged, LONGEST_PAYLOAD, Unknown, read, write};
 use crate::checksum::crc32;
 use crate::settings::{Settings, SettingsError};
 
-/// The version of the payload's format. It need not change with the settings: an element with an unknown id is kept as
-/// it is, and a setting without an element has its default.
-pub const FORMAT: u16 = 1;
+/// The newest format that this firmware knows. It need not change with the settings: an element with an unknown id is
+/// kept as it is, and a setting without an element has its default.
+pub const FORMAT: u16 = TWO_PARTS;
+
+/// The format of a record of one part.
+const ONE_PART: u16 = 1;
+
+/// The format of a record of two parts.
+const TWO_PARTS: u16 = 2;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
 pub(super) const HEADER: usize = 16;
 
-/// Bytes of the longest record.
-pub const LONGEST: usize = 1280;
+/// Bytes of the length and the checksum of a second part.
+const SECOND_HEADER: usize = 6;
 
-const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
+/// Bytes of the longest record of one part, and of the first of two parts.
+pub(super) const FIRST: usize = 1280;
+
+/// Bytes of the longest record.
+pub const LONGEST: usize = 1664;
+
+/// Bytes of the longest payload that a record has room for; docs/explanation/flow.md says how many are free.
+pub(super) const ROOM: usize = LONGEST - HEADER - SECOND_HEADER;
+
+const _: () = assert!(LONGEST_PAYLOAD <= ROOM);
 
 /// Why a slot's content is no settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -72,12 +92,6 @@ impl core::fmt::Display for Receipt {
     }
 }
 
-/// The bytes of a record.
-pub(super) struct Record {
-    pub bytes: [u8; LONGEST],
-    pub receipt: Receipt,
-}
-
 /// The header of a record.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Header {
@@ -105,34 +119,64 @@ impl Header {
     }
 }
 
-/// The record of `settings` and of elements that this firmware does not know, or `None` if they do not fit, which the
-/// assertion above excludes.
-pub(super) fn encode(settings: &Settings, unknown: &Unknown, sequence: u32) -> Option<Record> {
-    let mut bytes = [0; LONGEST];
-    let (head, payload) = bytes.split_at_mut(HEADER);
-    let length = write(settings, unknown, payload)?;
-    let payload = payload.get(..length)?;
-    let header = Header { format: FORMAT, length: u16::try_from(length).ok()?, sequence }.to_bytes();
-    let crc = crc32(header.into_iter().chain(payload.iter().copied()));
+/// Writes the record of `settings` and of elements that this firmware does not know; `None` if they do not fit, which
+/// the assertion above excludes.
+pub(super) fn encode(
+    settings: &Settings,
+    unknown: &Unknown,
+    sequence: u32,
+    record: &mut [u8; LONGEST],
+) -> Option<Receipt> {
+    let length = write(settings, unknown, record.get_mut(HEADER..)?)?;
+    finish(record, length, sequence)
+}
+
+/// Makes a record of a payload of so many bytes that stands behind the place for a header.
+fn finish(record: &mut [u8; LONGEST], length: usize, sequence: u32) -> Option<Receipt> {
+    let bytes = HEADER + length;
+    if bytes <= FIRST { seal(record, ONE_PART, bytes, sequence) } else { seal_two_parts(record, length, sequence) }
+}
+
+/// Makes room in front of a payload, and makes two parts of it.
+fn seal_two_parts(record: &mut [u8; LONGEST], length: usize, sequence: u32) -> Option<Receipt> {
+    let begin = HEADER + SECOND_HEADER;
+    let bytes = Some(begin + length).filter(|bytes| *bytes <= LONGEST)?;
+    record.copy_within(HEADER..HEADER + length, begin);
+    let second = record.get(FIRST..bytes)?;
+    let ([l0, l1], [c0, c1, c2, c3]) =
+        (u16::try_from(second.len()).ok()?.to_le_bytes(), crc32(second.iter().copied()).to_le_bytes());
+    record.get_mut(HEADER..begin)?.copy_from_slice(&[l0, l1, c0, c1, c2, c3]);
+    seal(record, TWO_PARTS, FIRST, sequence).map(|receipt| Receipt { bytes, ..receipt })
+}
+
+/// Writes the header of a part of so many bytes.
+fn seal(record: &mut [u8; LONGEST], format: u16, bytes: usize, sequence: u32) -> Option<Receipt> {
+    let (head, rest) = record.get_mut(..bytes)?.split_at_mut_checked(HEADER)?;
+    let header = Header { format, length: u16::try_from(rest.len()).ok()?, sequence }.to_bytes();
+    let crc = crc32(header.into_iter().chain(rest.iter().copied()));
     for (to, byte) in head.iter_mut().zip(header.into_iter().chain(crc.to_le_bytes())) {
         *to = byte;
     }
-    let receipt = Receipt { bytes: HEADER + payload.len(), crc };
-    Some(Record { bytes, receipt })
+    Some(Receipt { bytes, crc })
+}
+
+/// The length and the checksum of the second part, by the bytes after a header.
+fn second_part(after_header: &[u8]) -> Option<(usize, u32)> {
+    let [l0, l1, c0, c1, c2, c3] = *after_header.first_chunk::<SECOND_HEADER>()?;
+    Some((u16::from_le_bytes([l0, l1]).into(), u32::from_le_bytes([c0, c1, c2, c3])))
 }
 
 /// Bytes of the record that begins with `head`.
 pub(super) fn length(head: &[u8]) -> Result<usize, Rejected> {
     let (header, _) = Header::read(head).ok_or(Rejected::Blank)?;
-    let length = HEADER + usize::from(header.length);
+    let second = head.get(HEADER..).filter(|_| header.format == TWO_PARTS).and_then(second_part);
+    let length = HEADER + usize::from(header.length) + second.map_or(0, |(length, _)| length);
     if length <= LONGEST { Ok(length) } else { Err(Rejected::Damaged) }
 }
 
-/// The content of a record.
+/// The content of a record apart from its settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Decoded {
-    /// The settings, all legal.
-    pub settings: Settings,
     /// Elements that this firmware does not know.
     pub unknown: Unknown,
     /// Which save it was.
@@ -141,27 +185,33 @@ pub(super) struct Decoded {
     pub receipt: Receipt,
 }
 
-/// The content of a record.
+/// Reads a record into `settings`, which are all legal then. They go to a place of the caller's, because they are
+/// large: a result would be a second copy on the stack.
 ///
 /// # Errors
-/// Why there are no settings.
-pub(super) fn decode(record: &[u8]) -> Result<Decoded, Rejected> {
+/// Why there are no settings; `settings` may hold anything then.
+pub(super) fn decode(record: &[u8], settings: &mut Settings) -> Result<Decoded, Rejected> {
     let (header, crc) = Header::read(record).ok_or(Rejected::Blank)?;
-    let payload = record.get(HEADER..HEADER + usize::from(header.length)).ok_or(Rejected::Damaged)?;
-    if crc32(header.to_bytes().into_iter().chain(payload.iter().copied())) != crc {
+    let first = HEADER + usize::from(header.length);
+    let rest = record.get(HEADER..first).ok_or(Rejected::Damaged)?;
+    if crc32(header.to_bytes().into_iter().chain(rest.iter().copied())) != crc {
         return Err(Rejected::Damaged);
     }
-    if header.format != FORMAT {
-        return Err(Rejected::Format(header.format));
-    }
-    let (settings, unknown) = read(payload).map_err(|Damaged| Rejected::Damaged)?;
+    let (payload, bytes) = match header.format {
+        ONE_PART => (rest, first),
+        TWO_PARTS => {
+            let (length, crc) = second_part(rest).ok_or(Rejected::Damaged)?;
+            let second = record.get(first..first + length).ok_or(Rejected::Damaged)?;
+            if crc32(second.iter().copied()) != crc {
+                return Err(Rejected::Damaged);
+            }
+            (record.get(HEADER + SECOND_HEADER..first + length).unwrap_or_default(), first + length)
+        }
+        other => return Err(Rejected::Format(other)),
+    };
+    let unknown = read(payload, settings).map_err(|Damaged| Rejected::Damaged)?;
     settings.check().map_err(Rejected::Illegal)?;
-    Ok(Decoded {
-        settings,
-        unknown,
-        sequence: header.sequence,
-        receipt: Receipt { bytes: HEADER + payload.len(), crc },
-    })
+    Ok(Decoded { unknown, sequence: header.sequence, receipt: Receipt { bytes, crc } })
 }
 
 #[cfg(test)]

@@ -3,14 +3,12 @@
 //! Invariant: a save never touches the slot that holds the newest settings. Transfers stay inside one page, so a power
 //! cut spoils no more than the page being written, and the caller can do other things in between.
 
-use super::map::{NEEDED, PAGE, SLOT, STRIDE};
+use super::map::{NEEDED, PAGE, STRIDE, address};
 use super::payload::Unknown;
-use super::record::{Decoded, LONGEST, Receipt, Record, Rejected, decode, encode, length};
+use super::record::{Decoded, LONGEST, Receipt, Rejected, decode, encode, length};
 use crate::kinematics::Mechanism;
 use crate::port::{Storage, StorageError};
 use crate::settings::{Settings, SettingsError};
-
-const _: () = assert!(LONGEST <= SLOT as usize && LONGEST.is_multiple_of(PAGE));
 
 /// One of the two places for a record.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -131,14 +129,25 @@ pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> 
 /// # Errors
 /// The storage's, and [`StorageError::Absent`] if it is too small.
 pub async fn survey_on(storage: &mut impl Storage, own: Option<Mechanism>) -> Result<Survey, StorageError> {
+    let mut newest = None;
+    let rejected = find_newest(storage, own.as_ref(), &mut newest).await?;
+    Ok(Survey { newest, rejected })
+}
+
+/// Puts the newest settings into their place, and returns why the contents of slots are not used.
+async fn find_newest(
+    storage: &mut impl Storage,
+    own: Option<&Mechanism>,
+    newest: &mut Option<Stored>,
+) -> Result<[(Slot, Option<Rejected>); 2], StorageError> {
     if !is_present(storage) {
         return Err(StorageError::Absent);
     }
-    let mut survey = Survey { newest: None, rejected: [(Slot::A, None), (Slot::B, None)] };
-    for (slot, rejected) in &mut survey.rejected {
-        *rejected = look_at(storage, *slot, own.as_ref(), &mut survey.newest).await?.err();
+    let mut slots = [(Slot::A, None), (Slot::B, None)];
+    for (slot, rejected) in &mut slots {
+        *rejected = look_at(storage, *slot, own, newest).await?.err();
     }
-    Ok(survey)
+    Ok(slots)
 }
 
 /// Takes the record in a slot for the newest, if it is.
@@ -149,7 +158,7 @@ async fn look_at(
     newest: &mut Option<Stored>,
 ) -> Result<Result<(), Rejected>, StorageError> {
     let mut record = [0; LONGEST];
-    let length = read_record(storage, slot.address(), &mut record).await?;
+    let length = read_record(storage, slot, &mut record).await?;
     Ok(length.and_then(|()| take_newer(newest, slot, own, &record)))
 }
 
@@ -157,7 +166,8 @@ async fn look_at(
 /// copies would be on the stack during the wait for the storage, below all other work.
 #[inline(never)]
 fn take_newer(newest: &mut Option<Stored>, slot: Slot, own: Option<&Mechanism>, record: &[u8]) -> Result<(), Rejected> {
-    let Decoded { settings, unknown, sequence, receipt } = decode(record)?;
+    let mut settings = Settings::prototype();
+    let Decoded { unknown, sequence, receipt } = decode(record, &mut settings)?;
     if own.is_some_and(|own| settings.mechanism != *own) {
         return Err(Rejected::Mechanism);
     }
@@ -174,19 +184,23 @@ fn take_newer(newest: &mut Option<Stored>, slot: Slot, own: Option<&Mechanism>, 
 /// If they are not safely stored; then those stored before still are.
 pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Receipt, SaveError> {
     settings.check().map_err(SaveError::Illegal)?;
-    let (slot, sequence, unknown) = match survey(storage).await?.newest {
+    let mut newest = None;
+    find_newest(storage, None, &mut newest).await?;
+    let (slot, sequence, unknown) = match &newest {
         Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
         Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1), newest.unknown),
         None => (Slot::A, 1, Unknown::NONE),
     };
-    let record = encode(settings, &unknown, sequence).ok_or(SaveError::TooLong)?;
+    let mut record = [0; LONGEST];
+    let receipt = encode(settings, &unknown, sequence, &mut record).ok_or(SaveError::TooLong)?;
+    let record = record.get(..receipt.bytes).unwrap_or_default();
     // The header goes last: until then the slot keeps its old content, or is damaged. Memory that must be erased first,
     // such as flash, takes the first of these writes for the begin of a save, because it does not lie below the one
     // before. No other order works.
-    for (at, page) in pages(&record, slot).rev() {
+    for (at, page) in pages(record, slot).rev() {
         storage.write(at, page).await?;
     }
-    for (at, page) in pages(&record, slot) {
+    for (at, page) in pages(record, slot) {
         let mut kept = [0; PAGE];
         let kept = kept.get_mut(..page.len()).unwrap_or_default();
         storage.read(at, kept).await?;
@@ -194,30 +208,29 @@ pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Rec
             return Err(SaveError::NotKept);
         }
     }
-    Ok(record.receipt)
+    Ok(receipt)
 }
 
 /// The pages of a record and their addresses.
-fn pages(record: &Record, slot: Slot) -> impl DoubleEndedIterator<Item = (u32, &[u8])> {
-    let used = record.bytes.get(..record.receipt.bytes).unwrap_or_default();
-    used.chunks(PAGE).enumerate().map(move |(i, page)| (slot.address() + (i * PAGE) as u32, page))
+fn pages(record: &[u8], slot: Slot) -> impl DoubleEndedIterator<Item = (u32, &[u8])> {
+    record.chunks(PAGE).enumerate().map(move |(i, page)| (slot.address() + address(i * PAGE), page))
 }
 
-/// Reads the record at an address, with the length in its header.
+/// Reads the record in a slot, with the length in its header.
 async fn read_record(
     storage: &mut impl Storage,
-    address: u32,
+    slot: Slot,
     record: &mut [u8; LONGEST],
 ) -> Result<Result<(), Rejected>, StorageError> {
     let (head, tail) = record.split_at_mut(PAGE);
-    storage.read(address, head).await?;
+    storage.read(slot.address(), head).await?;
     let length = match length(head) {
         Ok(length) => length,
         Err(why) => return Ok(Err(why)),
     };
     let tail = tail.get_mut(..length.saturating_sub(PAGE)).unwrap_or_default();
     for (i, page) in tail.chunks_mut(PAGE).enumerate() {
-        storage.read(address + ((i + 1) * PAGE) as u32, page).await?;
+        storage.read(slot.address() + address((i + 1) * PAGE), page).await?;
     }
     Ok(Ok(()))
 }

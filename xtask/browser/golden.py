@@ -6,6 +6,7 @@ Arguments: corehbot. `BLESS=1` writes the pictures.
 
 from chromium import DESK, PHONE, Chromium, check
 from every import use_all
+from paper import check_paper
 from trial import ROOT, main, print_report
 
 HEAT = ROOT / "xtask/clients"
@@ -14,7 +15,7 @@ HEAT = ROOT / "xtask/clients"
 # set.
 PRINTS = {
     "lines": (ROOT / "examples/first-print.gcode",),
-    "fault": (HEAT / "heat.gcode", "--settings", HEAT / "heat.toml", "--break", "open:hotend@60s"),
+    "fault": (HEAT / "heat.gcode", "--machine", HEAT / "heat.toml", "--break", "open:hotend@60s"),
     "belt": (ROOT / "examples/shaping.gcode", "--plant", "belt"),
 }
 
@@ -37,6 +38,8 @@ def run(corehbot, folder):
                 check(file.stem in browser.driver.title, f"the title is {browser.driver.title}")
                 worst = max(worst, browser.picture(f"{name}-{place}"))
                 browser.check_width()
+                browser.check_quiet()
+                check_paper(browser, name, size, is_dark=size == PHONE)
                 browser.check_quiet()
                 if place == "desk":
                     used += use_all(browser, "body", LEAST_CONTROLS)

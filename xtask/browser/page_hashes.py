@@ -59,7 +59,7 @@ def cases(folder):
 
 def native(corehbot, file, machine, options):
     command = [corehbot, "run", file.name, "--json", "-"]
-    command += ["--settings", str(machine)] if machine else []
+    command += ["--machine", str(machine)] if machine else []
     command += ["--plant", "belt"] if options.get("has_belt_plant") else []
     for field, option in OPTIONS.items():
         texts = options.get(field, [])

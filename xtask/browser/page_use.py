@@ -5,11 +5,14 @@ Arguments: corehbot. `PAGE` is the page's first file.
 """
 
 import functools
+import gzip
 import http.server
+import io
 import json
 import os
 import pathlib
 import threading
+import zipfile
 
 from chromium import DESK, PHONE, Chromium, check
 from every import use_all
@@ -23,8 +26,9 @@ ENDLESS = "const lines = ['G28', 'G1 F3000']; for (let i = 0; i < 40000; i++) li
 
 # A file that is dropped, as a file manager does it.
 DROP = """const data = new DataTransfer();
-    data.items.add(new File(['G28\\nG1 X10 F6000\\n'], arguments[0]));
-    (arguments[1] ? document.querySelector(arguments[1]).contentDocument : document).body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
+    const content = arguments[1] ? Uint8Array.from(arguments[1]) : 'G28\\nG1 X10 F6000\\n';
+    data.items.add(new File([content], arguments[0]));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));"""
 
 # What file inputs hold when they are about to be used again. The event opens no window of the system.
 CLEARED = """return [...document.querySelectorAll('input[type=file]')].map(input => {
@@ -36,21 +40,40 @@ CLEARED = """return [...document.querySelectorAll('input[type=file]')].map(input
 });"""
 
 # How high the picture in the report is.
-TALL = "return document.querySelector('#report').contentDocument?.querySelector('.stage')?.clientHeight ?? 0"
+TALL = "return document.querySelector('.stage')?.clientHeight ?? 0"
+
+# Whether the frame is as high as what is in it, but for its borders.
+FITS = "return Math.abs(innerHeight - document.body.scrollHeight) < 1 && innerHeight > 400"
+
+
+def in_report(browser, script, *args):
+    """The result of a script in the report, which is in a sandbox: the page cannot look into it, the driver can."""
+    browser.driver.switch_to.frame(browser.find("#report"))
+    try:
+        return browser.run(script, *args)
+    finally:
+        browser.driver.switch_to.default_content()
 
 
 def text(browser, selector):
     return browser.run("return document.querySelector(arguments[0]).textContent", selector)
 
 
-def value(browser, selector, value):
-    browser.run(
-        """const [selector, value] = arguments, control = document.querySelector(selector);
-        control.value = value;
-        for (const name of ['input', 'change']) control.dispatchEvent(new Event(name, {bubbles: true}));""",
-        selector,
-        value,
-    )
+# The page asks one worker about what was typed; after one more answer all earlier ones have come.
+SETTLED = "const done = arguments[0]; answers.call('hands').then(() => done());"
+
+
+def type_in(browser, selector, words):
+    """Types in place of what a field has, key by key. A field has what was typed after each key, and when the page has thought
+    about it."""
+    field = browser.find(selector)
+    field.send_keys(Keys.CONTROL, "a")
+    field.send_keys(Keys.BACKSPACE)
+    for i, letter in enumerate(words, 1):
+        field.send_keys(letter)
+        browser.driver.execute_async_script(SETTLED)
+        has = value_of(browser, selector)
+        check(has == words[:i], f"{selector} has {has!r} after {words[:i]!r} was typed")
 
 
 def press(browser, selector):
@@ -94,7 +117,7 @@ def check_print(browser):
     check_place(browser, "#result")
     first = text(browser, "#sha256")
     check(len(first) == 64, f"its SHA-256 is {first}")
-    browser.wait("report", lambda: browser.run("return document.querySelector('#report').contentDocument?.querySelector('canvas') != null"))
+    browser.wait("report as high as its content", lambda: in_report(browser, "return document.querySelector('.charts') != null") and in_report(browser, FITS))
     # Cancelled by a click, and once more by the keyboard.
     for cancel in (lambda: browser.find("#cancel").click(), lambda: browser.find("body").send_keys(Keys.ESCAPE)):
         browser.run(ENDLESS)
@@ -108,10 +131,11 @@ def check_print(browser):
 
 
 def check_drop(browser):
-    """A file that is dropped on any tab is shown where it is used."""
-    for name, tab in (("dropped.gcode", "print"), ("dropped.toml", "machine"), ("again.gcode", "print")):
+    """A file that is dropped on any tab is shown where it is used, by its content and not by its name."""
+    machine = list(b"[axes.x]\nlength = 200\n")
+    for name, tab, content in (("machine.toml", "print", None), ("print.gcode", "machine", machine), ("again.gcode", "print", None)):
         browser.find("#tab-terminal").click()
-        browser.run(DROP, name)
+        browser.run(DROP, name, content)
         browser.wait(f"place of {name}", lambda: browser.find(f"#{tab}").is_displayed())
     check(text(browser, "#file-name") == "again.gcode", f"the file is {text(browser, '#file-name')}")
     check(browser.run(CLEARED) == ["", ""], "a file that is chosen again is not read again")
@@ -119,9 +143,32 @@ def check_drop(browser):
     browser.find("#start").click()
     check(printed(browser) == "printed", f"the dropped file: {text(browser, '#failure')}")
     # On the report too, but for the place that takes a second report.
-    browser.wait("report", lambda: browser.run(TALL) > 0)
-    browser.run(DROP, "on-report.gcode", "#report")
+    browser.wait("report", lambda: in_report(browser, TALL) > 0)
+    in_report(browser, DROP, "on-report.gcode")
     browser.wait("file", lambda: text(browser, "#file-name") == "on-report.gcode")
+
+
+def check_kinds(browser):
+    """Another kind of file is told with its way, packed G-code prints, and a plate is chosen."""
+    browser.find("#tab-print").click()
+    Select(browser.find("#machine-of-print")).select_by_value("prototype.toml")
+    browser.run(DROP, "printer.gcode", list(b"[printer]\nkinematics: corexy\n"))
+    browser.wait("way", lambda: "printer.gcode: this is Klipper's printer.cfg, not G-code: `corehbot config from" in text(browser, "#failure"))
+    browser.run(DROP, "a.gcode.gz", list(gzip.compress(b"G28\nG1 X20 F6000\n")))
+    browser.wait("packed file", lambda: text(browser, "#file-name") == "a.gcode.gz" and not browser.find("#failure").is_displayed())
+    browser.find("#start").click()
+    check(printed(browser) == "printed", f"packed: {text(browser, '#failure')}")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number in (1, 2):
+            archive.writestr(f"Metadata/plate_{number}.gcode", f"G28\nG1 X{number}0 F6000\n")
+    browser.run(DROP, "two.3mf", list(packed.getvalue()))
+    browser.wait("plates", lambda: browser.find("#plate").is_displayed())
+    Select(browser.find("#plate")).select_by_value("2")
+    browser.find("#start").click()
+    check(printed(browser) == "printed", f"plate 2: {text(browser, '#failure')}")
+    browser.run(DROP, "cut.3mf", list(packed.getvalue()[:90]))
+    browser.wait("damage", lambda: "cut.3mf: the file is damaged" in text(browser, "#failure"))
 
 
 def check_scrolls(browser):
@@ -152,11 +199,11 @@ def check_accident(browser):
     check(printed(browser) == "failed", "a thermistor that is off ends no print")
     check("sensor" in text(browser, "#failure").lower(), f"why: {text(browser, '#failure')}")
     browser.find("#chosen button").click()
-    value(browser, "#assume-homed", "1,2")
+    type_in(browser, "#assume-homed", "1,2")
     browser.wait("refusal", lambda: "three numbers" in text(browser, "#assume-homed-trouble"))
     browser.find("#start").click()
     check("three numbers" in printed(browser), f"two numbers are no place: {printed(browser)}")
-    value(browser, "#assume-homed", "")
+    type_in(browser, "#assume-homed", "")
 
 
 def check_parts(browser):
@@ -172,18 +219,18 @@ def check_parts(browser):
     Select(browser.find("#accident")).select_by_value("Belts seized")
     browser.find("#parts [data-part='7']").send_keys(Keys.ENTER)
     check(value_of(browser, "#accident-place") == "7", "a pulley cannot be chosen by the keyboard")
-    value(browser, "#accident-time", "1s")
+    type_in(browser, "#accident-time", "1s")
     browser.find("#add-accident").click()
     check(value_of(browser, "#chosen input") == "seized:7@1s" and browser.find("#belt").is_selected(), "no pulley is seized")
     wrong, trouble = "seized:99@1s", lambda: text(browser, "#chosen .trouble")
-    value(browser, "#chosen input", wrong)
+    type_in(browser, "#chosen input", wrong)
     browser.wait("refusal", lambda: "neither a belt motor" in trouble())
-    value(browser, "#chosen input", "seized:7@1s")
+    type_in(browser, "#chosen input", "seized:7@1s")
     browser.wait("accident that can be", lambda: trouble() == "")
     for field, wrong, why in (("seed", "many", "whole number"), ("bed", "bowl=1", "no probe")):
-        value(browser, f"#{field}", wrong)
+        type_in(browser, f"#{field}", wrong)
         browser.wait("refusal", lambda: why in text(browser, f"#{field}-trouble"))
-        value(browser, f"#{field}", "")
+        type_in(browser, f"#{field}", "")
         browser.wait("field without a fault", lambda: text(browser, f"#{field}-trouble") == "")
     browser.find("#start").click()
     check(printed(browser) == "printed" and "seized:7@1s" in text(browser, "#words"), f"a seized pulley: {text(browser, '#words')}")
@@ -217,7 +264,7 @@ def check_targets(browser):
 
 def check_editor(browser):
     browser.find("#tab-machine").click()
-    value(browser, "#text", "[axes.x]\nmax_sped = 200\n")
+    type_in(browser, "#text", "[axes.x]\nmax_sped = 200\n")
     browser.wait("error in its line", lambda: "did you mean" in browser.run("return document.querySelector('#under .bad em')?.textContent ?? ''"))
     check(browser.run("return [...document.querySelectorAll('#under div')].findIndex(line => line.className == 'bad')") == 1, "the wrong line is marked")
     area = browser.find("#text")
@@ -226,9 +273,9 @@ def check_editor(browser):
     area.send_keys("[axes.x]\nmax_speed = 200")
     browser.wait("file without a fault", lambda: "without a fault" in text(browser, "#problem-count"))
     check("Speed limit" in text(browser, "#key-meaning"), f"the key's meaning: {text(browser, '#key-meaning')}")
-    value(browser, "#find-key", "probe")
+    type_in(browser, "#find-key", "probe")
     check(browser.run("return document.querySelectorAll('#keys dt').length") > 5, "no keys of the probe")
-    value(browser, "#find-key", "")
+    type_in(browser, "#find-key", "")
     # A table opens, and a key without a default is written with a value of its type.
     browser.run("showKeys()")
     for name in ("corner", "corner.square_corner"):
@@ -368,7 +415,8 @@ def check_every_control(browser):
     """Nothing complains when every control is used in haste. Then a printer can be switched on, and the page prints."""
     used = 0
     # A word keeps the list of keys as it is when a key is written.
-    value(browser, "#find-key", "speed")
+    browser.find("#tab-machine").click()
+    type_in(browser, "#find-key", "speed")
     for tab, least in (("print", 40), ("machine", 40), ("terminal", 25)):
         browser.find(f"#tab-{tab}").click()
         used += use_all(browser, f"#{tab}", least)
@@ -406,9 +454,10 @@ def run(_corehbot, folder):
     with Chromium() as browser:
         seconds = browser.open(os.environ["PAGE"])
         browser.wait("firmware", lambda: "ready" in text(browser, "#status"))
-        for part in (check_tabs, check_print, check_drop, check_accident, check_parts, check_editor, check_terminal):
+        for part in (check_tabs, check_print, check_drop, check_kinds, check_accident, check_parts, check_editor, check_terminal):
             part(browser)
             browser.check_quiet()
+        browser.run("localStorage.clear()")
         for size, is_dark in ((PHONE, False), (DESK, True)):
             browser.resize(size, is_dark)
             browser.open(os.environ["PAGE"])
@@ -419,8 +468,8 @@ def run(_corehbot, folder):
             browser.check_width()
             check_targets(browser)
             # The frame is as high as the report, which must not be as high as a share of its frame.
-            browser.wait("report", lambda: browser.run(TALL) > 0)
-            check(browser.run(TALL) < size[1], f"the picture of the report is {browser.run(TALL)} px high")
+            browser.wait("report", lambda: in_report(browser, TALL) > 0)
+            check(in_report(browser, TALL) < size[1], f"the picture of the report is {in_report(browser, TALL)} px high")
             browser.check_quiet()
         check_saved(browser, folder)
         check_served(browser)
@@ -428,4 +477,5 @@ def run(_corehbot, folder):
     return f"loaded in {seconds:.2f} s; {used} controls were used; prints, is cancelled, prints again, explains keys, answers M-codes"
 
 
-main(run)
+if __name__ == "__main__":
+    main(run)

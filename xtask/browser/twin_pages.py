@@ -8,6 +8,7 @@ import math
 import subprocess
 
 from chromium import DESK, PHONE, Chromium, check
+from paper import check_paper
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 from trial import ROOT, main
@@ -26,7 +27,7 @@ head_mass_kg = { from = 0.4, to = 0.8 }
 FROM_HZ, TO_HZ, HZ_PER_S, RATE_HZ = 20, 60, 4, 1600
 MODE_HZ, DAMPING = 40, 0.06
 
-# Charts are drawn once they are in sight.
+# Charts are drawn when they are in sight, or when the page has nothing else to do.
 DRAWN = """const places = [...document.querySelectorAll('.plot')].filter(place => place.checkVisibility());
     const missing = places.find(place => !place.querySelector('.u-over'));
     missing?.scrollIntoView({ block: 'center' });
@@ -132,7 +133,7 @@ def use_run(browser, kind):
     whole = scale()
     browser.find("tbody button").send_keys(Keys.ENTER)
     check(scale() > 2 * whole, "a corner is not shown")
-    browser.find("button[aria-label='Show the whole path']").send_keys(Keys.ENTER)
+    browser.find("button[title='Show the whole path']").send_keys(Keys.ENTER)
     check(abs(scale() / whole - 1) < 1e-6, "Fit does not show the whole path")
     stage = browser.find(".stage")
     stage.send_keys("+")
@@ -163,7 +164,7 @@ def use_measured(browser, kind):
         said = browser.run(SAYS, part, kind)
         check("°, " in said and " mm/s²" in said and said.count(" Hz") == 1, f"{part} says {said} under a {kind}")
     check(f"{MODE_HZ}.0" in browser.find("main").text, "the mode of the plant is not told")
-    check(browser.find_all("button[aria-label='Copy this line']"), "no line to copy")
+    check(browser.find_all("button[title='Copy this line']"), "no line to copy")
     said = browser.find("main").text
     # 1 - (4 - 3) / (4 + 3) of the vibration.
     check("86\n%\nsymmetry" in said or "86 %\nsymmetry" in said, f"the symmetry is not told: {said[-1500:]}")
@@ -183,10 +184,12 @@ def run(corehbot, folder):
             for name, (charts, use) in USE.items():
                 browser.open(files[name])
                 check_family(browser, name, charts)
+                check_paper(browser, name, size, is_dark=size == PHONE)
                 if use:
                     use(browser, kind)
                 browser.check_quiet()
     return f"{len(files)} pages, {max(file.stat().st_size for file in files.values()) / 1e3:.0f} kB at most"
 
 
-main(run)
+if __name__ == "__main__":
+    main(run)

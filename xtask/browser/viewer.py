@@ -64,6 +64,7 @@ def run(corehbot, folder):
         frames = browser.frames_per_second()
         told_marks(browser, corehbot, folder)
         other_file(browser, report)
+        other_settings(browser, corehbot, folder)
         fault(browser, corehbot, folder)
         browser.resize(PHONE, True)
         browser.open(report)
@@ -127,9 +128,30 @@ def other_file(browser, report):
     browser.check_quiet()
 
 
+def other_settings(browser, corehbot, folder):
+    """Another page is refused in words, and the keys of settings that differ are listed, each of them."""
+    chosen, told = browser.find("input[type=file]"), lambda: browser.find("section[aria-label^=Compare]").text
+    pages = {
+        "other.html": ("<!doctype html><title>corehbot</title>\nconst D = {};\n", "another page of corehbot"),
+        "web.html": ("<!doctype html><title>news</title>", "a page of something else"),
+        "text.html": ("G28", "is no page"),
+    }
+    for name, (text, words) in pages.items():
+        (folder / name).write_text(text)
+        chosen.send_keys(str(folder / name))
+        browser.wait(f"{name}: {words}", lambda: f"{name} is" in told() and words in told())
+    machine = folder / "quick.toml"
+    machine.write_text('name = "quick"\nz_jerk = 1\nprint_acceleration = 2000\n[corner]\nsquare_corner = 4\n[axes.x]\nmax_acceleration = 2500\n')
+    second = print_report(corehbot, ROOT / "examples/tiny.gcode", folder, "--machine", machine)
+    chosen.send_keys(str(second))
+    keys = "name", "z_jerk", "print_acceleration", "corner.square_corner", "corner.junction_deviation", "axes.x.max_acceleration"
+    browser.wait("keys that differ", lambda: all(f"\n{key} " in told() for key in keys))
+    browser.check_quiet()
+
+
 def fault(browser, corehbot, folder):
     """The card of a fault opens the part of the documents about it; its place is marked in the path and in the charts."""
-    options = ("--settings", HEAT / "heat.toml", "--break", "open:hotend@60s")
+    options = ("--machine", HEAT / "heat.toml", "--break", "open:hotend@60s")
     browser.open(print_report(corehbot, HEAT / "heat.gcode", folder, *options, ends_well=False))
     whole(browser)
     document = (ROOT / "docs/reference/errors.md").read_text()

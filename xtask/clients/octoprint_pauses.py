@@ -170,7 +170,7 @@ def same_tail(program, file, machine, trace, folder):
 
 def events(program, file, machine, folder):
     trace = os.path.join(folder, "run.csv")
-    command = [program, "run", file, "--settings", machine, "--trace", trace]
+    command = [program, "run", file, "--machine", machine, "--trace", trace]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=printer.PATIENCE_S)
     with open(trace, encoding="utf-8") as lines:
         return rows(lines)

@@ -38,13 +38,13 @@ class Printer:
     `xtask` stands for."""
 
     def __init__(self, program, link=None, speed="max", settings=None, trace=None):
-        command = [program, "serve", "--speed", str(speed)]
+        command = [program, "serve", "--speed", str(speed), "--storage", "none"]
         if os.path.basename(program) == "xtask":
             command = [program, "qemu", "--serve"]
         if link:
             command += ["--pty", link]
         if settings:
-            command += ["--settings", settings]
+            command += ["--machine", settings]
         if trace:
             command += ["--trace", trace]
         # Its time goes on while QEMU waits for a processor.
@@ -89,7 +89,7 @@ def simulate(program, file, settings=None, trace=None):
     with tempfile.NamedTemporaryFile(suffix=".json") as summary:
         command = [program, "run", file, "--json", summary.name]
         if settings:
-            command += ["--settings", settings]
+            command += ["--machine", settings]
         if trace:
             command += ["--trace", trace]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)

@@ -20,7 +20,7 @@ pub struct Args {
     #[arg(long)]
     yes: bool,
     /// The machine; without it, the prototype with a hotend.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// More options of the emulator, such as `--fault silent-driver:m4` or `--break open:hotend@0s`.
     #[arg(last = true, value_name = "OPTION")]
@@ -47,7 +47,7 @@ pub fn main(args: &Args) -> Result<()> {
     let _stop = Stop::at_signals()?;
     let port = folder.join("printer");
     let mut board = program("corehbot-emulator");
-    board.arg(&image).arg("--pty").arg(&port).arg("--settings").arg(&machine).args(["--speed", "max"]).args(&args.more);
+    board.arg(&image).arg("--pty").arg(&port).arg("--machine").arg(&machine).args(["--speed", "max"]).args(&args.more);
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut board, 0);
     let mut board = board.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().context("the emulator")?;

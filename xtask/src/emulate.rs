@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(long, value_name = "PATH", conflicts_with = "file")]
     pty: Option<PathBuf>,
     /// The machine, which is put into the Octopus's EEPROM or the Nucleo's image.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins, in real time since reset.
     #[arg(long, value_name = "T.csv")]
@@ -99,7 +99,7 @@ pub struct EqualArgs {
     /// G-code file; it has to home.
     file: PathBuf,
     /// The machine.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
 }
 
@@ -107,15 +107,14 @@ pub struct EqualArgs {
 pub fn main(args: &Args) -> Result<()> {
     // The emulator ends in an orderly way, and this program waits for it.
     let _stop = Stop::at_signals()?;
-    let options =
-        [("--settings", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd), ("--pty", &args.pty)];
+    let options = [("--machine", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd), ("--pty", &args.pty)];
     print(args.board, args.file.as_deref(), options, &args.plant, &args.more)
 }
 
 /// Prints a file three times: the simulator against QEMU, byte for byte, and against the image.
 pub fn equal(args: &EqualArgs) -> Result<()> {
     check_file(&args.file, args.settings.as_deref())?;
-    print(Board::Octopus, Some(&args.file), [("--settings", &args.settings)], &PlantArgs::default(), &[])
+    print(Board::Octopus, Some(&args.file), [("--machine", &args.settings)], &PlantArgs::default(), &[])
 }
 
 fn print<const N: usize>(

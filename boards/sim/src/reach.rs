@@ -64,6 +64,8 @@ pub struct Reach {
     switches: [AxisEnd; 3],
     /// Where each axis may go on to at either end, at the last look: to its place then, if that was beyond the end.
     within: [Option<[f64; 2]>; 3],
+    /// The offset of z at the last look, if z was beyond an end.
+    offset: Option<f64>,
     is_over: bool,
     found: Option<Beyond>,
 }
@@ -79,7 +81,7 @@ impl Reach {
         let ends =
             HomedAxis::ALL.map(|axis| s.reach(axis)).map(|reach| [reach.least, reach.most].map(|end| end.to_num()));
         let switches = HomedAxis::ALL.map(|axis| s.endstops.of(axis).end);
-        Self { axes, units, ends, switches, within: [None; 3], is_over: over.contains(&0), found: None }
+        Self { axes, units, ends, switches, within: [None; 3], offset: None, is_over: over.contains(&0), found: None }
     }
 
     /// The motors, grouped as in a print, are at these counts by the firmware's names, in a move that `watched` ends.
@@ -103,9 +105,15 @@ impl Reach {
                 self.within[axis] = None;
                 continue;
             };
-            if axis == 2 && !(least..=most).contains(&at) {
-                let offset = offset();
-                (least, most) = (least - offset, most + TOP + offset);
+            // A shift goes on from where z was. After a touch it comes before the first move by the new name.
+            let mut shifted = 0.0;
+            if axis == 2 {
+                let offset = (!(least..=most).contains(&at)).then(&offset);
+                if let Some(offset) = offset {
+                    (least, most) = (least - offset, most + TOP + offset);
+                    shifted = offset - self.offset.unwrap_or(offset);
+                }
+                self.offset = offset;
             }
             if watched.has(SWITCHES[axis]) {
                 match self.switches[axis] {
@@ -114,7 +122,7 @@ impl Reach {
                 }
             }
             let [low, high] = self.within[axis].unwrap_or([at; 2]);
-            let (low, high) = (low.min(least), high.max(most));
+            let (low, high) = ((low - shifted).min(least), (high + shifted).max(most));
             let end = if at < low - SLACK { Some(least) } else { (at > high + SLACK).then_some(most) };
             if let Some(end) = end.filter(|_| self.found.is_none()) {
                 self.found = Some(Beyond { axis: char::from(b"XYZ"[axis]), at, end, tick });
@@ -246,6 +254,20 @@ mod tests {
         for (known, z) in [(touch, 5.0), (touch, -1.5), (HOMED, -1.5), (HOMED, -0.5), (HOMED, 5.0)] {
             assert_eq!(rule.look(0, known, EndstopSet::PROBE, &counts([100.0, 100.0, z]), || 0.0), None, "{z}");
         }
+    }
+
+    /// Z is homed, and has its old name until the next move.
+    #[test]
+    fn a_shift_goes_on_from_where_z_was() {
+        let way = [(-5.75, 0.0), (-5.95, 0.2), (-5.9, 0.2)];
+        let beyond = |way: &[(f64, f64)]| {
+            let (mut rule, counts) = rule();
+            let mut looks = way.iter().map(|(z, offset)| (counts([100.0, 100.0, *z]), *offset));
+            looks.find_map(|(counts, offset)| rule.look(0, HOMED, EndstopSet::NONE, &counts, || offset))
+        };
+        assert_eq!(beyond(&way), None);
+        let farther = [way.as_slice(), &[(-6.1, 0.2)]].concat();
+        assert_eq!(beyond(&farther).map(|beyond| beyond.axis), Some('Z'));
     }
 
     /// The height that z had by another name, before it is homed.

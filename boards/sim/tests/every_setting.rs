@@ -274,6 +274,7 @@ fn is_of_all_machines(path: &str) -> bool {
         && !path.starts_with("job.")
         && !path.starts_with("probe.")
         && !path.starts_with("accelerometer.")
+        && !path.starts_with("safe_z_home.")
         && !path.starts_with("screws.")
         && !path.starts_with("fans.")
         && path != "fan_pulses"

@@ -84,7 +84,7 @@ pub(crate) struct Bringup {
     #[arg(long, value_name = "S", default_value_t = board::SILENCE, value_parser = clap::value_parser!(u8).range(4..))]
     patience: u8,
     /// The machine file, to compare the board's machine with.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long, alias = "settings", value_name = "M.toml")]
     machine: Option<PathBuf>,
     /// The report; the state to go on from stands next to it, with the ending `json`.
     #[arg(long, value_name = "R.md", default_value = "bringup-report.md")]

@@ -9,14 +9,14 @@ use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use corehbot::connectors::BoardConnectors;
+use corehbot_machine_file::file_kind::{FileKind, START, Wanted, text_of};
 use corehbot_machine_file::marlin::{self, Given, Kinematics};
 use corehbot_machine_file::{Translation, configuration_h, klipper as of_klipper, reprap};
 use corehbot_report::printable;
 use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
-
-/// Bytes of a file that may be the report of a printer, or a source of its settings.
-const LONGEST_REPORT: u64 = 1 << 20;
 
 #[derive(Args)]
 pub(crate) struct From {
@@ -33,7 +33,7 @@ pub(crate) struct From {
     board: Option<&'static BoardConnectors>,
     /// How the motors of a Marlin printer move it, which most of them do not say.
     #[arg(long, value_parser = kinematics())]
-    machine: Option<&'static Kinematics>,
+    kinematics: Option<&'static Kinematics>,
     /// The file to write, which must not exist; the default is standard output.
     #[arg(short, long, value_name = "M.toml")]
     output: Option<PathBuf>,
@@ -82,7 +82,7 @@ pub(super) fn from(args: &From) -> Result<u8> {
 
 /// The translation of whatever it is.
 fn translated(args: &From) -> Result<Translation> {
-    let given = Given { board: args.board, kinematics: args.machine };
+    let given = Given { board: args.board, kinematics: args.kinematics };
     #[cfg(unix)]
     if let Some(port) = args.printer.port() {
         return Ok(marlin::translate(&port.display().to_string(), &args.printer.ask(port)?, given));
@@ -90,34 +90,33 @@ fn translated(args: &From) -> Result<Translation> {
     let file = args.file.as_deref().context("say a file")?;
     let first = klipper::first(file);
     let name = first.display().to_string();
-    if let Some(text) = text_in(&first)? {
-        if reprap::is_config(&text) {
-            return Ok(reprap::translate(&name, &text, given));
-        }
-        if configuration_h::is_configuration(&text) {
+    let (kind, text) = told(&first)?;
+    Wanted::Configuration.check(kind).with_context(|| name.clone())?;
+    match kind {
+        FileKind::ConfigG => return Ok(reprap::translate(&name, &text, given)),
+        FileKind::ConfigurationH => {
             let others = sources_beside(&first)?;
             let mut files = vec![(name.as_str(), text.as_str())];
             files.extend(others.iter().map(|(name, text)| (name.as_str(), text.as_str())));
             return Ok(configuration_h::translate(&files, given));
         }
-        if marlin::is_report(&text) {
-            return Ok(marlin::translate(&name, &text, given));
-        }
+        FileKind::Settings | FileKind::SettingCommands => return Ok(marlin::translate(&name, &text, given)),
+        _ => {}
     }
     ensure!(
-        args.machine.is_none(),
-        "--machine is for printers with Marlin or RepRapFirmware: {name} says its own kinematics"
+        args.kinematics.is_none(),
+        "--kinematics is for printers with Marlin or RepRapFirmware: {name} says its own kinematics"
     );
     of_klipper::translate(&klipper::read(&first)?, args.board).map_err(anyhow::Error::msg)
 }
 
-/// The text of a file that may be a report or a source of settings.
-fn text_in(path: &Path) -> Result<Option<String>> {
+/// What a file is, and the begin of its text: all that a report or a source of settings has.
+fn told(path: &Path) -> Result<(FileKind, String)> {
     let cannot = || format!("cannot open {}", path.display());
-    if std::fs::metadata(path).with_context(cannot)?.len() > LONGEST_REPORT {
-        return Ok(None);
-    }
-    Ok(Some(marlin::text_of(&std::fs::read(path).with_context(cannot)?)))
+    let file = File::open(path).with_context(cannot)?;
+    let (length, mut start) = (file.metadata().with_context(cannot)?.len(), Vec::new());
+    file.take(START as u64).read_to_end(&mut start).with_context(cannot)?;
+    Ok((FileKind::of(&start, length), text_of(&start)))
 }
 
 /// Marlin's sources of settings.
@@ -129,10 +128,8 @@ fn sources_beside(path: &Path) -> Result<Vec<(String, String)>> {
     let mut found = Vec::new();
     for other in SOURCES.into_iter().filter(|other| SOURCES.contains(&name) && *other != name) {
         let other = path.with_file_name(other);
-        if other.is_file()
-            && let Some(text) = text_in(&other)?
-        {
-            found.push((other.display().to_string(), text));
+        if other.is_file() {
+            found.push((other.display().to_string(), told(&other)?.1));
         }
     }
     Ok(found)

@@ -6,7 +6,7 @@ fn opened(bytes: &[u8]) -> Result<Survey> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.gcode");
     std::fs::write(&path, bytes).unwrap();
-    GcodeFile::open(&path)?.survey(|_| Ok(()))
+    GcodeFile::open(&path, Plate::default())?.survey(|_| Ok(()))
 }
 
 #[test]
@@ -23,10 +23,11 @@ fn a_comment_may_have_any_length_and_a_command_may_not() {
 fn what_is_no_text_is_refused_with_the_way_out() {
     let utf16 = |bytes: fn(u16) -> [u8; 2]| "G28\nG1 X5\n".encode_utf16().flat_map(bytes).collect::<Vec<u8>>();
     let marked: Vec<u8> = [vec![0xFF, 0xFE], utf16(u16::to_le_bytes)].concat();
-    let cases: [(&[u8], &str); 10] = [
-        (b"GCDE\x01\0\0\0", "PrusaSlicer"),
-        (b"PK\x03\x04\x14\0", "plate_1.gcode"),
-        (b"\x1f\x8b\x08\0", "gunzip"),
+    let cases: [(&[u8], &str); 11] = [
+        (b"GCDE\x01\0\0\0", "its end is missing"),
+        (b"PK\x03\x04\x14\0", "no whole ZIP archive"),
+        (b"\x1f\x8b\x08\0", "its end is missing"),
+        (b"[printer]\nkinematics: none\n", "corehbot config from"),
         (&marked, "iconv -f UTF-16"),
         (&utf16(u16::to_le_bytes), "iconv -f UTF-16"),
         (&utf16(u16::to_be_bytes), "iconv -f UTF-16"),
@@ -39,9 +40,8 @@ fn what_is_no_text_is_refused_with_the_way_out() {
         let error = format!("{:#}", opened(bytes).unwrap_err());
         assert!(error.contains(way_out) && !error.contains('\n'), "{error}");
     }
-    let old = opened(b"G28\rG1 X5\rG1 X6\r").unwrap_err();
-    assert!(format!("{old:#}").contains("carriage return"), "{old:#}");
     assert_eq!(opened(b"G28 \r\nG1 X5\r\r\n").unwrap(), Survey { lines: 2, commands: 2 });
+    assert_eq!(opened(b";old\rG28\rG1 X5\rG1 X6\r").unwrap(), Survey { lines: 4, commands: 3 });
     let late = [b"; text\n".repeat(200), b"G1 X\0\n".to_vec()].concat();
     assert!(format!("{:#}", opened(&late).unwrap_err()).contains("line 201"));
     assert_eq!(opened(b"").unwrap(), Survey::default());

@@ -12,6 +12,7 @@ use crate::printer::Printer;
 use crate::values::number;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
+use corehbot_machine_file::file_kind::{FileKind, START, Wanted, WrongFile};
 use corehbot_report::resonance as page;
 use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure, measure_density};
 use corehbot_resonance::density;
@@ -65,8 +66,8 @@ pub(crate) struct Resonance {
     corner_speed: f64,
     /// The machine file of the machine that was recorded: in runs at one speed its motors' steps have frequencies of
     /// their own. Without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
+    machine_file: Option<PathBuf>,
     /// Writes a page with spectra, shapers, belts and the profile.
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
@@ -134,10 +135,13 @@ impl Prepared {
         for path in &args.files {
             let name = path.display().to_string();
             let cannot = || format!("cannot read {name}");
-            ensure!(!path.is_dir(), "{}: it is a directory", cannot());
+            let wanted = Wanted::Recording;
+            ensure!(!path.is_dir(), "{}: {}", cannot(), WrongFile { kind: FileKind::Folder, wanted });
             // Before its samples, which are too few for a sweep.
             check(&name)?;
             let bytes = std::fs::read(path).with_context(cannot)?;
+            let kind = FileKind::of(&bytes[..bytes.len().min(START)], bytes.len() as u64);
+            wanted.check(kind).with_context(|| name.clone())?;
             let (contents, flaws) = contents(&name, &bytes).with_context(|| name.clone())?;
             left_out.extend(flaws.into_iter().map(|flaw| format!("{}: {flaw}", short(&name))));
             for (name, part) in contents {
@@ -152,7 +156,7 @@ impl Prepared {
                 }
             }
         }
-        let drives = drives::of(&Printer::new(args.settings.clone(), None).machine()?.settings);
+        let drives = drives::of(&Printer::new(args.machine_file.clone(), None).machine()?.settings);
         Ok(Self { sweeps, runs, left_out, drives })
     }
 
@@ -164,7 +168,7 @@ impl Prepared {
         if let Some(part) = &args.part {
             return part.run();
         }
-        let inputs = || args.files.iter().chain(&args.settings).map(PathBuf::as_path);
+        let inputs = || args.files.iter().chain(&args.machine_file).map(PathBuf::as_path);
         args.json.check(inputs(), &args.report)?;
         let answer = self.answer(&args.question())?;
         args.json.give_with(&answer, inputs(), |outputs| {

@@ -5,6 +5,7 @@
 
 mod echo;
 mod hand;
+mod keep;
 mod pace;
 mod port;
 mod screen;
@@ -39,6 +40,7 @@ pub use hand::Hand;
 pub use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
+use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -85,6 +87,8 @@ pub(crate) struct Prepared {
     probe_accidents: Vec<ProbeAccident>,
     plugs: Option<Plugs>,
     eeprom: Option<Eeprom>,
+    /// Held as long as it is served, so that no other printer keeps its settings there.
+    lock: Option<File>,
     trace: TraceWriter<BufWriter<Stream>>,
     outputs: Outputs,
     port: Port,
@@ -95,26 +99,30 @@ impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
         let machine = args.printer.machine()?;
         let belt = args.plant.belt(&machine, args.printer.assume_homed)?;
-        let settings = machine.settings;
+        let (name, settings) = (machine.name, machine.settings);
         let heat = args.heat.setup(&settings)?;
         let bed = args.bed.plant(&settings)?;
         let probe_accidents = args.heat.probe_accidents(&settings)?;
         let plugs = args.around.plugs(&settings)?;
-        let eeprom = args.printer.eeprom()?;
         let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
         ensure!(!is_standard, "standard output is for the port's name and the figures: the trace needs a file");
         let trace = args.trace.as_deref().map(|path| outputs.open(path)).transpose()?;
         let stop = Stop::at_signals()?;
         let port = Port::open(args.pty.as_deref())?;
+        // Last: a command that is refused leaves nothing behind.
+        let (eeprom, lock) = match args.printer.says_storage() {
+            true => (args.printer.eeprom()?, None),
+            false => keep::eeprom(name.as_deref(), &settings),
+        };
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, belt, heat, bed, probe_accidents, plugs, eeprom, trace, outputs, port, stop })
+        Ok(Self { settings, belt, heat, bed, probe_accidents, plugs, eeprom, lock, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
         let Self { settings, mut belt, heat, mut bed, mut probe_accidents, plugs, .. } = self;
-        let Self { mut eeprom, mut trace, outputs, port, stop, .. } = self;
+        let Self { mut eeprom, lock: _lock, mut trace, outputs, port, stop, .. } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
         for motor in plugs.iter().flat_map(|plugs| plugs.silent.iter()) {

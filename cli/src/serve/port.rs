@@ -18,8 +18,8 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Bytes kept for a host that does not read; the kernel keeps another 4 KiB. A thousand answers, more than the
-/// longest report, and a host that leaves them unread has gone.
+/// Bytes kept for a host that does not read, and the rest of a line that begins within them; the kernel keeps another
+/// 4 KiB. A thousand answers, more than the longest report, and a host that leaves them unread has gone.
 const BACKLOG: usize = 1 << 16;
 
 /// A pseudo-terminal.
@@ -31,6 +31,18 @@ pub struct Port {
     path: PathBuf,
     link: Option<PathBuf>,
     backlog: VecDeque<u8>,
+    line: Line,
+}
+
+/// Where the printer's output stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Line {
+    /// A line begins.
+    Begin,
+    /// In a line that the host gets.
+    Kept,
+    /// In a line that is lost.
+    Lost,
 }
 
 impl Port {
@@ -53,7 +65,7 @@ impl Port {
         if let Some(link) = link {
             place(link, &path)?;
         }
-        Ok(Self { near, _far: far, path, link: link.map(Path::to_owned), backlog: VecDeque::new() })
+        Ok(Self { near, _far: far, path, link: link.map(Path::to_owned), backlog: VecDeque::new(), line: Line::Begin })
     }
 
     /// The path for a host to open.
@@ -78,15 +90,23 @@ impl Port {
         }
     }
 
-    /// Sends bytes to the host; bytes that do not fit into the backlog are lost.
+    /// Sends bytes to the host. A line for which the backlog has no room is lost as a whole: half of one would be read as
+    /// another answer.
     ///
     /// # Errors
     /// If the pseudo-terminal fails.
     pub fn write(&mut self, bytes: impl Iterator<Item = u8>) -> Result<()> {
-        let room = BACKLOG - self.backlog.len();
-        let mut bytes = bytes;
-        self.backlog.extend(bytes.by_ref().take(room));
-        bytes.for_each(drop);
+        for byte in bytes {
+            if self.line == Line::Begin {
+                self.line = if self.backlog.len() < BACKLOG { Line::Kept } else { Line::Lost };
+            }
+            if self.line == Line::Kept {
+                self.backlog.push_back(byte);
+            }
+            if byte == b'\n' {
+                self.line = Line::Begin;
+            }
+        }
         while !self.backlog.is_empty() {
             match write(&self.near, self.backlog.as_slices().0) {
                 Ok(count) => drop(self.backlog.drain(..count)),
@@ -141,4 +161,48 @@ fn place(link: &Path, path: &Path) -> Result<()> {
         remove_file(link).with_context(|| format!("cannot remove {}", link.display()))?;
     }
     symlink(path, link).with_context(|| format!("cannot create {}", link.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the host can read now.
+    fn heard(port: &mut Port, far: &OwnedFd) -> String {
+        let mut bytes = Vec::new();
+        let mut part = [0; 1000];
+        loop {
+            port.write(std::iter::empty()).unwrap();
+            match read(far, &mut part) {
+                Ok(count) => bytes.extend_from_slice(&part[..count]),
+                Err(Errno::AGAIN) if port.backlog.is_empty() => return String::from_utf8(bytes).unwrap(),
+                Err(Errno::AGAIN) => {}
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+
+    /// Bytes come in pieces of any length, and a host that has read nothing for long reads again.
+    #[test]
+    fn a_backlog_that_is_full_loses_whole_lines() {
+        let mut port = Port::open(None).unwrap();
+        let far = open(port.path(), OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK, Mode::empty()).unwrap();
+        let line = |i: usize| format!("Error:Line Number is not Last Line Number+1, Last Line: {i}\nok\n");
+        for round in 0..3 {
+            let text: String = (0..4000).map(line).collect();
+            for piece in text.as_bytes().chunks(7 + round) {
+                port.write(piece.iter().copied()).unwrap();
+                assert!(port.backlog.len() < BACKLOG + line(4000).len());
+            }
+            let told = heard(&mut port, &far);
+            assert!(told.len() >= BACKLOG && told.len() < text.len(), "{} bytes", told.len());
+            assert!(told.ends_with('\n'));
+            // In their order, and each of them was said.
+            let mut said = text.lines();
+            let unsaid: Vec<_> = told.lines().filter(|line| !said.by_ref().any(|own| own == *line)).collect();
+            assert!(unsaid.is_empty(), "{unsaid:?}");
+        }
+        port.write(line(7).bytes()).unwrap();
+        assert_eq!(heard(&mut port, &far), line(7));
+    }
 }

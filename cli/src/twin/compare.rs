@@ -5,6 +5,7 @@ use super::play::{RunModel, played};
 use super::resonance::parse_grid;
 use super::setup::{ModelArg, has_room};
 use super::source::Source;
+use crate::input::Plate;
 use crate::printer::Printer;
 use crate::say::note;
 use crate::stop::Stop;
@@ -29,6 +30,8 @@ pub(crate) struct Compare {
     /// G-code or a step trace that each of them plays, in its own G-code coordinates.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
+    #[command(flatten)]
+    plate: Plate,
     /// Columns and rows of places over the area that all of them reach.
     #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "7x7")]
     grid: [usize; 2],
@@ -98,7 +101,7 @@ impl Compare {
     fn runs(&self, progress: &Progress, stop: &Stop) -> Result<Vec<Report>> {
         let Some(file) = &self.file else { return Ok(Vec::new()) };
         let params = self.params()?;
-        let source = Source::read(file, &self.printer, stop)?;
+        let source = Source::read(file, self.plate, &self.printer, stop)?;
         let run = |(index, machine): (usize, Machine)| {
             let start = workspace(machine, &params).of_gcode(source.begin);
             progress

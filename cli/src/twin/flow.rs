@@ -15,6 +15,7 @@
 //! run comes to rest before its end, and their times are the same except for the delay of all axes.
 
 use super::answer::Json;
+use crate::input::{self, Plate};
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot::motion::{Tap, advance_window, taps};
@@ -61,6 +62,8 @@ pub(crate) struct Flow {
     /// G-code besides straight lines and the example.
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    plate: Plate,
     /// The nozzle's lag in s, and K.
     #[arg(long, value_name = "S", default_value = "0.05", value_parser = parse_lag)]
     nozzle: f64,
@@ -174,7 +177,7 @@ impl Flow {
         self.json.check(files(), [])?;
         let mut prints = vec![("straight lines".to_owned(), lines()), ("first-print".to_owned(), motion(EXAMPLE))];
         for file in &self.files {
-            let text = std::fs::read_to_string(file).with_context(|| format!("cannot open {}", file.display()))?;
+            let text = input::read(file, self.plate)?;
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             prints.push((name, motion(&text)));
         }
@@ -474,7 +477,7 @@ mod tests {
         for (frequency, acceleration) in [(40.0, 3000.0), (57.8, 10_000.0), (80.0, 3000.0)] {
             let windows = [0.5, 0.6, 0.7, 0.85, 1.0, 1.2].map(|part| part * 1000.0 / frequency).into();
             let (files, nozzle, json) = (Vec::new(), 0.05, Json::default());
-            let flow = Flow { files, nozzle, frequency, acceleration, windows, json };
+            let flow = Flow { files, plate: Plate::default(), nozzle, frequency, acceleration, windows, json };
             let figures = flow.figures("corners", &corners()).unwrap();
             for (shaper, _) in SHAPERS.into_iter().filter(|(_, kind)| *kind != ShaperKind::None) {
                 let of = || figures.iter().filter(|figure| figure.shaper == shaper);
@@ -494,7 +497,9 @@ mod tests {
     #[test]
     fn the_window_that_suits_the_shaper_is_far_better_than_the_old_one() {
         let (windows, json) = (vec![40.0], Json::default());
-        let flow = Flow { files: Vec::new(), nozzle: 0.05, frequency: 57.8, acceleration: 10_000.0, windows, json };
+        let plate = Plate::default();
+        let flow =
+            Flow { files: Vec::new(), plate, nozzle: 0.05, frequency: 57.8, acceleration: 10_000.0, windows, json };
         let figures = flow.figures("lines", &lines()).unwrap();
         for figure in figures.iter().filter(|figure| figure.is_auto && figure.shaper != "2HUMP_EI") {
             let old = figures.iter().find(|f| f.shaper == figure.shaper && !f.is_auto).unwrap().flow_error_percent;

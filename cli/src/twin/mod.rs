@@ -149,7 +149,7 @@ pub(crate) enum Twin {
     /// The tilt about x is positive where the back rises, the tilt about y where the left side rises, the racking of
     /// the bar counter-clockwise seen from above. Moments are those that the guides bear, with these signs. Pairs are
     /// about x and about y. corners_mm is up: front left, front right, back right, back left; tool_mm is to the right,
-    /// away from the front and up. A tension is positive where a belt gets tighter. Without --machine and --settings
+    /// away from the front and up. A tension is positive where a belt gets tighter. Without --routing and --machine
     /// the machine is a CoreXYZ with four motors.
     Level(level::Level),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.

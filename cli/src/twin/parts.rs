@@ -31,7 +31,7 @@ pub(crate) struct Parts {
     file: FileArgs,
     /// Runs of the belts, instead of the machine file's; without both, CoreH-bot, H-bot and CoreXY.
     #[arg(long, value_enum, value_delimiter = ',')]
-    machine: Vec<MachineArg>,
+    routing: Vec<MachineArg>,
     /// Commanded speeds in mm/s; the machine's limits hold.
     #[arg(long, value_name = "MM_S,...", allow_negative_numbers = true, value_delimiter = ',', value_parser = parse_speed, default_value = "50,100,150,200,250,300")]
     speed: Vec<f64>,
@@ -64,8 +64,8 @@ impl Parts {
 
     fn figures(&self, stop: &Stop) -> Result<Vec<PartFigures>> {
         let file = self.file.read()?;
-        let machines = if !self.machine.is_empty() {
-            self.machine.iter().map(|machine| (*machine).into()).collect()
+        let machines = if !self.routing.is_empty() {
+            self.routing.iter().map(|machine| (*machine).into()).collect()
         } else if self.file.files().next().is_some() {
             vec![MachineArgs::default().read(&file)?.0]
         } else {
@@ -114,7 +114,7 @@ impl Parts {
         let (_, watch) = played.map_err(|error| {
             // The firmware makes the steps for the motors of the file.
             let context = match &error {
-                RunError::NoColumn(_) => format!("the {name} needs a machine file with its motors (--settings)"),
+                RunError::NoColumn(_) => format!("the {name} needs a machine file with its motors (--machine)"),
                 _ => format!("{name}, {part:?}"),
             };
             anyhow::Error::new(error).context(context)

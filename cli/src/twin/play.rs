@@ -3,6 +3,7 @@
 use super::answer::Json;
 use super::setup::{MachineArgs, parse_pair};
 use super::source::Source;
+use crate::input::Plate;
 use crate::printer::Printer;
 use crate::say::note;
 use crate::stop::Stop;
@@ -63,6 +64,8 @@ pub(crate) struct Play {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
+    plate: Plate,
+    #[command(flatten)]
     machine: MachineArgs,
     /// Parts that move besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
@@ -89,9 +92,10 @@ impl Play {
             self.printer.files().chain([self.file.as_path()]).chain(self.against.as_deref()).collect();
         self.json.check(files.iter().copied(), &self.report)?;
         let stop = Stop::at_signals()?;
-        let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
+        let played = Source::read(&self.file, self.plate, &self.printer, &stop).and_then(|source| {
             let start = self.start(machine, &params, source.begin);
-            let meant = |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, &self.printer, &stop)?.steps);
+            let meant =
+                |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, self.plate, &self.printer, &stop)?.steps);
             let meant = self.against.as_ref().map(meant).transpose()?;
             let steps = (&source.steps, meant.as_ref());
             Progress::new([1.0])

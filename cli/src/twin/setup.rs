@@ -83,24 +83,24 @@ impl ModelArg {
 pub(super) struct FileArgs {
     /// The machine file: its table [twin] has the machine's numbers (docs/reference/settings.md), its motors the run of
     /// the belts. Without it, the nominal CoreH-bot.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
+    machine_file: Option<PathBuf>,
 }
 
 impl FileArgs {
     /// The file.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        self.settings.as_deref().into_iter()
+        self.machine_file.as_deref().into_iter()
     }
 
     /// Whether there is one.
     pub(super) const fn is_given(&self) -> bool {
-        self.settings.is_some()
+        self.machine_file.is_some()
     }
 
     /// The machine of the file.
     pub(super) fn read(&self) -> Result<File> {
-        Printer::new(self.settings.clone(), None).machine()
+        Printer::new(self.machine_file.clone(), None).machine()
     }
 }
 
@@ -109,13 +109,13 @@ impl FileArgs {
 pub(super) struct MachineArgs {
     /// Another run of the belts than the machine's.
     #[arg(long, value_enum)]
-    machine: Option<MachineArg>,
+    routing: Option<MachineArg>,
 }
 
 impl MachineArgs {
     /// Whether the command line says which.
     pub(super) const fn is_given(&self) -> bool {
-        self.machine.is_some()
+        self.routing.is_some()
     }
 
     /// The routing that the file must name for this machine: the command line has it, or the motors' rows say another.
@@ -130,7 +130,7 @@ impl MachineArgs {
     /// # Errors
     /// No belts do what its motors do, or they leave the tool no room.
     pub(super) fn read(&self, file: &File) -> Result<(Machine, Params)> {
-        let (machine, params) = match self.machine {
+        let (machine, params) = match self.routing {
             Some(machine) => (machine.into(), file.twin.params.clone()),
             None => {
                 let Layout { machine, params, .. } = Layout::new(&file.settings, &file.twin)?;

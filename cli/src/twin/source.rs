@@ -1,6 +1,6 @@
 //! Source: the steps of a file, which is a trace, or G-code that goes through the firmware first.
 
-use crate::input::GcodeFile;
+use crate::input::{GcodeFile, Plate};
 use crate::output::STANDARD;
 use crate::printer::Printer;
 use crate::stop::Stop;
@@ -31,11 +31,11 @@ impl Source {
     ///
     /// # Errors
     /// The file is neither, no motor steps in it, or the print failed.
-    pub(super) fn read(file: &Path, printer: &Printer, stop: &Stop) -> Result<Self> {
+    pub(super) fn read(file: &Path, plate: Plate, printer: &Printer, stop: &Stop) -> Result<Self> {
         let begin = printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP);
         let steps = match Self::trace(file)? {
             Some(trace) => trace,
-            None => print(file, printer, stop)?,
+            None => print(file, plate, printer, stop)?,
         };
         ensure!(
             !steps.events.is_empty(),
@@ -67,10 +67,10 @@ fn trace_of(file: &Path) -> Result<Option<impl BufRead>> {
 }
 
 /// The firmware's steps for a G-code file.
-fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
+fn print(path: &Path, plate: Plate, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     let machine = printer.machine()?;
     let mut eeprom = printer.eeprom()?;
-    let mut file = GcodeFile::open(path)?;
+    let mut file = GcodeFile::open(path, plate)?;
     let survey = file.survey(|_| if stop.is_set() { bail!("interrupted") } else { Ok(()) })?;
     let name = file.name.clone();
     let mut host = Watched::new(FileHost::reading(file.into_lines()?, survey), stop);

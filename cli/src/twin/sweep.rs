@@ -4,6 +4,7 @@ use super::answer::Json;
 use super::play::RunModel;
 use super::setup::{SetupArgs, parse_pair};
 use super::study::{Options, Played, Query, Sample, Study, compute, varied};
+use crate::input::Plate;
 use crate::printer::Printer;
 use crate::say::note;
 use crate::stop::Stop;
@@ -23,6 +24,8 @@ pub(crate) struct Sweep {
     /// A study (STUDY.toml); with --vary, G-code or a step trace that is played with every value.
     #[arg(value_name = "FILE", required_unless_present = "vary")]
     file: Option<PathBuf>,
+    #[command(flatten)]
+    plate: Plate,
     /// Instead of a study: the key of one number, its first and last value, and how many.
     #[arg(long, value_name = "KEY=FROM:TO:COUNT", value_parser = parse_range)]
     vary: Option<Range>,
@@ -108,7 +111,7 @@ impl Sweep {
         self.json.check(files(), self.study.page())?;
         let stop = Stop::at_signals()?;
         let begin = self.begin.map(|[x, y]| Place::flat(x, y));
-        let played = |file: &Path| Played::new(file.to_owned(), self.printer.clone());
+        let played = |file: &Path| Played::new(file.to_owned(), self.plate, self.printer.clone());
         let run = file.map(|file| Query::Run { file: played(file), model: self.run_model, begin });
         let study = Study::of_one(setup, key.clone(), values.clone(), run);
         let computed = compute(&study, None, Vec::new(), self.study.jobs(), &stop);

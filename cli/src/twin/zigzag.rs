@@ -79,7 +79,7 @@ impl Zigzag {
         let is_one = self.machine.is_given() || self.file.is_given();
         ensure!(
             is_one || self.order.is_none(),
-            "--order needs --machine or --settings: machines name their motors differently"
+            "--order needs --routing or --machine: machines name their motors differently"
         );
         let ask = Ask {
             axis,

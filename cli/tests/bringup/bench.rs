@@ -19,7 +19,7 @@ impl Bench {
         let folder = std::env::temp_dir().join(format!("corehbot-bringup-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let mut new = Command::new(env!("CARGO_BIN_EXE_corehbot"));
-        new.args(["config", "new", "--board", "octopus", "--machine", "corehbot", "--heaters", "-o"]);
+        new.args(["config", "new", "--board", "octopus", "--kinematics", "corehbot", "--heaters", "-o"]);
         assert!(new.arg(folder.join("m.toml")).status().unwrap().success());
         let (printer, hand) = serve(&folder, mistakes);
         Self { folder, printer, hand }
@@ -72,7 +72,7 @@ impl Drop for Bench {
 pub(super) fn serve(folder: &Path, mistakes: &[&str]) -> (Child, ChildStdin) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_corehbot"));
     let speed: &[&str] = if mistakes.contains(&"--speed") { &[] } else { &["--speed", "max"] };
-    command.arg("serve").args(speed).args(["--hand", "--settings"]).arg(folder.join("m.toml"));
+    command.arg("serve").args(speed).args(["--hand", "--machine"]).arg(folder.join("m.toml"));
     command.arg("--pty").arg(folder.join("printer")).arg("--storage").arg(folder.join("e.bin")).args(mistakes);
     let mut printer = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     // Its port is there when it says so.

@@ -35,7 +35,7 @@ fn a_bad_value_is_one_line_and_nothing_is_begun() {
         (&["--brake", "z1,3"], "--brake z1,3: `z1` is not a belt motor: m1, m4, m8, m11"),
         (&["--brake", "m1,-3"], "--brake m1,-3: `-3` is not a force of 0 to 10,000 N"),
         (
-            &["--settings", unbelted.to_str().unwrap()],
+            &["--machine", unbelted.to_str().unwrap()],
             "--plant belt: twin.routing = \"corehbot\": no motor turns (-1, 1, 0) for x, y and z, as its motor 1 must",
         ),
         (&["--assume-homed", "389,900,1"], "--plant belt: the belt plant's tool cannot begin at X389.00 Y900.00"),

@@ -22,7 +22,7 @@ fn numbers(list: &Value) -> Vec<f64> {
 #[test]
 fn heat_is_drawn_as_the_plant_was_heated() {
     let gcode = "M140 S40\nM190 S40\nM109 S210\nG1 X150 E10 F600\nM106 S128\nG1 X100 E10 F600\nM104 S0\nM140 S0\nM107\nG1 X200 F300\n";
-    let page = page("heat", gcode, &["--settings", heated().to_str().unwrap()]);
+    let page = page("heat", gcode, &["--machine", heated().to_str().unwrap()]);
     let heat = &page.data["heat"];
     let (bin_s, end_s) = (heat["bin_s"].as_f64().unwrap(), heat["end_s"].as_f64().unwrap());
     let motion = numbers(&heat["motion"]);

@@ -247,7 +247,7 @@ fn a_rising_line_is_cut_in_layers() {
 #[test]
 fn the_motors_are_those_of_the_machine() {
     let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines/corexy.toml");
-    let page = page("motors", "G1 X110 F6000\n", &["--settings", machine.to_str().unwrap()]);
+    let page = page("motors", "G1 X110 F6000\n", &["--machine", machine.to_str().unwrap()]);
     let motors = page.data["motors"].as_array().unwrap();
     let drives: Vec<_> = motors.iter().map(|motor| motor["drives"].as_str().unwrap()).collect();
     let machine = corehbot_machine_file::read(&machine).unwrap().settings.mechanism;

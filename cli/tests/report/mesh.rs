@@ -49,7 +49,7 @@ fn mm(value: &Value) -> f64 {
 fn a_mesh_is_told_with_its_correction_and_its_error_against_the_bed() {
     let (machine, json) = (probed(), scratch("mesh.json"));
     let bed = format!("tilt.x={SLOPE}");
-    let args = ["--settings", machine.to_str().unwrap(), "--bed", &bed, "--json", json.to_str().unwrap()];
+    let args = ["--machine", machine.to_str().unwrap(), "--bed", &bed, "--json", json.to_str().unwrap()];
     let page = page("mesh", &two_layers(""), &args);
     let mesh = &page.data["summary"]["mesh"];
     let told: Value = serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
@@ -93,7 +93,7 @@ fn a_mesh_is_told_with_its_correction_and_its_error_against_the_bed() {
 #[test]
 fn moves_that_the_mesh_slows_are_counted() {
     let machine = probed();
-    let args = ["--settings", machine.to_str().unwrap(), "--bed", "tilt.x=0.008"];
+    let args = ["--machine", machine.to_str().unwrap(), "--bed", "tilt.x=0.008"];
     // On a flat bed z would stand still in the ways; on this one it would need 0.8 mm/s at 100 mm/s. Two moves of z
     // are slower too, because the mesh fades on their way.
     let page = page("slowed", &two_layers("M203 Z0.5\n"), &args);
@@ -105,7 +105,7 @@ fn moves_that_the_mesh_slows_are_counted() {
 fn a_print_without_a_mesh_has_none() {
     assert!(page("flat", "G1 X110 F6000\n", &[]).data["summary"].get("mesh").is_none());
     let machine = probed();
-    let off = page("off", &two_layers("M420 S0\n"), &["--settings", machine.to_str().unwrap()]);
+    let off = page("off", &two_layers("M420 S0\n"), &["--machine", machine.to_str().unwrap()]);
     // It was on for a moment after G29, without any motion.
     assert_eq!(off.data["summary"]["mesh"]["z_steps_added"], 0);
 }

@@ -159,6 +159,27 @@ fn types_are_the_slicer_s_and_sums_are_those_of_the_moves() {
     assert!((time["total"].as_f64().unwrap() - parts).abs() < 2e-3, "{time}");
 }
 
+/// Reproducer: the filament that a file pulls back at its end was taken off its length and its mass.
+#[test]
+fn filament_is_used_once_and_for_good() {
+    let gcode = "M83\nG1 X5 E2 F600\nG1 E-1 F2400\nG1 X9 F6000\nG1 E1 F2400\nG1 X12 E2 F600\nG1 E-1.5 F2400\n";
+    let page = page("used", gcode, &[]);
+    let (used, list) = (&page.data["filament"], page.data["by_type"].as_array().unwrap());
+    assert!((used["mm"].as_f64().unwrap() - 4.0).abs() < 0.01, "{used}");
+    assert_eq!(page.data["summary"]["filament"]["g"], used["g"]);
+    // Rows of types are signed.
+    let net: f64 = list.iter().map(|row| row["filament_mm"].as_f64().unwrap()).sum();
+    assert!((net - 2.5).abs() < 0.01, "{list:?}");
+}
+
+#[test]
+fn every_setting_is_in_the_page_by_its_key() {
+    let page = page("settings", "G1 X5 F600\n", &[]);
+    let settings = &page.data["settings"];
+    assert_eq!(*settings, corehbot_machine_file::keyed(&Settings::prototype()));
+    assert!(settings["axes"]["x"]["max_acceleration"].is_number() && settings["mechanism"]["m1"].is_array());
+}
+
 #[test]
 fn the_text_of_the_file_is_in_the_page() {
     let gcode = "; <script>alert(1)</script> \u{e9}\nG1 X110 F6000\n".to_owned() + &"; filler\n".repeat(60_000) + "M84";

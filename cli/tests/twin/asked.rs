@@ -97,11 +97,11 @@ fn numbers_that_do_not_fit_the_machine_are_refused() {
         ),
     ] {
         let machine = file("unfit.toml", &format!("[twin]\n{table}\n"));
-        let found = complaint(&format!("modes --settings {}", machine.display()));
+        let found = complaint(&format!("modes --machine {}", machine.display()));
         assert!(found.contains(answer), "{table}: {found}");
     }
     let fits = file("fits.toml", "[twin]\nmotor_radius_mm = []\noutside_mm = [0, 200, 0, 0]\n");
-    assert!(twin(&format!("modes --settings {}", fits.display())).status.success());
+    assert!(twin(&format!("modes --machine {}", fits.display())).status.success());
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn compensated_g_code_takes_the_error_to_a_third_if_steps_are_fine_and_motors_ha
     };
     let divided = |told: &Value, key: &str| told[key].as_f64().unwrap();
     let coarse = told("");
-    let fine = format!("--settings {}", fine.display());
+    let fine = format!("--machine {}", fine.display());
     let told = told(&fine);
     assert!(divided(&told, "divided") > 3.0 && divided(&told, "divided_off") > 2.0, "{told}");
     assert!(divided(&coarse, "divided_at_most") < divided(&told, "divided_at_most") / 2.5, "{coarse} {told}");

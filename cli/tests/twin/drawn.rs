@@ -135,7 +135,7 @@ fn the_picture_of_pulleys_off_their_places_is_the_commands() {
     assert!(complaint("misalignment --off 99=1,0").contains("there is no pulley 99; the machine has 1, 2"));
     let much = complaint("misalignment --off 12=15,0 --off 6=1,0 --off 12=6,0");
     assert!(much.contains("pulley 12 is off by (21, 0) mm in all; the limit is 20"), "{much}");
-    assert!(complaint("misalignment --machine corexyz --off 21=1,0").contains("belts in one plane"));
+    assert!(complaint("misalignment --routing corexyz --off 21=1,0").contains("belts in one plane"));
     let text = String::from_utf8(twin("misalignment").stdout).unwrap();
     assert!(text.contains("for 1 mm of a pulley") && !text.contains("by the paper"), "{text}");
 }

@@ -18,7 +18,7 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
     // The page of one number, of another machine too; a study names its machines in its file.
     let page = file("swept.html", "");
-    json(&format!("sweep --vary belt_EA_N=20000:60000:3 --machine corexy --report {}", page.display()));
+    json(&format!("sweep --vary belt_EA_N=20000:60000:3 --routing corexy --report {}", page.display()));
     let text = std::fs::read_to_string(&page).unwrap();
     let data = text.split_once("const D = ").unwrap().1.split_once(";\n").unwrap().0;
     let data: Value = serde_json::from_str(data).unwrap();
@@ -29,7 +29,7 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
         "swept.toml",
         "compute = [\"stiffness\"]\nmethod = \"grid\"\n[vary]\nbelt_EA_N = { from = 1, to = 2, count = 2 }\n",
     );
-    let words = format!("sweep {} --machine corexy --report {}", study.display(), page.display());
+    let words = format!("sweep {} --routing corexy --report {}", study.display(), page.display());
     assert!(complaint(&words).contains("needs an output"));
     // The model's own numbers must follow from the model's own ringing, given to a hundredth of a hertz.
     let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
@@ -64,7 +64,7 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     // It prints a file of parameters.
     let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
     let params = file("fitted.toml", &printed);
-    let modes = json(&format!("modes --model rotors --settings {}", params.display()));
+    let modes = json(&format!("modes --model rotors --machine {}", params.display()));
     assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
     // An unweighed belt makes the tension as uncertain as its weight.
     let text = std::fs::read_to_string(&example).unwrap();
@@ -76,7 +76,7 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     assert_eq!(unweighed["not_told"][0]["parameter"], "belt_kg_per_m");
     // Numbers that are not sought go through.
     let other = file("wide.toml", "[twin]\nwidth_mm = 480\n");
-    let kept = twin(&format!("fit {} --settings {}", example.display(), other.display()));
+    let kept = twin(&format!("fit {} --machine {}", example.display(), other.display()));
     assert!(String::from_utf8(kept.stdout).unwrap().contains("width_mm = 480"));
 }
 
@@ -117,14 +117,14 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
 fn a_machine_of_two_belts_is_fitted_from_all_kinds_of_measurements() {
     let machine =
         file("unlike.toml", "[twin]\nbelt_EA_N = [36000, 27000]\npreload_N = [50, 40]\nhead_mass_kg = 0.45\n");
-    let modes = json(&format!("modes --model rotors --yaw --machine corexy --settings {}", machine.display()));
+    let modes = json(&format!("modes --model rotors --yaw --routing corexy --machine {}", machine.display()));
     let of = |axis: &str| {
         let place = modes["of"].as_array().unwrap().iter().position(|of| of == axis).unwrap();
         modes["frequencies_Hz"][place].as_f64().unwrap()
     };
     let push = |force: &str| {
         let words =
-            format!("push --model rotors --yaw --machine corexy --force {force} --settings {}", machine.display());
+            format!("push --model rotors --yaw --routing corexy --force {force} --machine {}", machine.display());
         let pushed = json(&words);
         ["dx_mm", "dy_mm"].map(|key| pushed[key].as_f64().unwrap())
     };
@@ -146,7 +146,7 @@ fn a_machine_of_two_belts_is_fitted_from_all_kinds_of_measurements() {
         of("x")
     );
     let measured = file("two-belts.toml", &text);
-    let found = json(&format!("fit {} --machine corexy", measured.display()));
+    let found = json(&format!("fit {} --routing corexy", measured.display()));
     for (belt, value) in [36_000.0, 27_000.0].into_iter().enumerate() {
         assert!(near(&found["params"]["belt_EA_N"][belt], value, 0.03), "{found}");
         assert!((found["estimates"][belt]["uncertainty"].as_f64().unwrap() < 0.05), "{found}");
@@ -154,13 +154,13 @@ fn a_machine_of_two_belts_is_fitted_from_all_kinds_of_measurements() {
     assert!(found["estimates"][0]["from"][0].as_str().unwrap().starts_with("push"), "{found}");
     assert!(near(&found["params"]["head_mass_kg"], 0.45, 0.01), "{found}");
     assert!(found["further"][0]["improves"][0]["then"].as_f64().unwrap() < 0.6, "{found}");
-    let printed = String::from_utf8(twin(&format!("fit {} --machine corexy", measured.display())).stdout).unwrap();
+    let printed = String::from_utf8(twin(&format!("fit {} --routing corexy", measured.display())).stdout).unwrap();
     for word in ["belt_EA_N = [", "belt 1, +- ", "resonance y_Hz in line", "What would help most now: "] {
         assert!(printed.contains(word), "{word}: {printed}");
     }
     // The table can be read again.
     let fitted = file("two-fitted.toml", &printed);
-    let again = json(&format!("stiffness --machine corexy --settings {}", fitted.display()));
+    let again = json(&format!("stiffness --routing corexy --machine {}", fitted.display()));
     assert!(again["Kxy_N_per_mm"].as_f64().unwrap().abs() > 5.0, "{again}");
     // A head of 30 kg alone is not contradicted by anything, but it is told.
     let heavy = file("heavy.toml", "[[weight]]\nof = \"head\"\nmass_kg = 30\n");
@@ -181,14 +181,14 @@ fn every_example_machine_is_fitted() {
             continue;
         }
         let settings = path.display();
-        let found = json(&format!("fit {} --settings {settings}", measured.display()));
+        let found = json(&format!("fit {} --machine {settings}", measured.display()));
         assert!(near(&found["params"]["head_mass_kg"], 0.6, 0.02), "{settings}: {found}");
-        let modes = json(&format!("modes --model rotors --at 90,90 --gcode-frame --settings {settings}"));
+        let modes = json(&format!("modes --model rotors --at 90,90 --gcode-frame --machine {settings}"));
         let of = |axis: &str| {
             let place = modes["of"].as_array().unwrap().iter().position(|of| of == axis).unwrap();
             modes["frequencies_Hz"][place].as_f64().unwrap()
         };
-        let words = format!("fit --measured 90,90,{:.3},{:.3} --gcode-frame --settings {settings}", of("x"), of("y"));
+        let words = format!("fit --measured 90,90,{:.3},{:.3} --gcode-frame --machine {settings}", of("x"), of("y"));
         let found = json(&words);
         assert!(found["worst_difference"].as_f64().unwrap() < 0.01, "{settings}: {found}");
         count += 1;
@@ -208,11 +208,11 @@ fn the_table_names_the_routing_that_rows_do_not_give() {
     let head = head.display();
     let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines");
     let [hbot, corexy] = ["hbot.toml", "corexy.toml"].map(|name| machines.join(name));
-    let hbot = printed(&format!("{head} --settings {}", hbot.display()));
+    let hbot = printed(&format!("{head} --machine {}", hbot.display()));
     assert!(hbot.starts_with("# Replaces the table [twin]") && hbot.contains("[twin]\nrouting = \"hbot\"\n"), "{hbot}");
-    let corexy = printed(&format!("{head} --settings {}", corexy.display()));
+    let corexy = printed(&format!("{head} --machine {}", corexy.display()));
     assert!(!corexy.contains("routing = "), "{corexy}");
-    let named = printed(&format!("{head} --machine corexy"));
+    let named = printed(&format!("{head} --routing corexy"));
     assert!(named.contains("[twin]\nrouting = \"corexy\"\n"), "{named}");
 }
 

@@ -48,7 +48,7 @@ fn every_key_has_a_unit_or_a_word_in_the_help() {
     }
     let questions = [
         "geometry",
-        "stiffness --machine corexyz-three",
+        "stiffness --routing corexyz-three",
         "modes",
         "push --force 1,0",
         "slip --motor 1",

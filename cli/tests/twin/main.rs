@@ -81,9 +81,9 @@ fn people_get_tables() {
 fn what_is_not_there_is_told_in_one_line() {
     assert!(complaint("stiffness --at 10,10").contains("x 40.00 to 430.00"));
     assert!(complaint("stiffness --gcode-frame --at 400,10").contains("x 0.00 to 390.00"));
-    assert!(complaint("modes --machine hbot --free-motor 8").contains("no motor 8"));
+    assert!(complaint("modes --routing hbot --free-motor 8").contains("no motor 8"));
     assert!(complaint("slip --motor 3").contains("has 1, 4, 8, 11"));
-    assert!(complaint("modes --machine hbot --at 45,100").contains("52.70"));
+    assert!(complaint("modes --routing hbot --at 45,100").contains("52.70"));
     let bad = [
         ("typo.toml", "[twin]\nbelt_EA = 1\n", "did you mean `belt_EA_N`?"),
         ("negative.toml", "[twin]\npreload_N = -1\n", "2:13: twin.preload_N = -1 is outside 0 to 1000000"),
@@ -92,10 +92,10 @@ fn what_is_not_there_is_told_in_one_line() {
     ];
     for (name, text, word) in bad {
         let path = file(name, text);
-        let told = complaint(&format!("stiffness --settings {}", path.display()));
+        let told = complaint(&format!("stiffness --machine {}", path.display()));
         assert!(told.contains(name) && told.contains(word), "{told}");
     }
-    assert!(complaint("stiffness --settings nowhere.toml").contains("cannot open"));
+    assert!(complaint("stiffness --machine nowhere.toml").contains("cannot open"));
 }
 
 /// Reproducer: a page's folder that does not exist was told after the computation. The file to compute is missing

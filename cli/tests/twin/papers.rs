@@ -76,10 +76,10 @@ fn wrong_rigs_and_options_are_refused_in_one_line() {
     let stiff = file("rig-stiff.toml", "k_N_per_m = [1e300, 1e300, 1e300, 1e300, 1e300]\n");
     assert!(complaint(&format!("yin --speed 0.05 --rig {}", stiff.display())).contains("more than 5000000 time steps"));
     assert!(complaint("yin --figure 4 --friction -1").contains("the factor of friction"));
-    assert!(complaint("zigzag --machine corexy --axis z").contains("the belts of a CoreXY do not move z"));
-    assert!(complaint("zigzag --machine corexyz --order A,B,C").contains("name each motor once: A,B,C,D"));
-    assert!(complaint("zigzag --order A,B").contains("--order needs --machine or --settings"));
-    assert!(complaint("level --machine corexy").contains("lift no gantry"));
+    assert!(complaint("zigzag --routing corexy --axis z").contains("the belts of a CoreXY do not move z"));
+    assert!(complaint("zigzag --routing corexyz --order A,B,C").contains("name each motor once: A,B,C,D"));
+    assert!(complaint("zigzag --order A,B").contains("--order needs --routing or --machine"));
+    assert!(complaint("level --routing corexy").contains("lift no gantry"));
     assert!(complaint("level --at 1,1").contains("outside what the tool reaches"));
     for wrong in [
         "yin",
@@ -115,7 +115,7 @@ fn zigzags_of_all_machines_and_of_one() {
     }
     // Only two of them move z.
     assert_eq!(json("zigzag --axis z")["machines"].as_array().unwrap().len(), 2);
-    let one = json("zigzag --settings ../examples/machines/corexyz-three.toml --axis z --order c,b,a --steps 2");
+    let one = json("zigzag --machine ../examples/machines/corexyz-three.toml --axis z --order c,b,a --steps 2");
     assert_eq!(one["machines"][0]["order"], serde_json::json!(["+C", "+B", "+A"]));
     assert_eq!(one["machines"][0]["one_after_the_other_mm"].as_array().unwrap().len(), 7);
 }
@@ -139,7 +139,7 @@ fn levels_of_a_machine_file_and_with_springs() {
     let slack = json("level --take-up 30");
     assert!(case(&slack, pair)["goes_slack"] == true && case(&slack, "all shorter")["goes_slack"] == false, "{slack}");
     let rigid = file("rigid.toml", "[twin]\ngantry_tilt_stiffness_Nm_per_rad = 20000\n");
-    let rigid = json(&format!("level --machine corexyz --settings {}", rigid.display()));
+    let rigid = json(&format!("level --routing corexyz --machine {}", rigid.display()));
     assert!(case(&rigid, pair)["gantry_mrad"][0].as_f64().unwrap() < 0.5 * tilt, "{rigid}");
-    assert_eq!(json("level --settings ../examples/machines/corexyz-three.toml")["machine"], "corexyz-three");
+    assert_eq!(json("level --machine ../examples/machines/corexyz-three.toml")["machine"], "corexyz-three");
 }

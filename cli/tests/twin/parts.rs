@@ -12,7 +12,7 @@ fn figure(told: &Value, index: usize, part: &str, key: &str) -> f64 {
 /// same error at both speeds.
 #[test]
 fn a_disc_grows_with_the_square_of_the_speed() {
-    let told = json("parts --machine corehbot --model reduced --speed 50,200");
+    let told = json("parts --routing corehbot --model reduced --speed 50,200");
     for (key, hz) in [("x_too_large_um", 110.182_f64), ("y_too_large_um", 62.587)] {
         let w = std::f64::consts::TAU * hz;
         let expected = 1000.0 * 2.0 * (200.0_f64.powi(2) - 50.0_f64.powi(2)) / (20.0 * w * w);
@@ -44,7 +44,7 @@ fn three_machines_are_compared_and_a_file_has_its_own() {
     let text = String::from_utf8(twin("parts --speed 300 --model reduced").stdout).unwrap();
     assert!(["CoreH-bot", "H-bot", "CoreXY", "too large is positive"].iter().all(|word| text.contains(word)), "{text}");
     let picture = file("parts.svg", "");
-    let words = "parts --speed 100,300 --model reduced --settings ../examples/machines/corexy.toml";
+    let words = "parts --speed 100,300 --model reduced --machine ../examples/machines/corexy.toml";
     let told = json(&format!("{words} --svg {}", picture.display()));
     assert_eq!(told["parts"].as_array().unwrap().len(), 2);
     assert_eq!(told["parts"][0]["machine"], "corexy");
@@ -70,9 +70,9 @@ fn the_drawing_in_the_documents_is_the_commands() {
 fn parts_that_do_not_fit_are_told() {
     assert!(complaint("parts --at 45,100").contains("tool reaches"));
     let small = file("small.toml", "[axes]\nx.length = 30\n");
-    assert!(complaint(&format!("parts --settings {}", small.display())).contains("the parts need axes of 42 mm"));
-    let told = complaint("parts --machine corexyz --speed 100");
-    assert!(told.contains("CoreXYZ needs a machine file with its motors (--settings)"), "{told}");
+    assert!(complaint(&format!("parts --machine {}", small.display())).contains("the parts need axes of 42 mm"));
+    let told = complaint("parts --routing corexyz --speed 100");
+    assert!(told.contains("CoreXYZ needs a machine file with its motors (--machine)"), "{told}");
     assert_eq!(twin("parts --speed 0").status.code(), Some(2));
-    assert_eq!(twin("parts --machine nobot").status.code(), Some(2));
+    assert_eq!(twin("parts --routing nobot").status.code(), Some(2));
 }

@@ -31,7 +31,7 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     assert!(a["motors"].as_array().unwrap().iter().all(|motor| motor["slips"] == 0));
     assert!(a["tension_N"]["lo"][0].as_f64().unwrap() > 30.0, "{a}");
     assert!(a["times_real_time"].as_f64().unwrap() > 0.0);
-    let hbot = json(&format!("run {} --machine hbot --assume-homed 100,100,0", trace.display()));
+    let hbot = json(&format!("run {} --routing hbot --assume-homed 100,100,0", trace.display()));
     assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
 }
 
@@ -84,7 +84,7 @@ fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
 #[test]
 fn what_cannot_be_played_is_told_in_one_line() {
     let path = file("far.gcode", "G1 X380 F12000\nM400\n");
-    let far = complaint(&format!("run {} --machine hbot --assume-homed 100,100,0", path.display()));
+    let far = complaint(&format!("run {} --routing hbot --assume-homed 100,100,0", path.display()));
     assert!(far.contains("far.gcode") && far.contains("reaches x 52.7"), "{far}");
     let cut = file(
         "cut.csv",

@@ -21,7 +21,7 @@ fn points_are_answered_with_units_in_the_keys() {
     assert!(near(&yin["x_to_y_mm"], 0.7690, 5e-3) && near(&yin["y_to_x_mm"], 0.1962, 5e-3), "{yin}");
     assert!(complaint("yin --speed 7").contains("speed"));
     assert!(complaint("yin --speed 0.02 --friction -1").contains("the factor of friction, -1, is outside"));
-    let push = json("push --force 5,-5 --machine corexy --at 147.5,339.4");
+    let push = json("push --force 5,-5 --routing corexy --at 147.5,339.4");
     assert!(push["dx_mm"].as_f64().unwrap() > 0.0 && push["residual_mm"].is_null(), "{push}");
     let geometry = json("geometry");
     assert!(near(&geometry["belt_lengths_mm"][0], 3593.091, 1e-6), "{geometry}");
@@ -37,7 +37,7 @@ fn a_free_motor_and_other_numbers_are_taken() {
     let free = json("stiffness --free-motor 4");
     assert!(near(&free["Kxy_N_per_mm"], -70.721, 1e-4), "{free}");
     let stiff = file("stiff.toml", "[twin]\nbelt_EA_N = 60000\n");
-    let k = json(&format!("stiffness --at 235,235 --settings {}", stiff.display()));
+    let k = json(&format!("stiffness --at 235,235 --machine {}", stiff.display()));
     assert!(near(&k["Kxx_N_per_mm"], 2.0 * 287.563, 1e-3), "{k}");
 }
 
@@ -45,22 +45,22 @@ fn a_free_motor_and_other_numbers_are_taken() {
 #[test]
 fn a_machine_file_says_which_belts_there_are() {
     let machine = |name: &str| format!("../examples/machines/{name}.toml");
-    let at = |name: &str| json(&format!("stiffness --at 235,235 --settings {}", machine(name)));
+    let at = |name: &str| json(&format!("stiffness --at 235,235 --machine {}", machine(name)));
     assert_eq!(at("hbot")["machine"], "hbot");
     assert!(near(&at("hbot")["Kxx_N_per_mm"], 153.4, 1e-3));
     assert_eq!(at("corehbot-two-drivers")["machine"], "corehbot");
     assert_eq!(at("cartesian-xz")["machine"], "moving-bed");
-    let other = json(&format!("stiffness --at 235,235 --settings {} --machine corexy", machine("hbot")));
+    let other = json(&format!("stiffness --at 235,235 --machine {} --routing corexy", machine("hbot")));
     assert!(near(&other["Kxx_N_per_mm"], 198.1, 1e-3), "{other}");
     // z is in the answer where belts lift the tool.
-    let xyz = json(&format!("geometry --settings {}", machine("corexyz")));
+    let xyz = json(&format!("geometry --machine {}", machine("corexyz")));
     assert_eq!(xyz["motors"][3]["belt_per_mm"].as_array().unwrap().len(), 3, "{xyz}");
     // Two belts of two kinds.
     let unlike = file(
         "unlike.toml",
         "[mechanism]\nm11 = [1, 1, 0]\nm8 = [1, -1, 0]\nz1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n[axes]\nx.length = 300\ny.length = 300\n[twin]\nbelt_EA_N = [20000, 40000]\n",
     );
-    let k = json(&format!("stiffness --at 235,235 --settings {}", unlike.display()));
+    let k = json(&format!("stiffness --at 235,235 --machine {}", unlike.display()));
     assert!(near(&k["Kxx_N_per_mm"], 198.1, 1e-3) && near(&k["Kxy_N_per_mm"], -198.1 / 3.0, 1e-3), "{k}");
 }
 
@@ -104,7 +104,7 @@ fn tensions_and_ripple_are_told_of_any_routing() {
     let part = &told["parts"][1];
     assert!(near(&part["length_mm"], 444.6, 1e-9) && near(&part["pitch_Hz"], 127.23, 1e-3), "{told}");
     assert!(near(&told["heard"][0]["tension_N"], 40.0, 1e-3), "{told}");
-    assert_eq!(json("tension --machine corexyz")["parts"].as_array().unwrap().len(), 36);
+    assert_eq!(json("tension --routing corexyz")["parts"].as_array().unwrap().len(), 36);
     assert!(complaint("tension --heard 99=20").contains("1 to 14"));
     assert!(complaint("tension --at 40,100 --heard 12=60").contains("too short"));
     assert_eq!(twin("tension --heard 2").status.code(), Some(2));
@@ -179,7 +179,7 @@ fn limits_of_torque_fall_with_speed_and_are_told_as_settings() {
     let keys: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("motor_max")).collect();
     let machine = file("torque.toml", &keys.join("\n"));
     let gcode = file("torque.gcode", &format!("{}\nG1 Y150 F60000\nM400\n", lines.join("\n")));
-    let words = format!("run {} --assume-homed 100,100,0 --settings {}", gcode.display(), machine.display());
+    let words = format!("run {} --assume-homed 100,100,0 --machine {}", gcode.display(), machine.display());
     let played = json(&format!("{words} --model rotors"));
     let margin = |i: usize| played["motors"][i]["margin_at_speed"].as_f64().unwrap();
     assert!((0..4).all(|i| (0.3..0.8).contains(&margin(i))), "{played}");
@@ -200,8 +200,8 @@ fn limits_and_resonance_are_told_for_every_machine_file() {
         if path.extension().is_none_or(|end| end != "toml") {
             continue;
         }
-        let limits = json(&format!("limits --model reduced --settings {}", path.display()));
-        let resonance = json(&format!("resonance --model reduced --grid 2x2 --settings {}", path.display()));
+        let limits = json(&format!("limits --model reduced --machine {}", path.display()));
+        let resonance = json(&format!("resonance --model reduced --grid 2x2 --machine {}", path.display()));
         assert_eq!(limits["z"].is_null(), resonance["z"].is_null(), "{}", path.display());
         lifted += u32::from(limits["z"].is_object());
         for axis in ["x", "y", "z"].into_iter().filter(|axis| limits[axis].is_object()) {
@@ -222,12 +222,12 @@ fn limits_and_resonance_are_told_for_every_machine_file() {
 #[test]
 fn a_soft_frame_is_told_and_the_torque_on_it() {
     let soft = file("soft.toml", "[twin]\nframe_stiffness_N_per_mm = [400, 900]\n");
-    let limits = json(&format!("limits --model reduced --settings {}", soft.display()));
+    let limits = json(&format!("limits --model reduced --machine {}", soft.display()));
     assert!(near(&limits["frame_um_per_m_s2"][1], 2.0, 1e-9), "{limits}");
-    let resonance = json(&format!("resonance --model reduced --grid 3x3 --settings {}", soft.display()));
+    let resonance = json(&format!("resonance --model reduced --grid 3x3 --machine {}", soft.display()));
     assert!(near(&resonance["frame"][0]["band_Hz"][0], 29.25, 2e-3), "{resonance}");
     assert!(near(&resonance["frame"][1]["part"], 0.161, 1e-2), "{resonance}");
-    let compared = json(&format!("compare --grid 2x2 --settings {}", soft.display()));
+    let compared = json(&format!("compare --grid 2x2 --machine {}", soft.display()));
     let [core, hbot, corexy] = [0, 1, 2].map(|i| compared["machines"][i]["frame_torque_x"].clone());
     assert!(core["belts_mNm_per_m_s2"].as_f64().unwrap().abs() < 1e-9, "{core}");
     assert!(near(&core["printed_mNm_per_m_s2"], 3.81, 1e-6), "{core}");

@@ -243,21 +243,30 @@ fn probe(look: &mut Look<'_, '_, '_>) {
         }
     }
     let by_probe = look.work.lines.get("probe.z_home").is_some();
-    for (name, path) in [("Z_SAFE_HOMING_X_POINT", "probe.home.x"), ("Z_SAFE_HOMING_Y_POINT", "probe.home.y")] {
+    for (name, axis, [from, size]) in [
+        ("Z_SAFE_HOMING_X_POINT", "x", ["bed.left", "bed.width"]),
+        ("Z_SAFE_HOMING_Y_POINT", "y", ["bed.front", "bed.depth"]),
+    ] {
+        let (path, switch) = (format!("probe.home.{axis}"), format!("safe_z_home.{axis}"));
         if !look.defines.has("Z_SAFE_HOMING") {
             continue;
         }
         let is_centre = look.defines.find(name).is_some_and(|define| define.value.contains("_CENTER"));
         match look.entry(name) {
             Some(entry) if is_centre && by_probe => {
-                look.work.take(entry, path, "auto");
+                look.work.take(entry, &path, "auto");
                 look.work.say(entry, Kind::Taken, "the middle of the bed");
             }
             // Marlin takes the probe there (`Marlin/src/gcode/calibrate/G28.cpp`, home_z_safely).
-            Some(_) if by_probe => drop(look.take(name, path, 1.0)),
-            Some(entry) => {
-                look.work.say(entry, Kind::Decide, "Z homes at a place by its switch, which is not there yet");
-            }
+            Some(_) if by_probe => drop(look.take(name, &path, 1.0)),
+            Some(entry) if is_centre => match [from, size].map(|key| look.work.lines.number(key)) {
+                [begin, Some(size)] => {
+                    look.work.take_number(entry, &switch, begin.unwrap_or(0.0) + size / 2.0);
+                    look.work.say(entry, Kind::Taken, "the middle of the bed");
+                }
+                [_, None] => look.work.say(entry, Kind::Decide, "the middle of a bed without a size: correct it"),
+            },
+            Some(_) => drop(look.take(name, &switch, 1.0)),
             None => {}
         }
     }

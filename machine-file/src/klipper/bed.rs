@@ -1,7 +1,7 @@
 //! The bed: its mesh, the screws or belts that level it, and the place where Z is homed.
 
 use super::probe::offset;
-use super::work::Work;
+use super::work::{Work, is_true};
 use crate::short::short;
 use crate::translation::Kind;
 
@@ -51,24 +51,22 @@ fn home(work: &mut Work<'_>) {
         let by_probe = work.lines.get("probe.z_home").is_some();
         match places(text)[..] {
             [place] if by_probe => place_of_probe(work, entry, place, ["probe.home.x", "probe.home.y"]),
-            [[x, y]] => {
-                let text = format!(
-                    "Klipper homes Z at X{x} Y{y} by its switch, not there yet: put a switch where the tool is \
-                     after X and Y are homed, or write `G28 X Y`, `G1 X{x} Y{y}` and `G28 Z` for G28"
-                );
-                work.say(entry, Kind::Decide, text);
-            }
+            [place] => place_of_nozzle(work, entry, place),
             _ => work.say(entry, Kind::Decide, "no place: correct it"),
         }
     }
-    if let Some((entry, hop)) = work.number("safe_z_home", "z_hop").filter(|(_, hop)| *hop > 0.0) {
-        let text = format!("Klipper raises Z by {hop} before X and Y are homed: write `G28 R{hop}` for G28");
-        work.say(entry, Kind::Decide, text);
+    if work.lines.get("probe.z_home").is_none()
+        && let Some((entry, speed)) = work.number("safe_z_home", "speed")
+    {
+        work.take_number(entry, "safe_z_home.speed", speed);
+    }
+    if let Some((entry, text)) = work.value("safe_z_home", "move_to_previous") {
+        work.take(entry, "safe_z_home.move_to_previous", is_true(text));
     }
     if let Some((entry, _)) = work.value("homing_override", "gcode") {
         let axes = work.value("homing_override", "axes").map_or("xyz", |(_, axes)| axes);
         let text = format!(
-            "G-code of yours homes {}: here G28 homes in homing.order, Z at probe.home if a probe homes it; look what \
+            "G-code of yours homes {}: here G28 homes in homing.order, and Z at probe.home or [safe_z_home]; look what \
              your lines do before and after, and write it around G28",
             short(axes)
         );
@@ -82,6 +80,31 @@ fn home(work: &mut Work<'_>) {
     }
 }
 
+/// Takes the place of the nozzle at which a switch homes Z; one that it does not reach is for the owner to decide.
+fn place_of_nozzle(work: &mut Work<'_>, entry: usize, nozzle: [f64; 2]) {
+    for (axis, at) in ["x", "y"].into_iter().zip(nozzle) {
+        work.take_number(entry, &format!("safe_z_home.{axis}"), at);
+        if let Some((least, length)) = reach(work, axis) {
+            hold(work, entry, axis, ("the nozzle", at, least, least + length));
+        }
+    }
+}
+
+/// Where an axis begins, and its length, as far as they are known.
+fn reach(work: &Work<'_>, axis: &str) -> Option<(f64, f64)> {
+    let number = |leaf: &str| work.lines.number(&format!("axes.{axis}.{leaf}"));
+    let length = number("length").filter(|length| *length > 0.0)?;
+    Some((number("min").unwrap_or(0.0), length))
+}
+
+/// Says if something at this place of an axis is outside of its reach.
+fn hold(work: &mut Work<'_>, entry: usize, axis: &str, (what, at, least, most): (&str, f64, f64, f64)) {
+    if at < least - SLACK || at > most + SLACK {
+        let text = format!("{what} would be at {axis} {at}, and reaches from {least} to {most}: choose another");
+        work.say(entry, Kind::Decide, text);
+    }
+}
+
 /// Takes a place of the nozzle as the probe's; one that the nozzle or the probe does not reach is for the owner to
 /// decide.
 fn place_of_probe(work: &mut Work<'_>, entry: usize, nozzle: [f64; 2], paths: [&str; 2]) {
@@ -92,19 +115,12 @@ fn place_of_probe(work: &mut Work<'_>, entry: usize, nozzle: [f64; 2], paths: [&
         if offset != 0.0 {
             work.say(entry, Kind::Taken, format!("the probe's, {offset} from the nozzle's {at}"));
         }
+        let Some((least, length)) = reach(work, axis) else { continue };
         let number = |leaf: &str| work.lines.number(leaf);
-        let Some(length) = number(&format!("axes.{axis}.length")).filter(|length| *length > 0.0) else { continue };
-        let least = number(&format!("axes.{axis}.min")).unwrap_or(0.0);
         let (from, size) = if axis == "x" { ("bed.left", "bed.width") } else { ("bed.front", "bed.depth") };
         let (begin, size) = (number(from).unwrap_or(least), number(size).unwrap_or(length));
-        for (what, at, least, most) in
-            [("the nozzle", at, least, least + length), ("the probe", probe, begin, begin + size)]
-        {
-            if at < least - SLACK || at > most + SLACK {
-                let text =
-                    format!("{what} would be at {axis} {at}, and reaches from {least} to {most}: choose another");
-                work.say(entry, Kind::Decide, text);
-            }
+        for held in [("the nozzle", at, least, least + length), ("the probe", probe, begin, begin + size)] {
+            hold(work, entry, axis, held);
         }
     }
 }

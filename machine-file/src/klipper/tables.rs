@@ -27,6 +27,8 @@ pub(super) const NUMBERS: &[NumberRow] = &[
     row("extruder", "max_extrude_only_accel", "axes.e.max_acceleration"),
     row("extruder", "max_extrude_only_accel", "retract_acceleration"),
     row("extruder", "instantaneous_corner_velocity", "extruder_jerk"),
+    row("safe_z_home", "z_hop", "safe_z_home.z_hop"),
+    row("safe_z_home", "z_hop_speed", "safe_z_home.z_hop_speed"),
     NumberRow { times: 1.0 / 60.0, ..row("idle_timeout", "timeout", "thermal.idle_min") },
 ];
 
@@ -130,7 +132,7 @@ pub(super) const REMARKS: &[Remark] = &[
     needless("bed_mesh", "*", "words of G29, and [probe]"),
     not_yet("axis_twist_compensation", "", "a twisted axis is not compensated"),
     not_yet("skew_correction", "", "skew is not compensated"),
-    needless("safe_z_home", "*", "Z rises before it is homed by the probe, at probe.home"),
+    needless("safe_z_home", "speed", "the probe goes to its place by probe.travel"),
     needless("homing_override", "axes", "see its G-code"),
     not_yet("homing_override", "", "G28 homes by homing.order, without G-code of yours"),
     // Sensors and displays.

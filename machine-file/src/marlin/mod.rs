@@ -45,20 +45,6 @@ pub struct Given {
     pub kinematics: Option<&'static Kinematics>,
 }
 
-/// The bytes of a file as text. Windows' shell writes UTF-16; bytes that are no text become replacement characters.
-#[must_use]
-pub fn text_of(bytes: &[u8]) -> String {
-    let pairs = |word: fn([u8; 2]) -> u16| {
-        let words: Vec<u16> = bytes.as_chunks::<2>().0.iter().skip(1).map(|pair| word(*pair)).collect();
-        String::from_utf16_lossy(&words)
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => pairs(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => pairs(u16::from_be_bytes),
-        _ => String::from_utf8_lossy(bytes).trim_start_matches('\u{feff}').to_owned(),
-    }
-}
-
 /// Commands of which a report has at least one, and a printed file has none or moves as well.
 const OF_REPORTS: [&str; 5] = ["M92", "M203", "M201", "M204", "M205"];
 

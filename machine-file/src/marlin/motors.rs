@@ -121,14 +121,14 @@ fn kinematics(work: &mut Work<'_>, given: Option<&'static Kinematics>) -> &'stat
             found
         }
         (Some((entry, _)), _, Some(given)) => {
-            work.say(entry, Kind::Approximated, format!("--machine says {}", given.name));
+            work.say(entry, Kind::Approximated, format!("--kinematics says {}", given.name));
             given
         }
         (None, _, Some(given)) => given,
         (said, _, None) => {
             let names: Vec<_> = Kinematics::ALL.iter().map(|known| known.name).collect();
             let text = format!(
-                "the printer does not say how its motors move it, so [mechanism] is Cartesian: name yours by --machine ({})",
+                "the printer does not say how its motors move it, so [mechanism] is Cartesian: name yours by --kinematics ({})",
                 names.join(", ")
             );
             match said {

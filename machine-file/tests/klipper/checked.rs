@@ -1,7 +1,7 @@
 //! Values that were wrong without a word: places of the nozzle, several keys on one of ours, and defaults.
 
 use super::{of_text, verdict};
-use corehbot_machine_file::klipper::Kind::{Approximated, Decide, NotYet, Taken};
+use corehbot_machine_file::klipper::Kind::{Approximated, Decide, NotNeeded, NotYet, Taken};
 
 /// A machine of two screws and a probe, 44 mm left of the nozzle and 6 mm in front of it.
 const LEVELLED: &str = "[printer]\nkinematics: cartesian\n\
@@ -42,22 +42,51 @@ fn places_out_of_reach_are_told() {
     }
 }
 
-/// Z homes at a place by its probe alone so far.
+/// A switch that homes Z has its place and its hop, and the place of the probe stays as it is.
+#[test]
+fn a_switch_homes_z_at_its_place() {
+    let text = "[printer]\nkinematics: cartesian\n[stepper_x]\nposition_max: 300\n[stepper_y]\nposition_max: 360\n\
+                [stepper_z]\nendstop_pin: PG10\n[safe_z_home]\nhome_xy_position: 206,350.5\nz_hop: 10\n\
+                z_hop_speed: 12\nspeed: 80\nmove_to_previous: True\n";
+    let done = of_text(text);
+    for line in ["x = 206  # ", "y = 350.5  # ", "z_hop = 10  # ", "z_hop_speed = 12  # ", "speed = 80  # "] {
+        assert!(done.text.contains(&format!("\n{line}")), "{line}: {}", done.text);
+    }
+    assert!(done.text.contains("move_to_previous = true  # "), "{}", done.text);
+    for key in ["home_xy_position", "z_hop", "z_hop_speed", "speed", "move_to_previous"] {
+        assert_eq!(verdict(&done.report, "safe_z_home", key).0, Taken, "{key}");
+    }
+    assert!(!done.text.contains("[probe.home]"), "it is the zero of the mesh too: {}", done.text);
+    let far = of_text(&text.replace("206,", "306,"));
+    let (kind, said) = verdict(&far.report, "safe_z_home", "home_xy_position");
+    assert!(kind == Decide && said.contains("the nozzle would be at x 306, and reaches from 0 to 300"), "{said}");
+}
+
+/// With a probe the hop and the way back count as well; its speed is another key.
+#[test]
+fn the_hop_of_a_probe_is_taken() {
+    let text =
+        format!("{LEVELLED}[safe_z_home]\nhome_xy_position: 117,117\nz_hop: 10\nspeed: 80\nmove_to_previous: False\n");
+    let done = of_text(&text);
+    for (key, wanted) in
+        [("home_xy_position", Taken), ("z_hop", Taken), ("speed", NotNeeded), ("move_to_previous", Taken)]
+    {
+        assert_eq!(verdict(&done.report, "safe_z_home", key).0, wanted, "{key}");
+    }
+    assert!(done.text.contains("\nz_hop = 10  # "), "{}", done.text);
+}
+
 #[test]
 fn what_goes_on_before_and_around_homing_is_to_be_decided() {
-    let text = "[stepper_z]\nendstop_pin: PG10\n[safe_z_home]\nhome_xy_position: 206,350\nz_hop: 10\n\
+    let text = "[stepper_z]\nendstop_pin: PG10\n\
                 [homing_override]\naxes: z\nset_position_z: 5\ngcode:\n  G28 X Y\n";
     let done = of_text(text);
-    for (section, key, told) in [
-        ("safe_z_home", "home_xy_position", "X206 Y350 by its switch"),
-        ("safe_z_home", "z_hop", "`G28 R10`"),
-        ("homing_override", "gcode", "homes z"),
-        ("homing_override", "set_position_z", "takes z for 5"),
-    ] {
+    for (section, key, told) in
+        [("homing_override", "gcode", "homes z"), ("homing_override", "set_position_z", "takes z for 5")]
+    {
         let (kind, said) = verdict(&done.report, section, key);
         assert!(kind == Decide && said.contains(told), "[{section}] {key}: {kind:?} {said}");
     }
-    assert!(!done.text.contains("[probe.home]"), "it is the zero of the mesh too: {}", done.text);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::{LOGS, configurations, of_text, text, translated, verdict};
 use corehbot::settings::{AxisEnd, CornerRule, HomedAxis, Settings, ShaperKind};
 use corehbot_machine_file::Kind;
-use corehbot_machine_file::marlin::{Firmware, Given, is_report, text_of, translate};
+use corehbot_machine_file::file_kind::text_of;
+use corehbot_machine_file::marlin::{Firmware, Given, is_report, translate};
 use proptest::prelude::*;
 
 /// The settings of a log's machine file.
@@ -212,7 +213,7 @@ fn what_the_printer_does_not_say_is_to_be_filled_in() {
     assert!(done.text.contains("\nlength = 100  # to be filled in\n"), "{}", done.text);
     // The machine is one, but motors that nobody plugged in do not turn, and nobody said how they move it.
     assert!(done.machine.is_some(), "{:?}", done.problems);
-    assert!(!done.is_whole() && done.report.notes.iter().any(|note| note.text.contains("--machine")));
+    assert!(!done.is_whole() && done.report.notes.iter().any(|note| note.text.contains("--kinematics")));
     // A delta has no matrix.
     let delta = of_text("x", &(text("mega") + "M665 L250 R125 H300\n"), None);
     assert!(!delta.is_whole() && verdict(&delta.report, "M665", "L250 R125 H300").0 == Kind::Decide);

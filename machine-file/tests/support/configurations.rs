@@ -3,7 +3,7 @@
 
 use corehbot_machine_file::klipper::{self, Config, Files};
 use corehbot_machine_file::marlin::{self, Firmware, Given, Kinematics};
-use corehbot_machine_file::{Translation, configuration_h, parse, reprap};
+use corehbot_machine_file::{Translation, configuration_h, file_kind, parse, reprap};
 
 /// One file, which includes nothing but itself.
 struct One<'t>(&'t str);
@@ -21,7 +21,7 @@ impl Files for One<'_> {
 /// Reads the bytes as all of them. The first byte chooses a board and the kinematics.
 pub fn any(data: &[u8]) {
     let (choice, bytes) = data.split_first().map_or((0, data), |(first, rest)| (usize::from(*first), rest));
-    let text = marlin::text_of(bytes);
+    let text = file_kind::text_of(bytes);
     let board = corehbot_boards::entries().nth(choice % 8).map(|entry| entry.board.connectors);
     let kinematics = Kinematics::ALL.get(choice / 8);
     check(&marlin::translate("x", &text, Given { board, kinematics }));

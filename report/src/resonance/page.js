@@ -8,7 +8,7 @@ const marksOf = recordings => recordings.flatMap(r => r.fit ? r.fit.modes.map(m 
 const modes = recordings => table(["File", "Mode", "Damping", "Of the motion"], recordings.flatMap(r => r.fit ? r.fit.modes.map(m => [r.file, `${m.frequency_Hz.toFixed(2)} \u00b1 ${(2 * m.frequency_error_Hz).toFixed(2)} Hz`, m.damping_ratio.toFixed(4), percent(m.part)]) : []));
 const remarks = recordings => { const all = recordings.flatMap(r => r.remarks.map(text => r.file + ": " + text)); return all.length ? [remarkList(all)] : []; };
 const graph = options => new Graph({ height: 260, low: 0, ...options }).element;
-const hertz = v => v.toFixed(1) + " Hz", tone = (light, dark = light) => () => rgb(OKABE_ITO[darkScheme.matches ? dark : light]);
+const hertz = v => v.toFixed(1) + " Hz", tone = (light, dark = light) => () => rgb(OKABE_ITO[isDark() ? dark : light]);
 const files = [...D.axes.flatMap(a => a.recordings), ...(D.belts ? D.belts.recordings : [])].map(r => r.file).concat(D.profile ? [D.profile.runs.length + " runs"] : []);
 
 // ---- An axis
@@ -140,8 +140,7 @@ function told(run) { return `${run.angle_deg.toFixed(0)}\u00b0, ${run.speed_mm_s
 function runAt(P, speed, angle) { return P.runs.find(run => run.angle_deg === angle && run.speed_mm_s === speed); }
 /** Each run is a part of a ring, and both ways along an angle are one. */
 function polar(P, speeds, fastest, top) {
-  const svg = (tag, props, ...children) => { const e = document.createElementNS("http://www.w3.org/2000/svg", tag); for (const [k, v] of Object.entries(props)) e.setAttribute(k, v); e.append(...children); return e; };
-  const picture = svg("svg", { class: "polar", viewBox: "-200 -172 400 344", role: "img", "aria-label": "Vibration by direction and speed" }), radius = v => 150 * v / fastest;
+  const picture = makeSvg("svg", { class: "polar", viewBox: "-200 -172 400 344", role: "img", "aria-label": "Vibration by direction and speed" }), radius = v => 150 * v / fastest;
   const between = (list, i) => [i ? (list[i - 1] + list[i]) / 2 : null, i + 1 < list.length ? (list[i] + list[i + 1]) / 2 : null];
   const at = (r, deg) => (r * Math.cos(deg * Math.PI / 180)).toFixed(1) + " " + (-r * Math.sin(deg * Math.PI / 180)).toFixed(1);
   const draw = () => {
@@ -155,11 +154,11 @@ function polar(P, speeds, fastest, top) {
       const r0 = radius(Math.max(inner ?? speeds[j] - w, 0)), r1 = radius(Math.min(outer ?? speeds[j] + w, fastest * 1.05));
       for (const turn of [0, 180]) {
         const a = run.angle_deg + turn - Math.min(before, 22.5), b = run.angle_deg + turn + Math.min(behind, 22.5);
-        picture.append(svg("path", { d: `M${at(r0, a)}L${at(r1, a)}A${r1.toFixed(1)} ${r1.toFixed(1)} 0 0 0 ${at(r1, b)}L${at(r0, b)}A${r0.toFixed(1)} ${r0.toFixed(1)} 0 0 1 ${at(r0, a)}z`, fill: rgb(viridis(run.vibration_mm_s2 / top)), "data-says": told(run) }));
+        picture.append(makeSvg("path", { d: `M${at(r0, a)}L${at(r1, a)}A${r1.toFixed(1)} ${r1.toFixed(1)} 0 0 0 ${at(r1, b)}L${at(r0, b)}A${r0.toFixed(1)} ${r0.toFixed(1)} 0 0 1 ${at(r0, a)}z`, fill: rgb(viridis(run.vibration_mm_s2 / top)), "data-says": told(run) }));
       }
     }
-    for (const v of [fastest / 3, 2 * fastest / 3, fastest]) picture.append(svg("circle", { r: radius(v).toFixed(1) }), svg("text", { x: 2, y: -radius(v) - 2 }, v.toFixed(0)));
-    picture.append(svg("text", { x: 160, y: 4 }, "x"), svg("text", { x: -8, y: -160, "text-anchor": "end" }, "y"));
+    for (const v of [fastest / 3, 2 * fastest / 3, fastest]) picture.append(makeSvg("circle", { r: radius(v).toFixed(1) }), makeSvg("text", { x: 2, y: -radius(v) - 2 }, v.toFixed(0)));
+    picture.append(makeSvg("text", { x: 160, y: 4 }, "x"), makeSvg("text", { x: -14, y: -160, "text-anchor": "end" }, "y"));
   };
   draw(); onScheme(picture, draw);
   return [sayer(picture), picture];

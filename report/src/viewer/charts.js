@@ -19,8 +19,7 @@ class Chart {
     this.hint = make("p", { className: "sub", textContent: `Choose a window of at most ${longest} s to see it.`, hidden: true });
     this.element = make("div", { className: "chart" }, make("div", { className: "bar" }, make("h3", { textContent: title + (unit ? ", " + unit : "") }), this.legend), this.hint, this.place);
     this.now = make("div", { className: "nowline" });
-    // Only what is in sight is computed and drawn.
-    new IntersectionObserver(entries => { this.isSeen = entries.at(-1).isIntersecting; if (this.isSeen) group.ask(); }, { rootMargin: "150px" }).observe(this.place);
+    new IntersectionObserver(entries => { this.isSeen = entries.at(-1).isIntersecting; group.ask(); }, { rootMargin: "150px" }).observe(this.place);
   }
   build() {
     const series = [{}], bands = [];
@@ -33,7 +32,7 @@ class Chart {
     });
     const { group } = this;
     this.plot = plotted({
-      width: Math.max(this.place.clientWidth, 200), height: this.height, series, bands, legend: { show: false }, padding: [8, 8, 0, 0],
+      width: plotWidth(this.place), height: this.height, series, bands, legend: { show: false }, padding: [8, 8, 0, 0],
       scales: { x: { time: false, range: () => group.window }, y: { range: (_, least, most) => {
         if (least === null || (least === 0 && most === 0)) return [0, 1];
         const bottom = Math.min(least, this.low ?? Infinity), room = (most - bottom) * 0.06 || Math.max(Math.abs(most) * 0.05, 1e-3);
@@ -94,7 +93,7 @@ class Chart {
     this.hint.hidden = to - from <= this.longest * 1.001;
     this.place.hidden = !this.hint.hidden;
     if (this.place.hidden) return;
-    if (!this.isSeen || this.plot && this.key === key) return;
+    if (this.plot && this.key === key) return;
     const n = clamp(Math.round(this.place.clientWidth - 62), 100, 1200), last = await this.data(...this.group.window, n, isWanted);
     if (!last || !isWanted()) return;
     this.last = last; this.key = key;
@@ -120,7 +119,7 @@ class Charts {
     this.element = make("section", { className: "card panel", ariaLabel: title }, make("div", { className: "bar" }, make("h2", { textContent: title }), make("span", { className: "sub", textContent: note }), make("span", { className: "grow" }), this.out,
       buttonGroup("Window of time", pushButton("\u2190", "Earlier", () => move(-0.5)), pushButton("\u2212", "Longer window", () => zoom(4)), pushButton("+", "Shorter window around now", () => zoom(0.25)), pushButton("\u2192", "Later", () => move(0.5)), pushButton("All", "The whole print", () => this.show(...this.whole)))), this.grid);
     player.on("time", () => this.follow());
-    onScheme(this.element, () => this.rebuild());
+    for (const on of [onScheme, onPaper]) on(this.element, () => this.rebuild());
     new ResizeObserver(() => this.resize()).observe(this.grid);
   }
   add(options) { const chart = new Chart(this, options); this.charts.push(chart); this.grid.append(chart.element); }
@@ -142,12 +141,15 @@ class Charts {
   }
   ask() { this.asked ||= requestAnimationFrame(() => { this.asked = 0; this.update(); }); }
   async update() {
-    const round = ++this.round;
-    for (const chart of this.charts) { await chart.update(() => round === this.round); if (round !== this.round) return; await breathe(); }
+    const round = ++this.round, isWanted = () => round === this.round;
+    // What is in sight comes first. The rest is drawn when the page has nothing else to do, since it may be printed.
+    for (const chart of this.charts.filter(({ isSeen }) => isSeen)) { await chart.update(isWanted); if (!isWanted()) return; await breathe(); }
+    for (const chart of this.charts.filter(({ isSeen }) => !isSeen)) { await new Promise(whenIdle); if (!isWanted()) return; await chart.update(isWanted); }
   }
   resize() {
     for (const { plot, place, height } of this.charts) plot?.setSize({ width: Math.max(place.clientWidth, 200), height });
     if (this.grid.clientWidth) this.ask();
   }
-  rebuild() { for (const chart of this.charts) { chart.plot?.destroy(); chart.plot = null; } this.ask(); }
+  /** At once, of what was computed last: a page that is printed does not wait. */
+  rebuild() { for (const chart of this.charts) if (chart.plot) { chart.plot.destroy(); chart.build(); chart.mark(); } }
 }

@@ -5,14 +5,28 @@ const VIRIDIS = [[68, 1, 84], [72, 40, 120], [62, 73, 137], [49, 104, 142], [38,
 /** Okabe and Ito, Color Universal Design (2008). */
 const OKABE_ITO = { orange: [230, 159, 0], sky: [86, 180, 233], green: [0, 158, 115], yellow: [240, 228, 66], blue: [0, 114, 178], vermilion: [213, 94, 0], purple: [204, 121, 167], grey: [150, 150, 150] };
 const darkScheme = matchMedia("(prefers-color-scheme: dark)");
-/** Calls when the page gets dark or light, as long as an element is in it. */
-function onScheme(element, each) {
-  const listen = () => { if (element.isConnected) each(); else darkScheme.removeEventListener("change", listen); };
-  darkScheme.addEventListener("change", listen);
+/** What is drawn by the colours of the page, and what is turned for paper; each with the element that it is in. */
+const painted = new Map(), turned = new Map();
+function callAll(all, ...words) {
+  for (const [each, element] of all) if (element.isConnected) each(...words); else all.delete(each);
 }
+/** Calls when the page gets dark or light, as long as an element is in it; for paper too, unless the element turns itself. */
+function onScheme(element, each) { painted.set(each, element); }
+/** Calls with true before the page is printed, and with false afterwards. */
+function onPaper(element, turn) { turned.set(turn, element); }
+const isPaper = () => document.documentElement.classList.contains("paper");
+/** Paper is light: before a dark page is printed, it is drawn with light colours, and afterwards as it was. */
+const isDark = () => darkScheme.matches && !isPaper();
+darkScheme.addEventListener("change", () => callAll(painted));
+for (const [name, isOn] of [["beforeprint", true], ["afterprint", false]]) addEventListener(name, () => {
+  document.documentElement.classList.toggle("paper", isOn);
+  const own = new Set(turned.values());
+  if (darkScheme.matches) callAll(new Map([...painted].filter(([, element]) => !own.has(element))));
+  callAll(turned, isOn);
+});
 const rgb = c => "rgb(" + c.join(",") + ")";
 function viridis(share) {
-  const [from, to] = darkScheme.matches ? [0.2, 1] : [0, 0.86];
+  const [from, to] = isDark() ? [0.2, 1] : [0, 0.86];
   const f = (from + (to - from) * clamp(share, 0, 1)) * 9, k = Math.min(8, Math.floor(f)), r = f - k;
   return VIRIDIS[k].map((c, j) => Math.round(c + (VIRIDIS[k + 1][j] - c) * r));
 }
@@ -30,9 +44,9 @@ const ROLES = {
  * (xtask/browser/colours.py). */
 const DARKER = 0.45, LIGHTER = 0.65;
 /** What lays nothing: greys, as lines above have colours; a prime stands, so its colour is never that of a line. */
-const travelColour = () => darkScheme.matches ? [121, 127, 139] : [120, 126, 138];
+const travelColour = () => isDark() ? [121, 127, 139] : [120, 126, 138];
 const EMPTY = {
-  Wipe: () => darkScheme.matches ? [178, 184, 196] : [46, 52, 64], Retract: () => darkScheme.matches ? [245, 251, 255] : [20, 26, 38], Prime: () => [130, 190, 100],
+  Wipe: () => isDark() ? [178, 184, 196] : [46, 52, 64], Retract: () => isDark() ? [245, 251, 255] : [20, 26, 38], Prime: () => [130, 190, 100],
 };
 /** A colour for each type of line: the second one of a role is darker and the third one lighter, as solid and top solid infill. */
 function typeColours(types) {
@@ -50,7 +64,7 @@ const LIMIT_COLOURS = {
 };
 /** Lines of a chart, by number. */
 const curveColour = i => {
-  const set = darkScheme.matches ? ["sky", "orange", "green", "purple", "yellow", "vermilion", "blue", "grey"] : ["blue", "vermilion", "green", "purple", "orange", "sky", "grey", "yellow"];
+  const set = isDark() ? ["sky", "orange", "green", "purple", "yellow", "vermilion", "blue", "grey"] : ["blue", "vermilion", "green", "purple", "orange", "sky", "grey", "yellow"];
   return rgb(OKABE_ITO[set[i % set.length]]);
 };
 /** As a colour of a chart, faint. */

@@ -11,11 +11,11 @@ const differs = (u, v, by) => Math.abs(u - v) > by;
 /** A value of a key as text, without the digits that its rounding left. */
 const valueOfKey = v => typeof v === "number" ? String(+v.toPrecision(9)) : typeof v === "string" ? v : JSON.stringify(v ?? undefined) ?? "\u2013";
 
-/** Places and keys that two records have with other values. */
+/** Keys that two tables have with other values. A list is one value. */
 function otherKeys(a, b, path = "", found = []) {
-  if (found.length > 40) return found;
-  if (a && b && typeof a === "object" && typeof b === "object") for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) otherKeys(a[key], b[key], path ? path + "." + key : key, found);
-  else if (a !== b) found.push([path, ...[a, b].map(valueOfKey)]);
+  const isTable = v => v && typeof v === "object" && !Array.isArray(v);
+  if (isTable(a) && isTable(b)) for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) otherKeys(a[key], b[key], path ? path + "." + key : key, found);
+  else if (JSON.stringify(a) !== JSON.stringify(b)) found.push([path, ...[a, b].map(valueOfKey)]);
   return found;
 }
 
@@ -56,6 +56,13 @@ async function otherFile(first, second) {
   return `Two files: this report shows ${of(first)}, the second one ${of(second)}.` + (from ? ` They differ from line ${count(from)} on.` : "") + " So a difference may come from the files.";
 }
 
+/** What a text is that is no report of a print. */
+function otherPage(text) {
+  if (!/^\s*<(!doctype html|html)/i.test(text)) return "is no page: choose a report that `corehbot run --report` wrote";
+  const isOurs = /<title>corehbot/i.test(text.slice(0, 1000));
+  return isOurs ? "is another page of corehbot, or one of an older version: choose the report of a print (`corehbot run --report`)" : "is a page of something else: choose a report that `corehbot run --report` wrote";
+}
+
 /** Which run takes longer, and by how much of the first one's `time`. */
 function timeSaved(time, saved) {
   if (saved === 0) return "Both take the same time. ";
@@ -72,7 +79,7 @@ function compareCard(record, stage, player) {
     status.textContent = "reading " + name;
     await breathe();
     const found = recordOfText(text);
-    if (!found) { status.textContent = name + " is no report of a print, or one of an older version"; return; }
+    if (!found) { status.textContent = `${name} ${otherPage(text)}`; return; }
     try {
       const second = await loadRecord(found.data, found.streams, share => { status.textContent = `reading ${name}: ${(100 * share).toFixed(0)} %`; });
       second.gcode = found.streams.gcode;
@@ -106,13 +113,14 @@ function compareCard(record, stage, player) {
     stage.sides = "both";
     const end = make("button", { type: "button", textContent: "End the comparison" });
     end.onclick = () => { stage.lines.remove(stage.second.body); stage.second = null; stage.sides = "both"; result.replaceChildren(); stage.redraw(); };
-    const keys = otherKeys(A.machine ?? {}, B.machine ?? {});
+    // Reports of earlier versions have a part of the settings, by other names.
+    const keys = A.settings && B.settings ? otherKeys(A.settings, B.settings) : otherKeys(A.machine ?? {}, B.machine ?? {});
     result.replaceChildren(
       ...(warning ? [make("p", { className: "warning", role: "alert", textContent: warning })] : []),
       make("div", { className: "bar" }, make("span", { className: "legend" }, dot(OKABE_ITO.vermilion), name), sides, end),
       make("p", {}, whole ? timeSaved(time(A), saved) : "Times are not compared, because a run ended early. ", "First difference of the path: ", jump(path), ", of speeds: ", jump(speed), "."),
       table(["", "this report", "second report"], rows, "figures"),
-      ...(keys.length ? [make("h3", { textContent: "Differences of the machines" }), table(["Key", "this report", "second report"], keys, "figures")] : []));
+      ...(keys.length ? [make("h3", { textContent: "Settings that differ" }), table(["Key of the machine file", "this report", "second report"], keys, "figures")] : []));
     if (!whole) return;
     const both = layersOfBoth(A.by_layer ?? [], B.by_layer ?? []), layers = both.length, gain = both.map(({ first, second }) => first - second);
     if (!layers) return;

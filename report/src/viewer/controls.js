@@ -2,9 +2,9 @@
 
 const ICONS = { play: "M3 1l10 6-10 6z", pause: "M2 1h4v12H2zM8 1h4v12H8z" };
 function playButton(player) {
-  const button = make("button", { className: "play", type: "button" });
+  const shape = makeSvg("path"), button = make("button", { className: "play", type: "button" }, makeSvg("svg", { viewBox: "0 0 14 14", "aria-hidden": "true" }, shape));
   const show = () => {
-    button.innerHTML = `<svg viewBox="0 0 14 14" aria-hidden="true"><path d="${player.playing ? ICONS.pause : ICONS.play}"/></svg>`;
+    shape.setAttribute("d", player.playing ? ICONS.pause : ICONS.play);
     button.ariaLabel = player.playing ? "Pause" : "Play";
   };
   button.onclick = () => player.play();
@@ -70,6 +70,8 @@ const dot = colour => { const swatch = make("i", { className: "dot" }); swatch.s
 /** The choice of the measure, and its legend. */
 function colourBar(record, stage, player) {
   const { moves, data } = record, measures = measuresOf(record);
+  // A measure that is asked for before it is known is shown when it is.
+  let later = null;
   const legend = make("div", { className: "legend kinds" });
   let measure = measures[0];
   const travels = data.types.reduce((bits, type, k) => type.role === "travel" ? bits | 1 << k : bits, 0);
@@ -114,7 +116,7 @@ function colourBar(record, stage, player) {
     const shares = new Float64Array(measure.kinds.length);
     let whole = 0;
     // Of what is shown, travel too.
-    if (measure.id !== "type") for (let i = 0; i < moves.n; i++) { if (moves.type[i] === HIDDEN || isHidden(1 << moves.type[i])) continue; const s = moves.duration(i); shares[moves.limit[i]] += s; whole += s; }
+    if (measure.id !== "type") for (let i = 0; i < moves.n; i++) { if (moves.type[i] === HIDDEN || isHidden(1 << moves.type[i])) continue; const s = moves.duration(i); shares[measure.of(i)] += s; whole += s; }
     // Travel comes last.
     const isGrey = label => label.isTravel ? 1 : 0;
     legend.replaceChildren(...measure.kinds.map((kind, k) => {
@@ -135,7 +137,17 @@ function colourBar(record, stage, player) {
   const travel = check("travel", !(travels & player.hidden), isOn => { hide(travels, !isOn); show(); });
   travel.hidden = !anyPrint || !travels;
   show();
-  return { choice: make("span", { className: "bar" }, log, make("label", {}, "colour", choice)), travel, legend };
+  const choose = id => {
+    const wanted = measures.find(m => m.id === id);
+    later = wanted ? null : id ?? null;
+    if (wanted) { measure = wanted; choice.value = id; show(); }
+  };
+  const add = more => {
+    measures.push(...more);
+    choice.append(...more.map(({ id, name }) => make("option", { value: id, textContent: name })));
+    if (later) choose(later);
+  };
+  return { choice: make("span", { className: "bar" }, log, make("label", {}, "colour", choice)), travel, legend, chosen: -1, choose, add, get id() { return measure.id; }, get name() { return measure.name; } };
 }
 
 function viewButtons(stage, player, record, path) {

@@ -1,5 +1,16 @@
 // G-code: the file's text in step with the picture. Only the lines in sight are elements, and only their blobs are open.
 
+/** Calls with each line of the file, its number, its words behind a number of the host's, and all of it; ends once that is true. */
+async function eachLine(chunks, blobs, each) {
+  const decoder = new TextDecoder();
+  let c = 0;
+  for await (const bytes of inOrder(blobs)) {
+    let number = chunks[c++][0];
+    for (const whole of decoder.decode(bytes).split("\n")) if (each(number++, whole.trimStart().replace(/^N\d+\s*/i, ""), whole)) return;
+    await breathe();
+  }
+}
+
 const ROW = 19, TALLEST = 6e6;
 class Text {
   constructor(record, player, blobs) {

@@ -16,9 +16,17 @@ const tickText = v => Math.abs(v) >= 1e6 ? +(v / 1e6).toPrecision(4) + "M" : Mat
 /** A value in words, with four digits. */
 const valueText = v => v === null || v === undefined ? "\u2013" : v === 0 ? "0" : Math.abs(v) >= 1e7 || Math.abs(v) < 1e-3 ? v.toExponential(2) : String(+v.toPrecision(4));
 
-/** Calls once an element is in sight, or nearly. */
+/** Charts are so many px wide on paper: those between the margins of A4 and of letter. */
+const PAPER_PX = 660;
+const plotWidth = place => isPaper() ? PAPER_PX : Math.max(place.clientWidth, 200);
+
+/** Calls once the page has nothing else to do. */
+const whenIdle = window.requestIdleCallback ? each => requestIdleCallback(each) : each => setTimeout(each, 200);
+/** Calls once: when an element is in sight, or nearly, or when the page has nothing else to do, since it may be printed. */
 function whenSeen(element, each) {
-  const watch = new IntersectionObserver(entries => { if (entries.some(entry => entry.isIntersecting)) { watch.disconnect(); each(); } }, { rootMargin: "150px" });
+  let isDone = false;
+  const go = () => { if (isDone || !element.isConnected) return; isDone = true; watch.disconnect(); each(); };
+  const watch = new IntersectionObserver(entries => { if (entries.some(entry => entry.isIntersecting)) go(); else whenIdle(go); }, { rootMargin: "150px" });
   watch.observe(element);
 }
 
@@ -43,11 +51,11 @@ class Graph {
     this.tell(null);
     this.align();
     whenSeen(this.place, () => { this.isSeen = true; this.build(); });
-    onScheme(this.element, () => { if (this.isSeen) this.build(); });
+    for (const on of [onScheme, onPaper]) on(this.element, () => { if (this.isSeen) this.build(); });
     new ResizeObserver(() => this.plot?.setSize({ width: this.width, height })).observe(this.place);
     this.place.addEventListener("keydown", e => this.key(e));
   }
-  get width() { return Math.max(this.place.clientWidth, 200); }
+  get width() { return plotWidth(this.place); }
   /** All curves on the same places. */
   align() {
     const { curves } = this;

@@ -56,21 +56,16 @@ const LINES = {
 
 /** Lines of the file of each kind of `LINES`, in order. */
 async function markedLines(chunks, blobs) {
-  const found = Object.fromEntries(Object.keys(LINES).map(name => [name, []])), decoder = new TextDecoder();
-  let c = 0, tool = "T0";
-  for await (const bytes of inOrder(blobs)) {
-    decoder.decode(bytes).split("\n").forEach((text, k) => {
-      const words = text.trimStart().replace(/^N\d+\s*/i, "");
-      for (const [name, sign] of Object.entries(LINES)) {
-        const said = sign.exec(words)?.[0].toUpperCase();
-        if (!said || name === "tool changes" && said === tool) continue;
-        if (name === "tool changes") tool = said;
-        found[name].push(chunks[c][0] + k);
-      }
-    });
-    c++;
-    await breathe();
-  }
+  const found = Object.fromEntries(Object.keys(LINES).map(name => [name, []]));
+  let tool = "T0";
+  await eachLine(chunks, blobs, (number, words) => {
+    for (const [name, sign] of Object.entries(LINES)) {
+      const said = sign.exec(words)?.[0].toUpperCase();
+      if (!said || name === "tool changes" && said === tool) continue;
+      if (name === "tool changes") tool = said;
+      found[name].push(number);
+    }
+  });
   return found;
 }
 

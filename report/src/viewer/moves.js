@@ -74,18 +74,22 @@ class Moves {
   }
   /** How many of the first `i` are moves. */
   made(i) { return i - after(this.renamed.length, k => this.renamed[k], i - 1); }
-  /** mm of filament up to a time, pulled back ones taken off; sums of the moves before are kept for some of them. */
+  /** mm of filament used up to a time: the most that was ahead until then. Sums and mosts are kept for some of the moves. */
   filament(t) {
     const EVERY = 1024;
-    this.sums ??= Float64Array.from({ length: Math.ceil(this.n / EVERY) + 1 }, (() => {
-      let sum = 0;
-      return (_, k) => { for (let i = Math.max(k - 1, 0) * EVERY; i < Math.min(k * EVERY, this.n); i++) sum += this.e[i]; return sum; };
-    })());
+    if (!this.sums) {
+      this.sums = [[0, 0]];
+      let sum = 0, most = 0;
+      for (let i = 0; i < this.n; i++) {
+        most = Math.max(most, sum += this.e[i]);
+        if ((i + 1) % EVERY === 0) this.sums.push([sum, most]);
+      }
+    }
     if (!this.n) return 0;
     const i = this.indexAt(t), k = Math.floor(i / EVERY);
-    let sum = this.sums[k] + this.e[i] * this.share(i, t);
-    for (let j = k * EVERY; j < i; j++) sum += this.e[j];
-    return sum;
+    let [sum, most] = this.sums[k];
+    for (let j = k * EVERY; j < i; j++) most = Math.max(most, sum += this.e[j]);
+    return Math.max(most, sum + this.e[i] * this.share(i, t));
   }
   get whole() { return this.n ? this.end(this.n - 1) : 0; }
 }

@@ -60,15 +60,16 @@ async function openRecord(root, data, streams) {
   record.gcode = streams.gcode ?? [];
   const { heights } = layersOf(data), player = new Player(record.moves, heights.length);
   const parts = [header(record), faultCard(record, player)];
-  let stage = null;
+  let stage = null, colours = null;
   try { stage = new Stage(record, player); } catch (error) { parts.push(card("Tool path", make("p", { textContent: `The path cannot be drawn: ${error.message}.` }))); }
   if (stage) {
-    const colours = colourBar(record, stage, player), layers = layerSlider(player, heights), text = new Text(record, player, record.gcode);
+    colours = colourBar(record, stage, player);
+    const layers = layerSlider(player, heights), text = new Text(record, player, record.gcode);
     const hasText = text.lines > 0;
     const view = make("section", { className: "card panel view", ariaLabel: "Tool path" },
-      make("div", { className: "bar" }, make("h2", { textContent: "Tool path" }), ...viewButtons(stage, player, record, streams.path), make("span", { className: "grow" }), colours.travel, colours.choice),
-      colours.legend, markBoxes(stage, record, record.gcode),
-      make("div", { className: "beside" }, stage.element, layers.slider, ...(hasText ? [text.element] : [])),
+      make("div", { className: "bar" }, make("h2", { textContent: "Tool path" }), ...viewButtons(stage, player, record, streams.path), make("span", { className: "grow" }), ...saveButtons(stage, player, record, colours, heights)),
+      make("div", { className: "bar" }, colours.choice, colours.travel), colours.legend, markBoxes(stage, record, record.gcode),
+      make("div", { className: "beside" }, stage.element, layers.slider, ...(hasText ? [make("div", { className: "file" }, findBar(text, record.data.gcode_chunks, record.gcode), text.element)] : [])),
       moveSlider(player, record), layers.line, help());
     parts.push(view);
     keyboard(root, stage, player);
@@ -78,14 +79,31 @@ async function openRecord(root, data, streams) {
   parts.push(tiles(record));
   root.replaceChildren(...parts);
   preview?.lines.end();
-  // Curves come after the first picture.
+  // Curves come after the first picture, and so does the view of a link: the picture has its size now.
   await new Promise(go => requestAnimationFrame(() => setTimeout(go)));
   if (root.corehbotRound !== round) return;
+  if (stage) {
+    const follow = () => { if (root.corehbotRound === round) showView(location.hash.slice(1), stage, player, colours); else removeEventListener("hashchange", follow); };
+    addEventListener("hashchange", follow);
+    follow();
+  }
   const more = [timeCards(record, player), record.moves.n ? motionCharts(record, player).element : "", heatCharts(record, player)?.element ?? "", meshCards(record), ...(stage ? [compareCard(record, stage, player)] : []), endCards(record)];
   root.append(...more);
-  return (root.corehbotView = { record, player, stage });
+  root.corehbotView = { record, player, stage };
+  if (stage) {
+    // The text of the file says what moves are of; of a large one it takes a while.
+    const { objects, tools } = record.sorted = await sortedMoves(record, record.gcode);
+    if (root.corehbotRound !== round) return;
+    if (tools) colours.add([measureOfThings("tool", "Tool", "no tool", tools)]);
+    if (objects) {
+      colours.add([measureOfThings("object", "Object", "no object", objects, () => colours.chosen)]);
+      more[0] ? more[0].after(objectCard(record, objects, stage, player, colours)) : root.append(objectCard(record, objects, stage, player, colours));
+    }
+  }
+  root.dataset.sorted = "true";
+  return root.corehbotView;
 }
 function help() {
   const keys = [["\u2190 \u2192", "one move; with Shift 100"], ["\u2191 \u2193", "one layer"], ["Space", "play, pause"], ["+ \u2212", "zoom"], ["0", "fit"], ["3", "above or 3D"], ["[ ] PgUp PgDn", "orbit"], ["Alt + arrows", "pan"], ["Home End", "first, last move"]];
-  return make("details", { className: "keys" }, make("summary", { textContent: "Keys and hands" }), make("p", { textContent: "Drag: pan from above, orbit in 3D (Shift or the right button pans). Wheel or two fingers: zoom. Click a move, a line of G-code or a chart: the others follow." }), make("dl", {}, ...keys.flatMap(([key, what]) => [make("dt", { textContent: key }), make("dd", { textContent: what })])));
+  return make("details", { className: "keys" }, make("summary", { textContent: "Keys and hands" }), make("p", { textContent: "Drag: pan from above, orbit in 3D (Shift or the right button pans). Wheel: zoom. One finger that goes sideways drags, and one that goes up or down scrolls the page; two fingers move and zoom. On the whole screen one finger drags any way. Click a move, a line of G-code or a chart: the others follow." }), make("dl", {}, ...keys.flatMap(([key, what]) => [make("dt", { textContent: key }), make("dd", { textContent: what })])));
 }

@@ -17,20 +17,28 @@ function remarkList(texts, name = "Remarks") {
   return list;
 }
 /** Figures, each with its unit and its name; of what is not known there is none. */
-const tileRow = list => make("section", { className: "tiles", ariaLabel: "Figures" }, ...list.filter(Boolean).map(([value, unit, name]) => make("div", { className: "card tile" },
+const tileRow = list => make("div", { className: "tiles", role: "group", ariaLabel: "Figures" }, ...list.filter(Boolean).map(([value, unit, name]) => make("div", { className: "card tile" },
   make("b", { className: String(value).length + unit.length > 9 ? "long" : "" }, value + " ", make("small", { textContent: unit })), make("span", { textContent: name }))));
 /** A table that scrolls by itself where it is too wide; `isTaken` marks the row that is suggested. */
 const table = (heads, rows, className = "", isTaken = () => false) => {
-  const body = make("tbody"), head = make("tr", {}, ...heads.map(textContent => make("th", { textContent, scope: "col" })));
+  const body = make("tbody"), head = make("tr", {}, ...heads.map(textContent => textContent ? make("th", { textContent, scope: "col" }) : make("td")));
   rows.forEach((row, i) => {
     const line = body.insertRow();
     if (isTaken(i)) { line.className = "taken"; line.ariaSelected = "true"; }
     for (const cell of row) line.insertCell().append(cell);
   });
-  return make("div", { className: "wide" }, make("table", { className: className || (heads.length > 2 ? "many" : "") }, make("thead", {}, head), body));
+  const wide = make("div", { className: "wide" }, make("table", { className: className || (heads.length > 2 ? "many" : "") }, ...(heads.some(Boolean) ? [make("thead", {}, head)] : []), body));
+  // One that is too wide is scrolled by keys, too; those of the page are not for it then.
+  new ResizeObserver(() => { if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0; else wide.removeAttribute("tabindex"); }).observe(wide);
+  wide.addEventListener("keydown", e => { if (["ArrowLeft", "ArrowRight"].includes(e.key) && wide.tabIndex === 0) e.stopPropagation(); });
+  return wide;
 };
-/** A button that does something at once; the group of some joins them. */
-const pushButton = (textContent, label, onclick) => make("button", { type: "button", textContent, ariaLabel: label, title: label, onclick });
+/** A button that does something at once; the group of some joins them. Its name begins with the word on it: who speaks the word
+ * to the browser means it. */
+const pushButton = (textContent, label, onclick) => {
+  const isNamed = !/\w/.test(textContent) || label.toLowerCase().startsWith(textContent.toLowerCase());
+  return make("button", { type: "button", textContent, ariaLabel: isNamed ? label : `${textContent}: ${label}`, title: label, onclick });
+};
 const buttonGroup = (label, ...buttons) => make("div", { className: "group", role: "group", ariaLabel: label }, ...buttons);
 /** A list to choose from: pairs of a value and its words. */
 const select = (label, options, onchange) => {
@@ -57,6 +65,7 @@ function scaleOf(least, most) {
 function shade(cell, share) {
   const [r, g, b] = viridis(share);
   cell.style.background = rgb([r, g, b]);
-  // Luma of BT.601.
-  cell.style.color = 0.299 * r + 0.587 * g + 0.114 * b > 140 ? "#111" : "#fff";
+  // Relative luminance of WCAG 2.2: black has the greater contrast from 0.18 on, and then at least 4.5 as white has below.
+  const [x, y, z] = [r, g, b].map(v => v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4);
+  cell.style.color = 0.2126 * x + 0.7152 * y + 0.0722 * z > 0.1791 ? "#000" : "#fff";
 }

@@ -1,5 +1,8 @@
 // Stage: the picture of the moves, with the bed below and marks above, and the hands that turn it.
 
+/** A finger goes sideways from so many px on. */
+const SIDEWAYS_PX = 8;
+
 class Stage {
   constructor(record, player) {
     Object.assign(this, { record, player, camera: new Camera(), picker: null, hover: -1, second: null, way: null, marks: {}, sides: "both", withSkirt: false, drawn: null, calm: 0, pending: 0, dirty: true });
@@ -15,6 +18,7 @@ class Stage {
     for (const kind of ["layers", "hidden"]) player.on(kind, () => this.redraw());
     player.on("time", () => this.advance());
     onScheme(this.element, () => this.redraw());
+    onPaper(this.element, isPaper => this.turn(isPaper));
     new ResizeObserver(() => this.resize()).observe(this.element);
   }
   /** Least and greatest place of what is printed, without skirt and purge line unless they are wanted. */
@@ -39,6 +43,10 @@ class Stage {
       ?? find(i => moves.type[i] !== HIDDEN && moves.length(i) > 0) ?? [[left, front, 0], [right, back, 0]];
   }
   fit() { this.camera.fit(this.bounds ??= this.box()); this.fitted = this.camera.view; this.redraw(); }
+  /** Shows a box from where it is seen now. */
+  lookAt(box) { this.camera.fit(box); this.player.tell("camera"); this.redraw(); }
+  /** Waits until all is drawn. */
+  async whole() { while (this.pending || this.dirty || this.lines.queue.length || this.drawn !== this.player.done) await new Promise(requestAnimationFrame); }
   refit() { this.bounds = null; this.fit(); }
   setAbove(isAbove) {
     Object.assign(this.camera, isAbove ? { azimuth: 0, elevation: 90 } : { azimuth: 30, elevation: 35 });
@@ -69,7 +77,7 @@ class Stage {
     this.wantsWay = isOn;
     if (isOn) {
       const moves = await readPath(this.record.data, path);
-      if (this.wantsWay && !this.way) this.way = this.lines.add(moves, darkScheme.matches ? WHITE : BLACK);
+      if (this.wantsWay && !this.way) this.way = this.lines.add(moves, isDark() ? WHITE : BLACK);
     }
     this.redraw();
   }
@@ -121,6 +129,19 @@ class Stage {
     }
     this.drawOver();
   }
+  /** Grid, lines and marks as one canvas. */
+  flat(tall = 0) {
+    const { width, height } = this.over, canvas = make("canvas", { className: "printed", width, height: height + tall }), g = canvas.getContext("2d");
+    for (const layer of [this.under, this.middle, this.over]) g.drawImage(layer, 0, 0, width, height);
+    return canvas;
+  }
+  /** For paper the picture is one canvas of now, as a page that is printed does not wait: Chromium prints a canvas that was
+   * drawn just now as its orders, and the one that clears it would clear those below it too. */
+  turn(isPaper) {
+    this.element.querySelector(".printed")?.remove();
+    if (isPaper || isDark()) { this.drawUnder(); this.drawOver(); }
+    if (isPaper) this.element.append(this.flat());
+  }
   surface(canvas) {
     const g = canvas.getContext("2d", { willReadFrequently: this.lines.isSoftware }), ratio = devicePixelRatio || 1;
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -166,20 +187,27 @@ class Stage {
   hands() {
     const { element, camera } = this, fingers = new Map();
     const spot = e => { const box = element.getBoundingClientRect(); return [e.clientX - box.left, e.clientY - box.top]; };
-    let moved = 0;
+    let moved = 0, isUpright = false;
     const turned = () => { this.redraw(true); this.player.tell("camera"); };
     element.addEventListener("wheel", e => {
       e.preventDefault();
       camera.zoom(clamp(Math.exp(-e.deltaY * (e.deltaMode ? 0.05 : 0.0015)), 0.5, 2), ...spot(e));
       turned();
     }, { passive: false });
+    // One finger that goes up or down scrolls the page, unless there is nothing else on the screen; two are for the picture.
+    element.addEventListener("touchmove", e => { if (e.touches.length > 1) e.preventDefault(); }, { passive: false });
     element.addEventListener("contextmenu", e => e.preventDefault());
-    element.addEventListener("pointerdown", e => { element.setPointerCapture(e.pointerId); fingers.set(e.pointerId, spot(e)); moved = 0; this.show(-1); });
+    element.addEventListener("pointerdown", e => { element.setPointerCapture(e.pointerId); fingers.set(e.pointerId, spot(e)); moved = 0; isUpright = e.pointerType === "touch" && !document.fullscreenElement; this.show(-1); });
     element.addEventListener("pointermove", e => {
       const before = fingers.get(e.pointerId), now = spot(e);
       if (!before) { if (e.pointerType === "mouse") this.look(...now); return; }
       const dx = now[0] - before[0], dy = now[1] - before[1];
       moved += Math.abs(dx) + Math.abs(dy);
+      // Until one finger has gone sideways it may be about to scroll the page.
+      if (isUpright && fingers.size === 1) {
+        if (Math.abs(dx) < SIDEWAYS_PX || Math.abs(dx) < Math.abs(dy)) return;
+        isUpright = false;
+      }
       if (fingers.size === 2) {
         const [, other] = [...fingers].find(([id]) => id !== e.pointerId), gap = p => Math.hypot(p[0] - other[0], p[1] - other[1]);
         camera.zoom(gap(now) / Math.max(gap(before), 1), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);

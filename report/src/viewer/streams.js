@@ -42,7 +42,11 @@ const streamsOfPage = () => Object.fromEntries(STREAMS.map(name => [name, stream
 function recordOfText(text) {
   const begin = text.indexOf("\nconst D = "), end = text.indexOf(";\n", begin);
   if (begin < 0 || end < 0) return null;
-  const data = JSON.parse(text.slice(begin + 11, end)), streams = {};
+  let data;
+  try { data = JSON.parse(text.slice(begin + 11, end)); } catch { return null; }
+  // Pages of the twin have figures of another kind.
+  if (!data?.summary?.trace_sha256 || !Array.isArray(data.move_chunks)) return null;
+  const streams = {};
   for (const name of STREAMS) {
     // In two pieces, since this text stands in a script.
     const head = "<" + `script type="text/plain" class="${name}">`, texts = [];

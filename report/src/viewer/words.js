@@ -4,6 +4,13 @@ const make = (tag, props = {}, ...children) => {
   element.append(...children);
   return element;
 };
+/** An element of a drawing. */
+const makeSvg = (tag, attributes = {}, ...children) => {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+};
 const count = n => Math.round(n).toLocaleString("en-US");
 /** `1:02:03`, or seconds with their fractions below a minute. */
 const clock = s => {

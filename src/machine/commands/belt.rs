@@ -230,13 +230,13 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
     if !z {
         return Ok(Mm::ZERO);
     }
-    shift_z(main_loop, lift, EndstopSet::NONE).await?;
+    shift_z(main_loop, lift, main_loop.settings.axes.z.max_speed, EndstopSet::NONE).await?;
     Ok(lift)
 }
 
 /// Undoes [`lift`].
 async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
-    shift_z(main_loop, -lift, EndstopSet::NONE).await
+    shift_z(main_loop, -lift, main_loop.settings.axes.z.max_speed, EndstopSet::NONE).await
 }
 
 /// Moves the tool back to its earlier place, if the position is known: a paused print continues from there.

@@ -4,11 +4,13 @@
 //! met. The rig presses them in the same way (`rig/src/lib.rs`). The position of that place is a setting; so is the
 //! order of the axes.
 //!
-//! If the settings say so, the Z probe homes z ([`find_zero`]): after x and y, and only where both are homed, because
-//! elsewhere the bed may not be below. docs/explanation/probing.md has the rules.
+//! If the settings say so, the Z probe homes z ([`find_zero`]), or its switch at a place
+//! ([`SafeZHome`](crate::settings::SafeZHome)): after x and y, and only where both are homed, because elsewhere the bed
+//! or the switch may not be below. docs/explanation/probing.md has the rules.
 //!
 //! A probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
+use super::pause::travel;
 use super::proof::prove;
 use super::retraction::forget_retraction;
 use super::settings::stored::note_belt_loads;
@@ -44,7 +46,7 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
 }
 
 /// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print.
-/// If z is homed by the probe, it rises in any case.
+/// Without that word it rises as the settings say, and for the probe in any case.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
@@ -69,20 +71,25 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     apart(pin!(home_axes(main_loop, notices, flags, aligns))).await
 }
 
-/// Refuses axes that cannot be homed, before anything moves. Z is homed by the probe only if X and Y are known then.
+/// Refuses axes that cannot be homed, before anything moves. Z is homed at a place only if X and Y are known then.
 fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags: AxisFlags) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
     let by_probe = main_loop.settings.homes_z_by_probe();
     for axis in HomedAxis::ALL.into_iter().filter(|axis| all || is_named(flags, *axis)) {
         let is_probed = by_probe && axis == HomedAxis::Z;
         let input = if is_probed { EndstopSet::PROBE } else { switch_of(axis) };
-        let lacks_others = is_probed && !all && main_loop.homed.lacks_one_of([!flags.x, !flags.y, false]);
         let (s, at) = (&*main_loop.settings, main_loop.settings.probe_home());
+        let is_placed = axis == HomedAxis::Z && (by_probe || s.homes_z_at_place());
+        let lacks_others = is_placed && !all && main_loop.homed.lacks_one_of([!flags.x, !flags.y, false]);
+        let unreached = s.unreached_z_home().filter(|_| is_placed);
         let why = match main_loop.status.inputs().has(input) {
             false => HomingFailure::NotConnected,
             true if lacks_others => HomingFailure::NeedsOthers,
             true if is_probed && !s.can_touch(at) => HomingFailure::OutOfReach { at },
-            true => continue,
+            true => match unreached {
+                Some(at) => HomingFailure::NozzleOutOfReach { at },
+                None => continue,
+            },
         };
         main_loop.homed.note_sought(axis as usize);
         main_loop.job.note_end(JobEnd::NotHomed { axis, why });
@@ -91,16 +98,24 @@ fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags
     Ok(())
 }
 
-/// How far z rises if no word says it: the probe must clear the bed on its way.
+/// How far z rises if no word says it: the hop of the settings, and the probe must clear the bed on its way.
 fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, flags: AxisFlags) -> Mm {
     let probe = main_loop.first_layer.probe(&main_loop.settings);
     let is_meant = flags.z || !(flags.x || flags.y);
+    let hop = hop(main_loop);
     if !(is_meant && main_loop.settings.homes_z_by_probe()) {
-        return Mm::ZERO;
+        return hop;
     }
     let [.., z, _] = main_loop.motion.end_mm();
     let clear = clear_of_bed(main_loop, probe.deploy_clearance);
-    clear.map_or(probe.deploy_clearance, |clear| clear.saturating_sub(z))
+    clear.map_or(probe.deploy_clearance, |clear| clear.saturating_sub(z)).max(hop)
+}
+
+/// How far z is below the height of the hop; all of it if the place of z is not known.
+fn hop<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Mm {
+    let hop = main_loop.settings.safe_z_home.hop;
+    let ([.., is_known], [_, _, at, _]) = (main_loop.homed.axes(), main_loop.motion.end_mm());
+    if is_known && hop > Mm::ZERO { hop.saturating_sub(at) } else { hop }
 }
 
 /// Of the axes that a line means, those that are not homed.
@@ -117,7 +132,9 @@ async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise:
     let room = if is_known { reach.most.saturating_sub(at) } else { reach.most.saturating_sub(reach.least) };
     let is_above = s.endstops.of(HomedAxis::Z).end == AxisEnd::Max;
     let watch = if is_above && !is_known { EndstopSet::Z } else { EndstopSet::NONE };
-    shift_z(main_loop, raise.min(room).max(Mm::ZERO), watch).await
+    let home = &s.safe_z_home;
+    let speed = if home.hop > Mm::ZERO { home.hop_speed } else { s.axes.z.max_speed };
+    shift_z(main_loop, raise.min(room).max(Mm::ZERO), speed, watch).await
 }
 
 /// Homes the named axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed
@@ -151,9 +168,9 @@ async fn home_axes<P: PortSet, W: Pend>(
     let all = !(flags.x || flags.y || flags.z);
     let mut is_home = [false; 3];
     let mut aligns = aligns;
-    let by_probe = main_loop.settings.homes_z_by_probe();
+    let is_placed = main_loop.settings.homes_z_by_probe() || main_loop.settings.homes_z_at_place();
     for axis in main_loop.settings.homing_order {
-        if !(all || is_named(flags, axis)) || by_probe && axis == HomedAxis::Z {
+        if !(all || is_named(flags, axis)) || is_placed && axis == HomedAxis::Z {
             continue;
         }
         home_named(main_loop, axis).await?;
@@ -169,20 +186,45 @@ async fn home_axes<P: PortSet, W: Pend>(
     if let [true, true, _] = is_home {
         advance_belt(main_loop).await?;
     }
-    // The probe needs its place over the bed, so z is the last.
-    if by_probe && (all || flags.z) {
-        home_z_by_probe(main_loop).await?;
+    if all || flags.z {
+        // The probe needs its place over the bed, and the switch its own, so z is the last.
+        if is_placed {
+            home_z_at_place(main_loop).await?;
+        }
+        // Without a place too.
+        raise_z(main_loop, hop(main_loop)).await?;
     }
     notices.renew(Notice::Edge);
     Ok(())
 }
 
-/// Z is homed by the probe. It does not go down where the bed may not be.
-async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+/// Z is homed at its place, by the probe or by its switch. It does not go down where neither may be.
+async fn home_z_at_place<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     if main_loop.homed.lacks_one_of([true, true, false]) {
         main_loop.job.note_end(JobEnd::NotHomed { axis: HomedAxis::Z, why: HomingFailure::NeedsOthers });
         return Err(Interrupt::EndJob);
     }
+    let (home, [x, y, ..]) = (main_loop.settings.safe_z_home, main_loop.motion.end_mm());
+    if main_loop.settings.homes_z_by_probe() {
+        home_z_by_probe(main_loop).await?;
+    } else {
+        go_over(main_loop, home.place_from([x, y])).await?;
+        home_named(main_loop, HomedAxis::Z).await?;
+    }
+    raise_z(main_loop, hop(main_loop)).await?;
+    if home.returns { go_over(main_loop, [x, y]).await } else { Ok(()) }
+}
+
+/// Takes the nozzle over a place of z's homing.
+async fn go_over<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, [x, y]: [Mm; 2]) -> Result<(), Interrupt> {
+    let ([.., z, e], speed) = (main_loop.motion.end_mm(), main_loop.settings.safe_z_home.speed);
+    travel(main_loop, [x, y, z, e], speed).await?;
+    main_loop.finish().await?;
+    main_loop.commanded.stand_at(main_loop.motion.end_mm());
+    Ok(())
+}
+
+async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let z = HomedAxis::Z as usize;
     main_loop.homed.begin(z);
     let place = find_zero(main_loop).await;

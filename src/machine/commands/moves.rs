@@ -159,7 +159,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let wanted = commanded.target(to, modal, &main_loop.settings, false);
         let asked = self.asked_of(commanded, modal, &wanted, course);
         let is_lost = main_loop.homed.lacks_one_of(main_loop.job.to_home([false; 3], false));
-        asked.prints() || is_lost && asked.moves != [false; 3] && !main_loop.stream.is_away()
+        asked.prints() && main_loop.stream.may_print()
+            || is_lost && asked.moves != [false; 3] && !main_loop.stream.is_away()
     }
 
     /// In a print, a line waits for a heater that has switched off by itself. A line that cannot be carried out,
@@ -213,9 +214,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         hold(self.main_loop, self.modal, why).await.map(Gate::Kept)
     }
 
-    /// A move that prints was planned.
+    /// A move that prints was planned. In a pause it is a button's: the line that ends a pause ends it before.
     fn note_printed(&mut self, asked: Asked) {
-        if asked.prints() {
+        if asked.prints() && !self.main_loop.job.is_paused() {
             let position = self.main_loop.commanded.position();
             self.main_loop.job.note_printed(position);
             self.main_loop.stream.note_number(self.main_loop.hosts.window().0.is_some());

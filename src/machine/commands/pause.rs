@@ -245,7 +245,7 @@ async fn change<P: PortSet, W: Pend>(
 }
 
 /// One straight move in machine coordinates, independent of the program's state.
-async fn travel<P: PortSet, W: Pend>(
+pub(super) async fn travel<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     position: [Mm; 4],
     speed: MmPerSec,

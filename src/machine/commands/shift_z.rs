@@ -5,12 +5,13 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::units::Mm;
+use crate::units::{Mm, MmPerSec};
 
-/// Moves z alone, and waits until it stands or a switch in `watch` is met.
+/// Moves z alone at a speed, and waits until it stands or a switch in `watch` is met.
 pub(super) async fn shift_z<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     by: Mm,
+    speed: MmPerSec,
     watch: EndstopSet,
 ) -> Result<(), Interrupt> {
     if by == Mm::ZERO {
@@ -19,7 +20,6 @@ pub(super) async fn shift_z<P: PortSet, W: Pend>(
     let mut position = main_loop.motion.end_mm();
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
-    let speed = main_loop.settings.axes.z.max_speed;
     main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch }).await?;
     main_loop.finish().await?;
     if watch != EndstopSet::NONE {

@@ -142,10 +142,12 @@ impl fmt::Display for ProbeFailure {
 pub(in crate::machine) enum HomingFailure {
     /// The board has no such input: nothing would end the move.
     NotConnected,
-    /// Z is homed by the probe, and x or y is not homed.
+    /// Z is homed at a place in x and y, and one of them is not homed.
     NeedsOthers,
-    /// Z is homed by the probe, and it cannot touch at its place.
+    /// The probe cannot touch at this place.
     OutOfReach { at: [Mm; 2] },
+    /// The nozzle cannot be at this place, where the switch homes z.
+    NozzleOutOfReach { at: [Mm; 2] },
     /// The switch was not met on this way, which is longer than the axis.
     NotMet { way: i32 },
     /// The switch was still pressed after backing off so far.
@@ -155,7 +157,7 @@ pub(in crate::machine) enum HomingFailure {
 impl HomingFailure {
     /// Whether it was known before anything moved.
     const fn is_refusal(self) -> bool {
-        matches!(self, Self::NotConnected | Self::NeedsOthers | Self::OutOfReach { .. })
+        matches!(self, Self::NotConnected | Self::NeedsOthers | Self::OutOfReach { .. } | Self::NozzleOutOfReach { .. })
     }
 }
 
@@ -170,9 +172,14 @@ impl fmt::Display for HomingFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotConnected => f.write_str("has no endstop on this board. Name its connector in the machine file"),
-            Self::NeedsOthers => f.write_str("is homed by the probe, and X or Y is not homed. Home them too (G28)"),
+            Self::NeedsOthers => {
+                f.write_str("is homed at a place in X and Y, and one of them is not homed. Home them too (G28)")
+            }
             Self::OutOfReach { at: [x, y] } => {
                 write!(f, "is homed by the probe, which cannot touch at X{} Y{}. Correct probe.home", um(*x), um(*y))
+            }
+            Self::NozzleOutOfReach { at: [x, y] } => {
+                write!(f, "is homed at X{} Y{}, where the nozzle cannot be. Correct safe_z_home", um(*x), um(*y))
             }
             Self::NotMet { way } => {
                 write!(f, "endstop was not met within {way} mm. Check its switch, its plug and its wire")

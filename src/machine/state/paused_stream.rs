@@ -14,7 +14,7 @@
 use super::commanded::Commanded;
 use super::modal::Modal;
 use super::program::{Dynamics, Program};
-use crate::gcode::{AxisWords, Command, MotionCommand};
+use crate::gcode::{ArcWords, AxisWords, Command, MotionCommand};
 
 /// Which lines of the print's host are not the stream's for now.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,6 +74,16 @@ impl PausedStream {
         self.detour != Detour::None
     }
 
+    /// Whether a line that prints now is the stream's. In a detour it is a button's, unless the detour has the mode of
+    /// the stream: nobody can tell one who sends M83 in a file with M83.
+    pub fn may_print(&self) -> bool {
+        self.program.is_some_and(|program| match self.detour {
+            Detour::None | Detour::Foreign => true,
+            Detour::Moves => !program.modal.absolute,
+            Detour::Filament(is_absolute) => is_absolute == program.modal.absolute_extrusion,
+        })
+    }
+
     /// A line that is not the stream's is carried out.
     pub const fn note_foreign(&mut self, command: &Command<'_>) {
         if matches!(command, Command::Motion(_) | Command::Setting(_)) {
@@ -108,11 +118,11 @@ impl PausedStream {
         };
         let Some(program) = &mut self.program else { return false };
         match command {
-            Command::Motion(MotionCommand::Line { to, .. }) if before != Detour::Moves => {
+            // In a detour of the filament, moves may be the stream's; those with filament are a button's.
+            Command::Motion(MotionCommand::Line { to, .. } | MotionCommand::Arc(ArcWords { to, .. }))
+                if before != Detour::Moves && (before == Detour::None || to.e.is_none()) =>
+            {
                 follow(&mut program.commanded, to, commanded);
-            }
-            Command::Motion(MotionCommand::Arc(words)) if before != Detour::Moves => {
-                follow(&mut program.commanded, &words.to, commanded);
             }
             Command::Motion(MotionCommand::Home(_)) => return false,
             _ => {}

@@ -29,9 +29,27 @@ fn forge(format: u16, payload: &[u8]) -> Vec<u8> {
     [&header, &crc.to_le_bytes()[..], payload].concat()
 }
 
+/// The bytes of a record, and its receipt.
+fn record_of(settings: &Settings, unknown: &Unknown, sequence: u32) -> (Vec<u8>, Receipt) {
+    let mut record = [0xA5; LONGEST];
+    let receipt = encode(settings, unknown, sequence, &mut record).unwrap();
+    (record[..receipt.bytes].to_vec(), receipt)
+}
+
+/// The settings in a record, and the rest of its content.
+fn content(record: &[u8]) -> Result<(Settings, Decoded), Rejected> {
+    let mut settings = Settings::prototype();
+    decode(record, &mut settings).map(|decoded| (settings, decoded))
+}
+
 fn payload(settings: &Settings) -> Vec<u8> {
-    let record = encode(settings, &Unknown::NONE, 7).unwrap();
-    record.bytes[HEADER..record.receipt.bytes].to_vec()
+    record_of(settings, &Unknown::NONE, 7).0.split_off(HEADER)
+}
+
+/// The settings in a payload, and the elements that are unknown.
+fn content_of_payload(payload: &[u8]) -> Result<(Settings, Unknown), Damaged> {
+    let mut settings = Settings::prototype();
+    read(payload, &mut settings).map(|unknown| (settings, unknown))
 }
 
 #[test]
@@ -44,10 +62,10 @@ fn the_checksum_is_that_of_zip() {
 fn a_record_reads_back() {
     let mut settings = Settings::prototype();
     settings.drivers.own[5] = OwnDriver { current_ma: 655, hold_percent: 99, stall_threshold: 255 };
-    let record = encode(&settings, &Unknown::NONE, 41).unwrap();
-    assert_eq!(length(&record.bytes[..HEADER]), Ok(record.receipt.bytes));
-    let decoded = Decoded { settings, unknown: Unknown::NONE, sequence: 41, receipt: record.receipt };
-    assert_eq!(decode(&record.bytes), Ok(decoded));
+    let (record, receipt) = record_of(&settings, &Unknown::NONE, 41);
+    assert_eq!(length(&record[..HEADER]), Ok(receipt.bytes));
+    let decoded = Decoded { unknown: Unknown::NONE, sequence: 41, receipt };
+    assert_eq!(content(&record), Ok((settings, decoded)));
 }
 
 /// A record of the settings of `spelled_out`, of release 0.1.0.
@@ -55,8 +73,8 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/storage/record/form
 
 #[test]
 fn a_record_of_the_first_release_reads_back() {
-    let decoded = decode(&std::fs::read(FILE).unwrap()).unwrap();
-    assert_eq!((decoded.settings, decoded.sequence, decoded.unknown), (spelled_out(), 1, Unknown::NONE));
+    let (settings, decoded) = content(&std::fs::read(FILE).unwrap()).unwrap();
+    assert_eq!((settings, decoded.sequence, decoded.unknown), (spelled_out(), 1, Unknown::NONE));
 }
 
 /// If an id or the shape of a value has changed, stored settings would be lost: that must not be. The values are
@@ -65,8 +83,7 @@ fn a_record_of_the_first_release_reads_back() {
 #[test]
 fn ids_and_values_are_written_as_in_the_first_release() {
     let file = std::fs::read(FILE).unwrap();
-    let record = encode(&spelled_out(), &Unknown::NONE, 1).unwrap();
-    let bytes = &record.bytes[..record.receipt.bytes];
+    let (bytes, _) = record_of(&spelled_out(), &Unknown::NONE, 1);
     let (mut released, mut written) = (elements(&file[HEADER..]), elements(&bytes[HEADER..]));
     written.retain(|(id, _)| released.iter().any(|(other, _)| other == id));
     // Each says its id, so their order is not a part of the format.
@@ -85,8 +102,8 @@ fn ids_and_values_are_written_as_in_the_first_release() {
 #[test]
 fn records_of_other_formats_are_refused_by_their_number() {
     let settings = payload(&spelled_out());
-    for format in [0, 2, 15, 99] {
-        assert_eq!(decode(&forge(format, &settings)), Err(Rejected::Format(format)));
+    for format in [0, 3, 15, 99] {
+        assert_eq!(content(&forge(format, &settings)), Err(Rejected::Format(format)));
     }
 }
 
@@ -129,7 +146,7 @@ fn a_setting_that_a_record_does_not_have_is_at_its_default() {
     for (left_out, _) in &elements {
         let kept: Vec<u8> =
             elements.iter().filter(|(id, _)| id != left_out).flat_map(|(_, bytes)| bytes.clone()).collect();
-        let (settings, unknown) = read(&kept).unwrap();
+        let (settings, unknown) = content_of_payload(&kept).unwrap();
         assert_eq!(unknown, Unknown::NONE);
         // Only that one, of all parts that have it.
         for ((key, value), (_, spelled)) in values(&settings).into_iter().zip(values(&spelled_out())) {
@@ -166,21 +183,20 @@ fn what_later_firmware_has_stored_is_kept_and_known_by_its_ids() {
     let settings = elements(&payload(&spelled_out())).into_iter().flat_map(|(_, bytes)| bytes);
     let mut later: Vec<u8> = first.into_iter().chain(second).chain(settings).collect();
     later.extend(third);
-    let decoded = decode(&forge(FORMAT, &later)).unwrap();
-    assert_eq!(decoded.settings, spelled_out());
+    let (settings, decoded) = content(&forge(ONE_PART, &later)).unwrap();
+    assert_eq!(settings, spelled_out());
     assert_eq!(decoded.unknown.ids().collect::<Vec<_>>(), [511, 512, 513]);
     // They are in the next record too, behind all others.
-    let again = encode(&Settings::prototype(), &decoded.unknown, 8).unwrap();
-    let again = &again.bytes[..again.receipt.bytes];
+    let (again, _) = record_of(&Settings::prototype(), &decoded.unknown, 8);
     let kept = [&[0x81, 0xFF, 0x03, 2, 7, 8][..], &[0x80, 0x80, 0x04, 1], &third].concat();
     assert!(again.ends_with(&kept), "{again:?}");
-    assert_eq!(decode(again).unwrap().unknown, decoded.unknown);
+    assert_eq!(content(&again).unwrap().1.unknown, decoded.unknown);
     // Elements without room are lost, and the rest is kept.
     let mut long = payload(&Settings::prototype());
     long.extend([0x81, 0xFF, 0x03, 61]);
     long.extend([1; 61]);
     long.extend([0x90, 0x80, 0x04]);
-    assert_eq!(decode(&forge(FORMAT, &long)).unwrap().unknown.ids().collect::<Vec<_>>(), [512]);
+    assert_eq!(content(&forge(ONE_PART, &long)).unwrap().1.unknown.ids().collect::<Vec<_>>(), [512]);
 }
 
 #[test]
@@ -202,38 +218,72 @@ fn a_machine_with_more_or_fewer_parts_reads_those_that_it_has() {
             _ => other.extend(bytes),
         }
     }
-    let (settings, _) = read(&other).unwrap();
+    let (settings, _) = content_of_payload(&other).unwrap();
     let mut expected = spelled_out();
     expected.thermal.fans[5].kick_ms = Settings::prototype().thermal.fans[5].kick_ms;
     assert_eq!(settings, expected);
 }
 
+/// No settings are that long yet, so the room is filled byte by byte.
+#[test]
+fn a_record_that_is_too_long_for_one_part_has_two() {
+    let settings = Settings::prototype();
+    let payload = payload(&settings);
+    for length in [FIRST - HEADER, FIRST - HEADER + 1, ROOM - 1, ROOM] {
+        let mut bytes = [0xA5; LONGEST];
+        bytes[HEADER..HEADER + length].fill(0x10);
+        bytes[HEADER..HEADER + payload.len()].copy_from_slice(&payload);
+        let receipt = finish(&mut bytes, length, 9).unwrap();
+        let parts = if length <= FIRST - HEADER { ONE_PART } else { TWO_PARTS };
+        let more = if parts == ONE_PART { 0 } else { SECOND_HEADER };
+        assert_eq!((bytes[4], receipt.bytes), (parts as u8, HEADER + more + length));
+        assert_eq!(super::length(&bytes[..32]), Ok(receipt.bytes));
+        let whole = &bytes[..receipt.bytes];
+        let found = content(whole).unwrap();
+        assert_eq!((found.0, found.1.sequence, found.1.receipt), (settings, 9, receipt));
+        // All of it counts, and a first part never goes with another second one.
+        for at in (0..whole.len()).chain([whole.len() - 1]) {
+            let mut spoilt = whole.to_vec();
+            spoilt[at] ^= 1 << (at % 8);
+            assert!(content(&spoilt).is_err(), "{at}");
+            assert!(content(&whole[..at]).is_err(), "{at}");
+        }
+        // Earlier firmware takes the first part for a whole record, and looks at its format last.
+        let first = &whole[..whole.len().min(FIRST)];
+        let sum = crc32(first[..12].iter().chain(&first[HEADER..]).copied());
+        assert_eq!(first[12..16], sum.to_le_bytes());
+        assert_eq!(usize::from(u16::from_le_bytes([first[6], first[7]])), first.len() - HEADER);
+    }
+    assert_eq!(finish(&mut [0; LONGEST], ROOM + 1, 9), None);
+    assert_eq!(finish(&mut [0; LONGEST], LONGEST, 9), None);
+}
+
 #[test]
 fn a_damaged_format_is_no_other_format() {
-    let mut record = forge(FORMAT, &payload(&Settings::prototype()));
-    assert!(decode(&record).is_ok());
+    let mut record = forge(ONE_PART, &payload(&Settings::prototype()));
+    assert!(content(&record).is_ok());
     record[4] ^= 2;
-    assert_eq!(decode(&record), Err(Rejected::Damaged));
+    assert_eq!(content(&record), Err(Rejected::Damaged));
 }
 
 #[test]
 fn values_that_are_illegal_today_are_rejected() {
     let mut s = Settings::prototype();
     s.axes.x.steps_per_mm = StepsPerMm::from_num(160);
-    let record = forge(FORMAT, &payload(&s));
-    assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::ResolutionsDiffer("x and y"))));
+    let record = forge(ONE_PART, &payload(&s));
+    assert_eq!(content(&record), Err(Rejected::Illegal(SettingsError::ResolutionsDiffer("x and y"))));
     let mut s = Settings::prototype();
     s.drivers.z.microsteps = 32;
-    assert!(decode(&forge(FORMAT, &payload(&s))).is_ok());
+    assert!(content(&forge(ONE_PART, &payload(&s))).is_ok());
     (s.mechanism.rows[1], s.axes.z.steps_per_mm) = ([-1, -1, 1, 0], s.axes.x.steps_per_mm);
-    let record = decode(&forge(FORMAT, &payload(&s)));
+    let record = content(&forge(ONE_PART, &payload(&s)));
     assert!(matches!(record, Err(Rejected::Illegal(SettingsError::MicrostepsDiffer { .. }))), "{record:?}");
 }
 
 #[test]
 fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
     let whole = payload(&Settings::prototype());
-    let damaged = |bytes: &[u8]| assert_eq!(decode(&forge(FORMAT, bytes)), Err(Rejected::Damaged), "{bytes:?}");
+    let damaged = |bytes: &[u8]| assert_eq!(content(&forge(ONE_PART, bytes)), Err(Rejected::Damaged), "{bytes:?}");
     damaged(&whole[..whole.len() - 1]);
     damaged(&[whole.clone(), [0xFF].to_vec()].concat());
     // A switch that is 2, an unknown choice, an illegal name, a speed of 48 bits, a speed of nine bytes, and the rows
@@ -253,7 +303,7 @@ fn a_payload_that_is_cut_or_has_a_value_of_another_type_is_rejected() {
     for empty in [&[0x90, 2][..], &[0x81, 2, 0], &[0x80, 2, 4]] {
         let and_all = elements(&whole).into_iter().flat_map(|(_, bytes)| bytes);
         let payload: Vec<u8> = empty.iter().copied().chain(and_all).collect();
-        assert!(decode(&forge(FORMAT, &payload)).is_ok(), "{empty:?}");
+        assert!(content(&forge(ONE_PART, &payload)).is_ok(), "{empty:?}");
     }
 }
 
@@ -263,10 +313,10 @@ proptest! {
     /// The result for any content of a record with a right checksum: legal settings or none.
     #[test]
     fn any_payload_is_legal_or_rejected(
-        format in FORMAT - 1..=FORMAT,
+        format in 0..=FORMAT,
         bytes in proptest::collection::vec(any::<u8>(), 0..LONGEST - HEADER),
     ) {
-        if let Ok(Decoded { settings, .. }) = decode(&forge(format, &bytes)) {
+        if let Ok((settings, _)) = content(&forge(format, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }
@@ -281,7 +331,7 @@ proptest! {
             let at = at % bytes.len();
             bytes[at] = value;
         }
-        if let Ok(Decoded { settings, .. }) = decode(&forge(FORMAT, &bytes)) {
+        if let Ok((settings, _)) = content(&forge(ONE_PART, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }
@@ -289,6 +339,6 @@ proptest! {
     #[test]
     fn any_bytes_are_no_settings(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
         let _ = length(&bytes);
-        prop_assert!(decode(&bytes).is_err());
+        prop_assert!(content(&bytes).is_err());
     }
 }

@@ -112,7 +112,7 @@ impl std::fmt::Display for LevelError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NoGantry(name) => {
-                write!(f, "the belts of a {name} lift no gantry: take --machine corexyz or corexyz-three")
+                write!(f, "the belts of a {name} lift no gantry: take --routing corexyz or corexyz-three")
             }
             Self::NotHeld => f.write_str("neither guides nor belts hold the bar and the gantry"),
         }

@@ -19,11 +19,25 @@ use std::time::Instant;
 /// The client of WebDriver, and what compares pictures.
 const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.51.0", "pillow==13.0.0"], options: &[] };
 
+/// axe-core, which looks for what keeps people from using a page. Its package for Python has the script; the library that
+/// the package would bring with it is for another client.
+const AXE: Venv<'static> = Venv { name: "axe", packages: &["axe-playwright-python==0.1.8"], options: &["--no-deps"] };
+
 /// Where the trials are.
 const FOLDER: &str = "xtask/browser";
 
 /// The trials, in this order.
-const TRIALS: [&str; 6] = ["golden.py", "colours.py", "viewer.py", "twin_pages.py", "page_use.py", "page_hashes.py"];
+const TRIALS: [&str; 9] = [
+    "golden.py",
+    "colours.py",
+    "viewer.py",
+    "finding.py",
+    "access.py",
+    "twin_pages.py",
+    "page_use.py",
+    "page_keeps.py",
+    "page_hashes.py",
+];
 
 /// Runs all trials.
 pub fn check() -> Result<Verdict> {
@@ -31,10 +45,12 @@ pub fn check() -> Result<Verdict> {
         Ok(programs) => programs,
         Err(lack) => return Ok(Verdict::Skipped(lack)),
     };
-    CLIENT.install().with_context(|| {
-        let packages = CLIENT.packages.join(" ");
-        format!("cannot install {packages} from PyPI, which takes python3 with venv and, the first time, a network")
-    })?;
+    for venv in [&CLIENT, &AXE] {
+        venv.install().with_context(|| {
+            let packages = venv.packages.join(" ");
+            format!("cannot install {packages} from PyPI, which takes python3 with venv and, the first time, a network")
+        })?;
+    }
     let corehbot = checkout::build_command()?;
     let page = page::write(None)?;
     // Pictures that differ from their models stay here.
@@ -45,7 +61,7 @@ pub fn check() -> Result<Verdict> {
         let mut command = Command::new(CLIENT.python()?);
         // No compiled files in the sources.
         command.arg("-B").arg(root().join(FOLDER).join(trial)).arg(&corehbot);
-        command.env("PICTURES", &pictures).env("PAGE", &page);
+        command.env("PICTURES", &pictures).env("PAGE", &page).env("AXE", AXE.folder()?);
         programs.tell(&mut command);
         let begin = Instant::now();
         let output = command.output().with_context(|| format!("cannot run {}", checkout::words(&command)))?;

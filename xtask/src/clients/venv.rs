@@ -16,7 +16,8 @@ pub struct Venv<'p> {
 }
 
 impl Venv<'_> {
-    fn folder(&self) -> Result<PathBuf> {
+    /// Where it is.
+    pub fn folder(&self) -> Result<PathBuf> {
         Ok(target_dir()?.join("clients").join(self.name))
     }
 

@@ -21,6 +21,7 @@ pub(super) fn contents() -> Result<Vec<File>> {
     let command = command()?;
     let name = command.file_name().context("the command has no name")?.to_string_lossy().into_owned();
     files.push(File { path: name, bytes: read(&command)?, is_program: true });
+    files.extend(super::manual::files()?);
     for board in Board::all() {
         let bytes = read(&build::image(board)?.binary)?;
         files.push(File { path: format!("images/{}.bin", board.key()), bytes, is_program: false });

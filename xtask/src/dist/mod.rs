@@ -1,4 +1,5 @@
-//! `cargo xtask dist`: a release as one archive: the command for this computer, the images of all boards, examples,
+//! `cargo xtask dist`: a release as one archive: the command for this computer, its manual
+//! pages and what shells complete, the images of all boards, examples,
 //! documents, licences, and a checksum of each file. Its users need no compiler.
 //!
 //! The same commit gives the same bytes, whatever the folder and the day. Files are in order and have the commit's
@@ -6,6 +7,7 @@
 
 mod archive;
 mod contents;
+mod manual;
 
 use crate::checkout::{self, cargo, command_output, run};
 use anyhow::{Context as _, Result, ensure};

@@ -125,3 +125,85 @@ fn binder_dir() -> Result<PathBuf> {
 fn read(path: &Path) -> Result<Vec<u8>> {
     fs::read(path).with_context(|| format!("cannot open {}", path.display()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ways to make markup or a script of a text, which may be the name of a file or the answer of a printer.
+    const FORBIDDEN: [&str; 15] = [
+        "innerHTML",
+        "outerHTML",
+        "insertAdjacentHTML",
+        "document.write",
+        "createContextualFragment",
+        "DOMParser",
+        "setHTMLUnsafe",
+        "parseHTMLUnsafe",
+        "setHTML(",
+        "eval(",
+        "new Function",
+        "javascript:",
+        "importScripts",
+        "setAttribute(\"on",
+        "setAttribute('on",
+    ];
+
+    /// Where scripts and pages are.
+    const SOURCES: [&str; 2] = ["page", "report"];
+
+    /// Scripts, styles and pages in a folder and its folders.
+    fn texts(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let kind = path.extension().and_then(|kind| kind.to_str()).unwrap_or_default();
+            if path.is_dir() {
+                texts(&path, found);
+            } else if ["js", "html", "css"].contains(&kind) {
+                let text = fs::read_to_string(&path).unwrap();
+                found.push((path, text));
+            }
+        }
+    }
+
+    #[test]
+    fn texts_of_files_and_printers_are_never_markup() {
+        let mut found = Vec::new();
+        for folder in SOURCES {
+            texts(&root().join(folder), &mut found);
+        }
+        for name in ["printing.js", "terminal.js", "facts.js", "compare.js", "uPlot.iife.min.js", "page.js"] {
+            assert!(found.iter().any(|(path, _)| path.ends_with(name)), "{name} is not looked at");
+        }
+        for (path, text) in &found {
+            let words: Vec<_> = FORBIDDEN.iter().filter(|word| text.contains(**word)).collect();
+            assert!(words.is_empty(), "{}: {words:?}", path.display());
+            // An attribute of markup that is a script.
+            let markup = if path.extension().is_some_and(|kind| kind == "html") { text.as_str() } else { "" };
+            assert!(!markup.split_whitespace().any(|word| word.starts_with("on") && word.contains('=')), "{path:?}");
+        }
+        let frames = found.iter().map(|(_, text)| text.matches("srcdoc").count()).sum::<usize>();
+        assert_eq!(frames, 1, "the report's frame is the only one that is given a page");
+    }
+
+    #[test]
+    fn the_page_and_its_report_ask_no_network_and_the_report_is_in_a_sandbox() {
+        let page = fs::read_to_string(root().join(FOLDER).join("index.html")).unwrap();
+        let report = fs::read_to_string(root().join("report/src/print/head.html")).unwrap();
+        for text in [&page, &report] {
+            let (_, policy) = text.split_once("Content-Security-Policy\" content=\"").unwrap();
+            let (policy, _) = policy.split_once('"').unwrap();
+            let rules: Vec<_> = policy.split("; ").map(|rule| rule.split_once(' ').unwrap()).collect();
+            let sources = |name: &str| rules.iter().find(|(own, _)| *own == name).map(|(_, sources)| *sources);
+            for name in ["default-src", "script-src-attr", "form-action", "base-uri"] {
+                assert_eq!(sources(name), Some("'none'"), "{name}");
+            }
+            assert!(sources("connect-src").is_none_or(|sources| sources == "'none'"));
+            let allowed = ["'none'", "'self'", "'unsafe-inline'", "'wasm-unsafe-eval'", "blob:", "data:"];
+            assert!(rules.iter().flat_map(|(_, sources)| sources.split(' ')).all(|source| allowed.contains(&source)));
+        }
+        let (_, frame) = page.split_once("<iframe").unwrap();
+        let (_, sandbox) = frame.split_once("sandbox=\"").unwrap();
+        assert_eq!(sandbox.split('"').next(), Some("allow-scripts allow-downloads"));
+    }
+}

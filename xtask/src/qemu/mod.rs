@@ -19,7 +19,7 @@ use crate::checkout;
 use anyhow::Result;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
-use corehbot_cli::input;
+use corehbot_cli::input::{self, Plate};
 use corehbot_machine_file as machine_file;
 use corehbot_report::printable;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
     assume_homed: Option<[Mm; 3]>,
     /// The machine; without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     settings: Option<PathBuf>,
 }
 
@@ -94,7 +94,7 @@ fn serve(_job: &Job, _image: &Path, _args: &Args) -> Result<Outcome> {
 
 /// The text of a G-code file; bytes that are not UTF-8 can only stand in comments.
 pub fn read_gcode(path: &Path) -> Result<String> {
-    input::read(path)
+    input::read(path, Plate::default())
 }
 
 /// Three numbers, turned into positions exactly as the simulator does it.

@@ -104,7 +104,7 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
     let [expected, found] = ["sim", "qemu"].map(|who| folder.join(format!("{stem}.{who}.csv")));
     let mut command = Command::new(simulator);
     command.arg("run").arg(file).arg("--trace").arg(&expected).stdout(Stdio::null());
-    command.args(settings.iter().flat_map(|path| [Path::new("--settings"), path]));
+    command.args(settings.iter().flat_map(|path| [Path::new("--machine"), path]));
     run(command)?;
     let on = settings.map(|machine| format!(" on {}", name(machine)));
     let settings = settings.map(machine_file::read).transpose()?.map_or_else(Settings::prototype, |read| read.settings);

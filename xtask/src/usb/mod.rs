@@ -101,7 +101,7 @@ fn print(text: &str) -> Result<Verdict> {
     build.current_dir(root());
     run(build)?;
     let mut board = emulate::cargo(["run"], &["--release", "--ignore-rust-version", "--quiet", "--"]);
-    board.arg(&image).arg(&file).arg("--settings").arg(&machine).args(["--usbip", ADDRESS]);
+    board.arg(&image).arg(&file).arg("--machine").arg(&machine).args(["--usbip", ADDRESS]);
     let seen = folder.join("board.txt");
     board.stdout(fs::File::create(&seen)?);
     let mut board = board.spawn().context("the emulator")?;

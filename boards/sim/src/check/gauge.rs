@@ -222,15 +222,14 @@ impl Coordinate {
         let limit = &self.limit;
         let window = self.seconds(samples);
         let (before, after) = (self.travel(samples, 2 * samples), self.travel(0, samples));
-        // An endstop at the low end stops a motion towards it.
+        // An endstop at the low end stops a motion towards it, so the speed jumps upwards. The way before may be one up
+        // already: the stop lies at its begin, and the way back behind it.
         let stop = if !has_stopped {
             0.0
-        } else if limit.hard_stop.is_infinite() || (before < 0.0 && after > before) {
+        } else if limit.hard_stop.is_infinite() || after > before {
             limit.hard_stop
-        } else if before > 0.0 && after < before {
-            limit.hard_stop_up
         } else {
-            0.0
+            limit.hard_stop_up
         };
         let change = (after - before).abs();
         (change > self.most_change(samples, stop)).then(|| Excess {
@@ -253,5 +252,41 @@ impl Coordinate {
 
     fn seconds(&self, samples: usize) -> f64 {
         samples as f64 / f64::from(SAMPLES_PER_SECOND)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::SAMPLE_TICKS;
+
+    /// Z falls at 8 mm/s onto its switch, which stops it at once, and rises at its acceleration. Whether an excess is
+    /// found, with the stop known or not.
+    fn finds(is_known: bool) -> bool {
+        let limit = Limit {
+            name: "z".to_owned(),
+            step: 0.001_25,
+            speed: 20.0,
+            acceleration: 200.0,
+            jump: 0.0,
+            hard_stop: 8.0,
+            hard_stop_up: 0.0,
+        };
+        let mut z = Coordinate::new(limit, bend(2), 1);
+        let stop = 200;
+        let stops = Stops([is_known.then_some(stop as u64 * SAMPLE_TICKS), None]);
+        (0..400).any(|sample| {
+            let seconds = f64::from(sample - stop) / f64::from(SAMPLES_PER_SECOND);
+            let at = if seconds < 0.0 { -8.0 * seconds } else { 100.0 * seconds * seconds };
+            z.put((at / 0.001_25).round() as i64);
+            // Before, the window reaches over the begin.
+            sample > 100 && z.excess(stops, sample as u64 * SAMPLE_TICKS).is_some()
+        })
+    }
+
+    /// Reproducer: of two windows of 20 ms the earlier one held the stop at its begin, and the rise behind it.
+    #[test]
+    fn a_stop_at_the_begin_of_the_earlier_window_explains_the_rise() {
+        assert_eq!([finds(true), finds(false)], [false, true]);
     }
 }

@@ -237,7 +237,7 @@ fn z_is_never_homed_by_the_probe_where_the_bed_may_not_be() {
     let s = homing(with_probe());
     let lines = ["G28 Z", "G28 X Y", "G28 Z", "G28 O", "M114"];
     let Talked { heard, bed, .. } = talk_over(&s, None, &bed(&s), ProbeFault::None, &lines);
-    let why = "homing failed: Z is homed by the probe, and X or Y is not homed. Home them too (G28)";
+    let why = "homing failed: Z is homed at a place in X and Y, and one of them is not homed. Home them too (G28)";
     assert!(heard[0].ends_with(why), "{heard:?}");
     // Nothing was begun, so nothing ends.
     assert_eq!(count(&heard, "//action:cancel"), 0, "{heard:?}");

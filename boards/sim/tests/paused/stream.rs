@@ -127,7 +127,7 @@ pub(super) fn undisturbed(settings: &Settings, file: &[&str]) -> Vec<Vec<(u64, u
 }
 
 /// Buttons: OctoPrint's lines (printer/standard.py 1.11.8), and what other hosts send.
-const BUTTONS: [(&str, &[&str]); 10] = [
+const BUTTONS: [(&str, &[&str]); 12] = [
     ("nothing", &[]),
     ("extrude", &["G91", "M83", "G1 E5 F300", "M82", "G90"]),
     ("retract", &["G91", "M83", "G1 E-5 F300", "M82", "G90"]),
@@ -136,10 +136,19 @@ const BUTTONS: [(&str, &[&str]); 10] = [
     ("home", &["G91", "G28 X0 Y0", "G90"]),
     ("filament", &["G91", "M83", "G1 E-40 F300", "M82", "G90", "G91", "M83", "G1 E45 F300", "M82", "G90"]),
     ("modes", &["M83", "G1 E2 F100", "M82"]),
+    ("purge and wipe", &["G91", "M83", "G1 X10 E3 F600", "G1 X-10 E3", "M82", "G90"]),
+    ("purge there", &["M83", "G1 X30 Y5 E5 F1200", "G1 X10 E5", "M82"]),
     ("inches", &["G91", "G20", "G0 Z0.1 F100", "G21", "G90"]),
     // printcore 2.2.0, `resume`, where the file has sent the tool.
     ("resume", &["G90", "G1 X130 Y120 F6000", "G1 Z1 F600", "G92 E2", "G1 F1800"]),
 ];
+
+/// The buttons of a host. One that prints in the mode of the file is a line of the file to a printer, unless the host
+/// numbers the file alone.
+fn buttons(sender: Numbers, relative: bool) -> impl Iterator<Item = (&'static str, &'static [&'static str])> + Clone {
+    let can_be_told = !relative || sender == Numbers::File;
+    BUTTONS.into_iter().filter(move |(button, _)| can_be_told || *button != "purge there")
+}
 
 /// What a button leaves behind is the filament that it has moved, and nothing else.
 #[test]
@@ -149,7 +158,7 @@ fn a_print_that_streams_on_after_buttons_prints_what_it_would_have_printed() {
         for file in files(relative) {
             let whole = undisturbed(&settings, &file);
             for sender in SENDERS {
-                for (button, lines) in BUTTONS {
+                for (button, lines) in buttons(sender, relative) {
                     live(&settings, 1, |life| {
                         let mut host = Host { life, sender, number: 0 };
                         let what = format!("{button} {sender:?} relative {relative} {:?}", &file[PAUSE..]);
@@ -182,7 +191,7 @@ fn scripts_of_the_host_around_buttons_change_nothing() {
         for file in files(relative) {
             let whole = undisturbed(&settings, &file);
             for sender in SENDERS {
-                for (button, lines) in BUTTONS {
+                for (button, lines) in buttons(sender, relative) {
                     live(&settings, 1, |life| {
                         let mut host = Host { life, sender, number: 0 };
                         file[..PAUSE].iter().for_each(|line| host.stream(line));
@@ -218,7 +227,8 @@ fn a_printer_that_is_paused_again_and_again_prints_the_same_twice() {
                         host.life.say("N0 M110 N0*125");
                         host.number = 0;
                         host.stream("G28");
-                        let mut buttons = BUTTONS[..BUTTONS.len() - 1].iter().cycle().skip(round);
+                        let pressed = buttons(sender, relative).filter(|(button, _)| *button != "resume");
+                        let mut buttons = pressed.cycle().skip(round);
                         for (place, (line, alone)) in file.iter().zip(&whole).enumerate() {
                             let (button, lines) = buttons.next().unwrap();
                             if place >= PAUSE {

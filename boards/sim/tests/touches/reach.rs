@@ -49,7 +49,7 @@ fn a_place_for_homing_that_the_tool_does_not_reach_is_refused() {
         begin(&s, |life| {
             let why = format!("Z is homed by the probe, which cannot touch at {told}. Correct probe.home");
             for line in ["G28", "G28 Z", "G28 X Y Z", "G29 N"] {
-                let why = if line == "G28 Z" { "X or Y is not homed" } else { why.as_str() };
+                let why = if line == "G28 Z" { "one of them is not homed" } else { why.as_str() };
                 let why = if line == "G29 N" { REACH } else { why };
                 refuses(life, line, why);
             }
@@ -129,4 +129,22 @@ fn screws_that_nothing_has_placed_are_not_levelled() {
         life.say("G34");
         assert_eq!(life.count("Did 1 of 5"), 1, "{:?}", life.heard);
     });
+}
+
+/// Reproducer: after a touch, the world held the shift of z to the name that z had before.
+#[test]
+fn z_is_shifted_right_after_the_touch_that_homed_it() {
+    let s = machine(ProbeKind::Switch);
+    for after in [&["M290 Z-0.2"][..], &["G1 X100 Z5 F6000", "M290 Z-0.2", "G1 X200"], &["M290 Z-1", "M290 Z0.5"]] {
+        begin(&s, |life| {
+            life.say("G28");
+            let [.., before] = life.nozzle();
+            after.iter().for_each(|line| life.say(line));
+            life.say("M400");
+            let [.., z] = life.nozzle();
+            assert!(z < before, "{after:?}: {z}, {before} before");
+            life.say("G1 Z1 F600");
+            life.say("M400");
+        });
+    }
 }

@@ -25,7 +25,7 @@ fn changes_nothing(life: &mut Life<'_>, line: &str, why: &str) {
 #[test]
 fn z_alone_is_not_homed_by_the_probe_and_heat_and_moves_stay() {
     begin(&machine(ProbeKind::Switch), |life| {
-        let why = "Z is homed by the probe, and X or Y is not homed. Home them too (G28)";
+        let why = "Z is homed at a place in X and Y, and one of them is not homed. Home them too (G28)";
         for line in ["G28 Z", "G28 Z0 X", "G28 Y Z R5", "G28 Z"] {
             changes_nothing(life, line, why);
         }

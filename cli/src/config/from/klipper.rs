@@ -1,6 +1,7 @@
 //! A configuration of Klipper, with all files that it includes.
 
 use anyhow::{Context as _, Result, bail};
+use corehbot_machine_file::file_kind::with_line_feeds;
 use corehbot_machine_file::klipper::{Config, Files, is_pattern, matches};
 use std::path::{Path, PathBuf};
 
@@ -42,7 +43,7 @@ impl Files for OnDisk {
     }
 
     fn read(&mut self, name: &str) -> Result<String, String> {
-        std::fs::read_to_string(name).map_err(|error| error.to_string())
+        std::fs::read_to_string(name).map(with_line_feeds).map_err(|error| error.to_string())
     }
 }
 

@@ -8,7 +8,7 @@ use super::answer::Json;
 use super::play::RunModel;
 use super::setup::MachineArgs;
 use super::source::Source;
-use crate::input;
+use crate::input::{self, Plate};
 use crate::printer::Printer;
 use crate::say::note;
 use crate::stop::Stop;
@@ -31,6 +31,8 @@ pub(crate) struct Compensate {
     /// G-code, or a step trace (corehbot run --trace).
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    #[command(flatten)]
+    plate: Plate,
     /// Where the compensated G-code goes, or trace if the file is one.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
@@ -124,7 +126,7 @@ impl Compensate {
     fn told(&self, machine: Machine, params: &Params, stop: &Stop) -> Result<(Answer, Vec<u8>)> {
         let given = match Source::trace(&self.file)? {
             Some(trace) => Given::Trace(trace),
-            None => Given::Gcode(Box::new(Played::new(&input::read(&self.file)?, &self.printer, stop)?)),
+            None => Given::Gcode(Box::new(Played::new(&input::read(&self.file, self.plate)?, &self.printer, stop)?)),
         };
         let start = self.start(machine, params);
         let done = self.done(&given, (machine, params), start, stop)?;

@@ -3,6 +3,7 @@
 //! G-code goes through the firmware, which takes its time; the first line of a journal and the table of finished
 //! samples do not wait for it.
 
+use crate::input::Plate;
 use crate::printer::Printer;
 use crate::stop::Stop;
 use crate::twin::source::Source;
@@ -13,14 +14,15 @@ use std::sync::OnceLock;
 /// G-code or a step trace.
 pub(in crate::twin) struct Played {
     file: PathBuf,
+    plate: Plate,
     printer: Printer,
     source: OnceLock<Box<Source>>,
 }
 
 impl Played {
     /// A file for this printer; it is not read yet.
-    pub(in crate::twin) const fn new(file: PathBuf, printer: Printer) -> Self {
-        Self { file, printer, source: OnceLock::new() }
+    pub(in crate::twin) const fn new(file: PathBuf, plate: Plate, printer: Printer) -> Self {
+        Self { file, plate, printer, source: OnceLock::new() }
     }
 
     /// Reads it, unless it was read before.
@@ -29,7 +31,7 @@ impl Played {
     /// The file is neither, the print failed, or it was stopped.
     pub(super) fn load(&self, stop: &Stop) -> Result<()> {
         if self.source.get().is_none() {
-            let source = Source::read(&self.file, &self.printer, stop)?;
+            let source = Source::read(&self.file, self.plate, &self.printer, stop)?;
             self.source.get_or_init(|| Box::new(source));
         }
         Ok(())

@@ -6,6 +6,7 @@ use super::form::{QueryToml, RunToml, StudyToml};
 use super::plan::Study;
 use super::played::Played;
 use super::query::{Places, Query};
+use crate::input::Plate;
 use crate::printer::Printer;
 use crate::twin::setup::ModelArg;
 use anyhow::{Context as _, Result, anyhow};
@@ -117,7 +118,7 @@ pub(super) const fn model(query: QueryToml) -> ModelArg {
 fn played(run: &RunToml, path: &Path) -> Query {
     let settings = run.settings.as_deref().map(|file| beside(path, file));
     let printer = Printer::new(settings, run.assume_homed.map(|place| place.map(Mm::from_num)));
-    let file = Played::new(beside(path, &run.file), printer);
+    let file = Played::new(beside(path, &run.file), Plate::default(), printer);
     let begin = run.begin.map(|[x, y]| Place::flat(x, y));
     Query::Run { file, model: run.model, begin }
 }

@@ -330,10 +330,18 @@ fn probe(read: &Read, keys: &mut Keys) {
 fn bed(read: &Read, keys: &mut Keys) {
     let section = probe_of(read);
     let offset = |axis: &str| section.map_or(0.0, |section| read.or(section, &format!("{axis}_offset"), 0.0));
-    // The nozzle is at home_xy_position, so the probe is beside it. Only a probe homes Z at a place.
-    if let (Some([x, y]), Some(_)) = (read.pairs("safe_z_home", "home_xy_position").first(), section) {
-        keys.put("probe.home.x", x + offset("x"));
-        keys.put("probe.home.y", y + offset("y"));
+    // The nozzle is at home_xy_position, so the probe is beside it. A switch is met there.
+    if let Some([x, y]) = read.pairs("safe_z_home", "home_xy_position").first() {
+        let homes = if section.is_some() { "probe.home" } else { "safe_z_home" };
+        keys.put(&format!("{homes}.x"), x + offset("x"));
+        keys.put(&format!("{homes}.y"), y + offset("y"));
+    }
+    for key in ["z_hop", "z_hop_speed", "speed"] {
+        let number = read.number("safe_z_home", key).filter(|_| key != "speed" || section.is_none());
+        number.into_iter().for_each(|number| keys.put(&format!("safe_z_home.{key}"), number));
+    }
+    if let Some(text) = read.text("safe_z_home", "move_to_previous") {
+        keys.put("safe_z_home.move_to_previous", text == "True");
     }
     if read.has("bed_mesh") {
         let (columns, rows) = match read.text("bed_mesh", "probe_count") {

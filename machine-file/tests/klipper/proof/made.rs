@@ -264,6 +264,10 @@ impl Made {
             self.section("safe_z_home");
             let (x, y) = (self.dice.between(60.0, 120.0), self.dice.between(60.0, 120.0));
             self.must("home_xy_position", format!("{x}, {y}"));
+            self.number("z_hop", 0.0, 20.0);
+            self.number("z_hop_speed", 1.0, 20.0);
+            self.number("speed", 20.0, 200.0);
+            self.word("move_to_previous", &["True", "False"]);
         }
         if self.dice.comes(3) {
             self.section("bed_mesh");

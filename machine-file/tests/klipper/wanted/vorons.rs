@@ -1,7 +1,7 @@
 //! The Vorons: gantries and beds that several motors of z lift.
 
 use super::Printer;
-use corehbot_machine_file::klipper::Kind::{Decide, Taken};
+use corehbot_machine_file::klipper::Kind::Taken;
 
 pub(super) const VORONS: &[Printer] = &[
     Printer {
@@ -49,10 +49,10 @@ home_xy_position: 206,350
             ("stepper_z3", "step_pin", Taken, "motors.z3 = \"M5\""),
             ("probe", "pin", Taken, "endstops.probe = \"E3DET\"; probe.kind = \"switch\""),
             ("quad_gantry_level", "points", Taken, "screws.1.point_x = 50"),
-            ("safe_z_home", "home_xy_position", Decide, "homes Z at X206 Y350 by its switch, not there yet"),
+            ("safe_z_home", "home_xy_position", Taken, "safe_z_home.x = 206; safe_z_home.y = 350"),
         ],
         is_machine: true,
-        decisions: 1,
+        decisions: 0,
     },
     Printer {
         name: "Voron 2.4: the same on a Spider, with its heaters",

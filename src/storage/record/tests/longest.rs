@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::spelled_out::heat;
+use super::{content_of_payload, record_of};
 use crate::connectors::ConnectorName;
 use crate::settings::rows::{Field, Key, Legal, Text24, Value, Visitor};
 use crate::settings::{
@@ -10,8 +11,8 @@ use crate::settings::{
     ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver,
     Pause, Pid, SensorSource, Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
-use crate::storage::payload::{LONGEST_PAYLOAD, MOST_UNKNOWN, Unknown, read, write};
-use crate::storage::record::{HEADER, LONGEST, encode};
+use crate::storage::payload::{LONGEST_PAYLOAD, MOST_UNKNOWN, Unknown, write};
+use crate::storage::record::{HEADER, LONGEST, ROOM};
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
 };
@@ -98,12 +99,18 @@ fn the_longest_values_fit() {
     let name = Value::Text(Text24::try_from("1234").unwrap());
     assert!(s.motor_names.iter_mut().all(|motor| motor.set(&name)));
     s.visit(&mut Clamp);
-    let longest = encode(&s, &Unknown::NONE, u32::MAX).unwrap().receipt.bytes - HEADER;
-    assert!(longest <= LONGEST - HEADER, "{longest}");
+    let longest = record_of(&s, &Unknown::NONE, u32::MAX).1.bytes - HEADER;
     // Reckoned are the keys of both rules for corners, of which one has a value: six bytes.
     let legal = rows_longest_legal();
     assert_eq!(legal + 6 + MOST_UNKNOWN, LONGEST_PAYLOAD);
     assert!(longest <= legal, "{longest}");
+}
+
+#[test]
+fn the_document_says_how_many_bytes_are_free() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/explanation/flow.md");
+    let free = std::format!("**{} bytes are free**", ROOM - LONGEST_PAYLOAD);
+    assert!(std::fs::read_to_string(path).unwrap().contains(&free), "{free}");
 }
 
 /// A record has a sign only for types that have one. So the greatest value of a type without a sign, and negative
@@ -119,7 +126,7 @@ fn the_least_the_greatest_and_negative_numbers_read_back() {
         *negative = put.negative;
         let mut bytes = [0; LONGEST];
         let length = write(&settings, &Unknown::NONE, &mut bytes).unwrap();
-        assert_eq!(read(&bytes[..length]), Ok((settings, Unknown::NONE)));
+        assert_eq!(content_of_payload(&bytes[..length]), Ok((settings, Unknown::NONE)));
     }
     // Places of the screws and of their points, of the bed, the probe, the endstops, the axes and the pause.
     let [least, most, ..] = negative;

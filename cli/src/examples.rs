@@ -1,0 +1,108 @@
+//! Examples in the help of every command, by the words that call it.
+
+use clap::Command;
+
+/// The words of each command, and what to type for frequent wishes.
+const EXAMPLES: [(&str, &[&str]); 39] = [
+    ("", &["corehbot run print.gcode --report print.html", "corehbot config from printer.cfg -o my-machine.toml"]),
+    (
+        "run",
+        &[
+            "corehbot run print.gcode --machine my-machine.toml --report print.html",
+            "corehbot run project.3mf --plate 2",
+        ],
+    ),
+    ("serve", &["corehbot serve --pty /tmp/printer --machine my-machine.toml"]),
+    ("bringup", &["corehbot bringup /dev/ttyACM0 --machine my-machine.toml"]),
+    ("image", &["corehbot image --board octopus --machine my-machine.toml -o firmware.bin"]),
+    ("config", &["corehbot config new --board octopus --kinematics corexy --heaters -o my-machine.toml"]),
+    ("config schema", &["corehbot config schema > machine.schema.json"]),
+    ("config new", &["corehbot config new --board octopus --kinematics corexy --heaters -o my-machine.toml"]),
+    (
+        "config from",
+        &[
+            "corehbot config from printer.cfg --board octopus -o my-machine.toml",
+            "corehbot config from m503.txt --board octopus --kinematics corexy -o my-machine.toml",
+        ],
+    ),
+    ("config check", &["corehbot config check my-machine.toml"]),
+    ("config send", &["corehbot config send my-machine.toml /dev/ttyACM0"]),
+    ("config get", &["corehbot config get /dev/ttyACM0 > board.toml"]),
+    ("twin", &["corehbot twin modes --model rotors --machine my-machine.toml"]),
+    ("twin geometry", &["corehbot twin geometry --at 235,235"]),
+    ("twin stiffness", &["corehbot twin stiffness --at 150,180 --machine my-machine.toml"]),
+    ("twin modes", &["corehbot twin modes --model rotors --routing corexy"]),
+    ("twin push", &["corehbot twin push --force 5,0"]),
+    ("twin slip", &["corehbot twin slip --motor 1"]),
+    ("twin jump", &["corehbot twin jump --speed 100,0"]),
+    ("twin shaper", &["corehbot twin shaper --kind mzv --frequency 66 --ring 62.6"]),
+    ("twin tension", &["corehbot twin tension --machine my-machine.toml"]),
+    ("twin misalignment", &["corehbot twin misalignment --off 12=1,0"]),
+    ("twin resonance", &["corehbot twin resonance --report resonance.html"]),
+    ("twin ripple", &["corehbot twin ripple --speeds 40-120 --at 100,100"]),
+    ("twin limits", &["corehbot twin limits --machine my-machine.toml"]),
+    ("twin compare", &["corehbot twin compare print.gcode --report compare.html"]),
+    ("twin frame", &["corehbot twin frame"]),
+    ("twin figures", &["corehbot twin figures drawings"]),
+    ("twin parts", &["corehbot twin parts --speed 50,200"]),
+    (
+        "twin sweep",
+        &["corehbot twin sweep study.toml -o samples.csv", "corehbot twin sweep --vary belt_EA_N=20000:60000:5"],
+    ),
+    ("twin fit", &["corehbot twin fit measured.toml"]),
+    ("twin compensate", &["corehbot twin compensate print.gcode -o led.gcode --machine my-machine.toml"]),
+    ("twin flow", &["corehbot twin flow print.gcode"]),
+    ("twin yin", &["corehbot twin yin --figure 4"]),
+    ("twin zigzag", &["corehbot twin zigzag --axis x"]),
+    ("twin level", &["corehbot twin level --routing corexyz-three"]),
+    ("twin run", &["corehbot twin run print.gcode --model rotors --report run.html"]),
+    ("resonance", &["corehbot resonance raw_data_x.csv raw_data_y.csv --report resonance.html"]),
+    ("resonance sweep", &["corehbot resonance sweep --axis x --at 150,150 -o sweep-x.gcode"]),
+];
+
+/// The lines of a command's examples.
+fn of(words: &str) -> Option<&'static [&'static str]> {
+    EXAMPLES.iter().find(|(known, _)| *known == words).map(|(_, lines)| *lines)
+}
+
+/// The command with examples in its help and in the help of all commands within it.
+pub(crate) fn with_examples(command: Command, words: &str) -> Command {
+    let within: Vec<_> = command.get_subcommands().map(|within| within.get_name().to_owned()).collect();
+    let command = within.iter().fold(command, |command, name| {
+        let words = if words.is_empty() { name.clone() } else { format!("{words} {name}") };
+        command.mut_subcommand(name, |within| with_examples(within, &words))
+    });
+    match of(words) {
+        Some(lines) => command.after_help(format!("Examples:\n  {}", lines.join("\n  "))),
+        None => command,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::command;
+
+    fn all(command: &Command, words: &str, found: &mut Vec<String>) {
+        found.push(words.to_owned());
+        for within in command.get_subcommands().filter(|within| within.get_name() != "help") {
+            all(within, format!("{words} {}", within.get_name()).trim_start(), found);
+        }
+    }
+
+    #[test]
+    fn every_command_has_examples_that_it_takes() {
+        let mut found = Vec::new();
+        all(&command(), "", &mut found);
+        for words in &found {
+            let lines = of(words).unwrap_or_else(|| panic!("`corehbot {words}` has no example"));
+            for line in lines {
+                assert!(line.starts_with(&format!("corehbot {words}")), "{line}");
+                let typed = line.split(" > ").next().unwrap_or_default();
+                let taken = command().try_get_matches_from(typed.split(' '));
+                assert!(taken.is_ok(), "{line}: {}", taken.unwrap_err());
+            }
+        }
+        assert_eq!(found.len(), EXAMPLES.len());
+    }
+}

@@ -1,0 +1,67 @@
+//! Manual pages of the command, and what shells complete: both from its command line.
+
+use super::archive::File;
+use anyhow::Result;
+use clap::Command;
+use clap_complete::{Shell, generate};
+use clap_mangen::Man;
+use corehbot_cli::cli;
+
+/// Shells, and the name of the file that each of them looks for.
+const SHELLS: [(Shell, &str); 4] = [
+    (Shell::Bash, "corehbot.bash"),
+    (Shell::Zsh, "_corehbot"),
+    (Shell::Fish, "corehbot.fish"),
+    (Shell::PowerShell, "corehbot.ps1"),
+];
+
+/// `man/*.1` and `completions/*`.
+pub(super) fn files() -> Result<Vec<File>> {
+    let mut command = cli::command();
+    let mut files = Vec::new();
+    for (shell, name) in SHELLS {
+        let mut bytes = Vec::new();
+        generate(shell, &mut command, "corehbot", &mut bytes);
+        files.push(File { path: format!("completions/{name}"), bytes, is_program: false });
+    }
+    command.build();
+    pages(&command, "corehbot", &mut files)?;
+    Ok(files)
+}
+
+/// The pages of a command and of those within it.
+fn pages(command: &Command, name: &str, files: &mut Vec<File>) -> Result<()> {
+    let mut bytes = Vec::new();
+    // The same bytes from the same commit: a page has no date.
+    Man::new(command.clone()).title(name).date("").render(&mut bytes)?;
+    files.push(File { path: format!("man/{name}.1"), bytes, is_program: false });
+    let within = command.get_subcommands().filter(|within| within.get_name() != "help");
+    within
+        .map(|within| (within, format!("{name}-{}", within.get_name())))
+        .try_for_each(|(within, name)| pages(within, &name, files))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_has_a_page_with_its_examples_and_every_shell_completes() {
+        let files = files().unwrap();
+        let text = |path: &str| {
+            let file = files.iter().find(|file| file.path == path).unwrap_or_else(|| panic!("no {path}"));
+            String::from_utf8(file.bytes.clone()).unwrap()
+        };
+        let run = text("man/corehbot-run.1");
+        assert!(
+            run.starts_with(".ie") && run.contains(".TH corehbot-run 1") && run.contains("corehbot run print.gcode"),
+            "{run}"
+        );
+        assert!(text("man/corehbot-twin-run.1").contains("routing") && text("man/corehbot.1").contains("bringup"));
+        for (_, name) in SHELLS {
+            let text = text(&format!("completions/{name}"));
+            assert!(text.contains("bringup") && text.contains("assume-homed"), "{name}");
+        }
+        assert!(files.len() > 40);
+    }
+}
