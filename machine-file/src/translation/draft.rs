@@ -30,7 +30,7 @@ pub(crate) struct Draft {
 
 /// Keys that measure a machine: with the end of their range they would be another machine's. All others are limits and
 /// wishes, of which the nearest is a good one.
-const MEASURES: [&str; 15] = [
+const MEASURES: [&str; 16] = [
     "axes.*.min",
     "axes.*.length",
     "axes.*.rotation_distance",
@@ -41,6 +41,7 @@ const MEASURES: [&str; 15] = [
     "homing.*.position",
     "probe.offset.*",
     "probe.home.*",
+    "safe_z_home.[xy]",
     "screws.*",
     "bed.*",
     "shaper.*",
