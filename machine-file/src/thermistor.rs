@@ -206,5 +206,11 @@ mod tests {
         // Points that bend the other way: B of the outer ones.
         let flat = through(&[(25.0, 100_000.0), (150.0, 1590.0), (250.0, 250.0)]).unwrap();
         assert!(matches!(flat, Thermistor::Beta { cubic: 0, .. }), "{flat:?}");
+        // Klipper sorts an owner's points before it takes B of the first and the last (`CustomThermistor`).
+        let mixed = [(150.0, 1590.0), (250.0, 250.0), (25.0, 100_000.0)];
+        assert_eq!(through(&mixed), Some(flat));
+        let beta = ln(100_000.0 / 250.0) / (1.0 / 298.15 - 1.0 / 523.15);
+        let Thermistor::Beta { beta: found, .. } = flat else { panic!("{flat:?}") };
+        assert!((f64::from(found) - beta).abs() < 1.0, "{found} {beta}");
     }
 }

@@ -53,7 +53,8 @@ impl Axis {
     }
 }
 
-/// Axis of the sweep that a file's name tells. The last word that is a letter of an axis counts; a vector counts more.
+/// Axis of the sweep that a file's name tells. A vector counts, then the word that Klipper puts behind its own name for
+/// the file, then the last letter of an axis, and of a belt path at last: the end of the name is the owner's.
 #[must_use]
 pub fn axis(name: &str) -> Option<Axis> {
     if let Some((_, vector)) = name.split_once("axis=") {
@@ -72,9 +73,20 @@ pub fn axis(name: &str) -> Option<Axis> {
         }
     }
     let is_belt = words(name).any(|word| BELTS.iter().any(|belt| word.eq_ignore_ascii_case(belt)));
-    let is_meant = |axis: &Axis| !is_belt || matches!(axis, Axis::A | Axis::B);
-    words(name).filter_map(Axis::of).rfind(is_meant)
+    let is_path = |axis: &Axis| matches!(axis, Axis::A | Axis::B);
+    let of_path = || words(name).filter_map(Axis::of).rfind(is_path);
+    if is_belt {
+        return of_path();
+    }
+    let lower = stem(name).to_ascii_lowercase();
+    let behind = KLIPPERS.iter().find_map(|begin| lower.strip_prefix(begin)).and_then(|rest| words(rest).next());
+    let of_klipper = behind.and_then(Axis::of).filter(|axis| !is_path(axis));
+    of_klipper.or_else(|| words(name).filter_map(Axis::of).rfind(|axis| !is_path(axis))).or_else(of_path)
 }
+
+/// Klipper's own names for files (`resonance_tester.py`, get_filename): the axis follows, then a sensor, a place and the
+/// owner's name.
+const KLIPPERS: [&str; 3] = ["raw_data_", "resonances_", "calibration_data_"];
 
 /// Words for a belt path in names.
 const BELTS: [&str; 2] = ["belt", "belts"];
@@ -131,6 +143,14 @@ mod tests {
             ("raw_data_axis=1.000,-1.000_b.csv", Some(Axis::A)),
             ("raw_data_axis=1.000,1.000_a.csv", Some(Axis::B)),
             ("raw_data_axis=0.000,1.000_1.csv", Some(Axis::Y)),
+            // The owner's name is the last word.
+            ("raw_data_x_a.csv", Some(Axis::X)),
+            ("raw_data_x_b.csv", Some(Axis::X)),
+            ("raw_data_x_y.csv", Some(Axis::X)),
+            ("resonances_y_lis2dw_x.csv", Some(Axis::Y)),
+            ("calibration_data_x_20260101_b.csv", Some(Axis::X)),
+            ("x_b.csv", Some(Axis::X)),
+            ("sweep_b.csv", Some(Axis::B)),
             ("belts_20240101_B.csv", Some(Axis::B)),
             ("belt_b.stdata", Some(Axis::B)),
             ("belt_X.csv", None),

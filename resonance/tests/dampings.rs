@@ -102,3 +102,58 @@ fn a_spectrum_in_a_file_serves_like_its_recording() {
         }
     }
 }
+
+/// A file ends below the frequencies that tell the noise, so the fit finds it.
+#[test]
+fn a_damper_is_found_in_a_spectrum_wherever_it_acts() {
+    let sweep = Sweep { hz_per_s: 2.0, ..Sweep::default() };
+    for (hz, damping, noise) in [(15.0, 0.2, 100.0), (25.0, 0.2, 0.0), (48.0, 0.1, 1000.0), (130.0, 0.2, 100.0)] {
+        for belt in [0.0, 1.0] {
+            let plant = Plant { modes: &[(hz, damping, 1.0)], belt, ..Plant::default() };
+            let recording = shaken(&plant, &sweep, RATE, noise, 4);
+            let raw = measure(Named { file: "x", recording: &recording }, Some(Axis::X), &sweep).unwrap();
+            let mut text = String::from("freq,psd_x,psd_y,psd_z,psd_xyz\n");
+            for (i, sum) in raw.spectrum.sum.iter().enumerate() {
+                let [x, y, z] = raw.spectrum.axes.each_ref().map(|axis| axis[i]);
+                writeln!(text, "{:.1},{x:.3e},{y:.3e},{z:.3e},{sum:.3e}", i as f64 * raw.spectrum.step_hz).unwrap();
+            }
+            let density = &density::read(&text).unwrap()[0].1;
+            let modes = measure_density("x", density, Some(Axis::X), &sweep).fit.unwrap().modes;
+            let [mode] = modes[..] else { panic!("{hz} Hz, {damping}, {belt}: {modes:?}") };
+            assert!((mode.frequency_hz / hz - 1.0).abs() < 0.005, "{hz} Hz, {damping}, {belt}: {mode:?}");
+            assert!((mode.damping_ratio / damping - 1.0).abs() < 0.05, "{hz} Hz, {damping}, {belt}: {mode:?}");
+        }
+    }
+}
+
+/// Klipper writes several sensors on a grid of 0.2 Hz, finer than the windows that made the spectra.
+#[test]
+fn spectra_of_several_sensors_are_read_at_their_own_bins() {
+    let sweep = Sweep { hz_per_s: 2.0, ..Sweep::default() };
+    let known = [45.0, 56.0];
+    let spectra = known.map(|hz| {
+        let recording = recording(&[(hz, 0.05, 1.0)], &sweep, 3200.0, 100.0, 4);
+        measure(Named { file: "x", recording: &recording }, Some(Axis::X), &sweep).unwrap()
+    });
+    for is_normalised in [false, true] {
+        let mut text = format!("freq,one,two{}\n", if is_normalised { ",shapers:,zv(41.0)" } else { "" });
+        for i in 0..1000 {
+            let at = f64::from(i) * 0.2;
+            let value = |spectrum: &corehbot_resonance::axis::Measured| {
+                let all = if is_normalised { &spectrum.normalised } else { &spectrum.spectrum.sum };
+                let (bin, part) = ((at / spectrum.spectrum.step_hz) as usize, (at / spectrum.spectrum.step_hz).fract());
+                all[bin] * (1.0 - part) + all[bin + 1] * part
+            };
+            let end = if is_normalised { ",,1" } else { "" };
+            writeln!(text, "{at:.1},{:.3e},{:.3e}{end}", value(&spectra[0]), value(&spectra[1])).unwrap();
+        }
+        let read = density::read(&text).unwrap();
+        assert_eq!(read.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["one", "two"]);
+        for ((_, density), hz) in read.iter().zip(known) {
+            let modes = measure_density("x", density, Some(Axis::X), &sweep).fit.unwrap().modes;
+            let [mode] = modes[..] else { panic!("{hz} Hz, {is_normalised}: {modes:?}") };
+            assert!((mode.frequency_hz / hz - 1.0).abs() < 0.01, "{hz} Hz, {is_normalised}: {mode:?}");
+            assert!((mode.damping_ratio / 0.05 - 1.0).abs() < 0.1, "{hz} Hz, {is_normalised}: {mode:?}");
+        }
+    }
+}

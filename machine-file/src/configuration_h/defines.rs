@@ -22,6 +22,8 @@ pub(super) struct Defines {
     pub all: Vec<Define>,
     /// The defines of a name that count: one, or several with different values.
     current: BTreeMap<String, Vec<usize>>,
+    /// Defines that an `#undef` took back, and its line.
+    undone: BTreeMap<usize, usize>,
     /// Names that the files know, also those that are off.
     known: BTreeSet<String>,
 }
@@ -117,7 +119,11 @@ impl Defines {
                     self.define(name, value.trim(), file, line, is_sure);
                 }
             }
-            "undef" if is_on(open) => drop(self.current.remove(rest)),
+            "undef" if is_on(open) => {
+                for number in self.current.remove(rest).unwrap_or_default() {
+                    self.undone.insert(number, line);
+                }
+            }
             _ => {}
         }
     }
@@ -139,6 +145,11 @@ impl Defines {
             [only] => self.all.get(only),
             _ => None,
         }
+    }
+
+    /// The line that took a define back.
+    pub fn undone(&self, number: usize) -> Option<usize> {
+        self.undone.get(&number).copied()
     }
 
     /// Another define of the same name with another value.

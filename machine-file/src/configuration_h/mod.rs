@@ -30,7 +30,20 @@ pub fn is_configuration(text: &str) -> bool {
     let is_define = |line: &&str| line.trim_start().trim_start_matches('/').starts_with("#define ");
     let has = |name: &str| text.contains(name);
     text.lines().filter(is_define).count() > 1
+        && !has_section(text)
         && (has("MOTHERBOARD") || has("DEFAULT_AXIS_STEPS_PER_UNIT") || has("CONFIGURATION_ADV_H") || has("_CURRENT"))
+}
+
+/// Whether a line outside of C's comments is the head of a section: Klipper's comments begin with `#`, as defines do.
+fn has_section(text: &str) -> bool {
+    let mut is_comment = false;
+    text.lines().map(str::trim).any(|line| {
+        is_comment |= line.starts_with("/*");
+        let is_head = line.strip_prefix('[').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_alphabetic()));
+        let is_section = is_head && !is_comment && line.contains(']');
+        is_comment &= !line.contains("*/");
+        is_section
+    })
 }
 
 /// Translates files, each with its name; the first one names the machine file.

@@ -72,6 +72,13 @@ pub(super) fn before(work: &mut Work<'_>, defines: &Defines) {
     bed(&mut look);
     heat(&mut look);
     probe(&mut look);
+    if look.defines.has("PREVENT_LENGTHY_EXTRUDE") {
+        look.take("EXTRUDE_MAXLENGTH", "axes.e.length", 1.0);
+        look.say("PREVENT_LENGTHY_EXTRUDE", Kind::Taken, "axes.e.length");
+    } else {
+        look.say("EXTRUDE_MAXLENGTH", Kind::NotNeeded, "PREVENT_LENGTHY_EXTRUDE is off");
+    }
+    look.say("CLASSIC_JERK", Kind::Taken, "the jerks below are the rule for corners");
     for (name, path, times) in [
         ("BAUDRATE", "baud", 1.0),
         ("EXTRUDER_AUTO_FAN_TEMPERATURE", "thermal.hotend_fan_above", 1.0),
@@ -92,16 +99,21 @@ pub(super) fn before(work: &mut Work<'_>, defines: &Defines) {
     }
 }
 
-/// Two values of one name: neither is taken.
+/// Two values of one name: neither is taken. One that was taken back does not count.
 fn conflicts(look: &mut Look<'_, '_, '_>) {
     for (number, define) in look.defines.all.iter().enumerate() {
-        let Some(rival) = look.defines.rival(define) else { continue };
-        let text = format!("line {} says {}: decide", rival.line, crate::short::short(&rival.value));
+        let (kind, text) = match (look.defines.undone(number), look.defines.rival(define)) {
+            (Some(line), _) => (Kind::NotNeeded, format!("line {line} takes it back")),
+            (None, Some(rival)) => {
+                (Kind::Decide, format!("line {} says {}: decide", rival.line, crate::short::short(&rival.value)))
+            }
+            (None, None) => continue,
+        };
         // The base word of an item is found by its place among the items.
         let mut words = look.work.said.words.iter().enumerate();
         let entry = words.find(|(_, word)| word.code == ITEM && word.line == number).map(|(entry, _)| entry);
         if let Some(entry) = entry {
-            look.work.say(entry, Kind::Decide, text);
+            look.work.say(entry, kind, text);
         }
     }
 }
@@ -183,8 +195,10 @@ fn heat(look: &mut Look<'_, '_, '_>) {
             None => look.work.say(entry, Kind::Decide, format!("not there yet: write a sensor near it into {path}")),
         }
         if let Some((entry, most)) = look.number(most) {
+            let path = format!("heaters.{heater}.most");
+            look.say(overshoot, Kind::Taken, format!("{path} is less by it"));
             let overshoot = look.defines.of(overshoot).unwrap_or(usual);
-            look.work.take_number(entry, &format!("heaters.{heater}.most"), most - overshoot);
+            look.work.take_number(entry, &path, most - overshoot);
             look.work.say(entry, Kind::Taken, format!("less its overshoot of {overshoot}"));
         }
     }
@@ -329,7 +343,7 @@ fn mark(look: &mut Look<'_, '_, '_>, name: &str, path: &str, is_marked: bool) {
         (true, true) => format!("write `!` before the connector in {path}"),
     };
     if is_marked && !is_open {
-        look.work.lines.set(path, format!("!{plug}").into(), &format!("to be filled in; `!`: {name}"));
+        look.work.plug(path, &format!("!{plug}"), &format!("to be filled in; `!`: {name}"));
     }
     look.work.say(entry, if is_marked && is_open { Kind::Approximated } else { Kind::Taken }, how);
 }

@@ -44,8 +44,13 @@ fn limits(work: &mut Work<'_>) {
             "max_z_accel",
         ),
     ] {
+        let z = format!("axes.z.{axis_key}");
+        let of_z = work.number("printer", z_key);
+        if let Some((entry, most)) = of_z {
+            work.take_number(entry, &z, most);
+        }
         let Some((entry, most)) = work.number("printer", key) else {
-            let text = format!("[printer] {key} is missing: the prototype's limits count");
+            let text = format!("[printer] {key} is missing or no number: the prototype's limits count");
             work.notes.push(Verdict::new(Kind::Decide, text));
             continue;
         };
@@ -55,11 +60,9 @@ fn limits(work: &mut Work<'_>) {
         work.take_number(entry, motor_key, most * DIAGONAL);
         also.iter().for_each(|path| work.take_number(entry, path, most));
         work.say(entry, Kind::Approximated, format!("a limit of each axis: {faster}"));
-        let z = format!("axes.z.{axis_key}");
-        match work.number("printer", z_key) {
-            Some((entry, most)) => work.take_number(entry, &z, most),
-            // Klipper lets Z be as fast as X.
-            None => work.set_default(&z, most),
+        // Klipper lets Z be as fast as X.
+        if of_z.is_none() {
+            work.set_default(&z, most);
         }
     }
     let most = work.number("printer", "max_accel").map(|(_, most)| most);
@@ -111,7 +114,7 @@ pub(super) fn step_rates(work: &mut Work<'_>) {
 }
 
 /// Full steps of a turn (`stepper.py`, full_steps_per_rotation).
-const FULL_STEPS: f64 = 200.0;
+pub(super) const FULL_STEPS: f64 = 200.0;
 
 fn slow_down(work: &mut Work<'_>, path: &str, steps_per_mm: f64) {
     let Some(speed) = work.lines.number(path).filter(|_| steps_per_mm > 0.0) else { return };
@@ -224,6 +227,12 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
     work.lines.set(&path, "".into(), "to decide");
     match (pin.chip.as_str(), pin.name.as_str()) {
         ("probe", _) if axis == "z" && has_probe(work) => {
+            for (key, ours) in [("homing_speed", "probe.fast"), ("second_homing_speed", "probe.slow")] {
+                if let Some((entry, _)) = work.value(section, key) {
+                    let text = format!("{ours} is the speed of the probe's touches, from its own key");
+                    work.say(entry, Kind::Approximated, text);
+                }
+            }
             work.lines.set(&path, "".into(), "Z is homed by the probe");
             return work.take(entry, "probe.z_home", true);
         }
@@ -238,7 +247,7 @@ fn switch(work: &mut Work<'_>, axis: &str, section: &str) {
         }
         _ => {}
     }
-    match work.pins.input(&pin, Circuit::Plain).filter(|_| pin.is_on_board()) {
+    match work.pins.input(&pin, Circuit::Plain) {
         Some(input) => {
             work.take(entry, &path, input.plug(&pin));
             if let Some((kind, text)) = input.of_pull(&pin) {

@@ -143,6 +143,7 @@ fn mesh(work: &mut Work<'_>) {
             _ => work.say(entry, Kind::Decide, "no number of points: correct it"),
         }
     }
+    round_mesh(work);
     if let Some((entry, fade)) = work.number("bed_mesh", "fade_end") {
         work.take_number(entry, "mesh.fade", fade);
     }
@@ -156,6 +157,22 @@ fn mesh(work: &mut Work<'_>) {
         if let Some((entry, _)) = work.value("bed_mesh", key) {
             work.say(entry, Kind::Approximated, "G29 measures all that the probe reaches, or the area of its words");
         }
+    }
+}
+
+/// A round mesh has as many points across (`bed_mesh.py`, round_probe_count and its default); ours is a rectangle.
+fn round_mesh(work: &mut Work<'_>) {
+    const ROUND: f64 = 5.0;
+    let is_round = work.number("bed_mesh", "mesh_radius").is_some();
+    match work.number("bed_mesh", "round_probe_count") {
+        Some((entry, count)) => {
+            for path in ["mesh.columns", "mesh.rows"] {
+                work.take_number(entry, path, count);
+            }
+            work.say(entry, Kind::Approximated, "a mesh is a rectangle: all that the probe reaches");
+        }
+        None if is_round => ["mesh.columns", "mesh.rows"].iter().for_each(|path| work.set_default(path, ROUND)),
+        None => {}
     }
 }
 

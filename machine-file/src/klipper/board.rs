@@ -1,11 +1,15 @@
 //! Pins of a board: which connector each is.
 
+use super::found::{Pinned, printed};
 use super::pin::PinText;
 use crate::translation::Kind;
 use corehbot::connectors::{BoardConnectors, Output, Sensor};
 use corehbot_boards::entries;
 use corehbot_wiring::Circuit;
 use std::fmt::Debug;
+
+/// The job of a fan's pin.
+pub(super) const FAN: &str = "fan output";
 
 /// Pins of a driver's socket.
 pub(super) struct Socket {
@@ -56,12 +60,17 @@ pub(super) struct Pins {
     outputs: Vec<(String, Output)>,
     sensors: Vec<(String, Sensor)>,
     fans: Vec<String>,
+    /// Whether the configuration is on this board: boards share names of pins by chance.
+    is_its_own: bool,
+    /// Whether its fans are.
+    has_its_fans: bool,
 }
 
 impl Pins {
-    /// Those of a board with an image; a simulated board has none.
-    pub fn of(board: &'static BoardConnectors) -> Option<Self> {
-        let board = entries().find(|entry| entry.board.connectors.key == board.key)?.board;
+    /// Those of a board with an image; a simulated board has none. A configuration of another board has none of them.
+    pub fn of(board: &'static BoardConnectors, pinned: &Pinned) -> Option<Self> {
+        let entry = entries().find(|entry| entry.board.connectors.key == board.key)?;
+        let board = entry.board;
         let sockets = board.connectors.sockets.iter().zip(board.sockets).map(|(name, slot)| Socket {
             name: name.as_str(),
             pins: [
@@ -91,12 +100,36 @@ impl Pins {
                 .map(|input| (pin_name(input.pin.port, input.pin.number()), input.sensor))
                 .collect(),
             fans: board.fans.iter().map(|fan| pin_name(fan.pin.port, fan.pin.number())).collect(),
+            is_its_own: pinned.may_be(entry),
+            has_its_fans: pinned.has_fans_of(entry),
         })
     }
 
+    /// Whether a pin is one of this board.
+    fn has(&self, pin: &PinText) -> bool {
+        self.is_its_own && pin.is_on_board()
+    }
+
+    /// Why a pin is none of them for that job.
+    pub fn elsewhere(&self, pin: &PinText, job: &str) -> String {
+        match (pin.is_on_board(), self.is_its_own) {
+            (false, _) => format!("{} is another board, and a machine has one so far", pin.chip),
+            (true, false) => format!("{} is a pin of another board", pin.name),
+            (true, true) if job == FAN && !self.has_its_fans => {
+                format!("{} is a fan output of another version of the {}", pin.name, self.connectors.name)
+            }
+            (true, true) => format!("{} is no {job} of the {}", pin.name, self.connectors.name),
+        }
+    }
+
+    /// The printed name of a pin that is on no connector of this board so far.
+    pub fn printed(&self, pin: &PinText) -> Option<&'static str> {
+        printed(self.connectors, pin).filter(|_| self.has(pin))
+    }
+
     /// The socket with that step pin.
-    pub fn socket(&self, step: &str) -> Option<&Socket> {
-        self.sockets.iter().find(|socket| socket.pins[0].as_deref() == Some(step))
+    pub fn socket(&self, step: &PinText) -> Option<&Socket> {
+        self.sockets.iter().find(|socket| socket.pins[0].as_ref() == Some(&step.name)).filter(|_| self.has(step))
     }
 
     /// The input with that pin. Of two connectors on one pin it is the one that works with the resistor that Klipper
@@ -108,12 +141,12 @@ impl Pins {
             (false, true) => Circuit::Optocoupler,
             (false, false) => usual,
         };
-        here().find(|input| input.circuit == wanted).or_else(|| here().next()).cloned()
+        here().find(|input| input.circuit == wanted).or_else(|| here().next()).filter(|_| self.has(pin)).cloned()
     }
 
     /// The heater output.
-    pub fn output(&self, pin: &str) -> Option<Output> {
-        self.outputs.iter().find(|(known, _)| known == pin).map(|(_, output)| *output)
+    pub fn output(&self, pin: &PinText) -> Option<Output> {
+        self.outputs.iter().find(|(known, _)| *known == pin.name && self.has(pin)).map(|(_, output)| *output)
     }
 
     /// The names of all heater outputs.
@@ -123,13 +156,13 @@ impl Pins {
     }
 
     /// The input of a sensor.
-    pub fn sensor(&self, pin: &str) -> Option<Sensor> {
-        self.sensors.iter().find(|(known, _)| known == pin).map(|(_, sensor)| *sensor)
+    pub fn sensor(&self, pin: &PinText) -> Option<Sensor> {
+        self.sensors.iter().find(|(known, _)| *known == pin.name && self.has(pin)).map(|(_, sensor)| *sensor)
     }
 
     /// The fan output, by its number.
-    pub fn fan(&self, pin: &str) -> Option<usize> {
-        self.fans.iter().position(|known| known == pin)
+    pub fn fan(&self, pin: &PinText) -> Option<usize> {
+        self.fans.iter().position(|known| *known == pin.name && self.has(pin) && self.has_its_fans)
     }
 }
 

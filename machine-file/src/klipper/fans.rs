@@ -1,9 +1,12 @@
 //! Fans: their outputs, roles and duties.
 
+use super::board::FAN;
+use super::defaults::of;
 use super::pin::PinText;
 use super::work::Work;
 use crate::pattern::matches;
-use crate::translation::Kind;
+use crate::translation::draft::rounded;
+use crate::translation::{Kind, Verdict};
 use corehbot_wiring::Circuit;
 
 /// Kinds of fans, by their sections, and their roles.
@@ -16,7 +19,7 @@ pub(super) fn fans(work: &mut Work<'_>) {
     let names = config.sections.iter().map(|section| section.name.as_str());
     let of = |section: &'_ str| FANS.iter().find(|(pattern, _)| matches(pattern, section)).map(|(_, role)| *role);
     let all: Vec<(&str, &str)> = names.filter_map(|section| Some((section, of(section)?))).collect();
-    let number = |work: &Work<'_>, pin: &PinText| work.pins.fan(&pin.name).filter(|_| pin.is_on_board());
+    let number = |work: &Work<'_>, pin: &PinText| work.pins.fan(pin);
     let mut free: Vec<usize> = (0..work.pins.connectors.fans.len()).collect();
     let mut foreign = Vec::new();
     for (section, role) in all {
@@ -30,10 +33,7 @@ pub(super) fn fans(work: &mut Work<'_>) {
         }
     }
     for (section, role, entry, pin) in foreign {
-        let place = match pin.is_on_board() {
-            true => format!("{} is no fan output of the {}", pin.name, work.pins.connectors.name),
-            false => format!("{} is another board, and a machine has one so far", pin.chip),
-        };
+        let place = work.pins.elsewhere(&pin, FAN);
         if free.is_empty() {
             work.say(entry, Kind::Decide, format!("{place}, and none is left for it"));
             of_heater(work, section, role);
@@ -47,6 +47,7 @@ pub(super) fn fans(work: &mut Work<'_>) {
             format!("{place}: plug it in at fan{output}, or move its lines to another output"),
         );
     }
+    usual(work);
     for number in free {
         work.lines.set(&format!("fans.fan{number}.role"), "commanded".into(), "no section has it");
     }
@@ -65,8 +66,7 @@ fn fan(work: &mut Work<'_>, section: &str, role: &str, output: usize, (entry, pi
     }
     most(work, section, &format!("{fan}.most"));
     if let Some((entry, least)) = work.number(section, "off_below") {
-        work.take_number(entry, &format!("{fan}.least"), least);
-        work.say(entry, Kind::Approximated, "the lowest speed has that duty; Klipper switches the fan off below it");
+        lowest(work, section, entry, least, &fan);
     }
     frequency(work, section, output);
     tachometer(work, section, &fan);
@@ -84,6 +84,19 @@ fn most(work: &mut Work<'_>, section: &str, path: &str) {
         (Some((entry, number)), None) | (None, Some((entry, number))) => work.take_number(entry, path, number),
         (None, None) => {}
     }
+}
+
+/// Klipper's `off_below` is a part of `max_power` too (`extras/fan.py`, `_apply_speed`).
+fn lowest(work: &mut Work<'_>, section: &str, entry: usize, least: f64, fan: &str) {
+    let power = work.number(section, "max_power").map_or(1.0, |(_, power)| power);
+    if work.number(section, "fan_speed").is_some_and(|(_, speed)| speed < least) {
+        return work.say(entry, Kind::Decide, "above fan_speed, so Klipper never runs the fan: correct it");
+    }
+    work.take_number(entry, &format!("{fan}.least"), rounded(least * power));
+    if power != 1.0 {
+        work.say(entry, Kind::Taken, "times max_power");
+    }
+    work.say(entry, Kind::Approximated, "the lowest speed has that duty; Klipper switches the fan off below it");
 }
 
 /// The role of a fan by its heaters, and the numbers that all fans of a role share.
@@ -122,6 +135,29 @@ fn of_heater<'r>(work: &mut Work<'_>, section: &str, role: &'r str) -> &'r str {
     role
 }
 
+/// Numbers that all fans of a role share: one without the key has Klipper's default.
+fn usual(work: &mut Work<'_>) {
+    for (pattern, key, path) in [
+        ("heater_fan *", "heater_temp", "thermal.hotend_fan_above"),
+        ("controller_fan *", "idle_timeout", "thermal.fan_run_on_s"),
+    ] {
+        let Some(known) = work.lines.number(path).filter(|known| *known != of(pattern, key)) else { continue };
+        let follows = |work: &Work<'_>, section: &str| {
+            let heaters = work.value(section, "heater").filter(|_| key == "heater_temp");
+            heaters.is_none_or(|(_, heaters)| heaters.split(',').any(|heater| heater.trim() == "extruder"))
+        };
+        let names = work.config.sections.iter().map(|section| section.name.as_str());
+        let silent = names.filter(|name| matches(pattern, name) && work.value(name, key).is_none());
+        for section in silent.filter(|name| follows(work, name)).collect::<Vec<_>>() {
+            let text = format!(
+                "[{section}] has no {key}, so {}, but {path} = {known} from another section, and it is one for both",
+                of(pattern, key)
+            );
+            work.notes.push(Verdict::new(Kind::Decide, text));
+        }
+    }
+}
+
 /// The frequency of a fan, if its output has a timer; of fans on one timer the first one's.
 fn frequency(work: &mut Work<'_>, section: &str, number: usize) {
     let Some((entry, seconds)) = work.number(section, "cycle_time").filter(|(_, seconds)| *seconds > 0.0) else {
@@ -156,7 +192,7 @@ fn tachometer(work: &mut Work<'_>, section: &str, fan: &str) {
         return;
     }
     let Some(input) = work.pins.input(&pin, Circuit::Plain) else {
-        let text = format!("{} is no input of the {}", pin.name, work.pins.connectors.name);
+        let text = work.pins.elsewhere(&pin, "input");
         return work.say(entry, Kind::Decide, text);
     };
     work.take(entry, &format!("{fan}.tachometer"), input.name.to_string());

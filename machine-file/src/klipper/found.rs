@@ -105,6 +105,40 @@ impl Pinned {
         self.strangers(entry).is_empty() && self.is_in_sockets(entry)
     }
 
+    /// Whether it may be that board: a part of a configuration may have no motors.
+    pub fn may_be(&self, entry: &Entry) -> bool {
+        let fits = self.fits(entry) || (!self.has_motors() && self.strangers(entry).is_empty());
+        fits && self.namesake(entry).is_none()
+    }
+
+    /// The name of a board that only shares pins with this one, if that one is named.
+    fn namesake(&self, entry: &Entry) -> Option<&'static str> {
+        let alike: Vec<&'static Entry> = entries().filter(|other| self.fits(other)).collect();
+        let (name, _) = self.first_name(&alike).filter(|(_, entry)| entry.is_none())?;
+        entry.printed.namesakes.contains(&name).then_some(name)
+    }
+
+    /// How many of the fans are at outputs of a board.
+    fn fans_of(&self, entry: &Entry) -> usize {
+        entry.board.fans.iter().filter(|fan| self.fans.contains(&fan.pin)).count()
+    }
+
+    /// Whether no other board with these pins has more of the fans.
+    pub fn has_fans_of(&self, entry: &Entry) -> bool {
+        let most = entries().filter(|entry| self.fits(entry)).map(|entry| self.fans_of(entry)).max();
+        most.is_none_or(|most| self.fans_of(entry) == most)
+    }
+
+    /// That the pins are not those of a board, if so.
+    pub fn strange_on(&self, board: &BoardConnectors) -> Option<String> {
+        let entry = entries().find(|entry| entry.board.connectors.key == board.key && !self.may_be(entry))?;
+        let why = match self.namesake(entry).filter(|_| self.strangers(entry).is_empty()) {
+            Some(name) => format!("a comment or a name says {name}"),
+            None => format!("it differs in {}", self.differs(entry)),
+        };
+        Some(format!("these are not the pins of the {}, as {why}: so each pin counts as another board's", board.name))
+    }
+
     /// Whether a processor's name says that it is not the board's.
     pub fn is_other_chip(&self, entry: &Entry) -> bool {
         self.chip.as_ref().is_some_and(|chip| !entry.chip.to_lowercase().starts_with(chip.as_str()))
@@ -119,10 +153,9 @@ impl Pinned {
         if !self.has_motors() {
             return Err("cannot tell the board, because the main processor has no motors: name one by --board".into());
         }
-        let fans = |entry: &Entry| entry.board.fans.iter().filter(|fan| self.fans.contains(&fan.pin)).count();
         let fitting: Vec<&Entry> = entries().filter(|entry| self.fits(entry)).collect();
-        let most = fitting.iter().map(|entry| fans(entry)).max();
-        let alike: Vec<&Entry> = fitting.into_iter().filter(|entry| Some(fans(entry)) == most).collect();
+        let most = fitting.iter().map(|entry| self.fans_of(entry)).max();
+        let alike: Vec<&Entry> = fitting.into_iter().filter(|entry| Some(self.fans_of(entry)) == most).collect();
         if alike.is_empty() {
             return Err(self.nearest());
         }
@@ -143,20 +176,9 @@ impl Pinned {
     /// at one place the longer one, because "octopus pro" names the Octopus too.
     fn named(&self, alike: &[&'static Entry]) -> Result<&'static Entry, String> {
         let key = |entry: &Entry| entry.board.connectors.key;
-        let mut names: Vec<(&str, Option<&Entry>)> = Vec::new();
-        for entry in alike.iter().copied() {
-            names.push((key(entry), Some(entry)));
-            names.extend(entry.printed.namesakes.iter().map(|name| (*name, None)));
-        }
-        let place = |name: &str| {
-            let spelled = [" ", "-", "_"].map(|between| name.replace(['-', ' '], between));
-            spelled.iter().filter_map(|name| self.words.find(name)).min()
-        };
-        let found = names.into_iter().filter_map(|(name, entry)| Some((place(name)?, name, entry)));
-        let first = found.min_by_key(|(place, name, _)| (*place, std::cmp::Reverse(name.len())));
-        match first {
-            Some((_, _, Some(entry))) => return Ok(entry),
-            Some((_, name, None)) => {
+        match self.first_name(alike) {
+            Some((_, Some(entry))) => return Ok(entry),
+            Some((name, None)) => {
                 return Err(format!(
                     "these are pins of the {}, but a comment or a name says {name}, which is not supported; --board \
                      names the board that the machine gets instead",
@@ -173,10 +195,35 @@ impl Pinned {
         })
     }
 
+    /// The first name of a board, or of one that only shares pins with it.
+    fn first_name<'e>(&self, boards: &[&'e Entry]) -> Option<(&'e str, Option<&'e Entry>)> {
+        let own = boards.iter().map(|entry| (entry.board.connectors.key, Some(*entry)));
+        let others = boards.iter().flat_map(|entry| entry.printed.namesakes.iter().map(|name| (*name, None)));
+        let place = |name: &str| {
+            let spelled = [" ", "-", "_"].map(|between| name.replace(['-', ' '], between));
+            let all = spelled.iter().flat_map(|name| self.words.match_indices(name.as_str()).map(|(at, _)| at));
+            all.filter(|at| !self.words.get(..*at).is_some_and(is_denied)).min()
+        };
+        let found = own.chain(others).filter_map(|(name, entry)| Some((place(name)?, name, entry)));
+        let first = found.min_by_key(|(place, name, _)| (*place, std::cmp::Reverse(name.len())));
+        first.map(|(_, name, entry)| (name, entry))
+    }
+
     /// That no board has these pins.
     fn nearest(&self) -> String {
         let Some(nearest) = entries().min_by_key(|entry| self.strangers(entry).len()) else { return String::new() };
-        let strangers = self.strangers(nearest);
+        let chip = self.chip.as_ref().map(|chip| format!(", an {},", chip.to_uppercase())).unwrap_or_default();
+        format!(
+            "the board of this configuration{chip} is not supported, because no board here has its pins (nearest: {}, \
+             which differs in {}); --board names the one that the machine gets instead",
+            nearest.board.connectors.name,
+            self.differs(nearest)
+        )
+    }
+
+    /// The pins that a board has no connector for, in words.
+    fn differs(&self, entry: &Entry) -> String {
+        let strangers = self.strangers(entry);
         let told = |used: &&Used| format!("[{}] {} {}", used.section, used.key, used.text);
         let mut differs: Vec<_> = strangers.iter().take(MOST_TOLD).map(told).collect();
         if strangers.len() > MOST_TOLD {
@@ -185,15 +232,19 @@ impl Pinned {
         if differs.is_empty() {
             differs.push("its motors, which are on headers".to_owned());
         }
-        let chip = self.chip.as_ref().map(|chip| format!(", an {},", chip.to_uppercase())).unwrap_or_default();
-        format!(
-            "the board of this configuration{chip} is not supported, because no board here has its pins (nearest: {}, \
-             which differs in {}); --board names the one that the machine gets instead",
-            nearest.board.connectors.name,
-            differs.join(", ")
-        )
+        differs.join(", ")
     }
 }
+
+/// Whether the words before a name say that it is not meant: `not for the`.
+fn is_denied(before: &str) -> bool {
+    const DENY: [&str; 5] = ["not", "no", "isn't", "unlike", "instead"];
+    let sentence = before.rsplit(['.', ',', ';', ':', '!', '(']).next().unwrap_or_default();
+    sentence.split(' ').rev().take(WORDS_BEFORE).any(|word| DENY.contains(&word))
+}
+
+/// Words between `not` and the name: `not for the BTT`.
+const WORDS_BEFORE: usize = 5;
 
 /// Pins that a message names.
 const MOST_TOLD: usize = 3;

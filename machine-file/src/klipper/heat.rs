@@ -1,6 +1,5 @@
 //! Heat: heaters with their outputs and sensors.
 
-use super::found::printed;
 use super::work::Work;
 use crate::thermistor::{of_slope, points, through, written};
 use crate::translation::{Kind, Verdict};
@@ -92,7 +91,7 @@ fn extra_sensors(work: &mut Work<'_>) {
         let known = work.value(&section, "sensor_type").is_some_and(|(_, kind)| {
             SENSORS.iter().any(|(known, _)| *known == kind) || config.section(&format!("thermistor {kind}")).is_some()
         });
-        if !pin.is_on_board() || work.pins.sensor(&pin.name).is_none() || !known {
+        if work.pins.sensor(&pin).is_none() || !known {
             let text = format!("no thermistor of a known kind at an input of the {}", work.pins.connectors.name);
             work.say(entry, Kind::NotYet, text);
             continue;
@@ -177,7 +176,7 @@ fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
         return false;
     }
     let pins = work.pins;
-    match pins.output(&pin.name) {
+    match pins.output(&pin) {
         Some(output) => {
             work.take(entry, path, output.name());
             if pin.is_inverted {
@@ -186,14 +185,11 @@ fn output(work: &mut Work<'_>, path: &str, section: &str) -> bool {
             !pin.is_inverted
         }
         None => {
-            let (board, offered) = (pins.connectors.name, pins.outputs());
-            let text = match printed(pins.connectors, &pin) {
-                Some(name) => format!("{name} is not there yet: use one of {offered}, and write it into {path}"),
-                None => format!(
-                    "{} is no heater output of the {board}: use one of {offered}, and write it into {path}",
-                    pin.name
-                ),
+            let place = match pins.printed(&pin) {
+                Some(name) => format!("{name} is not there yet"),
+                None => pins.elsewhere(&pin, "heater output"),
             };
+            let text = format!("{place}: use one of {}, and write it into {path}", pins.outputs());
             work.say(entry, Kind::Decide, text);
             false
         }
@@ -207,21 +203,17 @@ fn input(work: &mut Work<'_>, path: &str, section: &str) -> bool {
         return false;
     }
     let pins = work.pins;
-    match pins.sensor(&pin.name) {
+    match pins.sensor(&pin) {
         Some(sensor) => {
             work.take(entry, path, sensor.name());
             true
         }
         None => {
-            let board = pins.connectors.name;
-            let text = match printed(pins.connectors, &pin) {
-                Some(name) => format!("{name} is not there yet: use another input, and write it into {path}"),
-                None => format!(
-                    "{} is no input for a sensor of the {board}: use another, and write it into {path}",
-                    pin.name
-                ),
+            let place = match pins.printed(&pin) {
+                Some(name) => format!("{name} is not there yet"),
+                None => pins.elsewhere(&pin, "input for a sensor"),
             };
-            work.say(entry, Kind::Decide, text);
+            work.say(entry, Kind::Decide, format!("{place}: use another input, and write it into {path}"));
             false
         }
     }

@@ -8,7 +8,8 @@
 //! | `pin`, `board` | pins to connectors |
 //! | `found` | which board it is on |
 //! | `work` | the translation so far |
-//! | `motors`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
+//! | `stepper` | a motor |
+//! | `motors`, `drivers`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
 //! | `defaults` | what counts where Klipper's files say nothing |
 //! | `tables` | keys that are one number, and remarks on the rest |
 //! | `report` | what became of every key |
@@ -20,6 +21,7 @@ mod bed;
 mod board;
 mod config;
 mod defaults;
+mod drivers;
 mod fans;
 mod found;
 mod heat;
@@ -27,6 +29,7 @@ mod motors;
 mod pin;
 mod probe;
 mod report;
+mod stepper;
 mod tables;
 mod work;
 
@@ -51,10 +54,14 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     let is_given = board.is_some();
     let pinned = Pinned::of(config, &aliases);
     let board = board.map_or_else(|| pinned.board(), Ok)?;
-    let pins = Pins::of(board).ok_or_else(|| format!("the {} has no pins: name another --board", board.key))?;
+    let pins =
+        Pins::of(board, &pinned).ok_or_else(|| format!("the {} has no pins: name another --board", board.key))?;
     let mut work = Work::new(config, &pins, &aliases);
     let from = if is_given { "--board" } else { "by its pins" };
     work.lines.set("board", board.key.into(), from);
+    if let Some(text) = pinned.strange_on(board) {
+        work.notes.push(Verdict::new(Kind::Decide, text));
+    }
     for (at, pattern) in &config.missing {
         let text = format!(
             "{}: there is no file {}: copy it to its place, or take out the line; the rest was read",

@@ -1,6 +1,9 @@
 //! Motors: Klipper's steppers as rows of the mechanism, with their sockets, drivers and resolutions.
 
-use super::work::{DEFAULT, Work, is_true};
+use super::axes::FULL_STEPS;
+use super::drivers::{driver, driver_section};
+use super::stepper::Stepper;
+use super::work::Work;
 use crate::translation::draft::rounded;
 use crate::translation::{Kind, Verdict};
 use corehbot::motors::{MOTORS, MotorName};
@@ -21,26 +24,6 @@ pub(super) const KINEMATICS: [Kinematics; 5] = [
     Kinematics { name: "hybrid_corexy", rows: [[1, -1, 0], [0, 1, 0], [0, 0, 1]] },
     Kinematics { name: "hybrid_corexz", rows: [[1, 0, -1], [0, 1, 0], [0, 0, 1]] },
 ];
-
-/// A motor.
-struct Stepper {
-    section: String,
-    name: String,
-    /// The axis that its resolution belongs to: 0 to 3.
-    axis: usize,
-    row: [i64; 4],
-}
-
-impl Stepper {
-    /// The group of driver settings that holds for it.
-    const fn group(&self) -> &'static str {
-        match self.row {
-            [0, 0, 0, _] => "drivers.e",
-            [0, 0, _, _] => "drivers.z",
-            _ => "drivers.belt",
-        }
-    }
-}
 
 const AXES: [&str; 4] = ["x", "y", "z", "e"];
 
@@ -66,8 +49,8 @@ pub(super) fn motors(work: &mut Work<'_>) {
         let row: Vec<Toml> = stepper.row[..used].iter().map(|times| (*times).into()).collect();
         work.lines.set(&format!("mechanism.{}", stepper.name), Toml::Array(row), &format!("[{}]", stepper.section));
         socket(work, stepper);
-        resolution(work, stepper);
-        driver(work, stepper);
+        resolution(work, &steppers, stepper);
+        driver(work, &steppers, stepper);
     }
 }
 
@@ -123,11 +106,8 @@ fn socket(work: &mut Work<'_>, stepper: &Stepper) {
     // What is not the pin is kept: a `!` alone is no socket, so the owner has to decide.
     work.lines.set(&path, sign.into(), "no socket");
     let pins = work.pins;
-    let Some(socket) = pins.socket(&step.name).filter(|_| step.is_on_board()) else {
-        let place = match step.is_on_board() {
-            true => format!("{} is no step pin of the {}", step.name, pins.connectors.name),
-            false => format!("{} is another board, and a machine has one so far", step.chip),
-        };
+    let Some(socket) = pins.socket(&step) else {
+        let place = pins.elsewhere(&step, "step pin");
         let how = if sign.is_empty() { "" } else { ", behind the `!`, because it turns the other way" };
         work.say(entry, Kind::Decide, format!("{place}: write the motor's socket into {path}{how}"));
         return foreign(work, stepper, &path, sign);
@@ -181,7 +161,7 @@ fn foreign(work: &mut Work<'_>, stepper: &Stepper, path: &str, sign: &str) {
 }
 
 /// Steps a millimetre of its axis, by the movement of a turn, or of a step in older configurations.
-fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
+fn resolution(work: &mut Work<'_>, steppers: &[Stepper], stepper: &Stepper) {
     let axis = format!("axes.{}", AXES[stepper.axis]);
     let path = format!("{axis}.rotation_distance");
     let gears = work.value(&stepper.section, "gear_ratio").map(|(entry, text)| (entry, ratio(text)));
@@ -206,9 +186,7 @@ fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
             work.notes.push(Verdict::new(Kind::Decide, text));
         }
     }
-    if let Some((entry, full_steps)) = work.number(&stepper.section, "full_steps_per_rotation") {
-        same_or_take(work, entry, &format!("{axis}.full_steps"), full_steps);
-    }
+    full_steps(work, steppers, stepper, &format!("{axis}.full_steps"));
     let path = format!("{}.microsteps", stepper.group());
     // Older configurations have it with the driver.
     let of_driver = driver_section(work, &stepper.section).and_then(|(driver, _)| work.number(&driver, "microsteps"));
@@ -218,6 +196,30 @@ fn resolution(work: &mut Work<'_>, stepper: &Stepper) {
             work.leave_open(&path);
             let text = format!("[{}] has no microsteps: write {path}", stepper.section);
             work.notes.push(Verdict::new(Kind::Decide, text));
+        }
+    }
+}
+
+/// Full steps of a turn. Motors of an axis have one number of them, so a motor without the key counts too.
+fn full_steps(work: &mut Work<'_>, steppers: &[Stepper], stepper: &Stepper, path: &str) {
+    const KEY: &str = "full_steps_per_rotation";
+    if let Some((entry, number)) = work.number(&stepper.section, KEY) {
+        return same_or_take(work, entry, path, number);
+    }
+    let mut others = steppers.iter().filter(|other| other.axis == stepper.axis);
+    if !others.any(|other| work.value(&other.section, KEY).is_some()) {
+        return;
+    }
+    match work.lines.number(path) {
+        None => work.set_default(path, FULL_STEPS),
+        Some(FULL_STEPS) => {}
+        Some(first) => {
+            let text = format!(
+                "[{}] has no {KEY}, so {FULL_STEPS}, but another motor has {first}, and {path} holds for both",
+                stepper.section
+            );
+            work.notes.push(Verdict::new(Kind::Decide, text));
+            work.leave_open(path);
         }
     }
 }
@@ -242,113 +244,4 @@ pub(super) fn ratio(text: &str) -> Option<f64> {
         Some(a / b).filter(|ratio| ratio.is_finite() && *ratio > 0.0)
     };
     text.split(',').map(pair).product::<Option<f64>>().filter(|ratio| ratio.is_finite())
-}
-
-/// The section of a motor's driver, and the driver's name.
-fn driver_section(work: &Work<'_>, stepper: &str) -> Option<(String, String)> {
-    work.config.sections.iter().find_map(|section| {
-        let (driver, of) = section.name.split_once(' ')?;
-        (driver.starts_with("tmc") && of.trim() == stepper).then(|| (section.name.clone(), driver.to_owned()))
-    })
-}
-
-/// The driver's settings.
-fn driver(work: &mut Work<'_>, stepper: &Stepper) {
-    let Some((section, name)) = driver_section(work, &stepper.section) else {
-        let text = format!(
-            "[{}] has no [tmc2209 {0}]: its driver must be one, with the current of {}",
-            stepper.section,
-            stepper.group()
-        );
-        return work.notes.push(Verdict::new(Kind::Approximated, text));
-    };
-    if name != "tmc2209" {
-        let text = format!("[{section}]: a {} is not there yet: the motor needs a TMC2209", name.to_uppercase());
-        return work.notes.push(Verdict::new(Kind::Decide, text));
-    }
-    let run = work.number(&section, "run_current");
-    if let Some((entry, amperes)) = run {
-        group(work, entry, stepper, "current_ma", amperes * 1000.0);
-    }
-    match (work.number(&section, "hold_current"), run) {
-        (Some((entry, hold)), Some((_, run))) if run > 0.0 => {
-            group(work, entry, stepper, "hold_percent", (100.0 * hold / run).clamp(0.0, 100.0));
-        }
-        (None, _) if work.lines.get(&format!("{}.hold_percent", stepper.group())).is_none() => {
-            work.set_default(&format!("{}.hold_percent", stepper.group()), 100.0);
-        }
-        _ => {}
-    }
-    let threshold = work.number(&section, "stealthchop_threshold");
-    if let Some((entry, threshold)) = threshold {
-        group_switch(work, entry, stepper, "stealth", threshold > 0.0);
-        // Above the fastest move it is stealthChop for ever.
-        let limit = if threshold > FASTEST { 0.0 } else { threshold };
-        group(work, entry, stepper, "hybrid_threshold", limit);
-    }
-    if let Some((entry, threshold)) = work.number(&section, "driver_sgthrs") {
-        group(work, entry, stepper, "stall_threshold", threshold);
-    }
-    if let Some((entry, ohms)) = work.number(&section, "sense_resistor") {
-        if (ohms - SENSE_OHMS).abs() < 0.0005 {
-            work.say(entry, Kind::Taken, "currents are computed for it");
-        } else {
-            work.say(
-                entry,
-                Kind::NotYet,
-                format!("currents are computed for {SENSE_OHMS} Ohm: scale the current yourself"),
-            );
-        }
-    }
-    interpolation(work, &section, stepper);
-}
-
-/// Klipper's drivers interpolate unless they are told not to.
-fn interpolation(work: &mut Work<'_>, section: &str, stepper: &Stepper) {
-    let path = format!("{}.interpolate", stepper.group());
-    if let Some((entry, text)) = work.value(section, "interpolate") {
-        return group_switch(work, entry, stepper, "interpolate", is_true(text));
-    }
-    match work.lines.get(&path).and_then(Toml::as_bool) {
-        None => work.lines.set(&path, true.into(), DEFAULT),
-        Some(true) => {}
-        Some(false) => {
-            let text = format!("[{section}] has no interpolate, but {path} = false holds for its group");
-            work.notes.push(Verdict::new(Kind::Approximated, text));
-        }
-    }
-}
-
-/// Sense resistors of common modules, in Ohm (docs/explanation/drivers.md).
-const SENSE_OHMS: f64 = 0.11;
-
-/// The highest speed of any setting, in mm/s.
-const FASTEST: f64 = 3000.0;
-
-/// Takes a number for the drivers of a motor's group, or for the motor alone if another one has set the group's.
-fn group(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, number: f64) {
-    let path = format!("{}.{leaf}", stepper.group());
-    let own = format!("drivers.{}.{leaf}", stepper.name);
-    match work.lines.number(&path) {
-        Some(first) if (first - number).abs() < 0.5 => work.say(entry, Kind::Taken, path),
-        Some(_) if work.is_key(&own) => work.take_number(entry, &own, number),
-        Some(first) => {
-            let text = format!("{path} = {first} holds for all of these motors, and another one set it");
-            work.say(entry, Kind::Approximated, text);
-        }
-        None => work.take_number(entry, &path, number),
-    }
-}
-
-/// The same with a switch.
-fn group_switch(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, is_on: bool) {
-    let path = format!("{}.{leaf}", stepper.group());
-    match work.lines.get(&path).and_then(Toml::as_bool) {
-        Some(first) if first != is_on => {
-            let text = format!("{path} = {first} holds for all of these motors, and another one set it");
-            work.say(entry, Kind::Approximated, text);
-        }
-        Some(_) => work.say(entry, Kind::Taken, path),
-        None => work.take(entry, &path, is_on),
-    }
 }

@@ -50,7 +50,7 @@ pub(super) fn probe(work: &mut Work<'_>) {
         };
         // A BLTouch has a header of its own, without the optocoupler of the header for other sensors.
         let usual = if section == "bltouch" { Circuit::Plain } else { Circuit::Optocoupler };
-        match work.pins.input(&pin, usual).filter(|_| pin.is_on_board()) {
+        match work.pins.input(&pin, usual) {
             Some(input) => {
                 work.take(entry, "endstops.probe", input.plug(&pin));
                 work.take(entry, "probe.kind", kind);
@@ -114,7 +114,7 @@ pub(super) fn filament(work: &mut Work<'_>) {
     for section in sections.filter(|name| name.starts_with("filament_switch_sensor ")) {
         let Some((entry, pin)) = work.pin(section, "switch_pin") else { continue };
         let is_first = work.lines.get("endstops.filament").is_none();
-        let input = work.pins.input(&pin, Circuit::Plain).filter(|_| pin.is_on_board() && is_first);
+        let input = work.pins.input(&pin, Circuit::Plain).filter(|_| is_first);
         let Some(input) = input else {
             let text = format!("no input of the {}, or a second sensor", work.pins.connectors.name);
             work.say(entry, Kind::NotYet, text);
@@ -149,14 +149,18 @@ pub(super) fn shapers(work: &mut Work<'_>) {
         }
         let own = work.value(SECTION, &format!("shaper_type_{axis}"));
         match own.or_else(|| work.value(SECTION, "shaper_type")) {
-            Some((entry, name)) => match SHAPERS.iter().find(|(known, _)| *known == name) {
+            Some((entry, name)) => match SHAPERS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
                 Some((_, ours)) => {
                     work.take(entry, &path, *ours);
-                    if *ours != name {
+                    if !ours.eq_ignore_ascii_case(name) {
                         work.say(entry, Kind::Approximated, "the nearest there is");
                     }
                 }
-                None => work.say(entry, Kind::NotYet, "no such shaper: choose one of M593"),
+                None => {
+                    // A frequency without a kind would shape with another one.
+                    work.lines.set(&path, "none".into(), "to decide");
+                    work.say(entry, Kind::Decide, "no such shaper: choose one of M593");
+                }
             },
             None => work.lines.set(&path, "mzv".into(), DEFAULT),
         }

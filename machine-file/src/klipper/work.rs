@@ -61,11 +61,7 @@ impl<'c> Work<'c> {
 
     /// A contact at a pin that is no input of the board: what is not the pin is kept, which is whether it closes.
     pub fn foreign_input(&mut self, entry: usize, pin: &PinText, path: &str) {
-        let board = self.pins.connectors.name;
-        let place = match pin.is_on_board() {
-            true => format!("{} is no input of the {board}", pin.name),
-            false => format!("{} is another board, and a machine has one so far", pin.chip),
-        };
+        let place = self.pins.elsewhere(pin, "input");
         let closes = pin.is_inverted == Circuit::Plain.is_high_when_open();
         let how = if closes { ", behind `!`, because its contact closes" } else { "" };
         let pull = if pin.is_pulled_down { "; it was pulled down, which an input with an optocoupler is" } else { "" };

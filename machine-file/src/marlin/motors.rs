@@ -143,7 +143,7 @@ fn kinematics(work: &mut Work<'_>, given: Option<&'static Kinematics>) -> &'stat
 /// Motors of an axis: drivers are listed one by one, and Z motors that are aligned are numbered.
 fn count(work: &Work<'_>, letter: char) -> usize {
     let words = &work.said.words;
-    let of_drivers = words.iter().filter(|word| ["M906", "M913", "M569", "M122"].contains(&word.code.as_str()));
+    let of_drivers = words.iter().filter(|word| ["M906", "M913", "M569", "M122", "M584"].contains(&word.code.as_str()));
     let parts = of_drivers.filter_map(|word| {
         let (part, of) = word.key.strip_prefix('I')?.split_once(' ')?;
         (of.starts_with(letter)).then(|| part.parse::<usize>().ok())?
@@ -214,6 +214,7 @@ pub(super) fn drivers(work: &mut Work<'_>, motors: &Motors) {
             }
         }
     }
+    silent_mode(work, motors);
     let groups: BTreeSet<_> = motors.motors.iter().map(Motor::group).collect();
     let keys = |leaf: &str, number: i64| -> Vec<(String, Toml)> {
         groups.iter().map(|group| (format!("{group}.{leaf}"), number.into())).collect()
@@ -226,6 +227,21 @@ pub(super) fn drivers(work: &mut Work<'_>, motors: &Motors) {
         if !open.is_empty() {
             work.fill_in(&open, what);
         }
+    }
+}
+
+/// Of two motors of the belt one may say that it is in stealthChop, and the other one nothing: the group's mode would
+/// count for both. A second motor of an axis has a word only where it differs, so it does not count here.
+fn silent_mode(work: &mut Work<'_>, motors: &Motors) {
+    let path = "drivers.belt.stealth";
+    if work.lines.get(path).and_then(Toml::as_bool) != Some(true) {
+        return;
+    }
+    let first = motors.motors.iter().filter(|motor| motor.group() == "drivers.belt" && !motor.word.contains(' '));
+    let silent = first.filter(|motor| work.value("M569", &motor.word).is_none());
+    for name in silent.map(|motor| motor.name.clone()).collect::<Vec<_>>() {
+        let text = format!("the mode of {name} is not said, but {path} = true holds for its group");
+        work.notes.push(Verdict::new(Kind::Decide, text));
     }
 }
 

@@ -196,7 +196,8 @@ fn columns(text: &str) -> Option<Vec<String>> {
 }
 
 /// Signs of terminals and hosts before a line: OctoPrint, Pronterface, Repetier-Host, Arduino's monitor, Cura.
-const SIGNS: [&str; 11] = ["Recv:", "RECV:", "READ:", "Read:", "<<<", ">>>", "->", "<-", "<", "|", "echo:"];
+const SIGNS: [&str; 13] =
+    ["Recv:", "RECV:", "READ:", "Read:", "Printer:", "<<<", ">>>", "->", "<-", "<", ">", "|", "echo:"];
 
 /// Commands that ask: a log has them as the host sent them.
 const QUESTIONS: [&str; 8] = ["M503", "M115", "M119", "M211", "M122", "M501", "M105", "M420"];
@@ -211,7 +212,7 @@ fn bare(line: &str) -> &str {
         {
             text = rest.trim_start();
         }
-        text = without_time(text);
+        text = without_number(without_time(text));
         for sign in SIGNS {
             text = text.strip_prefix(sign).unwrap_or(text).trim_start();
         }
@@ -235,7 +236,14 @@ fn without_time(text: &str) -> &str {
         return text;
     }
     let rest = text[word.len()..].trim_start();
+    let rest = ["AM ", "PM "].iter().find_map(|half| rest.strip_prefix(half)).unwrap_or(rest);
     rest.strip_prefix("- ").or_else(|| rest.strip_prefix(": ")).unwrap_or(rest).trim_start()
+}
+
+/// A line without its number, `12: `.
+fn without_number(text: &str) -> &str {
+    let rest = text.trim_start_matches(|c: char| c.is_ascii_digit());
+    if rest.len() == text.len() { text } else { rest.strip_prefix(": ").unwrap_or(text).trim_start() }
 }
 
 /// Whether a line begins with a command: G or M and a number.

@@ -102,6 +102,8 @@ const REMARKS: &[Remark] = &[
     remark_on("M201", "T? E", NotYet, "a second extruder: it stays off"),
     remark_on("M203", "T? E", NotYet, "a second extruder: it stays off"),
     remark_on("M205", "[BQ]", NotNeeded, "short moves are joined by the look-ahead"),
+    // Only config.g has it.
+    remark_on("M584", "", Kind::Taken, "motors of their own"),
     remark_on("M425", "", NotYet, "backlash is not compensated"),
     remark_on("M493", "", NotYet, "no fixed-time motion; M593 shapes, and M900 advances"),
     remark_on("M494", "", NotYet, "no fixed-time motion"),

@@ -53,6 +53,10 @@ impl<'c> Parts<'c> {
             if self.is_replaced(work, at, command) {
                 continue;
             }
+            // RepRapFirmware does not see an E behind a digit as a word (`StringParser::Seen`).
+            for word in command.words.iter().filter(|word| is_endless(&word.value)) {
+                say(work, word, Kind::Decide, "an exponent, to the firmware too: put a blank before E");
+            }
             match command.code.as_str() {
                 "M308" | "M305" => self.sensor(work, command),
                 "M143" => self.of_heater(work, command, 'S', "most"),
@@ -182,17 +186,32 @@ impl<'c> Parts<'c> {
             };
             mark(work, word, &format!("motors.{name}"), word.number() == Some(0.0));
         }
-        for command in self.commands.iter().filter(|command| command.code == "M574") {
+        let of_version_2 = !self.commands.iter().any(|command| command.code == "M574" && command.has('P'));
+        for (at, command) in self.commands.iter().enumerate().filter(|(_, command)| command.code == "M574") {
+            if self.is_replaced(work, at, command) {
+                continue;
+            }
             if let Some(pin) = command.word('P') {
-                let axes =
-                    ["X", "Y", "Z"].into_iter().filter(|axis| command.words.iter().any(|w| axis.contains(w.letter)));
-                for axis in axes {
+                for axis in ['X', 'Y', 'Z'].into_iter().filter(|axis| command.has(*axis)) {
                     let path = format!("endstops.{}", axis.to_ascii_lowercase());
                     mark(work, pin, &path, pin.value.contains('!'));
+                }
+            } else if let Some((word, kind)) = command.word('S').and_then(|word| Some((word, word.number()?)))
+                && of_version_2
+                && [0.0, 1.0].contains(&kind)
+            {
+                // Active low: a switch that closes (RepRapFirmware 2, M574).
+                for axis in ['X', 'Y', 'Z'].into_iter().filter(|axis| command.has(*axis)) {
+                    mark(work, word, &format!("endstops.{}", axis.to_ascii_lowercase()), kind == 0.0);
                 }
             }
         }
     }
+}
+
+/// Whether a number is greater than all others by its exponent.
+fn is_endless(value: &str) -> bool {
+    value.split(':').any(|part| part.parse::<f64>().is_ok_and(f64::is_infinite) && part.contains(['e', 'E']))
 }
 
 /// The entry of a word.
@@ -221,11 +240,17 @@ fn take_number(work: &mut Work<'_>, word: &Word, path: &str, number: f64) {
 /// `!` in front of a connector, or told where the place for it is empty.
 fn mark(work: &mut Work<'_>, word: &Word, path: &str, is_marked: bool) {
     let plug = work.lines.get(path).and_then(Toml::as_str).unwrap_or_default().to_owned();
+    let plug = plug.trim_start_matches('!');
     match (is_marked, plug.is_empty()) {
-        (false, _) => say(work, word, Kind::Taken, &format!("{path} is without `!`")),
+        (false, is_empty) => {
+            if !is_empty {
+                work.plug(path, plug, "to be filled in");
+            }
+            say(work, word, Kind::Taken, &format!("{path} is without `!`"));
+        }
         (true, true) => say(work, word, Kind::Approximated, &format!("write `!` before the connector in {path}")),
         (true, false) => {
-            work.lines.set(path, format!("!{plug}").into(), "to be filled in; `!`: it is reversed");
+            work.plug(path, &format!("!{plug}"), "to be filled in; `!`: it is reversed");
             say(work, word, Kind::Taken, &format!("{path} has `!`"));
         }
     }
@@ -245,7 +270,13 @@ fn switches(work: &mut Work<'_>, command: &Command) {
         let Some(kind_word) = command.word('S') else { continue };
         match kind {
             2.0 if axis == 'Z' => take(work, kind_word, "probe.z_home", true.into()),
-            1.0 | 0.0 => say(work, kind_word, Kind::Taken, "a switch"),
+            1.0 => say(work, kind_word, Kind::Taken, "a switch"),
+            // Of version 3 on a `!` before the pin says it, and S0 is refused (RepRapFirmware, M574).
+            0.0 if command.has('P') => {
+                let text = format!("no version knows S0 and P together: write `!` into endstops.{name} if it closes");
+                say(work, kind_word, Kind::Decide, &text);
+            }
+            0.0 => {} // `after` marks it.
             _ => say(work, kind_word, Kind::Decide, "homing by a stall is not there yet: plug in a switch"),
         }
     }
@@ -316,8 +347,20 @@ fn fan(work: &mut Work<'_>, command: &Command) {
     }
 }
 
-/// The kind of shaper by its name.
+/// The kind of shaper by its name, and its frequency.
 fn shaper(work: &mut Work<'_>, command: &Command) {
+    if let Some((word, frequency)) = command.word('F').and_then(|word| Some((word, word.number()?))) {
+        for axis in ["x", "y"] {
+            if frequency > 0.0 {
+                take_number(work, word, &format!("shaper.{axis}.frequency"), frequency);
+            } else {
+                take(work, word, &format!("shaper.{axis}.kind"), "none".into());
+            }
+            if frequency > 0.0 && !command.has('P') && work.lines.get(&format!("shaper.{axis}.kind")).is_none() {
+                work.lines.set(&format!("shaper.{axis}.kind"), "zvd".into(), "RepRapFirmware's default");
+            }
+        }
+    }
     let Some(word) = command.word('P') else { return };
     let kind = match word.value.as_str() {
         "none" => "none",

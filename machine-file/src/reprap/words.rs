@@ -17,7 +17,7 @@ const AXIS_NUMBERS: [(&str, &str, f64); 4] =
 const PEAK: f64 = core::f64::consts::SQRT_2;
 
 /// Single words that have the same meaning.
-const SAME: [(&str, char, &str, &str); 10] = [
+const SAME: [(&str, char, &str, &str); 9] = [
     ("M204", 'P', "M204", "P"),
     ("M204", 'T', "M204", "T"),
     ("M302", 'S', "M302", "S"),
@@ -27,7 +27,6 @@ const SAME: [(&str, char, &str, &str); 10] = [
     ("G31", 'X', "M851", "X"),
     ("G31", 'Y', "M851", "Y"),
     ("M593", 'S', "M593", "X D"),
-    ("M593", 'F', "M593", "X F"),
 ];
 
 /// Kinematics by their numbers in M669 K (RepRapFirmware, M669).
@@ -138,7 +137,7 @@ fn motors(command: &Command, source: &mut Source) {
             continue;
         }
         for part in 1..drivers {
-            source.word(word.item, "M913", &format!("I{part} {axis}"), "0");
+            source.word(word.item, "M584", &format!("I{part} {axis}"), "");
         }
     }
 }

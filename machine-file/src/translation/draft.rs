@@ -5,6 +5,7 @@
 use super::lines::Lines;
 use super::verdict::{Kind, Verdict};
 use crate::keys::{Of, bits_of, find, fraction, legal_words, numbered, shortest};
+use crate::pattern::matches;
 use crate::value::float_toml;
 use corehbot::motors::{MOTORS, MotorName};
 use corehbot::settings::rows;
@@ -26,6 +27,27 @@ pub(crate) struct Draft {
     /// The entry that each key of the machine file is from.
     owners: BTreeMap<String, usize>,
 }
+
+/// Keys that measure a machine: with the end of their range they would be another machine's. All others are limits and
+/// wishes, of which the nearest is a good one.
+const MEASURES: [&str; 16] = [
+    "axes.*.min",
+    "axes.*.length",
+    "axes.*.rotation_distance",
+    "axes.*.steps_per_mm",
+    "axes.*.full_steps",
+    "drivers.*.microsteps",
+    "drivers.*.stall_threshold",
+    "homing.*.position",
+    "probe.offset.*",
+    "probe.home.*",
+    "safe_z_home.[xy]",
+    "screws.*",
+    "bed.*",
+    "shaper.*",
+    "heaters.*.pid.*",
+    "advance.time",
+];
 
 /// Digits of a number that a whole key loses without being told.
 const ROUNDING: f64 = 1e-6;
@@ -70,12 +92,22 @@ impl Draft {
         self.put(entry, path, value.into(), Kind::Taken, "");
     }
 
-    /// Sets a key to a number from an entry. One outside the key's range becomes its end, and a whole key has no
-    /// fraction, which is said.
+    /// Sets a key to a number from an entry. A limit outside the key's range becomes the range's end, and a whole key
+    /// has no fraction, which is said. A measure of the machine outside of it is for the owner to decide.
     pub fn take_number(&mut self, entry: usize, path: &str, number: f64) {
         let (value, beyond) = self.in_range(path, number);
         let whole = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
         match beyond {
+            // The true one stays, so that the file is no machine before it is corrected.
+            Some(legal) if MEASURES.iter().any(|measure| matches(measure, path)) => {
+                self.put(
+                    entry,
+                    path,
+                    float_toml(rounded(number)),
+                    Kind::Decide,
+                    &format!(", but its range is {legal}"),
+                );
+            }
             Some(legal) => {
                 self.put(entry, path, value, Kind::Approximated, &format!(", because its range is {legal}"));
             }
@@ -135,6 +167,15 @@ impl Draft {
         self.open.push(format!("{}: {what}", said.join(", ")));
     }
 
+    /// Sets a connector again, in what the owner is asked to fill in too.
+    pub fn plug(&mut self, path: &str, plug: &str, from: &str) {
+        if let Some(before) = self.lines.get(path).cloned() {
+            let (old, new) = (format!("{path} = {before}"), format!("{path} = {plug:?}"));
+            self.open.iter_mut().for_each(|open| *open = open.replace(&old, &new));
+        }
+        self.lines.set(path, plug.into(), from);
+    }
+
     /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.
     fn in_range(&self, path: &str, number: f64) -> (toml::Value, Option<String>) {
         let Some((kind, legal)) = self.kind_of(path) else { return (float_toml(rounded(number)), None) };
@@ -154,6 +195,11 @@ impl Draft {
             Of::Setting { row, text, part } => Some((text.kind, row.legal(part))),
             Of::List { .. } | Of::Other(_) | Of::Twin(_) | Of::Routing => None,
         }
+    }
+
+    /// Whether a key may have that number.
+    pub fn is_legal(&self, path: &str, number: f64) -> bool {
+        self.is_key(path) && self.in_range(path, number).1.is_none()
     }
 
     /// Whether machine files have a key of that path.

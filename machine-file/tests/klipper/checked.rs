@@ -1,7 +1,7 @@
 //! Values that were wrong without a word: places of the nozzle, several keys on one of ours, and defaults.
 
 use super::{of_text, verdict};
-use corehbot_machine_file::klipper::Kind::{Decide, NotNeeded, NotYet, Taken};
+use corehbot_machine_file::klipper::Kind::{Approximated, Decide, NotNeeded, NotYet, Taken};
 
 /// A machine of two screws and a probe, 44 mm left of the nozzle and 6 mm in front of it.
 const LEVELLED: &str = "[printer]\nkinematics: cartesian\n\
@@ -113,6 +113,137 @@ fn several_keys_of_fans_are_each_told() {
         let (found, said) = verdict(&done.report, section, key);
         assert!(found == kind && said.contains(told), "[{section}] {key}: {found:?} {said}");
     }
+}
+
+/// A key that one motor has and another one lacks: the other one has Klipper's default.
+#[test]
+fn a_motor_without_a_key_has_klippers_default() {
+    let stepper = |name: &str, own: &str, driver: &str| {
+        format!("[stepper_{name}]\nmicrosteps: 16\n{own}\n[tmc2209 stepper_{name}]\nrun_current: 0.8\n{driver}\n")
+    };
+    let of = |[x, y]: [&str; 2], [z, z1]: [&str; 2]| {
+        let motors = [stepper("x", "", x), stepper("y", "", y), stepper("z", z, ""), stepper("z1", z1, "")];
+        of_text(&format!("[printer]\nkinematics: cartesian\n{}", motors.concat()))
+    };
+    let has_note = |done: &corehbot_machine_file::Translation, words: &str| {
+        done.report.notes.iter().any(|note| note.kind == Decide && note.text.contains(words))
+    };
+    for (drivers, lines) in [
+        (
+            ["hold_current: 0.4", ""],
+            ["[drivers.belt]", "hold_percent = 50", "[drivers.y]\nhold_percent = 100  # Klipper"],
+        ),
+        (
+            ["", "hold_current: 0.4"],
+            ["[drivers.belt]", "hold_percent = 100  # Klipper", "[drivers.y]\nhold_percent = 50"],
+        ),
+        (["", "driver_sgthrs: 80"], ["stall_threshold = 0", "[drivers.y]", "\nstall_threshold = 80"]),
+    ] {
+        let done = of(drivers, ["", ""]);
+        for line in lines {
+            assert!(done.text.contains(line), "{drivers:?}, {line}: {}", done.text);
+        }
+    }
+    let done = of(["stealthchop_threshold: 999999", ""], ["", ""]);
+    assert!(
+        done.text.contains("stealth = true") && has_note(&done, "[tmc2209 stepper_y] has no stealthchop_threshold")
+    );
+    let done = of(["", "stealthchop_threshold: 999999"], ["", ""]);
+    assert!(done.text.contains("stealth = false"), "{}", done.text);
+    assert_eq!(verdict(&done.report, "tmc2209 stepper_y", "stealthchop_threshold").0, Decide);
+    let done = of(["driver_sgthrs: 80", ""], ["", ""]);
+    assert!(has_note(&done, "[tmc2209 stepper_y] has no driver_sgthrs, so 0"), "0 of a motor is its group's");
+    let done = of(["", ""], ["full_steps_per_rotation: 400", ""]);
+    assert!(has_note(&done, "[stepper_z1] has no full_steps_per_rotation") && done.machine.is_none());
+    assert!(done.text.contains("full_steps = 0  # to decide"), "{}", done.text);
+    let done = of(["", ""], ["", "full_steps_per_rotation: 400"]);
+    assert_eq!(verdict(&done.report, "stepper_z1", "full_steps_per_rotation").0, Decide);
+    let done = of(["", ""], ["", ""]);
+    assert!(!["stealth", "full_steps", "stall_threshold"].iter().any(|leaf| done.text.contains(leaf)), "{}", done.text);
+}
+
+/// Of sections that share a key, one without it has Klipper's default, whichever comes first.
+#[test]
+fn a_section_without_a_shared_key_is_told() {
+    let fan = |section: &str, pin: &str, key: &str| format!("[{section}]\npin: {pin}\n{key}\n");
+    for (kind, key, usual) in [("heater_fan", "heater_temp: 45", "50"), ("controller_fan", "idle_timeout: 15", "30")] {
+        let (with, without) = (fan(&format!("{kind} a"), "PE5", key), fan(&format!("{kind} b"), "PD12", ""));
+        for text in [format!("{with}{without}"), format!("{without}{with}")] {
+            let done = of_text(&text);
+            let told = format!("[{kind} b] has no {}, so {usual}", key.split(':').next().unwrap());
+            let is_told =
+                |note: &corehbot_machine_file::klipper::Verdict| note.kind == Decide && note.text.contains(&told);
+            assert!(done.report.notes.iter().any(is_told), "{text}: {:?}", done.report.notes);
+        }
+        let alone =
+            of_text(&format!("{without}{}", fan("heater_fan bed", "PD13", "heater: heater_bed\nheater_temp: 60")));
+        assert!(alone.report.notes.iter().all(|note| !note.text.contains("] has no ")), "{:?}", alone.report.notes);
+    }
+}
+
+/// A measure beyond its range stays as it is: cut, it would be another machine's.
+#[test]
+fn measures_are_never_cut() {
+    let probe = |key: &str| format!("[probe]\npin: ^PB7\n{key}\n");
+    for (text, line, key) in [
+        (probe("x_offset: -61"), "x = -61  #", ("probe", "x_offset")),
+        (probe("z_offset: 25"), "z = -25  #", ("probe", "z_offset")),
+        ("[input_shaper]\nshaper_freq_x: 900\n".to_owned(), "frequency = 900  #", ("input_shaper", "shaper_freq_x")),
+        ("[stepper_y]\nposition_max: 90000\n".to_owned(), "length = 90000  #", ("stepper_y", "position_max")),
+    ] {
+        let done = of_text(&text);
+        let (kind, said) = verdict(&done.report, key.0, key.1);
+        assert!(kind == Decide && said.contains("its range is"), "{key:?}: {said}");
+        assert!(done.text.contains(line) && done.machine.is_none(), "{line}: {}", done.text);
+    }
+    // The nearest limit is a good one.
+    let done = of_text("[printer]\nmax_velocity: 90000\n");
+    assert_eq!(verdict(&done.report, "printer", "max_velocity").0, Approximated);
+}
+
+/// `off_below` is a part of `max_power` too.
+#[test]
+fn the_lowest_duty_of_a_fan_is_klippers() {
+    let done = |keys: &str| of_text(&format!("[heater_fan a]\npin: PE5\n{keys}\n"));
+    for (keys, least) in [
+        ("max_power: 0.8\noff_below: 0.1", "least = 0.08  #"),
+        ("off_below: 0.1", "least = 0.1  #"),
+        ("off_below: 0.9\nmax_power: 0.5", "least = 0.45  #"),
+    ] {
+        assert!(done(keys).text.contains(least), "{keys}: {}", done(keys).text);
+    }
+    let done = done("off_below: 0.9\nfan_speed: 0.5");
+    assert_eq!(verdict(&done.report, "heater_fan a", "off_below").0, Decide);
+    assert!(!done.text.contains("least ="), "{}", done.text);
+}
+
+#[test]
+fn shapers_have_no_case_and_an_unknown_one_shapes_nothing() {
+    let done = of_text("[input_shaper]\nshaper_freq_x: 40\nshaper_type: MZV\n");
+    assert!(done.text.contains("kind = \"mzv\""), "{}", done.text);
+    assert_eq!(verdict(&done.report, "input_shaper", "shaper_type").0, Taken);
+    let done = of_text("[input_shaper]\nshaper_freq_y: 40\nshaper_type_y: smooth_mzv\n");
+    assert!(done.text.contains("kind = \"none\"  # to decide"), "{}", done.text);
+    assert_eq!(verdict(&done.report, "input_shaper", "shaper_type_y").0, Decide);
+}
+
+#[test]
+fn keys_of_z_and_of_a_round_mesh_are_not_lost() {
+    for missing in ["", "max_velocity: fast\n"] {
+        let done = of_text(&format!("[printer]\n{missing}max_z_velocity: 15\nmax_z_accel: 120\n"));
+        assert!(done.text.contains("[axes.z]\nmax_speed = 15  #"), "{}", done.text);
+        assert!(done.text.contains("max_acceleration = 120  #"), "{}", done.text);
+    }
+    let done = of_text("[bed_mesh]\nmesh_radius: 75\nround_probe_count: 7\n");
+    assert!(done.text.contains("columns = 7  #") && done.text.contains("rows = 7  #"), "{}", done.text);
+    assert_eq!(verdict(&done.report, "bed_mesh", "round_probe_count").0, Approximated);
+    let done = of_text("[bed_mesh]\nmesh_radius: 75\n");
+    assert!(done.text.contains("columns = 5  # Klipper's default"), "{}", done.text);
+    // The touches that home Z are the probe's.
+    let text = "[stepper_z]\nendstop_pin: probe:z_virtual_endstop\nhoming_speed: 10\n[probe]\npin: ^PB7\nspeed: 4\n";
+    let done = of_text(text);
+    let (kind, said) = verdict(&done.report, "stepper_z", "homing_speed");
+    assert!(kind == Approximated && said.contains("probe.fast is the speed of the probe's touches"), "{said}");
 }
 
 /// Klipper's defaults, read in its code (commit 84104bbb), and the lines of our file that they become.

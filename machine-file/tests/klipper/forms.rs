@@ -111,6 +111,8 @@ fn the_first_board_that_is_named_counts() {
         ("# for an Octopus\n# Pro\n[stepper_x]\nstep_pin: PF13", "octopus-pro"),
         ("[mcu]\nserial: /dev/serial/by-id/usb-octopus-pro-if00\n[stepper_x]\nstep_pin: PF13", "octopus-pro"),
         ("# octopus\n[stepper_x]\nstep_pin: PE11", "spider"),
+        ("# Not for the Octopus Pro. This is a BTT Octopus v1.1\n[stepper_x]\nstep_pin: PF13", "octopus"),
+        ("# This is not an Octopus, but the Octopus Pro\n[stepper_x]\nstep_pin: PF13", "octopus-pro"),
     ] {
         assert_eq!(translate(&read(text).unwrap(), None).unwrap().report.board.key, board, "{text}");
     }

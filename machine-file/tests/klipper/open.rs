@@ -95,3 +95,82 @@ fn a_heater_without_a_known_sensor_is_not_fitted() {
         assert!(text.contains(&format!("\nis_fitted = {is_fitted}  # ")), "{more}: {text}");
     }
 }
+
+/// A small machine with the pins of no board here, of which many are pins of the Octopus, for other things.
+const STRANGER: &str = "[printer]\nkinematics: cartesian\n\
+    [stepper_x]\nstep_pin: PC2\ndir_pin: !PB9\nenable_pin: !PC3\nendstop_pin: ^!PG10\n\
+    [extruder]\nstep_pin: PF13\ndir_pin: PF12\nenable_pin: !PF14\nheater_pin: PA1\nsensor_pin: PF3\n\
+    sensor_type: Generic 3950\n\
+    [heater_bed]\nheater_pin: PA2\nsensor_pin: PF4\nsensor_type: Generic 3950\n\
+    [fan]\npin: PA8\n[heater_fan hotend]\npin: PE5\n\
+    [bltouch]\nsensor_pin: ^PB7\ncontrol_pin: PB6\n[temperature_sensor lid]\nsensor_type: Generic 3950\n\
+    sensor_pin: PF5\n[filament_switch_sensor a]\nswitch_pin: PG12\n";
+
+/// Boards share names of pins, and each means another connector by them.
+#[test]
+fn no_pin_of_another_board_is_taken() {
+    for entry in corehbot_boards::entries() {
+        let board = entry.board.connectors;
+        let done = translate(&read(STRANGER).unwrap(), Some(board)).unwrap();
+        for (section, key, path) in [
+            ("stepper_x", "endstop_pin", "endstops.x"),
+            ("extruder", "step_pin", "motors.e0"),
+            ("extruder", "heater_pin", "heaters.hotend.output"),
+            ("extruder", "sensor_pin", "heaters.hotend.sensor"),
+            ("heater_bed", "heater_pin", "heaters.bed.output"),
+            ("heater_bed", "sensor_pin", "heaters.bed.sensor"),
+            ("fan", "pin", "PA8"),
+            ("bltouch", "sensor_pin", "endstops.probe"),
+        ] {
+            let (kind, said) = verdict(&done.report, section, key);
+            assert!(kind == Kind::Decide && said.contains(path), "{}: [{section}] {key}: {said}", board.key);
+            assert!(said.contains("is a pin of another board"), "{}: [{section}] {key}: {said}", board.key);
+        }
+        for (section, key) in [("temperature_sensor lid", "sensor_pin"), ("filament_switch_sensor a", "switch_pin")] {
+            assert_eq!(verdict(&done.report, section, key).0, Kind::NotYet, "{}", board.key);
+        }
+        let file: toml::Table = done.text.parse().unwrap();
+        assert_eq!(file["endstops"]["x"].as_str(), Some("!"), "{}", board.key);
+        assert!(["hotend", "bed"].iter().all(|name| file["heaters"][name]["is_fitted"].as_bool() == Some(false)));
+        assert!(["output", "sensor"].iter().all(|leaf| file["heaters"]["bed"].get(leaf).is_none()));
+        let told = format!("these are not the pins of the {}", board.name);
+        assert!(done.report.notes.iter().any(|note| note.kind == Kind::Decide && note.text.starts_with(&told)));
+    }
+}
+
+/// Fans tell the versions of a board, so those of another version are none of this one's.
+#[test]
+fn fans_of_another_version_are_to_be_decided() {
+    let text = "[stepper_x]\nstep_pin: PE11\n[heater_fan hotend]\npin: PB1\n[fan]\npin: PB2\n";
+    let done = translate(&read(text).unwrap(), Some(&corehbot_boards::spider::CONNECTORS)).unwrap();
+    let (kind, said) = verdict(&done.report, "fan", "pin");
+    assert!(kind == Kind::Decide && said.contains("another version of the"), "{said}");
+    let done = translate(&read(text).unwrap(), Some(&corehbot_boards::spider_v1::CONNECTORS)).unwrap();
+    assert_eq!(verdict(&done.report, "fan", "pin").0, Kind::Taken);
+}
+
+/// The Octopus has the pins of the Pro, and a note on yet another one comes later.
+#[test]
+fn pins_of_a_twin_are_taken() {
+    let text = "# pins of the Octopus; those of the Octopus Pro v1.1 differ\n[stepper_x]\nstep_pin: PF13\n\
+        [heater_bed]\nheater_pin: PA1\n";
+    for board in [&corehbot_boards::octopus::CONNECTORS, &corehbot_boards::octopus_pro::CONNECTORS] {
+        let done = translate(&read(text).unwrap(), Some(board)).unwrap();
+        assert_eq!(verdict(&done.report, "heater_bed", "heater_pin").0, Kind::Taken, "{}", board.key);
+    }
+}
+
+/// A board with the same pins has other heaters on them, or another bootloader: its name is said.
+#[test]
+fn pins_of_a_named_namesake_are_not_taken() {
+    let text = "[stepper_x]\nstep_pin: PE11\n[heater_bed]\nheater_pin: PC8\nsensor_pin: PC3\n";
+    let of = |comment: &str| {
+        translate(&read(&format!("{comment}{text}")).unwrap(), Some(&corehbot_boards::spider::CONNECTORS)).unwrap()
+    };
+    let done = of("# pins of a Fysetc S6\n");
+    assert_eq!(verdict(&done.report, "heater_bed", "heater_pin").0, Kind::Decide);
+    assert!(done.report.notes.iter().any(|note| note.text.contains("a comment or a name says fysetc s6")));
+    for comment in ["", "# a Spider, with the pins of a Fysetc S6\n", "# not for the Fysetc S6\n"] {
+        assert_eq!(verdict(&of(comment).report, "heater_bed", "heater_pin").0, Kind::Taken, "{comment}");
+    }
+}

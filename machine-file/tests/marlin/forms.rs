@@ -91,6 +91,10 @@ fn decoration_does_not_count() {
         each(|line| format!("16:52:24.183 -> {line}")),
         each(|line| format!(">>> {line}")),
         each(|line| format!("READ: {line}")),
+        each(|line| format!("> READ: {line}")),
+        each(|line| format!("Printer: {line}")),
+        each(|line| format!("04:52:24 PM <<< {line}")),
+        (1..).zip(whole.lines()).map(|(number, line)| format!("{number}: {line}\n")).collect(),
         each(|line| format!("2026-05-01 16:52:24,183 - [16:52:24] <<< {line}")),
         format!("16:52:24.000 -> M503\nSENT: M503\n>>> M115\n{whole}"),
         each(|line| format!("{line}\nT:21.50 /0.00 B:22.00 /0.00 @:0 B@:0\necho:busy: processing\nwait\n")),
@@ -99,6 +103,26 @@ fn decoration_does_not_count() {
         whole.clone() + &whole,
     ] {
         assert_eq!(machine(&other), machine(&whole), "{other}");
+    }
+}
+
+/// A motor without a word for its mode has no mode by its neighbour's.
+#[test]
+fn the_mode_of_one_motor_is_not_anothers() {
+    let of = |lines: &str| of_text("x", &format!("M92 X80 Y80 Z400 E90\nM906 X800 Y800\n{lines}\n"), Some("corexy"));
+    let told = |lines: &str| {
+        let notes = of(lines).report.notes;
+        notes.into_iter().filter(|note| note.kind == Kind::Decide && note.text.contains("is not said")).count()
+    };
+    for (lines, count) in [
+        ("M569 S1 X", 1),
+        ("M569 S1 Y", 1),
+        ("M569 S1 X Y", 0),
+        ("M569 S0 X", 0),
+        ("M906 I1 X800\nM569 S1 X Y", 0),
+        ("", 0),
+    ] {
+        assert_eq!(told(lines), count, "{lines}: {:?}", of(lines).report.notes);
     }
 }
 
@@ -227,7 +251,7 @@ proptest! {
         configurations::any(&bytes);
     }
 
-    /// If each line is whole, the file is a machine, whatever the numbers.
+    /// If each line is whole, the file is a machine, unless a measure is out of its range: that is told.
     #[test]
     fn a_whole_report_becomes_a_machine(numbers in prop::collection::vec(number(), 40), kind in 0..9usize) {
         let mut numbers = numbers.into_iter();
@@ -242,7 +266,16 @@ proptest! {
         }).collect::<String>();
         let kinematics = Some(&corehbot_machine_file::marlin::Kinematics::ALL[kind]);
         let done = translate("x", &whole, Given { board: Some(&corehbot_boards::octopus::CONNECTORS), kinematics });
-        prop_assert!(done.machine.is_some(), "{:?}\n{}", done.problems.iter().map(ToString::to_string).collect::<Vec<_>>(), done.text);
+        let is_told = |problem: &corehbot_machine_file::Problem| {
+            let problem = problem.to_string();
+            let path = problem.split(" = ").next().and_then(|text| text.split(' ').next_back()).unwrap_or_default();
+            let said = format!("{path} = ");
+            done.report.sections.iter().flat_map(|section| &section.keys).any(|key| {
+                key.verdict.kind == Kind::Decide && key.verdict.text.contains(&said) && key.verdict.text.contains("its range is")
+            })
+        };
+        let is_open = done.problems.iter().any(|problem| problem.to_string().contains("is outside") && is_told(problem));
+        prop_assert!(done.machine.is_some() || is_open, "{:?}\n{}", done.problems.iter().map(ToString::to_string).collect::<Vec<_>>(), done.text);
     }
 }
 

@@ -211,6 +211,55 @@ fn conditions_are_those_of_the_preprocessor() {
     }
 }
 
+/// Defines that are used are never told to have no setting, and one that was taken back decides nothing.
+#[test]
+fn defines_that_are_used_or_taken_back_are_told_so() {
+    let text = "#define MOTHERBOARD 5\n#define TEMP_SENSOR_0 1\n#define HEATER_0_MAXTEMP 275\n\
+        #define HOTEND_OVERSHOOT 20\n#define PREVENT_LENGTHY_EXTRUDE\n#define EXTRUDE_MAXLENGTH 200\n\
+        #define CLASSIC_JERK\n#define DEFAULT_XJERK 8\n#define X_BED_SIZE 235\n#undef X_BED_SIZE\n\
+        #define X_BED_SIZE 310\n";
+    let of = |text: &str| configuration_h::translate(&[("Configuration.h", text)], Given::default());
+    let done = of(text);
+    holds(&done, &[("heaters.hotend.most", "255"), ("axes.e.length", "200"), ("bed.width", "310")]);
+    for key in ["HOTEND_OVERSHOOT", "EXTRUDE_MAXLENGTH", "PREVENT_LENGTHY_EXTRUDE", "CLASSIC_JERK"] {
+        assert_eq!(verdict(&done.report, "Configuration.h", key).0, Taken, "{key}");
+    }
+    let section = &done.report.sections[0];
+    let widths: Vec<_> = section.keys.iter().filter(|key| key.key == "X_BED_SIZE").map(|key| &key.verdict).collect();
+    assert_eq!((widths[0].kind, widths[0].text.as_str()), (NotNeeded, "line 10 takes it back"));
+    assert_eq!(widths[1].kind, Taken);
+    let off = of(&text.replace("#define PREVENT", "//#define PREVENT"));
+    assert_eq!(verdict(&off.report, "Configuration.h", "EXTRUDE_MAXLENGTH").0, NotNeeded);
+}
+
+/// A shaper's kind and frequency are one command; motors of an axis and numbers without end are told.
+#[test]
+fn words_of_a_config_g_have_one_verdict() {
+    let of = |lines: &str| reprap::translate("config.g", &format!("M584 X0 Y1 Z2 E3\n{lines}\n"), Given::default());
+    for (line, kind, frequency) in [("M593 P\"mzv\" F42", "mzv", "42"), ("M593 F30", "zvd", "30")] {
+        let done = of(line);
+        holds(
+            &done,
+            &[
+                ("shaper.x.kind", &format!("{kind:?}")),
+                ("shaper.y.kind", &format!("{kind:?}")),
+                ("shaper.x.frequency", frequency),
+            ],
+        );
+        assert_eq!(verdict(&done.report, "M593", "F").0, Taken, "{line}");
+    }
+    holds(&of("M593 P\"none\" F40"), &[("shaper.x.kind", "\"none\"")]);
+    let done = reprap::translate("config.g", "M584 X0.0 Y0.1 Z0.2:0.4:0.5 E0.3\n", Given::default());
+    let (kind, said) = verdict(&done.report, "M584", "Z");
+    assert!(kind == Taken && !said.contains("hybrid"), "{said}");
+    holds(&done, &[("mechanism.z2", "[0, 0, 1]")]);
+    assert!(!done.text.contains("hybrid_threshold"), "{}", done.text);
+    let done = of("M92X80Y80Z400E420");
+    assert_eq!(verdict(&done.report, "M92", "Z").0, Decide);
+    holds(&done, &[("axes.x.steps_per_mm", "80"), ("axes.y.steps_per_mm", "80")]);
+    holds(&of("M92X80Y80Z400 E420"), &[("axes.z.steps_per_mm", "400"), ("axes.e.steps_per_mm", "420")]);
+}
+
 /// A CoreXY as a config.g.
 const CONFIG_G: &str = "; a machine
 M550 P\"two; words\" ; its name
@@ -321,6 +370,49 @@ fn a_config_g_is_read_as_its_firmware_reads_it() {
     }
     assert!(configuration_h::is_configuration(CONFIGURATION) && configuration_h::is_configuration(ADVANCED));
     assert!(!configuration_h::is_configuration(CONFIG_G) && !is_report(CONFIGURATION));
+}
+
+/// Version 2 says by S0 that a switch closes; a switch at its usual place opens (S1).
+#[test]
+fn switches_that_close_keep_their_sign() {
+    let given = Given { board: Some(&corehbot_boards::octopus::CONNECTORS), kinematics: None };
+    for (lines, [x, y]) in [
+        ("M574 X1 Y2 S0", ["!X-STOP", "!Y-STOP"]),
+        ("M574 X1 Y2 S1", ["X-STOP", "Y-STOP"]),
+        ("M574 X1 Y2", ["X-STOP", "Y-STOP"]),
+        ("M574 X1 S0\nM574 Y2 S1", ["!X-STOP", "Y-STOP"]),
+        ("M574 X1 Y2 S0\nM574 X1 S1", ["X-STOP", "!Y-STOP"]),
+        ("M574 X1 S0\nM574 X1 S0\nM574 Y1 S1", ["!X-STOP", "Y-STOP"]),
+        ("M574 X1 S1 P\"!xstop\"\nM574 Y1 S1 P\"ystop\"", ["!X-STOP", "Y-STOP"]),
+    ] {
+        let done = reprap::translate("config.g", &format!("M584 X0 Y1 Z2 E3\n{lines}\n"), given);
+        holds(&done, &[("endstops.x", &format!("{x:?}")), ("endstops.y", &format!("{y:?}"))]);
+        let asked = done.report.open.join("\n");
+        assert!(asked.contains(&format!("endstops.x = {x:?}, endstops.y = {y:?}")), "as in the file: {asked}");
+    }
+    let done = reprap::translate("config.g", "M574 X1 Y2 S0\n", given);
+    assert_eq!(verdict(&done.report, "M574", "XY S"), (Taken, "endstops.x has `!`; endstops.y has `!`"));
+    let done = reprap::translate("config.g", "M574 X1 S0\n", Given::default());
+    assert_eq!(verdict(&done.report, "M574", "X S").0, Approximated);
+    let done = reprap::translate("config.g", "M574 X1 S0 P\"xstop\"\n", given);
+    assert_eq!(verdict(&done.report, "M574", "X S").0, Decide);
+}
+
+/// A comment of Klipper begins as a define does.
+#[test]
+fn sections_are_no_source_of_marlin() {
+    let defines = "#define STEPS DEFAULT_AXIS_STEPS_PER_UNIT\n#define CURRENT X_CURRENT\n";
+    for (text, is) in [
+        (defines.to_owned(), true),
+        (format!("{defines}[printer]\nkinematics: corexy\n"), false),
+        (format!("  [mcu]  # the board\n{defines}"), false),
+        (format!("[include parts/*.cfg]\n{defines}"), false),
+        (format!("# parts/*.cfg\n[tmc2209 stepper_x]\n{defines}"), false),
+        (format!("/* Sections:\n[printer] is none here\n */\n{defines}"), true),
+        (format!("{defines}#define LIST {{ \\\n  [0] = 5 }}\n"), true),
+    ] {
+        assert_eq!(configuration_h::is_configuration(&text), is, "{text}");
+    }
 }
 
 fn is_sound(done: &Translation) {

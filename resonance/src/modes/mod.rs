@@ -14,9 +14,11 @@
 //! | file | job |
 //! |---|---|
 //! | `points` | recordings and spectra to bands of frequencies, each with its commanded and measured power |
+//! | `knots` | the bins of a spectrum that a file has on a finer grid |
 //! | `model` | the power of a band by the modes, and its derivatives |
 //! | `search` | the modes with the least differences, and how many there are |
 
+mod knots;
 mod model;
 mod points;
 mod search;
@@ -110,5 +112,22 @@ pub(crate) fn fit_along(recording: &Recording, direction: Direction, sweep: &Swe
 /// # Errors
 /// Nothing can be fitted.
 pub fn fit_density(density: &Density, axis: Option<Axis>, sweep: &Sweep) -> Result<Modes, Unfitted> {
-    search::fitted(&points::of_density(density, sweep, axis).ok_or(Unfitted::Short)?)
+    let mut best = Err(Unfitted::Short);
+    for part in points::NOISES {
+        let Some(data) = points::of_density(density, sweep, axis, part) else { break };
+        best = match (search::fitted(&data), best) {
+            (Ok(found), Ok(known)) if found.is_better(&known) => Ok(found),
+            (_, Ok(known)) => Ok(known),
+            (found, Err(_)) => found,
+        };
+    }
+    best
+}
+
+impl Modes {
+    /// Whether a fit to the same points explains them better, with as many modes or fewer.
+    fn is_better(&self, other: &Self) -> bool {
+        let more = self.modes.len() as i32 - other.modes.len() as i32;
+        self.fit_error_db < other.fit_error_db * WORTH.powi(more)
+    }
 }

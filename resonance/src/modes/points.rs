@@ -6,6 +6,7 @@
 //!
 //! Only the motion along the swept axis counts: a mode across it would move the frequencies.
 
+use super::knots::at_bins;
 use super::model::{Data, Line, Point};
 use super::search::fitted;
 use super::{Modes, Unfitted};
@@ -156,8 +157,14 @@ fn noise(recording: &Recording) -> f64 {
     quiet.get(quiet.len() / 10).copied().unwrap_or(0.0)
 }
 
+/// Noises that are tried, as parts of the least power of a file, and the one that weighs its points.
+pub(super) const NOISES: [f64; 4] = [0.0, 0.5, 0.8, 0.95];
+const WEIGHED: f64 = 0.5;
+
 /// Bins of a spectrum that was computed with windows.
-pub(super) fn of_density(density: &Density, sweep: &Sweep, axis: Option<Axis>) -> Option<Data> {
+pub(super) fn of_density(density: &Density, sweep: &Sweep, axis: Option<Axis>, noise: f64) -> Option<Data> {
+    let found = at_bins(density);
+    let density = found.as_ref().unwrap_or(density);
     let (spectrum, step) = (&density.spectrum, density.spectrum.step_hz);
     let window = kaiser(1024);
     let rate_hz = step * window.len() as f64;
@@ -180,9 +187,10 @@ pub(super) fn of_density(density: &Density, sweep: &Sweep, axis: Option<Axis>) -
         (from..=to).contains(&hz).then_some((hz, lines, measured))
     };
     let points: Vec<(f64, Vec<Line>, f64)> = (0..spectrum.sum.len()).filter_map(point).collect();
-    // The file ends far below the frequencies that would tell the noise.
-    let least = points.iter().map(|(_, _, measured)| *measured).fold(f64::INFINITY, f64::min);
-    Some(data(points, least / 2.0)).filter(is_enough)
+    // The file ends far below the frequencies that would tell the noise: it is a part of the least power at most.
+    let beyond = along.iter().skip((to / step) as usize).copied().filter(|v| *v > 0.0);
+    let least = points.iter().map(|(_, _, measured)| *measured).chain(beyond).fold(f64::INFINITY, f64::min);
+    Some(with_weights(points, noise * least, WEIGHED * least)).filter(is_enough)
 }
 
 /// Power of a window at even parts of a bin, from `-REACH` to `REACH` bins; the sum is 1.
@@ -205,8 +213,13 @@ fn is_enough(data: &Data) -> bool {
 /// Points of one source. The search begins at a gain of 1: the strength of the sweep, and the unit of the file, do not
 /// count.
 fn data(points: Vec<(f64, Vec<Line>, f64)>, noise: f64) -> Data {
+    with_weights(points, noise, noise)
+}
+
+/// The same with another noise for the weights: fits with several noises are compared by the same ones.
+fn with_weights(points: Vec<(f64, Vec<Line>, f64)>, noise: f64, of_weights: f64) -> Data {
     let made = |(hz, lines, power): (f64, Vec<Line>, f64)| {
-        let weight = (1.0 - noise / power).max(LEAST_WEIGHT);
+        let weight = (1.0 - of_weights / power).max(LEAST_WEIGHT);
         let point = Point { hz, lines, measured: power.ln(), source: 0, weight };
         (power > 0.0 && point.commanded() > 0.0).then_some(point)
     };

@@ -68,16 +68,35 @@ fn motors(read: &Read, keys: &mut Keys) {
         keys.whole(&key("microsteps"), read.number(section, "microsteps").unwrap());
         let run = read.number(&driver, "run_current").unwrap();
         keys.whole(&key("current_ma"), run * 1000.0);
-        if !["stepper_y", "stepper_z1"].contains(&section) {
-            // Klipper holds with the running current.
-            keys.whole(&key("hold_percent"), 100.0 * read.or(&driver, "hold_current", run) / run);
-            if let Some(threshold) = read.number(&driver, "stealthchop_threshold") {
-                keys.put(&key("stealth"), threshold > 0.0);
-                keys.put(&key("hybrid_threshold"), threshold);
+    }
+    for (group, sections) in
+        [("belt", &["stepper_x", "stepper_y"][..]), ("z", &["stepper_z", "stepper_z1"]), ("e", &["extruder"])]
+    {
+        let key = |leaf: &str| format!("drivers.{group}.{leaf}");
+        let of = |section: &str, key: &str| read.number(&format!("tmc2209 {section}"), key);
+        // The first motor has the group's value, and the second one its own.
+        let mut whole = |leaf: &str, values: &[f64]| {
+            keys.whole(&key(leaf), values[0]);
+            if let Some(second) = values.get(1).filter(|second| **second != values[0] && **second > 0.0) {
+                let name = sections[1].trim_start_matches("stepper_");
+                keys.whole(&format!("drivers.{name}.{leaf}"), *second);
             }
-            if let Some(stall) = read.number(&driver, "driver_SGTHRS") {
-                keys.whole(&key("stall_threshold"), stall);
-            }
+        };
+        // Klipper holds with the running current.
+        let hold = |section: &&str| {
+            let run = of(section, "run_current").unwrap();
+            (100.0 * of(section, "hold_current").unwrap_or(run) / run).round()
+        };
+        whole("hold_percent", &sections.iter().map(hold).collect::<Vec<_>>());
+        let stall = |section: &&str| of(section, "driver_SGTHRS").unwrap_or(0.0);
+        if sections.iter().any(|section| of(section, "driver_SGTHRS").is_some()) {
+            whole("stall_threshold", &sections.iter().map(stall).collect::<Vec<_>>());
+        }
+        // Of the mode a motor has none of its own, so the first one's counts.
+        let thresholds: Vec<_> = sections.iter().map(|section| of(section, "stealthchop_threshold")).collect();
+        if let Some(first) = thresholds.iter().flatten().next() {
+            keys.put(&key("stealth"), thresholds[0].is_some());
+            keys.put(&key("hybrid_threshold"), *first);
         }
     }
     // A group has one value; the first driver says it, and without a word it is on.
@@ -258,7 +277,8 @@ fn fans(read: &Read, keys: &mut Keys) {
             keys.whole(&key("kick_ms"), seconds * 1000.0);
         }
         if let Some(least) = read.number(section, "off_below") {
-            keys.put(&key("least"), least);
+            // A part of the greatest power.
+            keys.put(&key("least"), least * power.unwrap_or(1.0));
         }
     }
     // The bed's fan has a temperature of its own, which counts nowhere.

@@ -142,13 +142,12 @@ impl Made {
         self.must("uart_pin", uart);
         self.must("run_current", current);
         self.word("interpolate", if name.ends_with(['x', 'y']) { &["False"] } else { &["True"] });
-        if name == "stepper_x" || name == "stepper_z" || name == "extruder" {
-            self.number("stealthchop_threshold", 1.0, 200.0);
-            self.number("driver_SGTHRS", 10.0, 11.0);
-            let hold = self.dice.comes(2);
-            if hold {
-                self.must("hold_current", current / 2.0);
-            }
+        self.number("stealthchop_threshold", 1.0, 200.0);
+        self.word("driver_SGTHRS", &["10", "60", "200"]);
+        let hold = self.dice.comes(2);
+        if hold {
+            let part = self.dice.one(&[2.0, 4.0]);
+            self.must("hold_current", current / part);
         }
     }
 
