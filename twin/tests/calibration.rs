@@ -1,9 +1,6 @@
 //! Machines are found again from what the model says of them, exactly and with noise; what cannot be told is refused.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "calibration/closed_forms.rs"]
 mod closed_forms;
-#[path = "calibration/far.rs"]
 mod far;
 
 use corehbot_twin::calibration::{

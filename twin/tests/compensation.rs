@@ -1,5 +1,4 @@
 //! Compensated steps keep the tool on the line that was meant, also if the machine is not quite as stiff as believed.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::compensation::{CompensationError, compensate};
 use corehbot_twin::dynamics::plant::Detail;

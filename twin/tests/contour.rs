@@ -1,5 +1,4 @@
 //! Corners and errors of a line that is made of steps: none is lost, and a line beside it is not taken for it.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::contour::error::{ContourError, Window};
 use corehbot_twin::contour::pace::Places;

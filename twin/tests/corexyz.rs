@@ -1,5 +1,4 @@
 //! Zig-zag, racking and levelling of a CoreXYZ, against Carlyle's table and closed forms by hand.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::model::coordinate::Coordinate;
 use corehbot_twin::model::elastic::{Elastic, Freedom};

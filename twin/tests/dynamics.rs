@@ -1,5 +1,4 @@
 //! The machine in motion, against closed forms of an oscillator and figures that were computed independently.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::dynamics::plant::{Detail, Plant};
 use corehbot_twin::dynamics::state::State;

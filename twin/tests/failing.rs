@@ -1,6 +1,5 @@
 //! Parts that fail in a running machine: a jumped tooth, broken cords, a seized idler, a loose pulley. Against numbers
 //! by hand.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::live::Live;
 use corehbot_twin::live::failing::idlers_of;

@@ -1,5 +1,4 @@
 //! The frame: torque of the motors on it, and its vibration on the ground, against two masses on two springs by hand.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::dynamics::plant::{Detail, Plant};
 use corehbot_twin::dynamics::state::State;

@@ -1,6 +1,5 @@
 //! The routing tables against what the CoreH-bot paper says of them, and against figures that were computed
 //! independently.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::geometry::{Layout, layout, workspace};
 use corehbot_twin::model::displacements::displacements;

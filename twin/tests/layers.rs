@@ -1,5 +1,4 @@
 //! The rooms of the twin: each uses only those that stand before it in this list, as the head of the crate says.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

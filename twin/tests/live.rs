@@ -1,5 +1,4 @@
 //! A machine in the loop: power-up, pushes, brakes and skips, against figures of an independent computation.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::live::{Live, phases_mm};
 use corehbot_twin::model::elastic::Freedom;

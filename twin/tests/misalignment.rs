@@ -1,5 +1,4 @@
 //! Pulleys off their places, against the printed equations of the CoreH-bot paper and belts by hand.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::params::{Each, Params};
 use corehbot_twin::queries::Setup;

@@ -1,5 +1,4 @@
 //! Ripple against closed forms of a CoreH-bot in the middle, and pitches of its belts.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::model::elastic::Freedom;

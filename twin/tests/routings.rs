@@ -1,5 +1,4 @@
 //! Machines of every routing, and numbers of single belts and motors, against figures by hand.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::geometry::{layout, workspace};
 use corehbot_twin::model::coordinate::Coordinate;

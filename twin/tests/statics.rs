@@ -1,6 +1,5 @@
 //! Stiffness, slips and modes against figures that were computed independently (two solvers, symbolic algebra), and
 //! against closed forms.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::model::coordinate::Coordinate;

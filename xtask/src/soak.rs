@@ -60,12 +60,12 @@ pub fn main(args: &Args) -> Result<()> {
         match part {
             Part::Heat => {
                 run(test("corehbot", "faults", &["quiet", "f10"], "HOURS", args.hours))?;
-                run(test("corehbot-sim", "heat_lives", &[], "HOURS", args.life_hours))?;
+                run(test("corehbot-sim", "simulator", &["heat_lives::"], "HOURS", args.life_hours))?;
             }
-            Part::Motion => run(test("corehbot-sim", "soak", &[], "HOURS", args.motion_hours))?,
-            Part::Segments => run(test("corehbot-sim", "absurd", &["f52"], "SEGMENTS", args.segments))?,
+            Part::Motion => run(test("corehbot-sim", "simulator", &["soak::"], "HOURS", args.motion_hours))?,
+            Part::Segments => run(test("corehbot-sim", "simulator", &["absurd::f52"], "SEGMENTS", args.segments))?,
             Part::Cuts => cuts(args.cuts)?,
-            Part::Belt => run(test("corehbot-sim", "belt", &BELT, "SEEDS", args.seeds))?,
+            Part::Belt => run(test("corehbot-sim", "simulator", &BELT, "SEEDS", args.seeds))?,
         }
     }
     Ok(())

@@ -1,6 +1,5 @@
 //! Absurd lines (F50 to F55): wherever they would go, the tool stays inside the machine. No move is endless, and the
 //! next right line reaches its place to the step.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
 use corehbot::settings::Settings;

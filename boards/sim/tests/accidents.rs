@@ -1,11 +1,7 @@
 //! Every accident, before a heater is used and while it is: every wait for it ends.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-#[path = "common/heated.rs"]
-mod heated;
-
+use crate::common::deaf::Deaf;
+use crate::common::heated::heated;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
@@ -13,8 +9,6 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::heat_plant::Accident;
 use corehbot_sim::heat_plant::accident::KINDS;
 use corehbot_sim::world::{Desk, World};
-use deaf::Deaf;
-use heated::heated;
 
 /// When the accident happens, and when the heater is asked for: before and after, in s.
 const TIMES: [(f64, f64); 2] = [(1.0, 3.0), (4.0, 3.0)];

@@ -1,6 +1,5 @@
 //! Any machine, any path, any shaping: the steps keep the limits of axes and motors, and two pulses of a motor are
 //! never too close. Speeds jump no more than corners may, and the end is met to the step.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MOTORS, Motor, MotorSet};
 use corehbot::settings::{CornerRule, Settings, Shaper, ShaperKind};

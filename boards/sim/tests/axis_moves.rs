@@ -1,6 +1,5 @@
 //! Real sliced files, if their folder is next to the checkout: their moves along x or y step all four belt motors in
 //! the same events.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;

@@ -1,19 +1,12 @@
 //! The bed: a mesh that is measured, kept and followed, and screws that are levelled, on simulated beds.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-mod on_bed;
-
+use crate::common::life::Life;
+use crate::common::on_bed::{SCREWS, over, real_z, with_probe};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_rig::bed::{BedPlant, BedSetup};
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use life::Life;
-use on_bed::{SCREWS, over, real_z, with_probe};
 
 /// The prototype with a switch as its probe.
 fn probed() -> Settings {

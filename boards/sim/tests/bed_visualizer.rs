@@ -13,12 +13,8 @@
 //! - `Subdivided with CATMULL`, `Bed Level Correction Matrix` and the like drop all rows so far. `Home XYZ first` ends
 //!   the mesh.
 //! - The first row of a mesh is the one nearest to the front, and its first height the leftmost.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-
+use crate::common::life::{Life, live_with};
 use corehbot::connectors::ConnectorName;
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::Mm;
@@ -26,7 +22,6 @@ use corehbot_rig::bed::BedPlant;
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::Desk;
-use life::{Life, live_with};
 
 /// Takes the front of a text that is a number with decimals: a sign, digits, a point, digits.
 fn decimal(text: &str) -> Option<(&str, &str)> {

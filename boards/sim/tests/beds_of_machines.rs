@@ -1,21 +1,13 @@
 //! Beds of every mechanism: belts that hold z too, four coordinates for three axes, three screws. Each measures its
 //! bed and follows it, through stops and homes.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod on_bed;
-
+use crate::common::life::Life;
+use crate::common::on_bed::{over, with_probe};
 use corehbot::settings::Settings;
 use corehbot_machine_file as machine_file;
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use life::Life;
-use on_bed::{over, with_probe};
 use std::path::Path;
 
 /// A machine of the examples, with a probe.

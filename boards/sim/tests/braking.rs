@@ -1,5 +1,4 @@
 //! M410: the machine slows down along its path, as its accelerations allow, and knows where it is.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;

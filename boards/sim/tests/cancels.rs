@@ -2,31 +2,18 @@
 //!
 //! The commands are those of the table of `commands/table.rs`, which has a row for every code that the firmware knows.
 //! A command waits if its `ok` does not come at once, as seen here. So a new command that waits is in this test.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heated.rs"]
-mod heated;
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod on_bed;
-#[path = "commands/table.rs"]
-#[allow(dead_code, reason = "the answers are for another test")]
-mod table;
-
+use crate::commands::table::ROWS;
+use crate::common::heated::heated;
+use crate::common::life::Life;
+use crate::common::on_bed::{SCREWS, over, with_probe};
 use corehbot::accelerometer::Kind;
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::bed::BedSetup;
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use heated::heated;
-use life::Life;
-use on_bed::{SCREWS, over, with_probe};
 use rayon::prelude::*;
-use table::ROWS;
 
 /// Longer forms of commands that the table has in a short form.
 const LONGER: [&str; 19] = [

@@ -1,5 +1,4 @@
 //! Circles from text to step times: the tool runs round them at one speed, however the slicer writes them.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;

@@ -1,5 +1,4 @@
 //! Moves so short that the queues hold little time: the look-ahead must not be given up for that.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;

@@ -1,6 +1,5 @@
 //! Same input, same steps: how bytes are cut into packets, and delays that do not run the queue dry, do not
 //! change the trace.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;

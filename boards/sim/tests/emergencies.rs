@@ -1,5 +1,4 @@
 //! Emergencies in every state: whatever the machine does or waits for, M112, M410 and M108 act as they arrive.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::MotorSet;

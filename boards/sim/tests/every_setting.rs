@@ -2,17 +2,11 @@
 //!
 //! The places are listed at the head of `src/settings/mod.rs`. That a number has a range is `tests/setting_ranges.rs`'
 //! business, and that a record holds every field is serde's.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-#[path = "common/lines.rs"]
-mod lines;
-#[path = "common/plain_lines.rs"]
-mod plain_lines;
-#[path = "common/setting_lines.rs"]
-mod setting_lines;
-
+use crate::common::deaf::Deaf;
+use crate::common::lines::Lines;
+use crate::common::plain_lines::plain_lines;
+use crate::common::setting_lines::LINES;
 use corehbot::gcode::{Command, Number, SettingCommand, ShaperWords, parse};
 use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
@@ -21,11 +15,7 @@ use corehbot::units::Mm;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::run_on;
-use deaf::Deaf;
-use lines::Lines;
-use plain_lines::plain_lines;
 use serde_json::Value;
-use setting_lines::LINES;
 use std::collections::BTreeMap;
 use toml::Table;
 

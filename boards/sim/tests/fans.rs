@@ -1,15 +1,11 @@
 //! Fans with a tachometer: M123, M122, and a fan that stands still.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heat_talk.rs"]
-mod heat_talk;
-
+use crate::common::heat_talk::{machine, talk_with};
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::{Settings, Tachometer};
 use corehbot_rig::plant::PlantFaults;
 use corehbot_sim::eeprom::Eeprom;
-use heat_talk::{machine, talk_with};
 
 /// The prototype with a hotend; the part fan is FAN0, the hotend's FAN1, the controller's FAN2. The first two have a
 /// tachometer, with four pulses a turn.

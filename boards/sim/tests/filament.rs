@@ -1,14 +1,10 @@
 //! Filament beyond 32 bits of steps: a long print continues to extrude after a stop.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/lines.rs"]
-mod lines;
-
+use crate::common::lines::Lines;
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Sink, run};
-use lines::Lines;
 
 /// Counts the steps of the extruder.
 #[derive(Default)]

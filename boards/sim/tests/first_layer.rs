@@ -1,5 +1,4 @@
 //! The first layer: Z is shifted while a print runs, exactly, within its limits, and without any other motor.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::port::NoStorage;

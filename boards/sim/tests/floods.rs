@@ -3,18 +3,14 @@
 //!
 //! The host is at the end of USB, which holds it up, or of a UART, which does not. Both are modelled by their buffers:
 //! 512 bytes on the board for USB (`chips/board-support`, `usb_pump`), 2,048 for a UART (`ring`).
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heated.rs"]
-mod heated;
-
+use crate::common::heated::heated;
 use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Sink, World};
-use heated::heated;
 
 struct Deaf;
 

@@ -1,16 +1,12 @@
 //! Heaters and fans as hosts know them, on a simulated machine that warms and cools.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heat_talk.rs"]
-mod heat_talk;
-
+use crate::common::heat_talk::{machine, talk_with};
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Celsius;
 use corehbot_rig::plant::HeaterFault;
 use corehbot_sim::world::World;
-use heat_talk::{machine, talk_with};
 
 fn talk(settings: &Settings, ms: u64, lines: &[&str]) -> Vec<String> {
     talk_with(settings, NoStorage, ms, lines, |_, _| {}).0

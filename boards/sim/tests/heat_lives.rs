@@ -4,17 +4,11 @@
 //! A life is a machine drawn from a seed (powers, masses, losses, lags, noise, room) and a row of acts drawn from
 //! [`ACTS`]. The seed decides the plant; the firmware knows the power of its heaters and nothing else, until it tunes
 //! itself.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-#[path = "common/lives.rs"]
-mod lives;
-
+use crate::common::lives::{Life, Machine, live};
 use corehbot::connectors::Heater;
 use corehbot_sim::heat_plant::Accident;
 use corehbot_sim::heat_plant::accident::{Does, KINDS, Kind};
-use lives::{Life, Machine, live};
 use rayon::prelude::*;
 
 /// Something that owners do.

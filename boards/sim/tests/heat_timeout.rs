@@ -1,5 +1,4 @@
 //! Unused heaters go off in whatever state the machine is left (F23), and stay off.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;

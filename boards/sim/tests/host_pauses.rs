@@ -1,16 +1,12 @@
 //! Hosts that pause anywhere and for any time. The steps stay the same, or the pause is counted.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/trace.rs"]
-mod trace;
-
+use crate::common::trace::Trace;
 use corehbot::port::NoStorage;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Outcome, World};
 use proptest::prelude::*;
-use trace::Trace;
 
 /// Sends a line for each `ok`; before line i it takes `pauses[i]` ms.
 fn print(settings: &Settings, lines: &[String], pauses: &[u32]) -> (Outcome, u64) {

@@ -1,14 +1,10 @@
 //! Several hosts on one machine: each has a serial line, and each is answered on its own.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-
+use crate::common::deaf::Deaf;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Host, Outcome, run_with};
-use deaf::Deaf;
 
 /// Sends whatever the script has for the number of lines heard so far, whether the printer is busy or not.
 #[derive(Default)]

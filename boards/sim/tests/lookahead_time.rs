@@ -1,9 +1,6 @@
 //! The look-ahead's reach in time: a pause or a cancel takes effect soon, and no step changes by the limit.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/trace.rs"]
-mod trace;
-
+use crate::common::trace::Trace;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, Seconds, TICKS_PER_MS};
@@ -12,7 +9,6 @@ use corehbot_sim::file_line::strip_comment;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{Desk, Outcome, World, run};
 use std::path::Path;
-use trace::Trace;
 
 fn example(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);

@@ -1,14 +1,9 @@
 //! Life on a mesh: z follows it, real places stay true through stops, homing and power, and nothing jumps.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-
+use crate::common::life::{Life, live_on};
 use corehbot::settings::{HomedAxis, Settings};
 use corehbot::surface::{Heights, Mesh, UNITS_PER_MM};
 use corehbot::units::Mm;
-use life::{Life, live_on};
 
 /// The motors of the Z screws.
 const SCREWS: [usize; 2] = [4, 5];

@@ -1,5 +1,4 @@
 //! What keeps a move from being faster: each limit by a program in which it rules, against arithmetic of its own.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motion::LOOKAHEAD_MOVES;
 use corehbot::motors::MotorSet;

@@ -1,10 +1,7 @@
 //! Heaters without a reading, or with one that cannot be right: each command that needs a reading waits for the first
 //! one, a wait ends, and a refusal stops nothing but the heat.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-
+use crate::common::deaf::Deaf;
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::{Control, HeaterModel, Settings, Thermistor};
@@ -12,7 +9,6 @@ use corehbot::units::{JoulesPerKelvin, Mm, Seconds, TICKS_PER_MS, Watts, WattsPe
 use corehbot_rig::plant::{Couplings, Plant, PlantConstants, SensorFault, Thermistor as Real};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, World};
-use deaf::Deaf;
 
 /// A machine with a hotend and a bed.
 fn machine() -> Settings {

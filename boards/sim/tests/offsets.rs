@@ -1,20 +1,12 @@
 //! Offsets of z and of the probe: each word changes its own store, and a machine stands where they say, in every life.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod on_bed;
-
+use crate::common::life::Life;
+use crate::common::on_bed::{over, real_z, with_probe};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_rig::bed::{BedPlant, BedSetup};
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use life::Life;
-use on_bed::{over, real_z, with_probe};
 
 /// Where the probe really is, seen from the nozzle.
 const TRUE_Z: f64 = -1.5;

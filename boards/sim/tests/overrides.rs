@@ -1,5 +1,4 @@
 //! M220 counts at once, also for queued moves; neither it nor M221 makes the machine exceed its limits.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MOTORS, Motor, MotorSet, prototype};
 use corehbot::settings::{Settings, Shaper, ShaperKind};

@@ -1,15 +1,11 @@
 //! Pauses: who is told, who ends them, and which work continues.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-
+use crate::common::deaf::Deaf;
 use corehbot::port::NoStorage;
 use corehbot::protocol::{BUSY, BUSY_PAUSED};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Host, Outcome, run_with};
-use deaf::Deaf;
 
 /// Sends the next text when it hears a line that begins as awaited.
 struct Talker {

@@ -1,5 +1,4 @@
 //! The exchanges of `tests/protocol`, with the whole firmware.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;

@@ -1,14 +1,8 @@
 //! Resonance tests: the sweep within the machine's limits, what the sensor finds, and the machine after all that may
 //! happen in it.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[expect(dead_code, reason = "each test has its own part of it")]
-mod life;
-
-#[path = "common/heated.rs"]
-mod heated;
-
+use crate::common::heated;
+use crate::common::life::{Life, live_with};
 use corehbot::accelerometer::{Kind, SensorFault};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
@@ -19,7 +13,6 @@ use corehbot_resonance::recording::read;
 use corehbot_sim::accelerometer::{ModeTruth, SensorAccident, SensorTruth};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::world::Desk;
-use life::{Life, live_with};
 
 /// The prototype with a sensor.
 fn settings() -> Settings {

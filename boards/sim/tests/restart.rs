@@ -1,5 +1,4 @@
 //! After a stop only a new start helps: hosts that come later are greeted, and M999 is that new start.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;

@@ -1,16 +1,10 @@
 //! G10 and G11: the filament goes back and forth, and the program's coordinates know nothing of it.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-#[path = "common/lines.rs"]
-mod lines;
-
+use crate::common::deaf::Deaf;
+use crate::common::lines::Lines;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Outcome, run};
-use deaf::Deaf;
-use lines::Lines;
 
 /// The reports of M114, and the outcome.
 fn print(lines: &[&'static str]) -> (Vec<String>, Outcome) {

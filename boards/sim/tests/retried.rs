@@ -1,15 +1,8 @@
 //! A print that is paused because its probe failed: the user mends it, and M24 tries the line again.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heated.rs"]
-mod heated;
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod on_bed;
-
+use crate::common::heated::heated;
+use crate::common::life::{Life, live_with};
+use crate::common::on_bed::{over_with, with_probe};
 use corehbot::port::NoStorage;
 use corehbot::settings::{OnFailure, ProbeKind, Settings};
 use corehbot::units::Mm;
@@ -18,9 +11,6 @@ use corehbot_rig::bed::{BedPlant, BedSetup};
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::Desk;
-use heated::heated;
-use life::{Life, live_with};
-use on_bed::{over_with, with_probe};
 
 /// A machine that pauses a print, and a bowl as its bed.
 fn machine(kind: ProbeKind) -> (Settings, BedSetup) {

@@ -1,18 +1,13 @@
 //! Z is homed by its switch at a place, and rises before anything is homed (`[safe_z_home]`). The oracle is where the
 //! nozzle really is, each few milliseconds.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-
+use crate::common::life::{Life, live, live_at, live_with};
 use corehbot::motors::EndstopSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::{AxisEnd, HomedAxis, ProbeKind, Settings};
 use corehbot::units::{Mm, MmPerSec};
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::Desk;
-use life::{Life, live, live_at, live_with};
 
 /// Where z is homed.
 const PLACE: [f64; 2] = [150.0, 120.0];

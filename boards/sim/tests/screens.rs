@@ -1,14 +1,9 @@
 //! Screens and plugins that identify their machine: a BTT TFT and OctoPrint's EEPROM-Marlin, as their sources have
 //! them.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "../../../tests/support/btt_tft.rs"]
-mod btt_tft;
-#[path = "common/deaf.rs"]
-mod deaf;
-#[path = "../../../tests/support/eeprom_marlin.rs"]
-mod eeprom_marlin;
-
+use crate::btt_tft;
+use crate::common::deaf::Deaf;
+use crate::eeprom_marlin;
 use btt_tft::BttTft;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
@@ -16,7 +11,6 @@ use corehbot::units::Mm;
 use corehbot_machine_file::load;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Host, run_on};
-use deaf::Deaf;
 
 /// A machine with heaters, a name and silent drivers of z.
 const MACHINE: &str = "name = \"Voron 2.4 350\"\nsoft_endstops = false\n[heaters.hotend]\nis_fitted = true\n\

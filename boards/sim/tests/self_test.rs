@@ -1,14 +1,10 @@
 //! The self-test of heaters as hosts see it: once after an update, and by SELF_TEST.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heat_talk.rs"]
-mod heat_talk;
-
+use crate::common::heat_talk::{machine, talk_with};
 use corehbot::connectors::{Heater, Output};
 use corehbot::port::{NoStorage, Storage, StorageError};
 use corehbot_rig::plant::HeaterFault;
 use corehbot_sim::eeprom::Eeprom;
-use heat_talk::{machine, talk_with};
 
 const PASSED: &str = "echo:Self-test passed: each heater warms its own sensor";
 

@@ -1,5 +1,4 @@
 //! What a sink is told of shapers: the taps of x and y from the instant on at which the axes follow them.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::MotorSet;
 use corehbot::settings::{Settings, ShaperKind};

@@ -1,6 +1,5 @@
 //! M593 and M900 through the whole simulator: ends of prints, the checker's findings, and commands that wait for the
 //! motion.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::port::{NoStorage, Storage};

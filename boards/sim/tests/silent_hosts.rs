@@ -1,15 +1,11 @@
 //! Hosts that fall silent in the middle of a print: a host that pauses gets no request, and a host that waits gets on.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-
+use crate::common::deaf::Deaf;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Outcome, World};
-use deaf::Deaf;
 
 /// The fate of a line.
 #[derive(Clone, Copy, PartialEq, Eq)]

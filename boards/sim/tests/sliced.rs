@@ -1,6 +1,5 @@
 //! Real sliced files, if their folder is next to the checkout, print to their end, and again on the same printer. So do
 //! the examples and the prints of `cargo xtask clients`.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;

@@ -1,6 +1,5 @@
 //! Slow axes behind a corner: their first steps come as their own ramp from the speed in the corner explains, in every
 //! file that sets a square-corner velocity.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MotorName, MotorSet};
 use corehbot::settings::Settings;

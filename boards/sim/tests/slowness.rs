@@ -1,5 +1,4 @@
 //! Motion so slow that it outlasts ticks of 32 bits and the look-ahead.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::settings::Settings;

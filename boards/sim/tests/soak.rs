@@ -1,17 +1,13 @@
 //! Hours of motion across the wraps of all counters, with the position exact to the step. `cargo xtask soak` makes days
 //! of it.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
-
+use crate::common::deaf::Deaf;
 use corehbot::motors::per_motor;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Host, run_at};
-use deaf::Deaf;
 
 /// Hours of motion, except in a soak.
 const HOURS: f64 = 0.2;

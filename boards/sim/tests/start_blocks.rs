@@ -1,22 +1,13 @@
 //! Start blocks as slicers write them for four kinds of printers: the first layer follows the bed, in the first print
 //! and in the next one, after a cancelled measurement, and after a restart with the kept mesh.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heated.rs"]
-mod heated;
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-mod on_bed;
-
+use crate::common::heated::heated;
+use crate::common::life::Life;
+use crate::common::on_bed::{SCREWS, over, real_z, with_probe};
 use corehbot::settings::Settings;
 use corehbot_rig::bed::{BedPlant, BedSetup};
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use heated::heated;
-use life::Life;
-use on_bed::{SCREWS, over, real_z, with_probe};
 
 /// Measured before each print: Marlin's usual form, as most vendors have it.
 const MARLIN: &str = "M201 X3000 Y3000\nM140 S60\nM104 S160\nG90\nM82\nG28 ; home all axes\nG29 ; auto bed levelling\n\

@@ -1,5 +1,4 @@
 //! The model of a TMC2209 follows its datasheet.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_sim::tmc2209::{self, Corruption, GSTAT, IFCNT, IHOLD_IRUN, IOIN, Tmc2209, chopconf, gconf};
 

@@ -1,6 +1,5 @@
 //! Hosts that are too slow: the machine slows down before it starves, goes on without a blob, adapts to its host's
 //! speed, and reports that in M122. Hosts that are just fast enough leave no trace.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::{MOTORS, MotorSet, prototype};
 use corehbot::port::NoStorage;

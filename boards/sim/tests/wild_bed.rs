@@ -1,10 +1,7 @@
 //! Whatever a host says about the bed and however its probe breaks: the nozzle never goes below the floor of a touch,
 //! every line is answered once, heaters are off after an end, and positions are exact.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/wild_bed.rs"]
-mod body;
-
+use crate::common::wild_bed as body;
 use body::bed_gcode;
 
 /// Machines, of two lives each; a soak has more (`COREHBOT_SOAK_SEEDS`, from `COREHBOT_BED_SEED`).

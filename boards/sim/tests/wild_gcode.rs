@@ -1,9 +1,7 @@
 //! Whatever a host says and whatever breaks: no target above its limit, and no power without a target, after a stop or
 //! without a sensor.
 
-#[path = "common/wild_gcode.rs"]
-mod body;
-
+use crate::common::wild_gcode as body;
 use body::heat_gcode;
 use proptest::prelude::*;
 

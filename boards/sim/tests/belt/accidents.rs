@@ -1,6 +1,6 @@
 //! Accidents: a tool that runs into something, and a motor that rubs.
 
-use crate::printer::print;
+use crate::belt::printer::print;
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::figures::BeltFigures;
 

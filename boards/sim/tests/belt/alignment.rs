@@ -1,6 +1,6 @@
 //! Alignment: motors that strain the belt are turned until they do not, or the host is told that it failed.
 
-use crate::printer::{Printed, of_each, plant_of, print_as, print_on, seeds};
+use crate::belt::printer::{Printed, of_each, plant_of, print_as, print_on, seeds};
 use corehbot::kinematics::Mechanism;
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{Alignment, Settings};
@@ -137,11 +137,11 @@ fn motors_that_turn_for_y_alone_are_measured_along_y() {
 fn a_driver_that_falls_silent_ends_it_as_it_ends_a_print() {
     let drivers = corehbot_sim::drivers::Drivers::with_lines(prototype::ALL.without(MotorSet::of(prototype::M4)));
     let mut desk = corehbot_sim::world::Desk::new(1);
-    let mut host = crate::printer::Lines::new(["M915", "M400"]);
+    let mut host = crate::belt::printer::Lines::new(["M915", "M400"]);
     let start = Some(START.map(Mm::from_num));
     let settings = Settings::prototype();
     let storage = corehbot::port::NoStorage;
-    let mut events = crate::printer::Events::default();
+    let mut events = crate::belt::printer::Events::default();
     let outcome =
         corehbot_sim::world::run_at(&mut desk, &settings, start, storage, &drivers, &mut [&mut host], &mut events)
             .unwrap();

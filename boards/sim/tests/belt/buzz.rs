@@ -1,6 +1,6 @@
 //! STEPPER_BUZZ on the plant: whichever motor moves and whichever turns freely, the belt is not strained.
 
-use crate::printer::print;
+use crate::belt::printer::print;
 use corehbot_sim::belt::accident::Accidents;
 
 const MOTORS: [&str; 4] = ["m1", "m4", "m8", "m11"];

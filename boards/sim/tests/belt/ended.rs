@@ -1,6 +1,6 @@
 //! M915 that is ended by M410, and on a machine of two belts.
 
-use crate::printer::{Events, Lines, Printed, plant_of, print_as};
+use crate::belt::printer::{Events, Lines, Printed, plant_of, print_as};
 use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;

@@ -1,6 +1,6 @@
 //! A motor of the belt fails in mid-print, and the others take the nozzle off the print.
 
-use crate::printer::Lines;
+use crate::belt::printer::Lines;
 use corehbot::connectors::Heater;
 use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::NoStorage;

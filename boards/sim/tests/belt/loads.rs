@@ -1,6 +1,6 @@
 //! Loads: the drivers' measurements of their motors.
 
-use crate::printer::{plant, print_on};
+use crate::belt::printer::{plant, print_on};
 use corehbot::motors::{Motor, prototype};
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::tmc2209::SG_RESULT;

@@ -1,7 +1,7 @@
 //! Every machine of `examples/machines` is pulled by its belts: it homes, prints without skips and ends where it
 //! should.
 
-use crate::printer::print_as;
+use crate::belt::printer::print_as;
 use corehbot::units::Mm;
 use corehbot_machine_file::{self as machine_file, Machine};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};

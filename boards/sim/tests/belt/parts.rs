@@ -1,8 +1,8 @@
 //! Parts that break in a print: pulleys, screws, teeth and cords. What the firmware notices, what it repairs, and what
 //! it misses.
 
-use crate::printer::{of_each, print, print_as, seeds};
-use crate::trust::told_place;
+use crate::belt::printer::{of_each, print, print_as, seeds};
+use crate::belt::trust::told_place;
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::figures::BeltFigures;

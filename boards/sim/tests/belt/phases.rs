@@ -1,7 +1,7 @@
 //! Phases: motors with drivers in the same relation as when nothing strained the belt are aligned, as soon as they get
 //! power.
 
-use crate::printer::{Printed, of_each, plant_of, print_as, seeds};
+use crate::belt::printer::{Printed, of_each, plant_of, print_as, seeds};
 use corehbot::motors::prototype;
 use corehbot::settings::{Belt, Settings};
 use corehbot::units::Mm;

@@ -1,6 +1,6 @@
 //! Power: which motors hold the tool, and the state that a motor finds when it gets power.
 
-use crate::printer::{plant, print, print_as, print_on};
+use crate::belt::printer::{plant, print, print_as, print_on};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::Accidents;
 

@@ -1,7 +1,7 @@
 //! Pulleys that move on the belt or on their shafts, and rollers that do not turn: what the firmware says of a belt is
 //! so. The oracle is the plant's rotors, never a word of the firmware.
 
-use crate::printer::{Events, Lines, of_each, seeds};
+use crate::belt::printer::{Events, Lines, of_each, seeds};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::{Belt, Settings};
 use corehbot::units::StepsPerMm;

@@ -1,6 +1,6 @@
 //! Nothing happens: the firmware does as it does on a rigid machine, and the tool is where it should be.
 
-use crate::printer::{plant, print, print_on};
+use crate::belt::printer::{plant, print, print_on};
 use corehbot_sim::belt::accident::Accidents;
 
 /// Begins at the middle of the reach.

@@ -1,7 +1,7 @@
 //! Lives on routings other than the CoreH-bot's: the same print twice, and again after a power cycle.
 
-use crate::life::{Life, live_with};
-use crate::machines::{plant_of, read};
+use crate::belt::machines::{plant_of, read};
+use crate::common::life::{Life, live_with};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::units::{Mm, TICKS_PER_SECOND};

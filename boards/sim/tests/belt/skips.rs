@@ -1,6 +1,6 @@
 //! Skips: a motor with a rotor that lost its place is named, and its error is repaired.
 
-use crate::printer::{of_each, plant_of, print_as, seeds};
+use crate::belt::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::motors::MotorName;
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::{Accidents, Brake};

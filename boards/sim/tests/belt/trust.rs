@@ -4,8 +4,8 @@
 //! No driver reports a skip, so a place is trusted only as long as its proof: the latest result of M915 D or R. M122
 //! says how long ago the switches were met.
 
-use crate::life::live_with;
-use crate::printer::{of_each, plant, plant_of, print_as, seeds};
+use crate::belt::printer::{of_each, plant, plant_of, print_as, seeds};
+use crate::common::life::live_with;
 use corehbot::motors::EndstopSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;

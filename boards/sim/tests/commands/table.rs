@@ -3,7 +3,7 @@
 use corehbot::protocol::BUSY_PAUSED;
 
 /// Answers in front of the `ok`; an asterisk at the end stands for anything.
-pub(super) type Row = (&'static str, &'static [&'static str]);
+pub type Row = (&'static str, &'static [&'static str]);
 
 const SILENCE: &[&str] = &[];
 const HEATERS: &[&str] = &["echo:no heaters configured"];
@@ -20,7 +20,7 @@ const PAUSED: &[&str] = &[
     "//action:resumed",
 ];
 
-pub(super) const ROWS: &[Row] = &[
+pub const ROWS: &[Row] = &[
     // Motion.
     ("G0 X1 F6000", SILENCE),
     ("G1 X10 Y20 E.5 F1800", SILENCE),
@@ -387,7 +387,7 @@ pub(super) const ROWS: &[Row] = &[
 ];
 
 /// Codes that one line and its answer do not show, and where they are tested.
-pub(super) const ELSEWHERE: [(&str, &str); 15] = [
+pub const ELSEWHERE: [(&str, &str); 15] = [
     ("M112", "../emergencies.rs"),
     ("M115", "answers.rs"),
     ("M122", "../console/reports.rs"),

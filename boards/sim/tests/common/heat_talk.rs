@@ -1,8 +1,6 @@
 //! Talking to a machine that heats, in virtual time.
 
-#[path = "deaf.rs"]
-mod deaf;
-
+use super::deaf;
 use corehbot::connectors::Heater;
 use corehbot::port::Storage;
 use corehbot::settings::Settings;

@@ -9,7 +9,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::heat_plant::truth;
 use corehbot_sim::world::{Desk, World};
 
-use crate::deaf::Deaf;
+use super::deaf::Deaf;
 
 /// Numbers by a seed, the same on every platform (SplitMix64).
 #[derive(Clone)]

@@ -1,6 +1,6 @@
 //! A machine with a probe over a bed, and where its nozzle is.
 
-use crate::life::{Life, live_with};
+use super::life::{Life, live_with};
 use corehbot::connectors::ConnectorName;
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::Mm;

@@ -1,16 +1,13 @@
 //! Whatever lines set is legal: M500 stores it, and the next start reads it back. A command with a wider range than
 //! `settings::ranges` would let a user lose all settings.
 
-#[path = "../common/setting_lines.rs"]
-mod setting_lines;
-
 use super::talk::keep;
+use crate::common::setting_lines::LINES;
 use corehbot::settings::Settings;
 use corehbot::settings::plain::CODES;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::eeprom::Eeprom;
 use proptest::prelude::*;
-use setting_lines::LINES;
 use std::collections::BTreeSet;
 
 /// Codes that set settings with rules of their own, each with its letters. Those of [`LINES`] and of

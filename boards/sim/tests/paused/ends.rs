@@ -1,7 +1,7 @@
 //! Prints that end while they are paused, and the state that the next print finds.
 
 use super::{MINUTE, heated, place, print};
-use crate::life::live;
+use crate::common::life::live;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 

@@ -1,7 +1,7 @@
 //! Filament that M600 pulls out and pushes in.
 
 use super::{heated, place, print};
-use crate::life::{Life, live};
+use crate::common::life::{Life, live};
 use corehbot::settings::Settings;
 
 /// Changes the filament by that line; gives where the extruder was in the pause and after it.

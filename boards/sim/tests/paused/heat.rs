@@ -1,7 +1,7 @@
 //! Heat in a pause: it goes off after a time and comes back before the print resumes, and its faults are faults.
 
 use super::{MINUTE, heated, place, print};
-use crate::life::live;
+use crate::common::life::live;
 use corehbot::settings::Settings;
 use corehbot::units::Watts;
 

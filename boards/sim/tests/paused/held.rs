@@ -1,7 +1,7 @@
 //! Held lines, which cannot be carried out yet, and their later effect.
 
 use super::{heated, place};
-use crate::life::{Life, live, live_at};
+use crate::common::life::{Life, live, live_at};
 use corehbot::settings::Settings;
 
 #[test]

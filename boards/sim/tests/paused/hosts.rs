@@ -1,7 +1,7 @@
 //! Hosts and their scripts, around a pause and in it.
 
 use super::{MINUTE, heated, place};
-use crate::life::{Life, live};
+use crate::common::life::{Life, live};
 use crate::support::hosts::{Host, Pauses, Printcore};
 use crate::support::octoprint::OctoPrint;
 use corehbot::settings::Settings;

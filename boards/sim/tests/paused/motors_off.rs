@@ -5,7 +5,7 @@
 
 use super::stream::{Host, Numbers, PAUSE, SENDERS, ends_with, files, prints, undisturbed};
 use super::{MINUTE, heated, place, print};
-use crate::life::{Life, live, live_at};
+use crate::common::life::{Life, live, live_at};
 use corehbot::settings::{AxisEnd, Settings};
 
 /// What M84 says in a pause.

@@ -1,7 +1,7 @@
 //! Where the tool waits: filament back, up, away, and back again.
 
 use super::{MINUTE, heated, place, print};
-use crate::life::live;
+use crate::common::life::live;
 use corehbot::settings::Settings;
 
 #[test]

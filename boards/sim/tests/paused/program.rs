@@ -1,7 +1,7 @@
 //! The state of the program: what a pause saves and restores, and what keeps its new value.
 
 use super::{heated, place, print};
-use crate::life::{Life, live};
+use crate::common::life::{Life, live};
 use corehbot::settings::Settings;
 
 #[test]

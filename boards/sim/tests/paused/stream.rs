@@ -3,7 +3,7 @@
 //! The oracle is the same file without a pause, line by line: the steps of each line that prints are the last ones that
 //! the line has caused.
 
-use crate::life::{Life, live};
+use crate::common::life::{Life, live};
 use corehbot::settings::Settings;
 
 /// What a host numbers of its file and the lines of its buttons.

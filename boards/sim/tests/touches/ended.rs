@@ -1,7 +1,7 @@
 //! A touch that M410 ends: the tool does not stay at the bed.
 
-use crate::life::Life;
-use crate::machine::{begin, machine};
+use crate::common::life::Life;
+use crate::touches::machine::{begin, machine};
 use corehbot::settings::ProbeKind;
 
 /// Sends a line, and M410 as soon as the tool is on its way down within a touch, at `z` at most.

@@ -1,7 +1,7 @@
 //! The bed's heater while a touch is awaited.
 
-use crate::life::Life;
-use crate::machine::{begin, begin_over, machine};
+use crate::common::life::Life;
+use crate::touches::machine::{begin, begin_over, machine};
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot_rig::bed::BedSetup;
 use corehbot_rig::bed::probe::ProbeFault;

@@ -1,7 +1,7 @@
 //! The place of the bed, once known, bounds every touch until the motors of z lose their power.
 
-use crate::life::Life;
-use crate::machine::{begin, begin_over, machine};
+use crate::common::life::Life;
+use crate::touches::machine::{begin, begin_over, machine};
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::Mm;
 use corehbot_rig::bed::BedSetup;

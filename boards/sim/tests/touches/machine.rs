@@ -1,8 +1,8 @@
 //! A machine that homes z by its probe, 1.5 mm below the nozzle, over a flat bed.
 
-use crate::heated::heated;
-use crate::life::{Life, live_with};
-use crate::on_bed::with_probe;
+use crate::common::heated::heated;
+use crate::common::life::{Life, live_with};
+use crate::common::on_bed::with_probe;
 use corehbot::motors::EndstopSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::{ProbeKind, Settings};

@@ -1,7 +1,7 @@
 //! Places of touches: within the ends of the axes and over the bed, whoever names them.
 
-use crate::life::{Life, live_with};
-use crate::machine::{begin, machine};
+use crate::common::life::{Life, live_with};
+use crate::touches::machine::{begin, machine};
 use corehbot::port::NoStorage;
 use corehbot::settings::{ProbeKind, Screw, Settings, WholePlace};
 use corehbot::units::Mm;

@@ -1,7 +1,7 @@
 //! A line that is refused before anything moves changes nothing.
 
-use crate::life::Life;
-use crate::machine::{begin, begin_with, machine};
+use crate::common::life::Life;
+use crate::touches::machine::{begin, begin_with, machine};
 use corehbot::motors::EndstopSet;
 use corehbot::settings::ProbeKind;
 

@@ -1,5 +1,4 @@
 //! Conversations with the whole firmware: a host's lines, and the replies.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod arcs;
 mod below_zero;
@@ -21,5 +20,5 @@ mod stops;
 mod storage;
 mod talk;
 mod uploads;
-#[path = "../common/wild_machine.rs"]
-mod wild_machine;
+
+use crate::common::wild_machine;

@@ -1,25 +1,17 @@
 //! Prints that are paused, held, cancelled and resumed: the clock runs, and motion is counted.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod ends;
 mod filament_change;
 mod heat;
-#[path = "../common/heated.rs"]
-mod heated;
 mod held;
 mod hosts;
-#[path = "../common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
 mod motors_off;
 mod parking;
 mod program;
 mod stream;
-#[path = "../../../../tests/support/mod.rs"]
-mod support;
 
-use heated::heated;
-use life::Life;
+use crate::common::heated::heated;
+use crate::common::life::Life;
 
 const MINUTE: u64 = 60_000;
 
