@@ -13,13 +13,13 @@ pub struct SafeZHome {
     /// Where the nozzle is meanwhile, in x and y; `None` is where it stands.
     pub place: [Option<Mm>; 2],
     /// The height to which z rises before; by so much if its place is not known. 0 is not at all.
-    pub hop: Mm,
+    pub z_hop: Mm,
     /// Speed of that rise.
-    pub hop_speed: MmPerSec,
+    pub z_hop_speed: MmPerSec,
     /// Speed to the place and back.
     pub speed: MmPerSec,
     /// Whether the tool goes back to where x and y were before.
-    pub returns: bool,
+    pub move_to_previous: bool,
 }
 
 impl SafeZHome {
@@ -27,10 +27,10 @@ impl SafeZHome {
     pub(super) const fn prototype() -> Self {
         Self {
             place: [None; 2],
-            hop: Mm::ZERO,
-            hop_speed: MmPerSec::const_from_int(15),
+            z_hop: Mm::ZERO,
+            z_hop_speed: MmPerSec::const_from_int(15),
             speed: MmPerSec::const_from_int(50),
-            returns: false,
+            move_to_previous: false,
         }
     }
 
@@ -69,13 +69,13 @@ rows! {
 
     /// Height to which z rises before G28 homes anything, and after it has homed z; by so much where the place of z is
     /// not known. 0 is not at all.
-    153 "z_hop" = home.hop, "mm", [ranges::Z_HOP.spec()];
+    153 "z_hop" = home.z_hop, "mm", [ranges::Z_HOP.spec()];
     /// Speed of that rise.
-    154 "z_hop_speed" = home.hop_speed, "mm/s", [ranges::SPEED.spec()];
+    154 "z_hop_speed" = home.z_hop_speed, "mm/s", [ranges::SPEED.spec()];
     /// Speed to the place where z is homed, and back.
     155 "speed" = home.speed, "mm/s", [ranges::SPEED.spec()];
     /// Whether the tool goes back to where x and y were before z was homed.
-    156 "move_to_previous" = home.returns, "", [Spec::SWITCH];
+    156 "move_to_previous" = home.move_to_previous, "", [Spec::SWITCH];
 }
 
 /// Rows of the place.

@@ -21,7 +21,7 @@ const EXACT: f64 = 0.02;
 fn machine() -> Settings {
     let mut s = Settings::prototype();
     s.safe_z_home.place = PLACE.map(|at| Some(Mm::from_num(at)));
-    s.safe_z_home.hop = Mm::from_num(HOP);
+    s.safe_z_home.z_hop = Mm::from_num(HOP);
     s.safe_z_home.speed = MmPerSec::from_num(150);
     s.check().unwrap();
     s
@@ -83,7 +83,7 @@ fn z_rises_then_x_and_y_are_homed_then_z_at_its_place() {
 fn z_alone_goes_to_its_place_and_back_if_that_is_set() {
     for returns in [false, true] {
         let mut s = machine();
-        s.safe_z_home.returns = returns;
+        s.safe_z_home.move_to_previous = returns;
         live(&s, 1, |life| {
             life.say("G28");
             life.say("G1 X30 Y40 Z2 F6000");
@@ -133,7 +133,7 @@ fn one_axis_rises_by_the_hop_too_unless_the_line_says_otherwise() {
 fn a_switch_that_is_pressed_at_the_start_is_met_at_the_place() {
     for hop in [0.0, HOP] {
         let mut s = machine();
-        s.safe_z_home.hop = Mm::from_num(hop);
+        s.safe_z_home.z_hop = Mm::from_num(hop);
         live_at(&s, Some([100, 100, 0].map(Mm::from_num)), 1, |life| {
             life.say("M84");
             let way = path(life, "G28");
@@ -206,7 +206,7 @@ fn a_probe_has_its_own_place_and_the_same_hop() {
     s.probe_plug.connector = corehbot::connectors::ConnectorName::lit("PROBE");
     (s.probe.kind, s.probe.homes_z, s.probe.samples) = (ProbeKind::Switch, true, 1);
     s.probe.home = [Some(Mm::from_num(60)), Some(Mm::from_num(70))];
-    (s.safe_z_home.hop, s.safe_z_home.returns) = (Mm::from_num(25), true);
+    (s.safe_z_home.z_hop, s.safe_z_home.move_to_previous) = (Mm::from_num(25), true);
     let mut desk = Desk::new(1);
     desk.bed = Some(Box::new(corehbot_rig::bed::BedPlant::new(&s, &corehbot_rig::bed::BedSetup::of(&s))));
     live_with(&s, Some([100, 100, 50].map(Mm::from_num)), (&mut desk, 1), NoStorage, |life| {

@@ -113,7 +113,7 @@ fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, flags: AxisF
 
 /// How far z is below the height of the hop; all of it if the place of z is not known.
 fn hop<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Mm {
-    let hop = main_loop.settings.safe_z_home.hop;
+    let hop = main_loop.settings.safe_z_home.z_hop;
     let ([.., is_known], [_, _, at, _]) = (main_loop.homed.axes(), main_loop.motion.end_mm());
     if is_known && hop > Mm::ZERO { hop.saturating_sub(at) } else { hop }
 }
@@ -133,7 +133,7 @@ async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise:
     let is_above = s.endstops.of(HomedAxis::Z).end == AxisEnd::Max;
     let watch = if is_above && !is_known { EndstopSet::Z } else { EndstopSet::NONE };
     let home = &s.safe_z_home;
-    let speed = if home.hop > Mm::ZERO { home.hop_speed } else { s.axes.z.max_speed };
+    let speed = if home.z_hop > Mm::ZERO { home.z_hop_speed } else { s.axes.z.max_speed };
     shift_z(main_loop, raise.min(room).max(Mm::ZERO), speed, watch).await
 }
 
@@ -212,7 +212,7 @@ async fn home_z_at_place<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
         home_named(main_loop, HomedAxis::Z).await?;
     }
     raise_z(main_loop, hop(main_loop)).await?;
-    if home.returns { go_over(main_loop, [x, y]).await } else { Ok(()) }
+    if home.move_to_previous { go_over(main_loop, [x, y]).await } else { Ok(()) }
 }
 
 /// Takes the nozzle over a place of z's homing.
