@@ -1,0 +1,87 @@
+//! What M108, M410 and M524 end is told, in one text, and what they end is at rest.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+#[path = "common/heated.rs"]
+mod heated;
+#[path = "common/life.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
+mod life;
+#[path = "common/on_bed.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
+mod on_bed;
+
+use corehbot::accelerometer::Kind;
+use corehbot_sim::bed_plant;
+use corehbot_sim::eeprom::Eeprom;
+use heated::heated;
+use life::{Life, live};
+use on_bed::{over, with_probe};
+
+/// A line on its way for so long, and then a word that ends it. Returns what was told in the meantime.
+fn end(life: &mut Life<'_>, line: &str, ms: u64, word: &str) -> Vec<String> {
+    let (oks, told) = (life.oks(), life.heard.len());
+    life.put(0, line);
+    life.rest(ms);
+    assert_eq!(life.oks(), oks, "{line} is over: {:?}", life.heard);
+    life.put(0, word);
+    life.rest(500);
+    assert_eq!(life.oks(), oks + 2, "{line}, {word}: {:?}", life.heard);
+    life.forget_answers();
+    life.heard.split_off(told)
+}
+
+/// Reproducer: M410 and M108 were answered at once, and the bed went on at full power for seconds, without a word.
+/// M524 had two texts.
+#[test]
+fn a_self_test_is_ended_at_once_by_each_of_them_and_told_once() {
+    for (word, text) in [
+        ("M108", "echo:Self-test ended"),
+        ("M410", "echo:SELF_TEST was ended by M410"),
+        ("M524", "echo:print cancelled, heaters are off"),
+    ] {
+        live(&heated(), 1, |life| {
+            life.put(0, "M105");
+            life.rest(1000);
+            let told = end(life, "SELF_TEST", 2000, word);
+            assert_eq!(life.duties(), [0, 0], "{word}");
+            life.rest(3000);
+            assert_eq!(life.duties(), [0, 0], "{word}");
+            let told: Vec<_> = told.iter().filter(|line| line.starts_with("echo:") && !line.contains("busy")).collect();
+            assert_eq!(told, [text]);
+            assert_eq!(life.count("echo:Self-test"), 0, "{word}: {:?}", life.heard);
+        });
+    }
+}
+
+/// Reproducer: only touches were told, and by another name than the line's.
+#[test]
+fn a_command_that_m410_ends_is_named_as_it_was_sent() {
+    let mut s = with_probe(heated());
+    s.accelerometer.kind = Some(Kind::Adxl345);
+    let bed = bed_plant::read("bowl=0.2", &s).unwrap();
+    for line in [
+        "M303 E0 S150 C3",
+        "M306 E0 T",
+        "TEST_RESONANCES AXIS=X",
+        "SHAPER_CALIBRATE",
+        "M915",
+        "M109 S150",
+        "G4 S30",
+        "G29",
+        "BED_MESH_CALIBRATE",
+        "Z_TILT_ADJUST",
+    ] {
+        over(&s, &bed, &mut Eeprom::blank(), |life| {
+            let (oks, told) = (life.oks(), life.heard.len());
+            life.put(0, line);
+            life.rest(1000);
+            assert_eq!(life.oks(), oks, "{line} is over: {:?}", life.heard);
+            life.put(0, "M410");
+            life.rest(2000);
+            let told: Vec<_> = life.heard[told..].iter().filter(|line| line.contains(" ended")).collect();
+            let name = line.split(' ').next().unwrap();
+            assert_eq!(told, [&format!("echo:{name} was ended by M410")], "{line}: {:?}", life.heard);
+            assert_eq!(life.oks(), oks + 2, "{line}");
+        });
+    }
+}
