@@ -17,6 +17,8 @@ use heated::heated;
 use life::{Life, live};
 use on_bed::{over, with_probe};
 
+const CANCELLED: &str = "echo:cancelled, heaters are off";
+
 /// A line on its way for so long, and then a word that ends it. Returns what was told in the meantime.
 fn end(life: &mut Life<'_>, line: &str, ms: u64, word: &str) -> Vec<String> {
     let (oks, told) = (life.oks(), life.heard.len());
@@ -84,4 +86,36 @@ fn a_command_that_m410_ends_is_named_as_it_was_sent() {
             assert_eq!(life.oks(), oks + 2, "{line}");
         });
     }
+}
+
+/// Reproducer: heaters went off, and moves ended, with a bare `ok`.
+#[test]
+fn a_cancel_without_a_print_is_told_and_ends_no_print() {
+    live(&heated(), 1, |life| {
+        life.say("M104 S200");
+        life.say("M140 S60");
+        life.rest(3000);
+        assert!(life.duties()[0] > 0);
+        life.put(0, "M524");
+        life.put(0, "M105");
+        life.await_ok();
+        life.await_ok();
+        // The report behind it knows of it, targets and duties.
+        let report = life.heard.iter().rfind(|line| line.starts_with("ok T:")).unwrap();
+        assert!(report.matches(" /0.00").count() == 2 && report.ends_with(" @:0 B@:0"), "{report}");
+        assert_eq!((life.targets(), life.count(CANCELLED)), ([0.0, 0.0], 1), "{:?}", life.heard);
+        life.say("G1 X200 F3000");
+        life.rest(200);
+        life.say("M524");
+        assert_eq!(life.count(CANCELLED), 2, "{:?}", life.heard);
+        // The next line moves.
+        life.say("G1 X110 F6000");
+        assert!(life.ask("M114", "X:").starts_with("X:110.00 "), "{:?}", life.heard);
+        assert_eq!(life.count("//action:cancel"), 0);
+        // A print is told as one, once.
+        life.say("M75");
+        life.say("M524");
+        life.say("M524");
+        assert_eq!([life.count(CANCELLED), life.count("echo:print cancelled")], [2, 1], "{:?}", life.heard);
+    });
 }

@@ -40,7 +40,12 @@ impl Temperatures {
                     _ => Reading::Silent,
                 });
                 let is_fitted = thermal.heater(heater).is_fitted;
-                is_fitted.then(|| (measured, target(heater), heat.duty(heater) >> 9))
+                is_fitted.then(|| {
+                    let target = target(heater);
+                    // Its order to go off is on its way.
+                    let is_going_off = target <= Celsius::ZERO && heat.target(heater) > Celsius::ZERO;
+                    (measured, target, if is_going_off { 0 } else { heat.duty(heater) >> 9 })
+                })
             }),
         }
     }

@@ -78,7 +78,7 @@ pub(super) const ROWS: &[Row] = &[
     ("M125", &["//action:paused action:pause"]),
     ("M125 L1 X20 Z2 P1", &["//action:paused action:pause"]),
     ("M600 N9", &["*", "*", "*", "*", "echo:M600 N is not supported by this firmware", "*", "*", "*"]),
-    ("M524", SILENCE),
+    ("M524", &["echo:cancelled, heaters are off"]),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
     // Limits and settings.
