@@ -119,3 +119,20 @@ fn a_cancel_without_a_print_is_told_and_ends_no_print() {
         assert_eq!([life.count(CANCELLED), life.count("echo:print cancelled")], [2, 1], "{:?}", life.heard);
     });
 }
+
+/// Reproducer: the offset of 5 mm was called out of its range of 5 mm.
+#[test]
+fn shifts_of_z_that_are_too_large_together_are_called_so() {
+    live(&heated(), 1, |life| {
+        for line in ["G28", "SET_GCODE_OFFSET Z=-1", "G1 Z1 F1200", "SET_GCODE_OFFSET Z=5 MOVE=1"] {
+            life.say(line);
+        }
+        let told = ["the offset of Z would be", "the shifts of Z since homing would"];
+        assert_eq!(told.map(|text| life.count(&format!("echo:ignored: {text}"))), [0, 1], "{:?}", life.heard);
+        life.say("SET_GCODE_OFFSET Z=6 MOVE=1");
+        assert_eq!(told.map(|text| life.count(&format!("echo:ignored: {text}"))), [1, 1], "{:?}", life.heard);
+        life.say("G28 Z");
+        life.say("SET_GCODE_OFFSET Z=5 MOVE=1");
+        assert_eq!(life.count("echo:ignored"), 2, "{:?}", life.heard);
+    });
+}
