@@ -11,6 +11,7 @@ mod life;
 mod on_bed;
 
 use corehbot::accelerometer::Kind;
+use corehbot::motors::EndstopSet;
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
 use heated::heated;
@@ -120,6 +121,23 @@ fn a_cancel_without_a_print_is_told_and_ends_no_print() {
     });
 }
 
+/// A job that has ended may keep its heat (`job.keep_heat`): a cancel takes it, and tells that.
+#[test]
+fn a_cancel_behind_the_end_of_a_job_tells_that_its_heat_goes() {
+    let mut s = heated();
+    s.job.keeps_heat = true;
+    live(&s, 1, |life| {
+        life.say("M75");
+        life.say("M104 S100");
+        life.unplug(EndstopSet::X);
+        life.say("G28 X");
+        assert_eq!((life.count("echo:print ended, heaters stay on"), life.targets()), (1, [100.0, 0.0]));
+        life.say("M524");
+        life.say("M524");
+        assert_eq!((life.count(CANCELLED), life.targets()), (1, [0.0, 0.0]), "{:?}", life.heard);
+    });
+}
+
 /// Reproducer: the offset of 5 mm was called out of its range of 5 mm.
 #[test]
 fn shifts_of_z_that_are_too_large_together_are_called_so() {
@@ -134,5 +152,25 @@ fn shifts_of_z_that_are_too_large_together_are_called_so() {
         life.say("G28 Z");
         life.say("SET_GCODE_OFFSET Z=5 MOVE=1");
         assert_eq!(life.count("echo:ignored"), 2, "{:?}", life.heard);
+    });
+}
+
+/// A letter of an axis that there is not: settings obey the rest of the line, motion none of it.
+#[test]
+fn letters_of_other_axes_refuse_motion_and_no_setting() {
+    live(&heated(), 1, |life| {
+        for line in
+            ["M201 X5000 Y5000 W1:2", "M203 X250 Y250 A1:2", "M92 X80 Y80 V1", "M906 X700 U1:2", "M851 Z-1.5 W1"]
+        {
+            life.say(line);
+        }
+        assert_eq!(life.count("echo:line ignored"), 0, "{:?}", life.heard);
+        for (ask, told) in [("M201", " X5000 "), ("M203", " X250 ")] {
+            assert!(life.ask(ask, "  M20").contains(told), "{:?}", life.heard);
+        }
+        for line in ["G0 W5", "G1 X5 U1", "G92 C0", "M17 W", "M18 V"] {
+            life.say(line);
+        }
+        assert_eq!(life.count("echo:line ignored: there is no axis"), 5, "{:?}", life.heard);
     });
 }
