@@ -155,6 +155,18 @@ fn shifts_of_z_that_are_too_large_together_are_called_so() {
     });
 }
 
+/// Reproducer: it said that the stored mesh was forgotten.
+#[test]
+fn a_profile_is_not_saved_without_a_mesh() {
+    let s = with_probe(heated());
+    let bed = bed_plant::read("bowl=0.2", &s).unwrap();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        life.say("G29 J");
+        life.say("BED_MESH_PROFILE SAVE=foo");
+        assert_eq!((life.count("echo:Invalid mesh"), life.count("echo:Stored mesh")), (1, 0), "{:?}", life.heard);
+    });
+}
+
 /// A letter of an axis that there is not: settings obey the rest of the line, motion none of it.
 #[test]
 fn letters_of_other_axes_refuse_motion_and_no_setting() {
