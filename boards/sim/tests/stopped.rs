@@ -27,8 +27,9 @@ fn end(life: &mut Life<'_>, line: &str, ms: u64, word: &str) -> Vec<String> {
     life.rest(ms);
     assert_eq!(life.oks(), oks, "{line} is over: {:?}", life.heard);
     life.put(0, word);
+    life.put(0, "M105");
     life.rest(500);
-    assert_eq!(life.oks(), oks + 2, "{line}, {word}: {:?}", life.heard);
+    assert_eq!(life.oks(), oks + 3, "{line}, {word}: {:?}", life.heard);
     life.forget_answers();
     life.heard.split_off(told)
 }
@@ -49,6 +50,8 @@ fn a_self_test_is_ended_at_once_by_each_of_them_and_told_once() {
             assert_eq!(life.duties(), [0, 0], "{word}");
             life.rest(3000);
             assert_eq!(life.duties(), [0, 0], "{word}");
+            // The report behind it knows of it.
+            assert!(told.iter().rfind(|line| line.starts_with("ok T:")).unwrap().ends_with(" @:0 B@:0"), "{told:?}");
             let told: Vec<_> = told.iter().filter(|line| line.starts_with("echo:") && !line.contains("busy")).collect();
             assert_eq!(told, [text]);
             assert_eq!(life.count("echo:Self-test"), 0, "{word}: {:?}", life.heard);
