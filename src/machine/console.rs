@@ -36,7 +36,7 @@ use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
-use crate::protocol::Action;
+use crate::protocol::{Action, Echo};
 use crate::settings::Settings;
 use crate::surface::Mesh;
 use crate::thermal::Orders;
@@ -160,7 +160,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 continue;
             };
             let answer = match asked {
-                Asked::Command => carry_out(main_loop, states, &gcode::parse(&text)).await?,
+                Asked::Command => carry_out_line(main_loop, states, &text).await?,
                 Asked::Nothing => Answer::Nothing,
                 Asked::LineNumber(number) => {
                     states.begin_print();
@@ -205,6 +205,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 }
 
+/// Carries out a line. If M410 ends it before its time, hosts are told which one: it has no result.
+async fn carry_out_line<'a, P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    text: &'a [u8],
+) -> Result<Answer<'a>, Interrupt> {
+    let done = carry_out(main_loop, states, &gcode::parse(text)).await;
+    if let (Err(Interrupt::QuickStop), false) = (&done, main_loop.job.is_cancelled()) {
+        let name = text.split(|byte| *byte == b' ').next().unwrap_or_default();
+        main_loop.hosts.notify_all(format_args!("echo:{} was ended by M410", Echo(name)));
+    }
+    done
+}
+
 /// Sends the answer to a line, and its `ok`.
 async fn reply_to<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -228,7 +242,7 @@ async fn take_up<'a, P: PortSet, W: Pend>(
 ) -> Result<Option<Answer<'a>>, Interrupt> {
     let Some(kept) = hear::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
     let answer = match go_on_with(main_loop, states, kept, answered).await {
-        Ok(Some(true)) => carry_out(main_loop, states, &gcode::parse(text)).await?,
+        Ok(Some(true)) => carry_out_line(main_loop, states, text).await?,
         Ok(Some(false)) => Answer::Nothing,
         Ok(None) => Answer::Kept,
         Err(Interrupt::EndJob) => {

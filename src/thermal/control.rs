@@ -131,7 +131,10 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                     let has_fan = heater == Heater::Hotend && self.has_part_fan();
                     self.heaters[heater as usize].tune(target, cycles, has_fan, Bounds::of(heater));
                 }
-                Order::StopTuning => self.stop_tuning(),
+                Order::StopTrials => {
+                    self.stop_tuning();
+                    self.end_self_test(End::PutOff);
+                }
                 Order::Fan(fan, speed) => {
                     if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
                         fan.command(speed);

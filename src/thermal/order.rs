@@ -29,8 +29,8 @@ pub enum Order {
     Off,
     /// Tune a heater around this temperature, with so many cycles (M303).
     Tune(Heater, Celsius, u8),
-    /// End the tuning.
-    StopTuning,
+    /// End a tuning, and a self-test without a result.
+    StopTrials,
     /// Test that each heater warms its own sensor; targets wait until then.
     SelfTest,
     /// Other settings for a heater.

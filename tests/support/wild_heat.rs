@@ -129,7 +129,7 @@ impl Bytes<'_> {
             3 => Order::Tune(self.heater(), self.celsius(), self.byte()),
             4 => Order::Fan(self.byte(), self.half()),
             5 => Order::Motors(self.byte().is_multiple_of(2)),
-            6 => [Order::Off, Order::StopTuning, Order::SelfTest, Order::SelfTest][usize::from(self.byte() % 4)],
+            6 => [Order::Off, Order::StopTrials, Order::SelfTest, Order::SelfTest][usize::from(self.byte() % 4)],
             7 => {
                 let heater = self.heater();
                 Order::Heater(heater, self.settings(machine.heater(heater)))

@@ -193,7 +193,7 @@ fn f21_protections_hold_while_it_tunes() {
     printer.run(1.0);
     printer.order(Order::Tune(Heater::Hotend, Celsius::from_num(215), 5));
     printer.run(10.0);
-    printer.order(Order::StopTuning);
+    printer.order(Order::StopTrials);
     printer.run(0.04);
     assert_eq!((printer.status.heat().tuning(), printer.duty(corehbot::connectors::Output::He0)), (Tuning::None, 0.0));
 }

@@ -19,7 +19,7 @@ pub(in crate::gcode) struct Grammar {
     numbers: &'static [u8],
     /// The letters of plain settings need one too.
     is_plain: bool,
-    /// Letters of axes that the machine does not have.
+    /// Letters of axes that the machine does not have: where it would move them, or forget their place.
     no_axes: &'static [u8],
     /// Letters with a number that must not be negative.
     not_negative: &'static [u8],
@@ -54,8 +54,8 @@ impl Grammar {
 
     /// Whether a letter takes a list: of parts, of which one may be there, or of the values of all extruders
     /// (RepRapFirmware's `M92 E420:420`), of which the first is meant.
-    fn takes_list(&self, code: Code, letter: u8, list: &[u8]) -> bool {
-        let is_of_extruders = letter == b'E' && code.letter == b'M' && self.no_axes.contains(&b'A');
+    fn takes_list(&self, known: Letters, code: Code, letter: u8, list: &[u8]) -> bool {
+        let is_of_extruders = letter == b'E' && code.letter == b'M' && self.knows(known, code, b'X');
         (is_of_extruders || self.parts.iter().any(|(its, _)| *its == letter))
             && list.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b':'))
     }
@@ -140,7 +140,7 @@ fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) ->
         let is_flaw = word.is_some_and(|word| {
             word.is_odd
                 && grammar.knows(known, code, word.letter)
-                && !grammar.takes_list(code, word.letter, behind_letter(written))
+                && !grammar.takes_list(known, code, word.letter, behind_letter(written))
         });
         if is_flaw || words.has_loose() {
             return Some(Flaw::NoWord(shown(begin)));

@@ -77,7 +77,7 @@ pub enum MotorCommand {
 const DRIVERS: &[(u8, Part)] = &[(b'I', Part::Driver), (b'T', Part::Extruder)];
 
 /// A number for the drivers of each axis.
-const AXES: &Grammar = &Grammar::numbers(b"XYZE").no_axes(NO_AXES);
+const AXES: &Grammar = &Grammar::numbers(b"XYZE");
 
 /// The same where I selects one of the machine's drivers. The machine knows how many an axis has.
 const OF_DRIVER: &Grammar = &AXES.parts(&[(b'T', Part::Extruder)]);
@@ -91,7 +91,7 @@ pub(super) const ROWS: &[Described] = &[
         .does("X Y Z E, S", "power off; S sets the idle time in s, 0 is never"),
     // With P it is RepRapFirmware's, and turns a motor round.
     Described::m(&[569], |_, text| if last(text, b'P').is_none() { motor(stealth(text)) } else { None })
-        .grammar(&Grammar::numbers(b"").no_axes(NO_AXES).parts(DRIVERS))
+        .grammar(&Grammar::numbers(b"").parts(DRIVERS))
         .does("S X Y Z E", "stealthChop (1) or spreadCycle (0); or reports; with P unknown"),
     Described::m(&[906], |_, text| {
         motor(MotorCommand::DriverCurrent { axes: axis_words(text), driver: number(text, b'I') })
@@ -117,7 +117,7 @@ pub(super) const ROWS: &[Described] = &[
             "levels the screws of z: rounds, accuracy in mm, share of a correction; E keeps the probe out",
         ),
     Described::g(&[35], |_, text| motor(MotorCommand::HandScrews { thread: number(text, b'S') }))
-        .grammar(&Grammar::numbers(b"S").no_axes(NO_AXES))
+        .grammar(&Grammar::numbers(b"S"))
         .does(
             "S",
             "probes the corners of the bed, and says how far to turn each hand screw; thread: 30, 40, 50 is M3..",

@@ -14,7 +14,7 @@ use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
 use super::states::States;
 use super::{bed, heat, jobs, motion, motors, probing, refused, reports, resonance, settings};
-use crate::gcode::{BedCommand, Command, Flaw, MotionCommand, MotorCommand, ProbeCommand};
+use crate::gcode::{Command, Flaw};
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
@@ -82,28 +82,8 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
             }
             main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
         }
-        Err(interrupt) => {
-            if let (Interrupt::QuickStop, false, Some(name)) =
-                (interrupt, main_loop.job.is_cancelled(), touching(command))
-            {
-                main_loop.hosts.notify_all(format_args!("echo:{name} was ended by M410. Send it again"));
-            }
-            Err(interrupt)
-        }
+        Err(interrupt) => Err(interrupt),
     }
-}
-
-/// The name of a command that touches the bed or a switch: ended before its time, it has no result.
-const fn touching(command: &Command<'_>) -> Option<&'static str> {
-    Some(match command {
-        Command::Motion(MotionCommand::Home(_)) => "G28",
-        Command::Bed(BedCommand::Measure(_)) => "G29",
-        Command::Probe(ProbeCommand::Touch { .. }) => "G30",
-        Command::Probe(ProbeCommand::Repeatability { .. }) => "M48",
-        Command::Motor(MotorCommand::LevelScrews(_)) => "G34",
-        Command::Motor(MotorCommand::HandScrews { .. }) => "G35",
-        _ => return None,
-    })
 }
 
 /// Whether a command finds out about the bed.

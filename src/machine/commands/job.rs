@@ -1,6 +1,7 @@
 //! The end of a job by the firmware or by M524: the one place for every end of a print that leaves the machine usable.
 
 use super::pause::{announce, hold};
+use crate::connectors::Heater;
 use crate::gcode::{
     BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, ProbeCommand, ResonanceCommand,
     SettingCommand,
@@ -17,6 +18,7 @@ use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::protocol::Action;
 use crate::settings::OnFailure;
+use crate::units::Celsius;
 
 /// Sent once to the host of a print that the firmware ended.
 const ENDED: Answer<'static> =
@@ -53,6 +55,8 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     }
     main_loop.pauses.end_command();
     end_touch(main_loop).await?;
+    // A job that has ended may have kept its heat.
+    let has_heat = Heater::ALL.into_iter().any(|heater| main_loop.heat.target(heater) > Celsius::ZERO);
     let keeps_heat = can_be_mended && settings.keeps_heat;
     if !keeps_heat {
         main_loop.heat.switch_off(&main_loop.settings.thermal);
@@ -60,11 +64,14 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     let is_wanted = why == JobEnd::Cancelled;
     // A command that was cancelled may belong to the start of a print, which is not known from its lines.
     let is_command = main_loop.hosts.owes_ok() && !main_loop.job.is_ended();
-    if !is_wanted || main_loop.job.is_under_way() || is_command {
+    let is_print = !is_wanted || main_loop.job.is_under_way() || is_command;
+    if is_wanted && (has_heat || !main_loop.job.is_ended()) {
+        let what = if is_print { "print " } else { "" };
+        main_loop.hosts.notify_all(format_args!("echo:{what}cancelled, heaters are off"));
+    }
+    if is_print {
         main_loop.job.end_early(why);
-        if is_wanted {
-            main_loop.hosts.notify_all(format_args!("echo:print cancelled, heaters are off"));
-        } else {
+        if !is_wanted {
             let heat = if keeps_heat { "stay on" } else { "are off" };
             main_loop.hosts.notify_all(format_args!("echo:print ended, heaters {heat}: {why}"));
         }

@@ -22,15 +22,22 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
     let image = main_loop.storage.image();
     main_loop.heat.begin_asked_test(&main_loop.settings.thermal, image);
     main_loop.pauses.begin(Waiting::SelfTest);
-    await_self_test(main_loop).await?;
+    let is_early = await_self_test(main_loop).await?;
     main_loop.pauses.end();
-    Ok(Answer::Nothing)
+    Ok(if is_early { Answer::Line("echo:Self-test ended") } else { Answer::Nothing })
 }
 
-/// Waits for the end of a self-test that is under way, or for M108.
+/// Waits for the end of a self-test that is under way. M108, M410 and M524 end both; returns whether M108 has.
 pub(in crate::machine) async fn await_self_test<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<(), Interrupt> {
+) -> Result<bool, Interrupt> {
+    let done = follow_self_test(main_loop).await;
+    let is_early = main_loop.heat.stop_test();
+    done.map(|()| is_early)
+}
+
+/// Tells the temperatures until its end, or M108.
+async fn follow_self_test<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let mut next_line = main_loop.now();
     while main_loop.heat.is_testing() && !main_loop.pauses.is_over() {
         if main_loop.now() >= next_line {

@@ -19,8 +19,11 @@ use crate::units::Mm;
 /// The most that one M290 shifts: more is a slip of the finger.
 const MOST: Range<Mm> = Range { least: Mm::const_from_int(-2), most: Mm::const_from_int(2) };
 
-/// Where the sum of all offsets would be too large.
+/// Where the kept offset would be too large.
 const TOO_FAR: Answer<'static> = Answer::Line("echo:ignored: the offset of Z would be out of range (-5 to 5 mm)");
+
+/// Where it, and what an order has let stand or homing takes back, would be.
+const TOO_FAR_ASIDE: Answer<'static> = Answer::Line("echo:ignored: the shifts of Z since homing would exceed 5 mm");
 
 /// How far M428 reaches (Marlin, M428.cpp).
 const NEAR: Range<Mm> = Range { least: Mm::const_from_int(-20), most: Mm::const_from_int(20) };
@@ -52,11 +55,18 @@ fn may_be_kept(s: &Settings, store: ZStore, by: Mm) -> bool {
     range.holds(s.z_offset(store).saturating_add(by))
 }
 
-/// Whether z may stand aside by so much more, and the kept offset may change so: z stays within its axis.
-fn fits<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, by: Mm, store: Option<ZStore>) -> bool {
+/// Why z may not stand aside by so much more, or the kept offset not change so.
+fn misfit<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    by: Mm,
+    store: Option<ZStore>,
+) -> Option<Answer<'static>> {
     let s = &main_loop.settings;
+    if store.is_some_and(|store| !may_be_kept(s, store, by)) {
+        return Some(TOO_FAR);
+    }
     let aside = main_loop.first_layer.aside(s).saturating_add(by);
-    ranges::Z_OFFSET.holds(aside) && store.is_none_or(|store| may_be_kept(s, store, by))
+    (!ranges::Z_OFFSET.holds(aside)).then_some(TOO_FAR_ASIDE)
 }
 
 impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
@@ -95,8 +105,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if by == Mm::ZERO {
             return Ok(Answer::Nothing);
         }
-        if !fits(self.main_loop, by, store) {
-            return Ok(TOO_FAR);
+        if let Some(answer) = misfit(self.main_loop, by, store) {
+            return Ok(answer);
         }
         if !self.may_move([false, false, true]).await? {
             return Ok(Answer::NotHomed);

@@ -164,6 +164,15 @@ impl<'m> Heaters<'m> {
         self.send_orders(thermal);
     }
 
+    /// The self-test that is under way ends without a result; heaters get their targets. Whether one was.
+    pub const fn stop_test(&mut self) -> bool {
+        let is_early = self.self_tests.stop();
+        if is_early {
+            self.orders.stop_test();
+        }
+        is_early
+    }
+
     /// A fan that has come to stand still though it is driven, once; the others are told in the next turns.
     pub fn follow_still_fans(&mut self) -> Option<u32> {
         let still = self.status.still_fans();

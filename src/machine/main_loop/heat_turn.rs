@@ -76,11 +76,13 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
             SelfTest::PutOff => {
                 format_args!(
-                    "echo:Heaters are not tested since the update, for one is at 50 C or has no reading. Heating goes on, \
-                     watched by all guards; the self-test comes before the first heating from the cold, or with SELF_TEST"
+                    "echo:Heaters are not tested since the update, for one is warm or has no reading that can be \
+                     right. Heating goes on, watched by all guards; the self-test comes before the first heating \
+                     from the cold, or with SELF_TEST"
                 )
             }
-            SelfTest::None | SelfTest::Testing => format_args!("echo:Self-test ended"),
+            // The command that has switched everything off tells it.
+            SelfTest::None | SelfTest::Testing => return,
         });
     }
 

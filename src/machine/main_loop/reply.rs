@@ -92,7 +92,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
 
     /// The temperatures of the heaters.
     fn temperatures(&self) -> Temperatures {
-        Temperatures::new(&self.settings, self.status.heat(), |heater| self.heat.target(heater))
+        Temperatures::new(&self.settings, self.status.heat(), !self.heat.is_testing(), |heater| {
+            self.heat.target(heater)
+        })
     }
 
     fn reply_answer(&mut self, answer: &Answer<'_>) {

@@ -8,7 +8,7 @@ use crate::fault::{Cause, Latch};
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
 use crate::settings::Settings;
-use crate::status::{Heat, Tuned};
+use crate::status::{Heat, SelfTest, Tuned};
 use crate::thermal::refusal;
 use crate::thermal::sensor::Reading;
 use crate::units::{Celsius, Ratio};
@@ -28,8 +28,8 @@ pub(in crate::machine) struct Temperatures {
 }
 
 impl Temperatures {
-    /// The latest readings, with the ordered targets.
-    pub fn new(settings: &Settings, heat: &Heat, target: impl Fn(Heater) -> Celsius) -> Self {
+    /// The latest readings, with the ordered targets. If `ends_test`, the Console waits for no self-test.
+    pub fn new(settings: &Settings, heat: &Heat, ends_test: bool, target: impl Fn(Heater) -> Celsius) -> Self {
         let thermal = &settings.thermal;
         Self {
             extra: extra_readings(settings, heat),
@@ -40,7 +40,13 @@ impl Temperatures {
                     _ => Reading::Silent,
                 });
                 let is_fitted = thermal.heater(heater).is_fitted;
-                is_fitted.then(|| (measured, target(heater), heat.duty(heater) >> 9))
+                is_fitted.then(|| {
+                    let target = target(heater);
+                    // Its order to go off, or the end of a self-test, is on its way.
+                    let is_test_over = ends_test && heat.self_test() == SelfTest::Testing;
+                    let is_going_off = target <= Celsius::ZERO && (is_test_over || heat.target(heater) > Celsius::ZERO);
+                    (measured, target, if is_going_off { 0 } else { heat.duty(heater) >> 9 })
+                })
             }),
         }
     }

@@ -31,6 +31,8 @@ pub(in crate::machine) struct HeatOrders {
     is_off: bool,
     targets: [Target; HEATERS],
     is_test_waiting: bool,
+    /// A test that has left ends.
+    is_test_over: bool,
     /// The control period since which the test waits for readings.
     test_since: Option<u32>,
     tuning: Option<(Heater, Celsius, u8)>,
@@ -49,6 +51,7 @@ impl HeatOrders {
             is_off: false,
             targets: [Target::Known; HEATERS],
             is_test_waiting: false,
+            is_test_over: false,
             test_since: None,
             tuning: None,
             fans: [None; FANS],
@@ -81,6 +84,12 @@ impl HeatOrders {
     /// Find out whether each heater warms its own sensor, before anything that is ordered later.
     pub const fn test(&mut self) {
         self.is_test_waiting = true;
+    }
+
+    /// The test ends, or does not begin.
+    pub const fn stop_test(&mut self) {
+        self.is_test_over |= !core::mem::replace(&mut self.is_test_waiting, false);
+        self.test_since = None;
     }
 
     /// Whether that order has not left.
@@ -137,6 +146,9 @@ impl HeatOrders {
         }
         if let Some(order) = self.next_settings(settings) {
             return Some(order);
+        }
+        if core::mem::take(&mut self.is_test_over) {
+            return Some(Order::StopTrials);
         }
         if self.is_test_waiting {
             let since = *self.test_since.get_or_insert(period);

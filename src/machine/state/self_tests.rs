@@ -52,6 +52,11 @@ impl SelfTests {
         self.under_way.is_some()
     }
 
+    /// The test ends before its time, without a result. Whether one was under way.
+    pub const fn stop(&mut self) -> bool {
+        self.under_way.take().is_some()
+    }
+
     /// Follows the test; returns how it ended, once.
     pub fn follow(&mut self, has_left: bool, period: u32, state: SelfTest) -> Option<SelfTest> {
         let under_way = self.under_way.as_mut()?;

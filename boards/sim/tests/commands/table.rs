@@ -78,7 +78,7 @@ pub const ROWS: &[Row] = &[
     ("M125", &["//action:paused action:pause"]),
     ("M125 L1 X20 Z2 P1", &["//action:paused action:pause"]),
     ("M600 N9", &["*", "*", "*", "*", "echo:M600 N is not supported by this firmware", "*", "*", "*"]),
-    ("M524", SILENCE),
+    ("M524", &["echo:cancelled, heaters are off"]),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
     // Limits and settings.
@@ -356,7 +356,7 @@ pub const ROWS: &[Row] = &[
     ("M421 I0 J0 Z0.1", NO_MESH),
     ("BED_MESH_OUTPUT", NO_MESH),
     ("BED_MESH_CLEAR", SILENCE),
-    ("BED_MESH_PROFILE SAVE=default", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),
+    ("BED_MESH_PROFILE SAVE=default", NO_MESH),
     ("M555 X10 Y10 W100 H80", SILENCE),
     ("EXCLUDE_OBJECT_DEFINE NAME=cube CENTER=10,10 POLYGON=[[5,5],[15,5],[15,15]]", SILENCE),
     ("M420", &["echo:Bed Leveling OFF", "echo:Fade Height 10.00"]),

@@ -75,7 +75,7 @@ fn letters_that_need_a_number_have_one() {
 
 #[test]
 fn no_axis_no_second_command_and_no_time_before_now() {
-    for line in ["G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1", "M17 C", "M569 S1 C"] {
+    for line in ["G92 C0", "G28 C", "M84 C", "M18 C", "G2 X5 I5 C1", "M17 C"] {
         assert_eq!(flaw(line), Some(Flaw::NoAxis(b'C')), "{line}");
     }
     assert_eq!(flaw("G1 U5"), Some(Flaw::NoAxis(b'U')));
@@ -110,6 +110,16 @@ fn what_slicers_and_people_write_is_in_order() {
         "M0 Insert the plate, please",
         "M112 %",
         "M108*",
+        "M92 C100 V1:2",
+        "M201 X5000 Y5000 W1:2",
+        "M203 X300 A1:2",
+        "M206 X0 U1:2",
+        "M569 S1 C",
+        "M851 Z-1.5 W1:2",
+        "M906 X800 U1:2 E1:2",
+        "M913 X0 W100",
+        "M914 X0 W1:2",
+        "G35 U1:2",
         "G92",
         "G92 E",
         "G10 S1",

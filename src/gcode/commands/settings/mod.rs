@@ -5,7 +5,7 @@ mod plain;
 mod shaping;
 
 use super::Command;
-use super::grammar::{Grammar, NO_AXES, WORDS};
+use super::grammar::{Grammar, WORDS};
 use super::row::Described;
 use crate::gcode::index::Part;
 use crate::gcode::lexer::switch;
@@ -57,7 +57,7 @@ pub enum SettingCommand<'a> {
 }
 
 /// A number for each axis.
-const AXES: &Grammar = &Grammar::plain().no_axes(NO_AXES).parts(&[(b'T', Part::Extruder)]);
+const AXES: &Grammar = &Grammar::plain().parts(&[(b'T', Part::Extruder)]);
 
 pub(super) const ROWS: &[Described] = &[
     Described::m(AXIS_CODES, plain).grammar(AXES),
