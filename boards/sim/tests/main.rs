@@ -58,6 +58,7 @@ mod slow_axes;
 mod slowness;
 mod soak;
 mod start_blocks;
+mod stopped;
 #[path = "../../../tests/support/mod.rs"]
 mod support;
 mod tmc2209;

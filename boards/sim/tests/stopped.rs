@@ -1,22 +1,12 @@
 //! What M108, M410 and M524 end is told, in one text, and what they end is at rest.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/heated.rs"]
-mod heated;
-#[path = "common/life.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod life;
-#[path = "common/on_bed.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod on_bed;
-
+use crate::common::heated::heated;
+use crate::common::life::{Life, live};
+use crate::common::on_bed::{over, with_probe};
 use corehbot::accelerometer::Kind;
 use corehbot::motors::EndstopSet;
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
-use heated::heated;
-use life::{Life, live};
-use on_bed::{over, with_probe};
 
 const CANCELLED: &str = "echo:cancelled, heaters are off";
 
