@@ -154,6 +154,12 @@ impl<'m, W: Pend> Link<'m, W> {
         self.has_shifted && self.status.z_offset().ordered() != self.status.z_offset().reached()
     }
 
+    /// Whether it is, upwards.
+    pub fn is_raising(&self) -> bool {
+        let z = self.status.z_offset();
+        self.has_shifted && z.ordered().wrapping_sub(z.reached()) > 0
+    }
+
     /// Tells the generator how long moves are slow in z. Call it in every turn while z [is
     /// shifting](Self::is_shifting).
     pub fn help_shift(&mut self) {

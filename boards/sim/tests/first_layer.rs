@@ -1,5 +1,6 @@
 //! The first layer: Z is shifted while a print runs, exactly, within its limits, and without any other motor.
 
+use crate::common::life::live_at;
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
@@ -279,5 +280,34 @@ fn recorded_shifts_make_the_same_steps_again() {
         assert_eq!(again.shifts, first.shifts, "{way}");
         let other = first.all.iter().zip(&again.all).position(|(a, b)| a != b);
         assert_eq!((other, again.all.len()), (None, first.all.len()), "{way}: the first event that differs");
+    }
+}
+
+/// Reproducer: the next move passed before the shift, so the tool went to 0.25 mm and then to 5 mm.
+#[test]
+fn a_move_down_waits_for_a_shift_that_raises_the_tool() {
+    for (lines, at) in [
+        (&["SET_GCODE_OFFSET Z=5 MOVE=1", "G1 Z0 F1200"][..], 5.0),
+        (&["SET_GCODE_OFFSET Z=3 MOVE=1", "G1 Z0.2 F600"], 3.2),
+        (&["M290 Z2", "G1 Z0 F1200"], 2.0),
+        (&["G1 Z5", "M290 Z1", "G1 X100 Z0.2 F9000"], 1.2),
+        (&["G1 Z5", "M290 Z1", "G2 X110 Z0.2 I5 F9000"], 1.2),
+    ] {
+        live_at(&Settings::prototype(), Some([100, 100, 0].map(Mm::from_num)), 1, |life| {
+            life.say("G28");
+            life.say("G1 Z10 F1200");
+            life.say("M400");
+            lines.iter().for_each(|line| life.put(0, line));
+            life.put(0, "M400");
+            let mut lowest = f64::INFINITY;
+            let oks = life.oks();
+            while life.oks() < oks + lines.len() + 1 {
+                life.rest(1);
+                let [.., z] = life.nozzle();
+                lowest = lowest.min(z);
+            }
+            let [.., z] = life.nozzle();
+            assert!((z - at).abs() < 0.002 && lowest > at - 0.002, "{lines:?}: {lowest}, then {z}");
+        });
     }
 }

@@ -274,6 +274,11 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if moved {
             self.tell_of_edge().await?;
         }
+        let ([.., from, _], [.., to, _]) = (self.main_loop.commanded.position(), inside);
+        if to < from && self.main_loop.motion.is_raising() {
+            // Fast moves pass before a shift of z, so this one would go too low.
+            self.main_loop.finish().await?;
+        }
         let position = self.main_loop.commanded.of_machine(inside);
         self.main_loop.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
         self.main_loop.commanded.go_to(inside);

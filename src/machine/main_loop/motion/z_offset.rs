@@ -40,6 +40,11 @@ impl<W: Pend> Motion<'_, W> {
         self.babystep.total
     }
 
+    /// Whether z is still to rise by a shift.
+    pub fn is_raising(&self) -> bool {
+        self.link.is_raising()
+    }
+
     /// Z was homed at its present place.
     pub fn forget_shifts(&mut self) {
         (self.babystep.total, self.babystep.whole) = (Mm::ZERO, 0);
