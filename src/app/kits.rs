@@ -115,6 +115,6 @@ impl<'m, W: Pend> ConsoleKit<'m, W> {
         start: Option<[Mm; 3]>,
         ports: Ports<S, D, K, T, A>,
     ) -> Console<'m, Ports<S, D, K, T, A>, W> {
-        Console::new(*settings, start, self.planned, self.orders, self.groupings, self.link, ports)
+        Console::new(settings, start, self.planned, self.orders, self.groupings, self.link, ports)
     }
 }

@@ -61,7 +61,7 @@ where
 {
     /// A Console of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
-        settings: Settings,
+        settings: &Settings,
         start: Option<[Mm; 3]>,
         memory: &'m mut MoveMemory,
         orders: Orders<'m>,
@@ -160,7 +160,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 continue;
             };
             let answer = match asked {
-                Asked::Command => carry_out_line(main_loop, states, &text).await?,
+                Asked::Command => {
+                    let done = carry_out(main_loop, states, &gcode::parse(&text)).await;
+                    done.map_err(|interrupt| tell_of_end(main_loop, interrupt, &text))?
+                }
                 Asked::Nothing => Answer::Nothing,
                 Asked::LineNumber(number) => {
                     states.begin_print();
@@ -205,18 +208,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 }
 
-/// Carries out a line. If M410 ends it before its time, hosts are told which one: it has no result.
-async fn carry_out_line<'a, P: PortSet, W: Pend>(
+/// A line was ended before its time. If M410 has done it, hosts are told which one: it has no result.
+#[cold]
+#[inline(never)]
+fn tell_of_end<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    states: &mut States,
-    text: &'a [u8],
-) -> Result<Answer<'a>, Interrupt> {
-    let done = carry_out(main_loop, states, &gcode::parse(text)).await;
-    if let (Err(Interrupt::QuickStop), false) = (&done, main_loop.job.is_cancelled()) {
+    interrupt: Interrupt,
+    text: &[u8],
+) -> Interrupt {
+    if matches!(interrupt, Interrupt::QuickStop) && !main_loop.job.is_cancelled() {
         let name = text.split(|byte| *byte == b' ').next().unwrap_or_default();
         main_loop.hosts.notify_all(format_args!("echo:{} was ended by M410", Echo(name)));
     }
-    done
+    interrupt
 }
 
 /// Sends the answer to a line, and its `ok`.
@@ -242,7 +246,10 @@ async fn take_up<'a, P: PortSet, W: Pend>(
 ) -> Result<Option<Answer<'a>>, Interrupt> {
     let Some(kept) = hear::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
     let answer = match go_on_with(main_loop, states, kept, answered).await {
-        Ok(Some(true)) => carry_out_line(main_loop, states, text).await?,
+        Ok(Some(true)) => {
+            let done = carry_out(main_loop, states, &gcode::parse(text)).await;
+            done.map_err(|interrupt| tell_of_end(main_loop, interrupt, text))?
+        }
         Ok(Some(false)) => Answer::Nothing,
         Ok(None) => Answer::Kept,
         Err(Interrupt::EndJob) => {

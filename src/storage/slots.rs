@@ -184,12 +184,15 @@ fn take_newer(newest: &mut Option<Stored>, slot: Slot, own: Option<&Mechanism>, 
 /// If they are not safely stored; then those stored before still are.
 pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Receipt, SaveError> {
     settings.check().map_err(SaveError::Illegal)?;
-    let mut newest = None;
-    find_newest(storage, None, &mut newest).await?;
-    let (slot, sequence, unknown) = match &newest {
-        Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
-        Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1), newest.unknown),
-        None => (Slot::A, 1, Unknown::NONE),
+    // The newest settings are large, and leave the stack before the record comes.
+    let (slot, sequence, unknown) = {
+        let mut newest = None;
+        find_newest(storage, None, &mut newest).await?;
+        match &newest {
+            Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
+            Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1), newest.unknown),
+            None => (Slot::A, 1, Unknown::NONE),
+        }
     };
     let mut record = [0; LONGEST];
     let receipt = encode(settings, &unknown, sequence, &mut record).ok_or(SaveError::TooLong)?;

@@ -84,7 +84,7 @@ mod tests {
         let serial: Lines<_> = [Nothing].into_iter().collect();
         let ports =
             Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage, accelerometer: NoAccelerometer };
-        let mut main_loop = MainLoop::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
+        let mut main_loop = MainLoop::new(&settings, None, &mut memory, orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {
                 now.set(now.get().after_ms(1));

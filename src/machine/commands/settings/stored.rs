@@ -4,6 +4,7 @@
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::answers::storage_news::StorageNews;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -12,6 +13,7 @@ use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
 use crate::storage::{self, MeshFate, Receipt, SaveError, Survey};
 use crate::units::Mm;
+use core::pin::pin;
 
 /// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
 pub(super) struct Paced<'c, 'm, P: PortSet, W: Pend> {
@@ -153,7 +155,7 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
     settings: &Settings,
 ) -> Result<Result<Receipt, SaveError>, Interrupt> {
     main_loop.finish().await?;
-    take_mesh_along(main_loop, settings).await?;
+    apart(pin!(take_mesh_along(main_loop, settings))).await?;
     let mut paced = Paced::new(main_loop);
     let saved = storage::save(&mut paced, settings).await;
     paced.into_result()?;
@@ -174,8 +176,10 @@ async fn take_mesh_along<P: PortSet, W: Pend>(
     if is_of_others != Ok(true) {
         return Ok(());
     }
-    let Ok(stored) = survey(main_loop).await? else { return Ok(()) };
-    let before = stored.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings);
+    let before = {
+        let Ok(stored) = survey(main_loop).await? else { return Ok(()) };
+        stored.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings)
+    };
     let mut paced = Paced::new(main_loop);
     let fate = storage::follow_settings(&mut paced, &before, settings).await;
     paced.into_result()?;
