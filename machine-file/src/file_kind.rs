@@ -260,8 +260,10 @@ fn of_sections(text: &str) -> Option<FileKind> {
         !text.is_empty() && text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
     };
     let mut table = None;
+    // A motor's key looks as a command does: `m8 = [1, -1, 0]`.
+    let is_key = |line: &str| line.split_once('=').is_some_and(|(key, _)| key.trim().split('.').all(is_word));
     for line in lines(text).take(LINES).filter(|line| !line.starts_with(['#', ';'])) {
-        if is_command(line) {
+        if is_command(line) && !is_key(line) {
             return None;
         }
         if let Some((header, _)) = line.strip_prefix('[').and_then(|rest| rest.split_once(']')) {

@@ -117,6 +117,12 @@ fn forces_slips_and_files_that_cannot_be_are_refused() {
     }
     let samples = file("samples.csv", "#time,accel_x,accel_y,accel_z\n1.0,2,3,4\n");
     let found = complaint(&format!("run {}", samples.display()));
+    assert!(
+        found.contains("this is a recording of an accelerometer, not G-code: `corehbot resonance FILE`"),
+        "{found}"
+    );
+    let words = file("words.txt", "nothing that moves\n");
+    let found = complaint(&format!("run {}", words.display()));
     assert!(found.contains("no motor steps in it; expected G-code that moves, or a step trace"), "{found}");
 }
 
