@@ -112,7 +112,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
                 let places = PLACES.iter().zip(items);
                 places.for_each(|((place, _), value)| gather(value, &format!("{path}.{place}"), into));
             }
-            Value::Array(items) if path.ends_with(".home") => {
+            Value::Array(items) if path.ends_with(".home") || path.ends_with("safe_z_home.place") => {
                 let axes = ["x", "y"].into_iter().zip(items);
                 axes.for_each(|(axis, value)| gather(value, &format!("{path}.{axis}"), into));
             }
