@@ -19,6 +19,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The memory at 0 holds the vectors (ARM DAI 0386C, memory map). The sizes are the Octopus's but
     // for two: the flash also holds the plants of bed and heaters, and the stack is deeper, because all handles are
     // made at once here and the plants compute in doubles.
-    link::link(&[], &["--defsym=flash_start=0", "--defsym=flash_size=512K", "--defsym=stack_size=48K"]);
+    link::link(&[], &["--defsym=flash_start=0", "--defsym=flash_size=544K", "--defsym=stack_size=48K"]);
     Ok(())
 }
