@@ -161,8 +161,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             };
             let answer = match asked {
                 Asked::Command => {
-                    let done = carry_out(main_loop, states, &gcode::parse(&text)).await;
-                    done.map_err(|interrupt| tell_of_end(main_loop, interrupt, &text))?
+                    // Not `map_err`, which copies the answer.
+                    match carry_out(main_loop, states, &gcode::parse(&text)).await {
+                        Ok(answer) => answer,
+                        Err(interrupt) => return Err(tell_of_end(main_loop, interrupt, &text)),
+                    }
                 }
                 Asked::Nothing => Answer::Nothing,
                 Asked::LineNumber(number) => {
@@ -246,10 +249,10 @@ async fn take_up<'a, P: PortSet, W: Pend>(
 ) -> Result<Option<Answer<'a>>, Interrupt> {
     let Some(kept) = hear::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
     let answer = match go_on_with(main_loop, states, kept, answered).await {
-        Ok(Some(true)) => {
-            let done = carry_out(main_loop, states, &gcode::parse(text)).await;
-            done.map_err(|interrupt| tell_of_end(main_loop, interrupt, text))?
-        }
+        Ok(Some(true)) => match carry_out(main_loop, states, &gcode::parse(text)).await {
+            Ok(answer) => answer,
+            Err(interrupt) => return Err(tell_of_end(main_loop, interrupt, text)),
+        },
         Ok(Some(false)) => Answer::Nothing,
         Ok(None) => Answer::Kept,
         Err(Interrupt::EndJob) => {

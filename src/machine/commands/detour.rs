@@ -24,15 +24,12 @@ pub(super) fn is_own<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> boo
     main_loop.job.is_of(main_loop.hosts.serving()) && main_loop.stream.may_hold(main_loop.hosts.window().0.is_some())
 }
 
-/// A line comes; in a pause, one of the stream finds the state that the stream has left.
+/// A line comes in a pause; one of the stream finds the state that the stream has left.
 pub(super) fn begin_line<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     command: &Command<'_>,
 ) {
-    if !main_loop.job.is_paused() {
-        return;
-    }
     if !is_own(main_loop) {
         main_loop.stream.note_foreign(command);
     } else if main_loop.stream.take_foreign() {
@@ -40,13 +37,13 @@ pub(super) fn begin_line<P: PortSet, W: Pend>(
     }
 }
 
-/// A line was carried out; in a pause, the stream has come so far, or a detour ends.
+/// A line was carried out in a pause: the stream has come so far, or a detour ends.
 pub(super) fn end_line<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     command: &Command<'_>,
 ) {
-    if !main_loop.job.is_paused() || !is_own(main_loop) {
+    if !is_own(main_loop) {
         return;
     }
     let limits = Dynamics::of(&main_loop.settings);

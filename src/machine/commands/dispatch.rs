@@ -45,7 +45,9 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     if let Some(answer) = refuse(main_loop, command) {
         return Ok(answer);
     }
-    begin_line(main_loop, &mut states.modal, command);
+    if main_loop.job.is_paused() {
+        begin_line(main_loop, &mut states.modal, command);
+    }
     let done = match *command {
         Command::Motion(ref command) => apart(pin!(motion::carry_out(main_loop, states, command))).await,
         Command::Job(ref command) => apart(pin!(jobs::carry_out(main_loop, states, command))).await,
@@ -77,8 +79,11 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
             hold(main_loop, &states.modal, Kept::Lost([true; 3])).await
         }
         Ok(answer) => {
-            if let Answer::Nothing = answer {
+            if matches!(answer, Answer::Nothing) && main_loop.job.is_paused() {
                 end_line(main_loop, &mut states.modal, command);
+            }
+            if states.clamps.are_none() {
+                return Ok(answer);
             }
             main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
         }

@@ -94,6 +94,11 @@ impl Asked {
     }
 }
 
+/// Whether z goes down on a way.
+fn goes_down([.., from, _]: [Mm; 4], [.., to, _]: [Mm; 4]) -> bool {
+    to < from
+}
+
 impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G0, G1. A line that is refused changes nothing, F included.
     pub async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<Answer<'static>, Interrupt> {
@@ -274,8 +279,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if moved {
             self.tell_of_edge().await?;
         }
-        let ([.., from, _], [.., to, _]) = (self.main_loop.commanded.position(), inside);
-        if to < from && self.main_loop.motion.is_raising() {
+        if self.main_loop.motion.is_raising() && goes_down(self.main_loop.commanded.position(), inside) {
             // Fast moves pass before a shift of z, so this one would go too low.
             self.main_loop.finish().await?;
         }
