@@ -127,6 +127,9 @@ const BEGINS: [(&[u8], FileKind); 16] = [
 /// Sections of a printer.cfg that no machine file has as a table.
 const OF_KLIPPER: [&str; 8] = ["printer", "mcu", "include", "stepper_", "gcode_macro", "tmc", "extruder", "heater_"];
 
+/// Keys and tables of a machine file that are no settings of the firmware.
+const OF_OURS: [&str; 5] = ["name", "board", "mechanism", "motors", "twin"];
+
 /// First lines of recordings and their spectra.
 const OF_RECORDINGS: [&str; 3] = ["#time,accel_x", "sample,x,y,z", "freq,psd_"];
 
@@ -254,7 +257,7 @@ fn of_sections(text: &str) -> Option<FileKind> {
     let of_ours = keys::names_in("", &[]);
     let is_ours = |path: &str| {
         let word = path.split('.').next().unwrap_or_default().trim_matches(['"', '[']);
-        word == "name" || of_ours.iter().any(|known| known == word)
+        OF_OURS.contains(&word) || of_ours.iter().any(|known| known == word)
     };
     let is_word = |text: &str| {
         !text.is_empty() && text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
