@@ -43,8 +43,8 @@ pub fn begin() {
     std::panic::set_hook(Box::new(|info| complain(&info.to_string())));
 }
 
-/// What a chosen file is, as JSON: `kind`, `plates`, and `trouble` if it is of no use here. `begin` is its first MiB, or
-/// all of an archive; nothing if it cannot be read.
+/// What a chosen file is, as JSON: `kind`, `plates`, and `trouble` if it is of no use here. `begin` is its first MiB,
+/// or all of an archive; nothing if it cannot be read.
 #[wasm_bindgen]
 #[must_use]
 pub fn told(begin: Option<Vec<u8>>, length: f64, is_machine_wanted: bool) -> String {

@@ -84,8 +84,8 @@ pub fn axis(name: &str) -> Option<Axis> {
     of_klipper.or_else(|| words(name).filter_map(Axis::of).rfind(|axis| !is_path(axis))).or_else(of_path)
 }
 
-/// Klipper's own names for files (`resonance_tester.py`, get_filename): the axis follows, then a sensor, a place and the
-/// owner's name.
+/// Klipper's own names for files (`resonance_tester.py`, get_filename): the axis follows, then a sensor, a place and
+/// the owner's name.
 const KLIPPERS: [&str; 3] = ["raw_data_", "resonances_", "calibration_data_"];
 
 /// Words for a belt path in names.

@@ -6,8 +6,8 @@
 //! rows. Other places that depend on a setting:
 //!
 //! - Field, default and row: here, or `accelerometer`, `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`,
-//!   `probe`, `safe_z_home`, `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler (`prototype`) and
-//!   `tests/setting_rows.rs`.
+//!   `probe`, `safe_z_home`, `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler
+//!   (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
 //! - Command and M503: from the [line](mod@line) of the row, if its number is [`plain`]. A code with a condition is in

@@ -90,8 +90,8 @@ impl Port {
         }
     }
 
-    /// Sends bytes to the host. A line for which the backlog has no room is lost as a whole: half of one would be read as
-    /// another answer.
+    /// Sends bytes to the host. A line for which the backlog has no room is lost as a whole: half of one would be read
+    /// as another answer.
     ///
     /// # Errors
     /// If the pseudo-terminal fails.

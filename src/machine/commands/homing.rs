@@ -5,8 +5,8 @@
 //! order of the axes.
 //!
 //! If the settings say so, the Z probe homes z ([`find_zero`]), or its switch at a place
-//! ([`SafeZHome`](crate::settings::SafeZHome)): after x and y, and only where both are homed, because elsewhere the bed
-//! or the switch may not be below. docs/explanation/probing.md has the rules.
+//! ([`SafeZHome`](crate::settings::SafeZHome)). That comes after x and y, and only where both are homed: elsewhere the
+//! bed or the switch may not be below. docs/explanation/probing.md has the rules.
 //!
 //! A probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
