@@ -1,9 +1,12 @@
 //! Packed G-code: what was packed comes out, and damage of any kind is told.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "../support/packed_bytes.rs"]
+mod packed_bytes;
 mod writers;
 
 use corehbot_gcode_file::{GcodeFileError, Unpacked, plates, unpack};
+use proptest::prelude::*;
 use std::io::Cursor;
 use writers::{Block, binary, block, gzip, zip};
 
@@ -216,4 +219,34 @@ fn plain_text_stays_where_it_is() {
         assert_eq!(unpack(Cursor::new(plain), Vec::new(), None, MOST).unwrap(), Unpacked::AsItIs);
     }
     assert_eq!(text(b"; old\rG28\rG1 X5").unwrap(), "; old\nG28\nG1 X5");
+}
+
+/// Files of every kind, whole.
+fn files() -> Vec<Vec<u8>> {
+    let packed = (0..4).flat_map(|packing| (0..3).map(move |encoding| whole(packing, encoding, false)));
+    let archives = [true, false].map(|is_deflated| zip(&PROJECT, is_deflated));
+    packed.chain(archives).chain([gzip(PRINT.as_bytes())]).collect()
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_read_or_refused_in_words(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        packed_bytes::any(&bytes);
+    }
+
+    #[test]
+    fn a_file_with_wrong_bytes_is_read_or_refused_in_words(
+        file in prop::sample::select(files()),
+        wrong in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        end in prop::option::of(any::<prop::sample::Index>()),
+        plate in prop::option::of(0..4_u32),
+    ) {
+        let mut file = file;
+        for (at, byte) in wrong {
+            let at = at.index(file.len());
+            file[at] = byte;
+        }
+        let length = end.map_or(file.len(), |end| end.index(file.len()));
+        packed_bytes::check(&file[..length], plate);
+    }
 }
