@@ -221,7 +221,8 @@ fn a_planned_line_has_no_steps_in_it() {
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
         let tick = |way: f64| (way / speed * TICKS_PER_SECOND) as u64;
         let ticks = [tick(way), tick(way + length)];
-        trace.plan.push(Planned { ticks, way_mm: [to[0] - from[0], to[1] - from[1]], begins: Begins::AtTheEnd });
+        let way_mm = [to[0] - from[0], to[1] - from[1]];
+        trace.plan.push(Planned { ticks, way_mm, begins: Begins::AtTheEnd, is_touch: false });
         (from, way) = (*to, way + length);
     }
     let planned = play(&trace);

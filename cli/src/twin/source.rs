@@ -167,7 +167,8 @@ impl Sink for Log {
             (false, _) => Begins::AtTheEnd,
         };
         // A move begins with its first copy.
-        self.steps.plan.push(Planned { ticks: [made.begin, made.end() + late], way_mm: [x, y], begins });
+        let ticks = [made.begin, made.end() + late];
+        self.steps.plan.push(Planned { ticks, way_mm: [x, y], begins, is_touch: made.is_watched });
         self.was_watched = made.is_watched;
     }
 

@@ -119,3 +119,20 @@ fn the_tool_is_held_against_the_planned_line() {
     assert!(shaped["contour"]["commanded_max_mm"].as_f64().unwrap() > 2.0 * most, "{shaped}");
     assert!(shaped["contour"]["commanded_rms_mm"].as_f64().unwrap() < 0.05, "{shaped}");
 }
+
+/// The stop at a switch rings by more than a slow square does.
+#[test]
+fn the_touches_of_homing_are_told_apart_from_the_print() {
+    let square = "G1 X40 Y40 F1200\nG1 X50\nG1 Y50\nG1 X40\nG1 Y40\nM400\n";
+    let homed = file("homed.gcode", &format!("M204 P500 T500\nG28 X Y\n{square}"));
+    let bare = file("bare.gcode", &format!("M204 P500 T500\n{square}"));
+    let figure = |run: &Value, key: &str| run["contour"][key].as_f64().unwrap();
+    let with = json(&format!("run {} --model rotors", homed.display()));
+    let without = json(&format!("run {} --model rotors --assume-homed 0,0,0", bare.display()));
+    assert_eq!((figure(&without, "touch_max_mm"), &with["corners_total"]), (0.0, &without["corners_total"]));
+    assert!(figure(&with, "touch_max_mm") > 2.0 * figure(&with, "max_mm"), "{with}");
+    let (with, without) = (figure(&with, "max_mm"), figure(&without, "max_mm"));
+    assert!((with / without - 1.0).abs() < 0.2, "{with} {without}");
+    let text = String::from_utf8(twin(&format!("run {} --model rotors", homed.display())).stdout).unwrap();
+    assert!(text.contains("in touches      max 0.0"), "{text}");
+}

@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     fn planned(ticks: [u64; 2], way_mm: [f64; 2], begins: Begins) -> Planned {
-        Planned { ticks, way_mm, begins }
+        Planned { ticks, way_mm, begins, is_touch: false }
     }
 
     #[test]

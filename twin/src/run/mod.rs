@@ -14,6 +14,7 @@ use crate::contour::error::{ContourError, Window};
 use crate::contour::pace::{Pace, Places};
 use crate::contour::path::{PathBuilder, Vertex};
 use crate::contour::plan::PlanBuilder;
+use crate::contour::touches::{RING_OUT, Touches};
 use crate::dynamics::plant::{Detail, Plant};
 use crate::dynamics::state::State;
 use crate::geometry::{Workspace, workspace};
@@ -28,9 +29,6 @@ use watch::{Errors, Watch};
 
 /// Ticks between two looks.
 const LOOK: u64 = 1000;
-
-/// Time to ring out after the last step, in ticks.
-const RING_OUT: u64 = 2_000_000;
 
 /// Events between two progress calls.
 const TOLD: usize = 4096;
@@ -109,7 +107,7 @@ impl<'t> Run<'t> {
         }
         let window = window(machine, params, start, detail);
         let residual_mm = line.residual_mm;
-        let watch = Watch::new(machine, &plant, line.errors(window), residual_mm);
+        let watch = Watch::new(machine, &plant, line.errors(window).apart_from(Touches::of(trace)), residual_mm);
         let state = State::at_rest(&plant);
         Ok(Self { trace, drives, plant, state, watch, window, tick: 0, next_look: 0 })
     }
@@ -125,7 +123,7 @@ impl<'t> Run<'t> {
         let line = Line::new(machine, &self.plant, &meant_drives, meant);
         let own = Line::new(machine, &self.plant, &self.drives, self.trace);
         let pace = Pace::new(&own.places, &line.places);
-        let errors = line.errors(self.window);
+        let errors = line.errors(self.window).apart_from(Touches::of(self.trace));
         self.watch.contour = errors.tool.at_pace(pace.clone());
         self.watch.commanded = errors.commanded.at_pace(pace);
         self.watch.line_share_mm = errors.line_share_mm;

@@ -1,7 +1,7 @@
 //! Report: the results of a played trace.
 
 use super::watch::Watch;
-use crate::contour::error::{Corner, LEAST_LINE_MM};
+use crate::contour::corner::{Corner, LEAST_LINE_MM};
 use crate::params::Params;
 use crate::queries::shown;
 use crate::routing::Machine;
@@ -60,7 +60,7 @@ pub struct Report {
     pub times_real_time: f64,
 }
 
-/// Distances of the tool from its line.
+/// Distances of the tool from its line, apart from touches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ContourFigures {
     /// Largest.
@@ -80,6 +80,9 @@ pub struct ContourFigures {
     pub commanded_rms_mm: f64,
     /// How far the line itself may be from the planned one: 0 if the plan is known, a step if only steps are.
     pub line_share_mm: f64,
+    /// Largest in touches of switches, until their stops have rung out: in no other figure. 0 without a touch, and if
+    /// only steps are known: then touches are not told apart.
+    pub touch_max_mm: f64,
 }
 
 /// A corner.
@@ -148,6 +151,7 @@ impl Report {
             commanded_max_mm: watch.commanded.greatest_mm,
             commanded_rms_mm: watch.commanded.rms_mm(),
             line_share_mm: watch.line_share_mm,
+            touch_max_mm: watch.contour.touch_mm,
         };
         let motor = |(motor, watch): (u8, &super::watch::MotorWatch)| MotorFigures {
             motor,
@@ -205,7 +209,13 @@ impl std::fmt::Display for Report {
         writeln!(f, "  computed in {wall_time_s:.2} s, {times_real_time:.1} times as fast as the machine")?;
         let ContourFigures { max_mm, rms_mm, rounding_max_mm, overshoot_max_mm, bisector_max_mm, .. } = self.contour;
         writeln!(f, "  contour error   max {max_mm:.4} mm, RMS {rms_mm:.4} mm")?;
-        let ContourFigures { commanded_max_mm, commanded_rms_mm, line_share_mm, .. } = self.contour;
+        let ContourFigures { commanded_max_mm, commanded_rms_mm, line_share_mm, touch_max_mm, .. } = self.contour;
+        if touch_max_mm > 0.0 {
+            writeln!(
+                f,
+                "  in touches      max {touch_max_mm:.4} mm: stops at switches ring; not in the other figures"
+            )?;
+        }
         write!(f, "  commanded       max {commanded_max_mm:.4} mm, RMS {commanded_rms_mm:.4} mm off the ")?;
         match line_share_mm {
             0.0 => writeln!(f, "planned line: rounding to steps, and shaping")?,

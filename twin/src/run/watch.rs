@@ -2,6 +2,7 @@
 
 use super::series::{Bin, Series};
 use crate::contour::error::ContourError;
+use crate::contour::touches::Touches;
 use crate::dynamics::plant::Plant;
 use crate::dynamics::state::State;
 use crate::model::ways::residual_mm;
@@ -87,6 +88,14 @@ pub(super) struct Errors {
     pub tool: ContourError,
     pub commanded: ContourError,
     pub line_share_mm: f64,
+}
+
+impl Errors {
+    /// The same with the errors in touches apart.
+    pub(super) fn apart_from(self, touches: Touches) -> Self {
+        let Self { tool, commanded, line_share_mm } = self;
+        Self { tool: tool.apart_from(touches.clone()), commanded: commanded.apart_from(touches), line_share_mm }
+    }
 }
 
 /// Whether nothing moves, nor is about to.

@@ -40,6 +40,8 @@ pub struct Planned {
     pub way_mm: [f64; 2],
     /// Where it begins.
     pub begins: Begins,
+    /// Whether a switch or a probe may end it.
+    pub is_touch: bool,
 }
 
 /// Where a planned move begins.
